@@ -1,0 +1,1 @@
+//! What is seen: bidirectional distribution functions, the paper below, colour and pictures.

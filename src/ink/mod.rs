@@ -1,0 +1,1 @@
+//! What is there: materials, grain shapes, packings and their statistics (no grid, no wave).

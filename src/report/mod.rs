@@ -1,0 +1,1 @@
+//! What is kept: records, manifest, pages and figures.

@@ -1,0 +1,1 @@
+//! The ways to solve the discrete problem, all behind one trait.
