@@ -1,1 +1,24 @@
-fn main() {}
+//! The program: parses the command line, calls the library, prints errors well.
+
+mod commands;
+
+use clap::{Parser, Subcommand};
+
+/// Predicts what a printer-ink or paint layer looks like before it exists.
+#[derive(Parser)]
+#[command(version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Solve(commands::solve::SolveArgs),
+}
+
+fn main() -> miette::Result<()> {
+    match Cli::parse().command {
+        Command::Solve(args) => commands::solve::run(&args),
+    }
+}
