@@ -18,7 +18,6 @@ pub mod request;
 mod sequential;
 pub mod shape;
 pub mod size;
-mod survivors;
 pub mod vector;
 pub mod volume;
 pub mod watch;
