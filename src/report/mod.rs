@@ -1,1 +1,8 @@
 //! What is kept: records, manifest, pages and figures.
+
+pub mod record;
+pub mod safely;
+pub mod store;
+
+pub use record::{PointRecord, SolveAccount};
+pub use store::Store;

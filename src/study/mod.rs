@@ -2,4 +2,5 @@
 
 pub mod fault;
 pub mod file;
+pub mod identity;
 pub mod locate;
