@@ -2,6 +2,7 @@
 
 mod index;
 
+use super::angles::quadrature_angles;
 use super::checked::{Layer, Output, Paper, Pigment, Study, WantedResolution, WantedSolver};
 use super::fault::{Allowed, Fault, Faults};
 use super::file::{AnglesTable, LayerTable, LightTable, PigmentTable, ResolutionTable, StudyFile};

@@ -10,7 +10,7 @@
 //! name = "yellow"
 //! diameter_nm = 250
 //! volume_fraction = 0.30
-//! index = { built_in = "yellow" }      # or { n = 1.4, k = 0.1 }, { csv = "measured.csv", n = 1.4 }
+//! index = { built_in = "yellow" }      # or { n = 1.4, k = 0.1 }, { csv = "measured.csv" }
 //! [light]
 //! from_nm = 400
 //! to_nm = 700
@@ -96,7 +96,7 @@ pub enum ShapeName {
 /// A complex refractive index n + iκ as written: a number, or a table with one of three forms.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct IndexWritten {
-    /// Real part; also the real part that goes with a CSV of absorption alone.
+    /// Real part.
     pub n: Option<f64>,
     /// Imaginary part κ ≥ 0 (absorption).
     pub k: Option<f64>,

@@ -1,6 +1,10 @@
 //! What was asked: the study file, checked, and the run that carries it out.
 
+pub mod angles;
+pub mod check;
+pub mod checked;
 pub mod fault;
 pub mod file;
 pub mod identity;
+pub mod load;
 pub mod locate;
