@@ -1,0 +1,4 @@
+//! The commands: arguments in, library calls, errors told well.
+
+pub mod diagnostics;
+pub mod run;
