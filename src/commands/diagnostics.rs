@@ -12,7 +12,13 @@ pub fn study_report(error: StudyError) -> Report {
         StudyError::Syntax { path, text, span, message, remedy } => {
             let source = source(&path, text);
             let label = span.map(|span| LabeledSpan::new_with_span(Some("here".into()), span));
-            Report::new(Shown { message, help: Some(remedy), label, source: Some(source), others: Vec::new() })
+            Report::new(Shown {
+                message,
+                help: Some(remedy),
+                label,
+                source: Some(source),
+                others: Vec::new(),
+            })
         }
         StudyError::Values { path, text, faults } => {
             let source = source(&path, text);

@@ -1,5 +1,6 @@
 //! What is kept: records, manifest, pages and figures.
 
+pub mod figures;
 pub mod record;
 pub mod safely;
 pub mod store;

@@ -115,7 +115,9 @@ impl PointRecord {
         let totals = [self.reflectance, self.transmittance, self.absorptance, self.account.residual];
         let amplitudes = self.orders.iter().flat_map(|OrderRow(o)| {
             let efficiencies = [o.reflected_efficiency, o.transmitted_efficiency];
-            [o.reflected.re, o.reflected.im, o.transmitted.re, o.transmitted.im].into_iter().chain(efficiencies)
+            [o.reflected.re, o.reflected.im, o.transmitted.re, o.transmitted.im]
+                .into_iter()
+                .chain(efficiencies)
         });
         totals.into_iter().chain(amplitudes).all(f64::is_finite)
     }

@@ -89,7 +89,12 @@ fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults:
         faults.number(&format!("{field}[{i}]"), list[i], allowed, remedy);
     } else if let Some(i) = (1..list.len()).find(|&i| list[i] <= list[i - 1]) {
         let found = format!("{} after {}", list[i], list[i - 1]);
-        faults.push(Fault::new(format!("{field}[{i}]"), found, "rising values", "sort the list, without repeats"));
+        faults.push(Fault::new(
+            format!("{field}[{i}]"),
+            found,
+            "rising values",
+            "sort the list, without repeats",
+        ));
     }
 }
 
@@ -204,7 +209,12 @@ fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution 
         }
         _ => {
             let allowed = "either accuracy alone, or both points_per_um and planes_per_um";
-            faults.push(Fault::new("resolution", "another mixture of keys", allowed, "write accuracy = 1e-2"));
+            faults.push(Fault::new(
+                "resolution",
+                "another mixture of keys",
+                allowed,
+                "write accuracy = 1e-2",
+            ));
             WantedResolution::Accuracy(1e-2)
         }
     }

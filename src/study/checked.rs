@@ -98,7 +98,11 @@ impl Study {
     /// The sides the layer is lit from. A layer between equal half-spaces is statistically the same from both
     /// sides, so light from above serves for both.
     pub fn sides(&self) -> &'static [Side] {
-        if self.layer.index_above == self.layer.index_below { &[Side::Above] } else { &[Side::Above, Side::Below] }
+        if self.layer.index_above == self.layer.index_below {
+            &[Side::Above]
+        } else {
+            &[Side::Above, Side::Below]
+        }
     }
 
     /// All solves of one realisation, in their order: wavelength, side, angle.

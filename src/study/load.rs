@@ -40,7 +40,8 @@ fn remedy(message: &str) -> String {
         return format!("add {key} to this table; examples/yellow.toml shows a whole study");
     }
     if message.starts_with("invalid") {
-        return "write the value in the form that was expected; examples/yellow.toml shows a whole study".into();
+        return "write the value in the form that was expected; examples/yellow.toml shows a whole study"
+            .into();
     }
     "correct the TOML here; https://toml.io shows its syntax".into()
 }

@@ -3,8 +3,10 @@
 pub mod angles;
 pub mod check;
 pub mod checked;
+pub mod crew;
 pub mod fault;
 pub mod file;
 pub mod identity;
 pub mod load;
 pub mod locate;
+pub mod watch;
