@@ -1,4 +1,6 @@
 //! The commands: arguments in, library calls, errors told well.
 
 pub mod diagnostics;
+pub mod progress;
 pub mod run;
+pub mod stop;

@@ -1,6 +1,7 @@
 //! What is kept: records, manifest, pages and figures.
 
 pub mod figures;
+pub mod folder;
 pub mod record;
 pub mod safely;
 pub mod store;
