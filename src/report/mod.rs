@@ -2,6 +2,7 @@
 
 pub mod figures;
 pub mod folder;
+pub mod page;
 pub mod record;
 pub mod safely;
 pub mod store;
