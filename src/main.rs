@@ -1,4 +1,4 @@
-//! Parse, call the library, tell errors well.
+//! The program: parses the command line, calls the library, prints errors well.
 
 mod commands;
 
@@ -6,20 +6,22 @@ use clap::{Parser, Subcommand};
 
 /// Predicts what a printer-ink or paint layer looks like before it exists.
 #[derive(Parser)]
-#[command(version)]
-struct Arguments {
+#[command(version, about)]
+struct Cli {
     #[command(subcommand)]
     command: Command,
 }
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a study: packings, wave solves, colour, picture and report
+    /// Run a study: packings, wave solves, colour, picture and report.
     Run(commands::run::RunArgs),
+    Solve(commands::solve::SolveArgs),
 }
 
 fn main() -> miette::Result<()> {
-    match Arguments::parse().command {
+    match Cli::parse().command {
         Command::Run(args) => commands::run::run(&args),
+        Command::Solve(args) => commands::solve::run(&args),
     }
 }

@@ -1,6 +1,7 @@
-//! The commands: arguments in, library calls, errors told well.
+//! The commands, one file each.
 
 pub mod diagnostics;
 pub mod progress;
 pub mod run;
+pub mod solve;
 pub mod stop;

@@ -1,6 +1,7 @@
 //! What was asked: the study file, checked, and the run that carries it out.
 
 pub mod angles;
+pub mod case;
 pub mod check;
 pub mod checked;
 pub mod crew;
@@ -10,3 +11,4 @@ pub mod identity;
 pub mod load;
 pub mod locate;
 pub mod watch;
+

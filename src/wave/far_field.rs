@@ -1,7 +1,8 @@
 //! What leaves the layer: complex amplitudes and efficiencies of every order.
 
-use super::Incidence;
+use super::{Field, Incidence, Problem, Side};
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// One diffraction order (m, n).
 ///
@@ -42,5 +43,54 @@ impl FarField {
     pub fn specular(&self) -> &Order {
         let is_specular = |o: &&Order| o.m == 0 && o.n == 0;
         self.orders.iter().find(is_specular).expect("order (0, 0) is always kept")
+    }
+}
+
+/// Evanescent orders are listed up to this lateral wavenumber, in units of the densest half-space's.
+const EVANESCENT_REACH: f64 = 3.0;
+
+impl Problem {
+    /// Reads the orders off the first and last node (P2 (3.8), (3.9) with moduli) and adds the receipt.
+    pub fn far_field(&self, u: &Field) -> FarField {
+        let last = self.shape().0 - 1;
+        let (entry, exit) = if self.incidence.from == Side::Above { (0, last) } else { (last, 0) };
+        let index = self.media.above.re.max(self.media.below.re).max(1.0);
+        let k0 = TAU / self.incidence.wavelength_um;
+        let listed = |&i: &usize| {
+            let [x, y] = self.lateral[i];
+            let [m, n] = self.harmonics.orders[i];
+            x.hypot(y) <= EVANESCENT_REACH * index * k0 || (m.abs() <= 2 && n.abs() <= 2)
+        };
+        let all = (0..self.harmonics.len()).filter(listed);
+        let mut orders: Vec<Order> = all.map(|i| self.order(u, i, entry, exit, k0)).collect();
+        orders.sort_by_key(|o| (o.m, o.n));
+        FarField {
+            incidence: self.incidence,
+            period_um: self.coverage.grid.period_um,
+            reflectance: orders.iter().map(|o| o.reflected_efficiency).sum(),
+            transmittance: orders.iter().map(|o| o.transmitted_efficiency).sum(),
+            absorptance: self.absorptance(u),
+            orders,
+        }
+    }
+
+    fn order(&self, u: &Field, i: usize, entry: usize, exit: usize, k0: f64) -> Order {
+        let [m, n] = self.harmonics.orders[i];
+        let (above, below) = (self.kappa[0][i], self.kappa[1][i]);
+        let (back, onward) = if entry == 0 { (above, below) } else { (below, above) };
+        let incident = if i == self.origin() { 1.0 } else { 0.0 };
+        let (reflected, transmitted) = (u[[entry, i]] - incident, u[[exit, i]]);
+        let efficiency = |kappa: Complex64, a: Complex64| kappa.re / self.incident_kappa() * a.norm_sqr();
+        Order {
+            m,
+            n,
+            direction: self.lateral[i].map(|k| k / k0),
+            reflected_propagates: back.re > 0.0,
+            transmitted_propagates: onward.re > 0.0,
+            reflected,
+            transmitted,
+            reflected_efficiency: efficiency(back, reflected),
+            transmitted_efficiency: efficiency(onward, transmitted),
+        }
     }
 }

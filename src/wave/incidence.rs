@@ -20,3 +20,26 @@ pub struct Incidence {
     pub azimuth_deg: f64,
     pub from: Side,
 }
+
+impl Incidence {
+    /// Refuses wavelengths that are not positive and angles outside 0° ≤ σ < 90°.
+    pub fn check(&self) -> Result<(), super::WaveError> {
+        let range = |field, value, allowed, remedy| super::WaveError::Range { field, value, allowed, remedy };
+        if !(self.wavelength_um.is_finite() && self.wavelength_um > 0.0) {
+            return Err(range("wavelength (µm)", self.wavelength_um, "finite and above 0", "give it in µm"));
+        }
+        if !(0.0..90.0).contains(&self.polar_deg) {
+            let remedy = "grazing light carries no flux into the layer: use 89 or less";
+            return Err(range("polar angle (degrees)", self.polar_deg, "0 ≤ σ < 90", remedy));
+        }
+        if !self.azimuth_deg.is_finite() {
+            return Err(range(
+                "azimuth (degrees)",
+                self.azimuth_deg,
+                "any finite angle",
+                "give it in degrees",
+            ));
+        }
+        Ok(())
+    }
+}

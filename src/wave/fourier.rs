@@ -1,0 +1,123 @@
+//! Two-dimensional transforms of planes; spectra stay transposed, and only harmonics in use are kept.
+
+use num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+use std::sync::Arc;
+
+/// Transforms of an nx × ny plane (x runs fastest), unnormalised in both directions.
+///
+/// The spectrum is left transposed (n runs fastest): one transposition a transform instead of two.
+pub struct PlaneFft {
+    nx: usize,
+    ny: usize,
+    forward: [Arc<dyn Fft<f64>>; 2],
+    inverse: [Arc<dyn Fft<f64>>; 2],
+}
+
+/// Buffers of one thread: a plane, its transposed image, and the transforms' own scratch.
+pub struct PlaneScratch {
+    pub plane: Vec<Complex64>,
+    pub spectrum: Vec<Complex64>,
+    work: Vec<Complex64>,
+}
+
+impl PlaneFft {
+    pub fn new(nx: usize, ny: usize) -> PlaneFft {
+        let mut planner = FftPlanner::new();
+        let forward = [planner.plan_fft_forward(nx), planner.plan_fft_forward(ny)];
+        let inverse = [planner.plan_fft_inverse(nx), planner.plan_fft_inverse(ny)];
+        PlaneFft { nx, ny, forward, inverse }
+    }
+
+    pub fn scratch(&self) -> PlaneScratch {
+        let plans = self.forward.iter().chain(&self.inverse);
+        let work = plans.map(|p| p.get_inplace_scratch_len()).max().unwrap_or(0);
+        let zero = Complex64::default();
+        let points = self.nx * self.ny;
+        PlaneScratch { plane: vec![zero; points], spectrum: vec![zero; points], work: vec![zero; work] }
+    }
+
+    /// `plane` → `spectrum`; rows of the spectrum outside `used` (ranges of m mod nx) are left unfinished.
+    pub fn forward(&self, s: &mut PlaneScratch, used: &[std::ops::Range<usize>]) {
+        self.forward[0].process_with_scratch(&mut s.plane, &mut s.work);
+        transpose::transpose(&s.plane, &mut s.spectrum, self.nx, self.ny);
+        for rows in used {
+            let part = &mut s.spectrum[rows.start * self.ny..rows.end * self.ny];
+            self.forward[1].process_with_scratch(part, &mut s.work);
+        }
+    }
+
+    /// `spectrum` → `plane`; rows of the spectrum outside `used` must be zero.
+    pub fn inverse(&self, s: &mut PlaneScratch, used: &[std::ops::Range<usize>]) {
+        for rows in used {
+            let part = &mut s.spectrum[rows.start * self.ny..rows.end * self.ny];
+            self.inverse[1].process_with_scratch(part, &mut s.work);
+        }
+        transpose::transpose(&s.spectrum, &mut s.plane, self.ny, self.nx);
+        self.inverse[0].process_with_scratch(&mut s.plane, &mut s.work);
+    }
+}
+
+/// The harmonics in use, |m| < nx/2 and |n| < ny/2: the set is symmetric, so reciprocity holds on the grid.
+pub struct Harmonics {
+    /// (m, n) of each compact index.
+    pub orders: Vec<[i32; 2]>,
+    /// Stretches (position in the spectrum, compact index, length).
+    runs: Vec<[usize; 3]>,
+    /// Rows (m mod nx) of the transposed spectrum that hold harmonics.
+    pub rows: Vec<std::ops::Range<usize>>,
+}
+
+impl Harmonics {
+    pub fn new(nx: usize, ny: usize) -> Harmonics {
+        let (mmax, nmax) = ((nx as i32 - 1) / 2, (ny as i32 - 1) / 2);
+        let mut harmonics = Harmonics { orders: Vec::new(), runs: Vec::new(), rows: used_rows(nx, mmax) };
+        for m in (0..=mmax).chain(-mmax..0) {
+            let row = m.rem_euclid(nx as i32) as usize * ny;
+            harmonics.push_run(row, m, 0..nmax + 1);
+            harmonics.push_run(row + ny - nmax as usize, m, -nmax..0);
+        }
+        harmonics
+    }
+
+    fn push_run(&mut self, position: usize, m: i32, n: std::ops::Range<i32>) {
+        if n.is_empty() {
+            return;
+        }
+        self.runs.push([position, self.orders.len(), n.len()]);
+        self.orders.extend(n.map(|n| [m, n]));
+    }
+
+    pub fn len(&self) -> usize {
+        self.orders.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.orders.is_empty()
+    }
+
+    /// Compact index of order (m, n), if it is in use.
+    pub fn find(&self, m: i32, n: i32) -> Option<usize> {
+        self.orders.iter().position(|&o| o == [m, n])
+    }
+
+    /// Spreads compact harmonics into a zeroed transposed spectrum.
+    pub fn scatter(&self, compact: &[Complex64], spectrum: &mut [Complex64]) {
+        spectrum.fill(Complex64::default());
+        for &[position, index, len] in &self.runs {
+            spectrum[position..position + len].copy_from_slice(&compact[index..index + len]);
+        }
+    }
+
+    /// Picks the harmonics in use from a transposed spectrum.
+    pub fn gather(&self, spectrum: &[Complex64], compact: &mut [Complex64]) {
+        for &[position, index, len] in &self.runs {
+            compact[index..index + len].copy_from_slice(&spectrum[position..position + len]);
+        }
+    }
+}
+
+fn used_rows(nx: usize, mmax: i32) -> Vec<std::ops::Range<usize>> {
+    let m = mmax as usize;
+    if m == 0 { vec![0..1] } else { vec![0..m + 1, nx - m..nx] }
+}

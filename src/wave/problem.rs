@@ -1,0 +1,328 @@
+//! The discrete problem (A + V) u = b, shared by all strategies: mean solve, contrast product, residual.
+//!
+//! Unknowns are harmonics of nodes and, in the quadratic scheme, of one bubble per cell; see [`super::mean`].
+
+use super::fourier::{Harmonics, PlaneFft, PlaneScratch};
+use super::mean::{MeanOperator, decaying_root};
+use super::{Coverage, Incidence, Media, Scene, Side, WaveError};
+use ndarray::{Array2, ArrayView2};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Unknowns: rows are planes (nodes, with bubbles between them in the quadratic scheme), columns harmonics.
+pub type Field = Array2<Complex64>;
+
+/// Largest phase k̄h of a cell with contrast: beyond it the moments no longer resolve the wave.
+const PHASE_LIMIT: f64 = 2.2;
+
+/// How ⟨k²⟩ is chosen. It belongs to the discretisation: all strategies on one problem share it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Mean {
+    /// Averages each cell over the plane instead of the whole layer (P2, below (3.12)).
+    pub depends_on_z: bool,
+    /// Keeps the imaginary part; relaxation needs it left in the contrast (real ⟨k²⟩).
+    pub absorbing: bool,
+}
+
+impl Default for Mean {
+    fn default() -> Mean {
+        Mean { depends_on_z: true, absorbing: true }
+    }
+}
+
+/// One wave problem: immutable and shared between threads.
+pub struct Problem {
+    pub coverage: Arc<Coverage>,
+    pub incidence: Incidence,
+    pub media: Media,
+    pub harmonics: Harmonics,
+    pub mean: MeanOperator,
+    /// Normal wavenumbers of every harmonic in the half-spaces above and below, 1/µm.
+    pub kappa: [Vec<Complex64>; 2],
+    /// Lateral wavevectors of every harmonic, 1/µm.
+    pub lateral: Vec<[f64; 2]>,
+    fft: PlaneFft,
+    /// k0²(η² − η_background²) of each channel over the points of a plane (inverse transforms are unnormalised).
+    contrasts: Vec<Complex64>,
+    /// Uniform part of each plane's moment, equally divided.
+    offsets: Vec<Complex64>,
+    /// Compact index of the incident harmonic.
+    origin: usize,
+}
+
+impl Problem {
+    /// Sets up one wavelength and angle on a geometry.
+    ///
+    /// Errors: media or angle out of range, grid too coarse for the propagating orders or for the wavelength.
+    pub fn new(
+        coverage: &Arc<Coverage>,
+        media: &Media,
+        incidence: &Incidence,
+        mean: Mean,
+    ) -> Result<Problem, WaveError> {
+        incidence.check()?;
+        let grid = &coverage.grid;
+        let harmonics = Harmonics::new(grid.resolution.nx, grid.resolution.ny);
+        let k0 = TAU / incidence.wavelength_um;
+        let lateral = lateral_wavevectors(&harmonics, grid.period_um, incidence, media)?;
+        let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
+        let kappa_in =
+            |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
+        let kappa: [Vec<Complex64>; 2] = [kappa_in(media.above), kappa_in(media.below)];
+        let mean_k2 = mean_wavenumbers(coverage, media, k0, mean);
+        let origin = harmonics.find(0, 0).expect("order (0, 0) is always in use");
+        check_phase(coverage, &mean_k2, lateral_k2[origin])?;
+        check_orders(coverage, media, &lateral, k0)?;
+        let points = grid.points() as f64;
+        let contrasts = coverage.channels.iter().map(|c| {
+            let [inclusion, background] = [media.inclusions[c.inclusion], media.backgrounds[c.background]];
+            (inclusion * inclusion - background * background) * (k0 * k0 / points)
+        });
+        Ok(Problem {
+            contrasts: contrasts.collect(),
+            offsets: plane_offsets(coverage, media, k0, &mean_k2),
+            mean: MeanOperator::new(grid, mean_k2, lateral_k2, [&kappa[0], &kappa[1]]),
+            fft: PlaneFft::new(grid.resolution.nx, grid.resolution.ny),
+            coverage: coverage.clone(),
+            incidence: *incidence,
+            media: media.clone(),
+            harmonics,
+            kappa,
+            lateral,
+            origin,
+        })
+    }
+
+    /// Coverage and problem in one step, for a scene that is solved once.
+    pub fn from_scene(
+        scene: &Scene,
+        media: &Media,
+        incidence: &Incidence,
+        resolution: super::Resolution,
+        mean: Mean,
+    ) -> Result<Problem, WaveError> {
+        scene.check(media)?;
+        Problem::new(&Arc::new(Coverage::new(scene, resolution)?), media, incidence, mean)
+    }
+
+    /// Rows and columns of a field.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.coverage.grid.planes(), self.harmonics.len())
+    }
+
+    /// Number of complex unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.shape().0 * self.shape().1
+    }
+
+    /// Bytes held by the problem itself: factors of the mean operator and coverage, without solver vectors.
+    pub fn bytes(&self) -> usize {
+        self.mean.bytes() + self.coverage.bytes()
+    }
+
+    /// False for layered media whose mean is exact: nothing is left to iterate on.
+    pub fn has_contrast(&self) -> bool {
+        let strength = |c: &Complex64| c.norm() > 0.0;
+        self.contrasts.iter().any(strength) || self.offsets.iter().any(strength)
+    }
+
+    /// b: 2iκ₀₀ in the row of the face that the light enters by, in the incident harmonic (P2 (3.4)).
+    pub fn source(&self) -> Field {
+        let mut b = Field::zeros(self.shape());
+        let (row, side) = match self.incidence.from {
+            Side::Above => (0, 0),
+            Side::Below => (self.shape().0 - 1, 1),
+        };
+        b[[row, self.origin]] = 2.0 * Complex64::I * self.kappa[side][self.origin];
+        b
+    }
+
+    /// u₀ = A⁻¹ b, the wave in the mean medium.
+    pub fn background_wave(&self) -> Field {
+        let mut b = self.source();
+        self.mean.solve(&mut b, false);
+        b
+    }
+
+    /// out ← A⁻¹ V u: one operator application.
+    pub fn scatter(&self, u: &Field, out: &mut Field) {
+        self.scatter_view(u.view(), out);
+    }
+
+    /// [`Problem::scatter`] of a borrowed field.
+    pub fn scatter_view(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.contrast_loads(u, out);
+        self.mean.solve(out, true);
+    }
+
+    /// out ← V u as loads y_p on planes (one inverse and one forward transform a plane).
+    pub fn contrast_loads(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        let planes = out.outer_iter_mut().into_par_iter().enumerate();
+        planes.for_each_init(
+            || self.fft.scratch(),
+            |scratch, (plane, mut out)| {
+                let out = out.as_slice_mut().expect("rows are contiguous");
+                self.mean.plane_values(u, plane, out);
+                self.to_points(out, scratch);
+                self.multiply_contrast(plane, &mut scratch.plane);
+                self.fft.forward(scratch, &self.harmonics.rows);
+                self.harmonics.gather(&scratch.spectrum, out);
+            },
+        );
+    }
+
+    fn to_points(&self, harmonics: &[Complex64], scratch: &mut PlaneScratch) {
+        self.harmonics.scatter(harmonics, &mut scratch.spectrum);
+        self.fft.inverse(scratch, &self.harmonics.rows);
+    }
+
+    /// Multiplies by W_p in blocks that stay in registers and first-level cache.
+    fn multiply_contrast(&self, plane: usize, values: &mut [Complex64]) {
+        const BLOCK: usize = 64;
+        for (b, block) in values.chunks_mut(BLOCK).enumerate() {
+            let mut weight = [self.offsets[plane]; BLOCK];
+            for (moments, &contrast) in self.coverage.moments.iter().zip(&self.contrasts) {
+                let row = moments.row(plane).to_slice().expect("rows are contiguous");
+                let part = &row[b * BLOCK..b * BLOCK + block.len()];
+                weight.iter_mut().zip(part).for_each(|(w, &m)| *w += contrast * m);
+            }
+            block.iter_mut().zip(&weight).for_each(|(v, w)| *v *= w);
+        }
+    }
+
+    /// out ← u₀ − (1 + A⁻¹V) u; the yardstick of all strategies is its norm over that of u₀.
+    pub fn residual(&self, background: &Field, u: &Field, out: &mut Field) {
+        self.scatter(u, out);
+        ndarray::Zip::from(out).and(background).and(u).par_for_each(|r, &b, &x| *r = b - x - *r);
+    }
+
+    /// Im⟨u, (A_interior + V) u⟩/κ₀₀, the absorbed share of the incident flux.
+    pub fn absorptance(&self, u: &Field) -> f64 {
+        let zeros = vec![Complex64::default(); self.harmonics.len()];
+        let interior = self.mean.apply(u, [&zeros, &zeros]);
+        let mean_part: f64 = u.iter().zip(&interior).map(|(u, a)| (u.conj() * a).im).sum();
+        (mean_part + self.contrast_absorption(u)) / self.incident_kappa()
+    }
+
+    fn contrast_absorption(&self, u: &Field) -> f64 {
+        let mut loads = Field::zeros(self.shape());
+        self.contrast_loads(u.view(), &mut loads);
+        self.mean.load(&mut loads);
+        u.iter().zip(&loads).map(|(u, y)| (u.conj() * y).im).sum()
+    }
+
+    /// κ₀₀ of the half-space that the light comes from.
+    pub fn incident_kappa(&self) -> f64 {
+        let side = if self.incidence.from == Side::Above { 0 } else { 1 };
+        self.kappa[side][self.origin].re
+    }
+
+    pub fn origin(&self) -> usize {
+        self.origin
+    }
+}
+
+fn lateral_wavevectors(
+    harmonics: &Harmonics,
+    period: [f64; 2],
+    incidence: &Incidence,
+    media: &Media,
+) -> Result<Vec<[f64; 2]>, WaveError> {
+    let eta = if incidence.from == Side::Above { media.above } else { media.below };
+    if eta.im != 0.0 {
+        return Err(WaveError::Range {
+            field: "imaginary part of the index of the half-space that the light comes from",
+            value: eta.im,
+            allowed: "0",
+            remedy: "light cannot arrive from infinity through an absorber: make that half-space transparent",
+        });
+    }
+    let k = TAU / incidence.wavelength_um * eta.re * incidence.polar_deg.to_radians().sin();
+    let (sin, cos) = incidence.azimuth_deg.to_radians().sin_cos();
+    let shifted =
+        |o: &[i32; 2]| [k * cos + TAU * o[0] as f64 / period[0], k * sin + TAU * o[1] as f64 / period[1]];
+    Ok(harmonics.orders.iter().map(shifted).collect())
+}
+
+/// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
+fn mean_wavenumbers(coverage: &Coverage, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
+    let grid = &coverage.grid;
+    let square = |eta: Complex64| eta * eta * (k0 * k0);
+    let in_cell = |j: usize| {
+        let background = square(media.backgrounds[grid.background[j]]);
+        let parts = coverage.channels.iter().zip(&coverage.fractions);
+        let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
+        background
+            + parts
+                .map(|(c, f)| (square(media.inclusions[c.inclusion]) - background) * f[j])
+                .sum::<Complex64>()
+    };
+    let mut values: Vec<Complex64> = (0..grid.cells()).map(in_cell).collect();
+    if !mean.depends_on_z {
+        let weighted = values.iter().enumerate().map(|(j, v)| v * grid.height_um(j)).sum::<Complex64>();
+        values.fill(weighted / grid.nodes_um[grid.cells()]);
+    }
+    if !mean.absorbing {
+        values.iter_mut().for_each(|v| v.im = 0.0);
+    }
+    values
+}
+
+/// Moments of (background − mean) k² on each plane, over the points of a plane.
+fn plane_offsets(coverage: &Coverage, media: &Media, k0: f64, mean_k2: &[Complex64]) -> Vec<Complex64> {
+    let grid = &coverage.grid;
+    let mut offsets = vec![Complex64::default(); grid.planes()];
+    for j in 0..grid.cells() {
+        let eta = media.backgrounds[grid.background[j]] * k0;
+        // A difference of rounding size is none: homogeneous layers then need no iteration at all.
+        let raw = eta * eta - mean_k2[j];
+        let shift = if raw.norm() < 1e-14 * mean_k2[j].norm() { Complex64::default() } else { raw };
+        for (plane, weight) in grid.planes_of_cell(j).zip(grid.shape_integrals()) {
+            offsets[plane] += shift * (grid.height_um(j) * weight / grid.points() as f64);
+        }
+    }
+    offsets
+}
+
+/// Refuses cells that are too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
+fn check_phase(coverage: &Coverage, mean_k2: &[Complex64], lateral_k2: f64) -> Result<(), WaveError> {
+    let grid = &coverage.grid;
+    let exact = coverage.channels.is_empty();
+    for (j, &k2) in mean_k2.iter().enumerate() {
+        let h = grid.height_um(j);
+        let phase = (if exact { k2 - lateral_k2 } else { k2 }).sqrt().re * h;
+        let near_pole =
+            exact && (k2 - lateral_k2).im.abs() * h < 1e-3 && phase > 1.0 && phase.sin().abs() < 1e-5;
+        let needed = (phase / PHASE_LIMIT * grid.cells() as f64).ceil() as usize;
+        if near_pole || (!exact && phase > PHASE_LIMIT) {
+            let needed = needed.max(grid.cells() + 1);
+            return Err(WaveError::CellTooHigh { cell: j, height_um: h, phase, limit: PHASE_LIMIT, needed });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a grid on which a propagating order of a half-space has no harmonic.
+fn check_orders(coverage: &Coverage, media: &Media, lateral: &[[f64; 2]], k0: f64) -> Result<(), WaveError> {
+    let grid = &coverage.grid;
+    if coverage.channels.is_empty() {
+        return Ok(());
+    }
+    let k = k0 * media.above.re.max(media.below.re);
+    let sizes = [grid.resolution.nx, grid.resolution.ny];
+    for axis in 0..2 {
+        let step = TAU / grid.period_um[axis];
+        // Two-dimensional scenes have a single point along y on purpose.
+        let reach = lateral[0][axis].abs() + if sizes[axis] == 1 { 0.0 } else { k };
+        let order = (reach / step).floor() as i32;
+        if sizes[axis] > 1 && order > (sizes[axis] as i32 - 1) / 2 {
+            let (m, n) = if axis == 0 { (order, 0) } else { (0, order) };
+            let need = 2 * order as usize + 1;
+            return Err(WaveError::GridTooCoarse { nx: sizes[0], ny: sizes[1], m, n, need });
+        }
+    }
+    Ok(())
+}
