@@ -1,3 +1,41 @@
 //! What is there: materials, grain shapes, packings and their statistics (no grid, no wave).
 
+pub mod agglomeration;
+mod bodies;
+mod buckets;
+pub mod draws;
+pub mod error;
+mod name_or_table;
+mod neighbours;
+pub mod orientation;
+mod overlap;
+mod pack;
+pub mod packing;
+mod plan;
+mod relaxation;
+pub mod relief;
+pub mod request;
+mod sequential;
+pub mod shape;
+pub mod size;
 pub mod spectra;
+mod survivors;
+pub mod vector;
+pub mod volume;
+pub mod watch;
+
+pub use agglomeration::Agglomeration;
+pub use draws::Draws;
+pub use error::PackError;
+pub use orientation::Orientation;
+pub use pack::pack;
+pub use packing::{Account, Grain, Method, Packing, Share, Sphere};
+pub use relief::{Relief, ReliefRequest, ReliefRule};
+pub use request::{
+    EquilibrationSettings, MethodChoice, PackingRequest, PigmentGrains, RelaxationSettings,
+    SequentialSettings, ShareRule,
+};
+pub use shape::Shape;
+pub use size::{Measure, SizeDistribution};
+pub use vector::Rotation;
+pub use watch::{PackProgress, PackWatch};

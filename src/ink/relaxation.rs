@@ -1,0 +1,330 @@
+//! Relaxation of overlaps (P1 section 3): elastic repulsion, motion without inertia, Euler steps.
+//!
+//! Overlapping spheres push each other apart with F = L, L = (1 + ε)(R₁ + R₂) − distance; a wall acts like the
+//! mirror image of the sphere. Bodies follow μ v = F, J ω = M = Σ rᵢ × Fᵢ. Only bodies on the moving list are
+//! looked at; whoever is pushed joins it. A batch ends when the true overlap (ε = 0) is gone.
+
+use super::Draws;
+use super::bodies::Bodies;
+use super::error::PackError;
+use super::neighbours::Neighbours;
+use super::plan::Plan;
+use super::request::RelaxationSettings;
+use super::sequential::{MARGIN, scatter};
+use super::vector::{Rotation, V3, add, cross, dot, norm, scale};
+use super::watch::{PackProgress, PackWatch};
+use std::ops::ControlFlow;
+
+/// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed length.
+const SKIN_RADII: f64 = 0.4;
+/// Steps between two looks at whether the energy still falls.
+const PATIENCE: u64 = 400;
+/// Inflation below which a stalled relaxation is given up.
+const LEAST_INFLATION: f64 = 2e-4;
+const REPORT: u64 = 20;
+
+/// What one evaluation of the forces found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Found {
+    pub energy: f64,
+    pub overlap: f64,
+    pub relative: f64,
+}
+
+/// Places every body of the plan; returns the number of steps.
+pub(crate) fn relax_all(
+    bodies: &mut Bodies,
+    plan: &Plan,
+    settings: &RelaxationSettings,
+    draws: &mut Draws,
+    watch: &mut dyn PackWatch,
+) -> Result<u64, PackError> {
+    let mut relaxation = Relaxation::new(bodies, plan, settings);
+    let batches = settings.batches.min(plan.bodies.len().max(1));
+    for batch in 1..=batches {
+        relaxation.insert(plan.bodies.len() * batch / batches, draws);
+        relaxation.run(draws, watch)?;
+    }
+    Ok(relaxation.steps)
+}
+
+struct Relaxation<'r, 'a> {
+    bodies: &'r mut Bodies<'a>,
+    plan: &'r Plan,
+    settings: &'r RelaxationSettings,
+    list: Neighbours,
+    moving: Vec<u32>,
+    moves: Vec<bool>,
+    touched: Vec<bool>,
+    joined: Vec<u32>,
+    force: Vec<V3>,
+    torque: Vec<V3>,
+    /// Largest step, and the squared arm that stands for J/μ; zero for single spheres.
+    limit: Vec<f64>,
+    inertia: Vec<f64>,
+    inflation: f64,
+    step: f64,
+    steps: u64,
+    batch_start: u64,
+}
+
+impl<'r, 'a> Relaxation<'r, 'a> {
+    fn new(bodies: &'r mut Bodies<'a>, plan: &'r Plan, settings: &'r RelaxationSettings) -> Self {
+        let n = plan.bodies.len();
+        let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
+        let thinnest = |b: &super::plan::Body| b.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
+        let arm2 = |b: &super::plan::Body| {
+            b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max)
+        };
+        let limit = plan.bodies.iter().map(|b| settings.step_limit_radii * thinnest(b)).collect();
+        let inertia = plan.bodies.iter().map(|b| settings.rotational_viscosity * arm2(b)).collect();
+        Self {
+            list: Neighbours::new(bodies, settings.inflation, SKIN_RADII * mean),
+            bodies,
+            plan,
+            settings,
+            moving: Vec::new(),
+            moves: vec![false; n],
+            touched: vec![false; n],
+            joined: Vec::new(),
+            force: vec![[0.0; 3]; n],
+            torque: vec![[0.0; 3]; n],
+            limit,
+            inertia,
+            inflation: settings.inflation,
+            step: settings.step,
+            steps: 0,
+            batch_start: 0,
+        }
+    }
+
+    /// Throws bodies in at random until `upto` of them are in the cell; all of them move.
+    fn insert(&mut self, upto: usize, draws: &mut Draws) {
+        for b in self.bodies.placed..upto {
+            let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
+            scatter(self.bodies, b, field, draws);
+            self.moves[b] = true;
+            self.moving.push(b as u32);
+        }
+        self.bodies.placed = upto;
+        self.batch_start = self.steps;
+        self.inflation = self.settings.inflation;
+        self.step = self.settings.step;
+        self.list.remake(self.bodies, self.inflation);
+    }
+
+    fn run(&mut self, draws: &mut Draws, watch: &mut dyn PackWatch) -> Result<(), PackError> {
+        let mut before = f64::INFINITY;
+        let mut milestone = f64::INFINITY;
+        loop {
+            let found = self.forces(draws);
+            if found.overlap <= 0.0 {
+                return Ok(());
+            }
+            if self.steps % REPORT == 0 {
+                self.report(&found, watch)?;
+            }
+            if self.steps >= self.settings.max_steps {
+                return Err(self.not_reached(&found));
+            }
+            if (self.steps - self.batch_start + 1) % PATIENCE == 0 {
+                if found.energy > 0.8 * milestone && !self.deflate() {
+                    return Err(self.not_reached(&found));
+                }
+                milestone = found.energy;
+            }
+            let worse = found.energy > before;
+            self.step =
+                if worse { 0.7 * self.step } else { 1.03 * self.step }.clamp(0.05, self.settings.step);
+            before = found.energy;
+            self.advance();
+            self.steps += 1;
+        }
+    }
+
+    /// Halves the inflation of a stalled relaxation; false when that has been tried to the end.
+    fn deflate(&mut self) -> bool {
+        self.inflation *= 0.5;
+        self.inflation >= LEAST_INFLATION
+    }
+
+    /// Forces and torques on the bodies of the moving list and on those they push.
+    fn forces(&mut self, draws: &mut Draws) -> Found {
+        let mut found = Found::default();
+        for k in 0..self.moving.len() {
+            let b = self.moving[k] as usize;
+            for s in self.bodies.first[b]..self.bodies.first[b + 1] {
+                self.wall(b, s, &mut found);
+                self.pairs(b, s, &mut found, draws);
+            }
+        }
+        found
+    }
+
+    fn pairs(&mut self, b: usize, s: usize, found: &mut Found, draws: &mut Draws) {
+        let (p, r) = (self.bodies.at[s], self.bodies.radius[s]);
+        let mut push = [0.0; 3];
+        for k in 0..self.list.of(s).len() {
+            let t = self.list.of(s)[k] as usize;
+            let other = self.bodies.owner[t] as usize;
+            if other < b && self.moves[other] {
+                continue; // met from the other side
+            }
+            let d = self.bodies.cell.delta(p, self.bodies.at[t]);
+            let sum = r + self.bodies.radius[t];
+            let reach = sum * (1.0 + self.inflation);
+            let d2 = dot(d, d);
+            if d2 >= reach * reach {
+                continue;
+            }
+            let distance = d2.sqrt();
+            let depth = reach - distance;
+            // Coincident centres have no line of action: any direction will do.
+            let away = if distance > 1e-9 * sum {
+                scale(d, depth / distance)
+            } else {
+                scale(draws.direction(), depth)
+            };
+            push = add(push, scale(away, -1.0));
+            self.act(other, t, away);
+            self.touch(b);
+            found.hear(0.5 * depth * depth, sum * (1.0 + MARGIN) - distance, sum);
+        }
+        self.act(b, s, push);
+    }
+
+    /// Adds a force on sphere s of body b, with its torque about the body's centre.
+    #[inline(always)]
+    fn act(&mut self, b: usize, s: usize, force: V3) {
+        self.force[b] = add(self.force[b], force);
+        if self.inertia[b] > 0.0 {
+            self.torque[b] = add(self.torque[b], cross(self.bodies.arm[s], force));
+        }
+        self.touch(b);
+    }
+
+    #[inline(always)]
+    fn touch(&mut self, b: usize) {
+        if !self.touched[b] {
+            self.touched[b] = true;
+            self.joined.push(b as u32);
+        }
+    }
+
+    /// A wall repels like the sphere's own image behind it: L = 2 (R (1 + ε) − distance to the wall).
+    fn wall(&mut self, b: usize, s: usize, found: &mut Found) {
+        if !self.bodies.cell.walls {
+            return;
+        }
+        let (z, r, top) = (self.bodies.at[s][2], self.bodies.radius[s], self.bodies.cell.size[2]);
+        for (distance, sign) in [(z, 1.0), (top - z, -1.0)] {
+            let depth = r * (1.0 + self.inflation) - distance;
+            if depth > 0.0 {
+                self.act(b, s, [0.0, 0.0, sign * 2.0 * depth]);
+                let margin = MARGIN * (r + top);
+                found.hear(depth * depth, r + margin - distance, r);
+            }
+        }
+    }
+
+    /// One Euler step of every touched body, which then form the new moving list.
+    fn advance(&mut self) {
+        let h = self.step / self.settings.translational_viscosity;
+        let ramp = self.ramp();
+        let mut outrun = false;
+        for k in 0..self.joined.len() {
+            let b = self.joined[k] as usize;
+            self.touched[b] = false;
+            let force = std::mem::take(&mut self.force[b]);
+            let torque = std::mem::take(&mut self.torque[b]);
+            let mut by = scale(force, h);
+            let mut turn = [0.0; 3];
+            if self.inertia[b] > 0.0 {
+                turn = add(scale(torque, h / self.inertia[b]), self.alignment(b, ramp));
+            }
+            let reach = self.plan.bodies[b].reach;
+            let length = norm(by) + norm(turn) * reach;
+            if length > self.limit[b] {
+                by = scale(by, self.limit[b] / length);
+                turn = scale(turn, self.limit[b] / length);
+            }
+            let centre = add(self.bodies.centre[b], by);
+            if turn == [0.0; 3] {
+                self.bodies.shift(b, centre);
+            } else {
+                self.bodies.put(b, centre, self.bodies.rotation[b].then(Rotation::by(turn)));
+            }
+            let range = self.bodies.first[b]..self.bodies.first[b + 1];
+            outrun |= range.into_iter().any(|s| self.list.outrun(&self.bodies.cell, s, self.bodies.at[s]));
+        }
+        self.moving.iter().for_each(|b| self.moves[*b as usize] = false);
+        self.joined.iter().for_each(|b| self.moves[*b as usize] = true);
+        std::mem::swap(&mut self.moving, &mut self.joined);
+        self.joined.clear();
+        if outrun {
+            self.list.remake(self.bodies, self.inflation);
+        }
+    }
+
+    /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.
+    fn ramp(&self) -> f64 {
+        let steps = self.settings.aligning_steps as f64;
+        if steps > 0.0 { (1.0 - (self.steps - self.batch_start) as f64 / steps).max(0.0) } else { 0.0 }
+    }
+
+    /// The turn that the aligning field adds to a step.
+    fn alignment(&self, b: usize, ramp: f64) -> V3 {
+        let body = &self.plan.bodies[b];
+        match &self.plan.fields[body.pigment] {
+            Some(field) if ramp > 0.0 && field.kappa != 0.0 => {
+                let torque = scale(field.torque(self.bodies.axes(b)), 1.0 / body.parts.len() as f64);
+                // At 45° the torque is ½.
+                scale(torque, 2.0 * ramp * self.settings.aligning_deg_per_step.to_radians())
+            }
+            _ => [0.0; 3],
+        }
+    }
+
+    fn report(&self, found: &Found, watch: &mut dyn PackWatch) -> Result<(), PackError> {
+        let placed = &self.plan.bodies[..self.bodies.placed];
+        let progress = PackProgress {
+            stage: "relaxation",
+            step: self.steps,
+            grains_placed: placed.iter().map(|b| b.parts.len()).sum(),
+            grains_wanted: self.plan.grains(),
+            fraction: placed.iter().map(|b| b.volume_um3()).sum::<f64>() / self.plan.box_um3,
+            overlap_energy: found.energy,
+            largest_overlap_um: found.overlap,
+        };
+        match watch.progress(&progress) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(PackError::Stopped { stage: progress.stage, steps: self.steps }),
+        }
+    }
+
+    fn not_reached(&self, found: &Found) -> PackError {
+        let kept = super::survivors::without_overlap(self.bodies, &self.list);
+        let bodies = kept.iter().map(|b| &self.plan.bodies[*b]);
+        PackError::NotReached {
+            requested: self.plan.fraction(),
+            reached: bodies.clone().map(|b| b.volume_um3()).sum::<f64>() / self.plan.box_um3,
+            placed: bodies.map(|b| b.parts.len()).sum(),
+            wanted: self.plan.grains(),
+            steps: self.steps,
+            largest_overlap_um: found.overlap,
+            relative_overlap: found.relative,
+            advice: "lower the volume fraction to what was reached, take smaller grains or a thicker layer (walls \
+                     cost density), or allow more relaxation.max_steps"
+                .into(),
+        }
+    }
+}
+
+impl Found {
+    #[inline(always)]
+    fn hear(&mut self, energy: f64, overlap: f64, sum: f64) {
+        self.energy += energy;
+        self.overlap = self.overlap.max(overlap);
+        self.relative = self.relative.max(overlap / sum);
+    }
+}

@@ -1,0 +1,32 @@
+//! Progress and cancellation of a packing in the making.
+
+use std::ops::ControlFlow;
+
+/// What a packing is doing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PackProgress {
+    /// "sequential addition", "relaxation" or "equilibration".
+    pub stage: &'static str,
+    /// Steps, attempts or sweeps so far.
+    pub step: u64,
+    pub grains_placed: usize,
+    pub grains_wanted: usize,
+    /// Volume fraction of the grains placed so far.
+    pub fraction: f64,
+    /// Overlap energy ½ Σ L² in µm² (relaxation; zero otherwise).
+    pub overlap_energy: f64,
+    /// Largest overlap in µm (relaxation; zero otherwise).
+    pub largest_overlap_um: f64,
+}
+
+/// Hears of progress and may stop the packing by returning `Break`.
+pub trait PackWatch {
+    fn progress(&mut self, progress: &PackProgress) -> ControlFlow<()>;
+}
+
+/// Watches nothing and never stops.
+impl PackWatch for () {
+    fn progress(&mut self, _: &PackProgress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}

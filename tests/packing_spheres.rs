@@ -1,0 +1,125 @@
+//! Spheres: guarantees of every delivered packing, and precise refusals.
+
+use inkwave::ink::{
+    MethodChoice, PackError, PackProgress, PackWatch, Packing, PackingRequest, PigmentGrains, pack,
+};
+use std::ops::ControlFlow;
+
+fn request(diameter_nm: f64, fraction: f64, method: MethodChoice) -> PackingRequest {
+    PackingRequest {
+        period_um: [3.0, 4.0],
+        thickness_um: 1.0,
+        pigments: vec![PigmentGrains::spheres(diameter_nm, fraction)],
+        method,
+        ..Default::default()
+    }
+}
+
+/// Smallest gap by the plainest possible loop over all pairs and 3 × 3 images.
+fn smallest_gap(packing: &Packing) -> f64 {
+    let [lx, ly] = packing.period_um();
+    let spheres: Vec<_> = packing.grains().iter().map(|g| g.spheres[0]).collect();
+    let mut gap = f64::MAX;
+    for (i, a) in spheres.iter().enumerate() {
+        let z = a.center_um[2];
+        gap = gap.min(z.min(packing.thickness_um() - z) - a.radius_um);
+        for b in &spheres[..i] {
+            for (ix, iy) in (-1..=1).flat_map(|x| (-1..=1).map(move |y| (x as f64, y as f64))) {
+                let dx = a.center_um[0] - b.center_um[0] + ix * lx;
+                let dy = a.center_um[1] - b.center_um[1] + iy * ly;
+                let dz = z - b.center_um[2];
+                gap = gap.min((dx * dx + dy * dy + dz * dz).sqrt() - a.radius_um - b.radius_um);
+            }
+        }
+    }
+    gap
+}
+
+#[test]
+fn nothing_overlaps_and_the_share_is_met_to_one_grain() {
+    for (fraction, method) in [
+        (0.12, MethodChoice::SequentialAddition),
+        (0.30, MethodChoice::Relaxation),
+        (0.52, MethodChoice::Auto),
+    ] {
+        let packing = pack(&request(250.0, fraction, method), &mut ()).unwrap();
+        assert!(smallest_gap(&packing) > 0.0, "{fraction}");
+        let one_grain = packing.grains()[0].volume_um3 / 12.0;
+        // Identity: N = round(φ V / v) leaves at most half a grain.
+        assert!((packing.achieved_fraction(0) - fraction).abs() <= 0.5 * one_grain * (1.0 + 1e-9));
+        let inside = |g: &inkwave::ink::Grain| {
+            let [x, y, z] = g.spheres[0].center_um;
+            (0.0..3.0).contains(&x) && (0.0..4.0).contains(&y) && (0.0..=1.0).contains(&z)
+        };
+        assert!(packing.grains().iter().all(inside));
+    }
+}
+
+#[test]
+fn a_seed_is_a_packing_and_a_stream_is_a_realisation() {
+    let first = request(250.0, 0.40, MethodChoice::Relaxation);
+    let again = pack(&first, &mut ()).unwrap();
+    assert_eq!(pack(&first, &mut ()).unwrap(), again);
+    let in_a_thread = std::thread::scope(|s| s.spawn(|| pack(&first, &mut ()).unwrap()).join().unwrap());
+    assert_eq!(in_a_thread, again);
+    let other = PackingRequest { stream: 1, ..first };
+    assert_ne!(pack(&other, &mut ()).unwrap().grains(), again.grains());
+}
+
+#[test]
+fn the_limit_is_told_with_figures() {
+    let mut asked = request(450.0, 0.64, MethodChoice::Relaxation);
+    asked.relaxation.max_steps = 3000;
+    match pack(&asked, &mut ()) {
+        Err(PackError::NotReached { requested, reached, largest_overlap_um, placed, wanted, .. }) => {
+            assert!((requested - 0.64).abs() < 0.002);
+            // Bounds: what remains must be a real packing, yet fewer grains than asked.
+            assert!(reached > 0.2 && reached < requested && placed < wanted);
+            assert!(largest_overlap_um > 0.0 && largest_overlap_um < 0.45);
+        }
+        other => panic!("0.64 between close walls cannot be: {other:?}"),
+    }
+}
+
+#[test]
+fn bad_numbers_name_field_value_range_and_remedy() {
+    let cases: [(&str, Box<dyn Fn(&mut PackingRequest)>); 5] = [
+        ("pigment[0].size", Box::new(|r| r.thickness_um = 0.2)),
+        ("pigment[0].size", Box::new(|r| r.period_um = [0.4, 4.0])),
+        ("pigment[0].size.value_nm", Box::new(|r| r.pigments[0] = PigmentGrains::spheres(-1.0, 0.1))),
+        ("pigment[0].volume_fraction", Box::new(|r| r.pigments[0].volume_fraction = 1.2)),
+        ("period_um and thickness_um", Box::new(|r| r.thickness_um = f64::NAN)),
+    ];
+    for (name, spoil) in cases {
+        let mut asked = request(250.0, 0.3, MethodChoice::Auto);
+        spoil(&mut asked);
+        match pack(&asked, &mut ()) {
+            Err(PackError::BadInput { field, found, allowed, advice }) => {
+                assert_eq!(field, name);
+                assert!(!found.is_empty() && !allowed.is_empty() && !advice.is_empty());
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_watch_can_stop_a_packing() {
+    struct Impatient;
+    impl PackWatch for Impatient {
+        fn progress(&mut self, progress: &PackProgress) -> ControlFlow<()> {
+            if progress.step < 20 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        }
+    }
+    let stopped = pack(&request(250.0, 0.55, MethodChoice::Relaxation), &mut Impatient);
+    assert!(matches!(stopped, Err(PackError::Stopped { steps: 20, .. })), "{stopped:?}");
+}
+
+#[test]
+fn given_grains_that_overlap_are_refused_across_the_period_too() {
+    use inkwave::ink::{Grain, Sphere};
+    let at = |x: f64| Grain::new(vec![Sphere { center_um: [x, 0.5, 0.5], radius_um: 0.1 }], 0);
+    let pair = |gap: f64| Packing::from_grains([1.0, 1.0], 1.0, true, vec![at(0.05), at(0.85 - gap)]);
+    assert!(pair(1e-6).is_ok());
+    assert!(matches!(pair(-1e-6), Err(PackError::Overlap { .. })));
+}
