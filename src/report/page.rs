@@ -2,7 +2,7 @@
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use minijinja::{Environment, Value};
+use minijinja::{Environment, value::Serde};
 use serde::Serialize;
 
 /// All that the page says; its layout is `page.html`.
@@ -116,7 +116,7 @@ impl Page {
     pub fn html(&self) -> Result<String, minijinja::Error> {
         let mut templates = Environment::new();
         templates.add_template("page.html", include_str!("page.html"))?;
-        templates.get_template("page.html")?.render(Value::from_serialize(self))
+        templates.get_template("page.html")?.render(Serde(self))
     }
 }
 
