@@ -35,24 +35,40 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     let case = Case::read(&args.case).into_diagnostic()?;
     let n = args.nxy.unwrap_or(16);
     let ny = if case.scene.uniform_in_y() { 1 } else { n };
-    let scheme = if args.tents { Scheme::Tents } else if args.second { Scheme::SecondDifference } else { Scheme::Quadratic };
+    let scheme = if args.tents {
+        Scheme::Tents
+    } else if args.second {
+        Scheme::SecondDifference
+    } else {
+        Scheme::Quadratic
+    };
     let resolution = Resolution { nx: n, ny, cells: args.nz.unwrap_or(16), scheme };
     let mean = Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean };
     let clock = std::time::Instant::now();
-    let problem = Problem::from_scene(&case.scene, &case.media, &case.incidence, resolution, mean).into_diagnostic()?;
+    let problem =
+        Problem::from_scene(&case.scene, &case.media, &case.incidence, resolution, mean).into_diagnostic()?;
     let setup = clock.elapsed().as_secs_f64();
     let goal = Goal { tolerance: args.tolerance, ..Goal::default() };
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let solution = solver.solve(&problem, goal, &mut Silent).into_diagnostic()?;
     let far: FarField = problem.far_field(&solution.field);
-    let orders: Vec<_> = far.orders.iter().map(|o| json!({
+    let orders: Vec<_> = far
+        .orders
+        .iter()
+        .map(|o| {
+            json!({
         "m": o.m, "n": o.n, "propagating": o.reflected_propagates || o.transmitted_propagates,
         "R": [o.reflected.re, o.reflected.im], "T": [o.transmitted.re, o.transmitted.im],
-        "eff_R": o.reflected_efficiency, "eff_T": o.transmitted_efficiency})).collect();
+        "eff_R": o.reflected_efficiency, "eff_T": o.transmitted_efficiency})
+        })
+        .collect();
     let a = &solution.account;
-    println!("{}", json!({"orders": orders, "R_total": far.reflectance, "T_total": far.transmittance, "A_total": far.absorptance,
+    println!(
+        "{}",
+        json!({"orders": orders, "R_total": far.reflectance, "T_total": far.transmittance, "A_total": far.absorptance,
         "energy": far.energy_error(),
         "residual": a.residual, "steps": a.steps, "operator_applications": a.operator_applications, "seconds": a.seconds,
-        "seconds_setup": setup, "coverage": problem.coverage.seconds, "unknowns": problem.unknowns()}));
+        "seconds_setup": setup, "coverage": problem.coverage.seconds, "unknowns": problem.unknowns()})
+    );
     Ok(())
 }

@@ -1,15 +1,18 @@
 //! From the file as written to a [`Study`]: every fault found at once, none let through.
 
+mod angles;
 mod index;
+mod pigments;
 
-use super::angles::quadrature_angles;
-use super::checked::{Layer, Output, Paper, Pigment, Study, WantedResolution, WantedSolver};
+use super::checked::{Layer, Output, Paper, Study, WantedResolution};
 use super::fault::{Allowed, Fault, Faults};
-use super::file::{AnglesTable, LayerTable, LightTable, PigmentTable, ResolutionTable, StudyFile};
+use super::file::{
+    CouplingName, LayerTable, LightTable, OutputTable, ResolutionTable, SolverTable, StudyFile,
+};
+use crate::appearance::paper::Coupling;
+use crate::solve::Goal;
 use std::path::Path;
 
-/// Concentration that no random packing exceeds; thin layers reach less and say so when packed.
-const HIGHEST_FRACTION: f64 = 0.64;
 /// More wavelengths or angles than this are a slip of the pen.
 const LONGEST_LIST: usize = 10_000;
 
@@ -21,23 +24,27 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
     let mut faults = Faults::default();
     let wavelengths_nm = wavelengths(&file.light, &mut faults);
     let layer = layer(&file.layer, &wavelengths_nm, folder, &mut faults);
-    let pigments = pigments(file, &wavelengths_nm, folder, &mut faults);
-    let polar_deg = angles(&file.angles, &mut faults);
+    let pigments = pigments::pigments(file, &wavelengths_nm, folder, &mut faults);
+    let packing = pigments::packing(file, &pigments, &mut faults);
+    let paper = paper(file, &mut faults);
+    let angles = angles::angles(file, paper.coupling, &mut faults);
     let resolution = resolution(&file.resolution, &mut faults);
-    scalars(file, &mut faults);
+    let goal = goal(&file.solver, &mut faults);
+    counts(file, &mut faults);
     let study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
         pigments,
-        paper: Paper { albedo: file.paper.albedo },
+        packing,
+        paper,
         wavelengths_nm,
-        polar_deg,
-        azimuth_deg: file.angles.azimuth_deg,
-        realisations: file.run.realisations,
-        seed: file.run.seed,
+        angles,
+        // Without grains all realisations are the same.
+        realisations: if file.pigments.is_empty() { 1 } else { file.run.realisations },
         resolution,
-        solver: solver(file, &mut faults),
-        output: Output { folder: file.output.folder.clone(), picture_pixels: file.output.picture_pixels },
+        solver: file.solver.strategy.0,
+        goal,
+        output: output(&file.output),
     };
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
 }
@@ -119,93 +126,30 @@ fn layer(table: &LayerTable, wavelengths_nm: &[f64], folder: &Path, faults: &mut
     }
 }
 
-fn pigments(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Vec<Pigment> {
-    let tables = file.pigments.iter().enumerate();
-    let pigments = tables.map(|(i, table)| {
-        let field = |key: &str| format!("pigment[{i}].{key}");
-        grain_size(&field, table, &file.layer, faults);
-        let allowed = Allowed::above(0.0, HIGHEST_FRACTION, "");
-        let remedy = "a share of the layer's volume, such as 0.3 for 30 %";
-        faults.number(&field("volume_fraction"), table.volume_fraction, allowed, remedy);
-        Pigment {
-            name: table.name.clone(),
-            diameter_nm: table.diameter_nm,
-            diameter_spread: table.diameter_spread,
-            volume_fraction: table.volume_fraction,
-            index: index::tabulate(&field("index"), &table.index, wavelengths_nm, folder, faults),
-        }
-    });
-    let pigments: Vec<Pigment> = pigments.collect();
-    total_fraction(&pigments, faults);
-    pigments
-}
-
-/// Grains fit between the walls and do not meet their own periodic images.
-fn grain_size(
-    field: &impl Fn(&str) -> String,
-    table: &PigmentTable,
-    layer: &LayerTable,
-    faults: &mut Faults,
-) {
-    let [x, y] = layer.period_um.0;
-    let half_period_nm = 500.0 * x.min(y);
-    let (largest, limit) = if half_period_nm < 1e3 * layer.thickness_um {
-        (half_period_nm, "half the layer's period")
-    } else {
-        (1e3 * layer.thickness_um, "the layer's thickness")
+fn paper(file: &StudyFile, faults: &mut Faults) -> Paper {
+    let remedy = "0 is black, 1 is a perfect white, 0.9 is good paper";
+    faults.number("paper.albedo", file.paper.albedo, Allowed::between(0.0, 1.0, ""), remedy);
+    let coupling = match file.paper.coupling {
+        CouplingName::Gap => Coupling::Gap,
+        CouplingName::OpticalContact => Coupling::OpticalContact { index: file.layer.index_below },
     };
-    let diameter = table.diameter_nm;
-    if !Allowed::above(0.0, largest, "nm").holds(diameter) {
-        let allowed = format!("greater than 0 and at most {largest} nm ({limit})");
-        let remedy = "pigment grains measure 50 to 500 nm; take smaller grains or a larger cell";
-        faults.push(Fault::new(field("diameter_nm"), diameter, allowed, remedy));
-    }
-    let allowed = Allowed::between(0.0, 0.5, "");
-    let remedy = "0 for equal grains, 0.2 for a spread of 20 %";
-    faults.number(&field("diameter_spread"), table.diameter_spread, allowed, remedy);
-}
-
-fn total_fraction(pigments: &[Pigment], faults: &mut Faults) {
-    let total: f64 = pigments.iter().map(|pigment| pigment.volume_fraction).sum();
-    if pigments.len() > 1 && total > HIGHEST_FRACTION {
-        let allowed = format!("a sum of at most {HIGHEST_FRACTION} over all pigments");
-        let last = format!("pigment[{}].volume_fraction", pigments.len() - 1);
-        let found = format!("{total} in all");
-        faults.push(Fault::new(last, found, allowed, "lower the volume fractions"));
-    }
-}
-
-fn angles(table: &AnglesTable, faults: &mut Faults) -> Vec<f64> {
-    let allowed = Allowed::between(-360.0, 360.0, "°");
-    faults.number("angles.azimuth_deg", table.azimuth_deg, allowed, "0 is the x direction");
-    match (&table.polar_deg, table.count) {
-        (Some(list), None) => {
-            let remedy = "give angles from the normal; 89 is nearly grazing";
-            check_list("angles.polar_deg", list, Allowed::below(0.0, 90.0, "°"), remedy, faults);
-            list.clone()
-        }
-        (None, count) => quadrature_angles(count.unwrap_or(5), faults),
-        (Some(_), Some(_)) => {
-            let allowed = "either angles.count or angles.polar_deg";
-            faults.push(Fault::new("angles", "both count and polar_deg", allowed, "remove one of them"));
-            Vec::new()
-        }
-    }
+    Paper { albedo: file.paper.albedo, coupling }
 }
 
 fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution {
+    let scheme = table.scheme;
     match (table.accuracy, table.points_per_um, table.planes_per_um) {
         (accuracy, None, None) => {
             let accuracy = accuracy.unwrap_or(1e-2);
             let remedy = "1e-2 for pictures, 1e-3 for numbers to publish";
             faults.number("resolution.accuracy", accuracy, Allowed::between(1e-6, 0.3, ""), remedy);
-            WantedResolution::Accuracy(accuracy)
+            WantedResolution::Accuracy { amplitude: accuracy, scheme }
         }
         (None, Some(points_per_um), Some(planes_per_um)) => {
             let allowed = Allowed::between(2.0, 400.0, "per µm");
             faults.number("resolution.points_per_um", points_per_um, allowed, "12 to 16 is usual");
             faults.number("resolution.planes_per_um", planes_per_um, allowed, "20 to 40 is usual");
-            WantedResolution::Grid { points_per_um, planes_per_um }
+            WantedResolution::Grid { points_per_um, planes_per_um, scheme }
         }
         _ => {
             let allowed = "either accuracy alone, or both points_per_um and planes_per_um";
@@ -215,24 +159,26 @@ fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution 
                 allowed,
                 "write accuracy = 1e-2",
             ));
-            WantedResolution::Accuracy(1e-2)
+            WantedResolution::Accuracy { amplitude: 1e-2, scheme }
         }
     }
 }
 
-fn solver(file: &StudyFile, faults: &mut Faults) -> WantedSolver {
-    let table = &file.solver;
+fn goal(table: &SolverTable, faults: &mut Faults) -> Goal {
     let remedy = "1e-6 is ample: the discretisation's error is larger";
     faults.number("solver.tolerance", table.tolerance, Allowed::between(1e-13, 1e-2, ""), remedy);
-    whole("solver.max_steps", table.max_steps, 1..=1_000_000, "2000 is usual", faults);
-    WantedSolver { method: table.method.clone(), tolerance: table.tolerance, max_steps: table.max_steps }
+    whole("solver.max_applications", table.max_applications, 1..=1_000_000, "2000 is usual", faults);
+    Goal { tolerance: table.tolerance, max_applications: table.max_applications }
 }
 
-fn scalars(file: &StudyFile, faults: &mut Faults) {
-    let remedy = "0 is black, 1 is a perfect white, 0.9 is good paper";
-    faults.number("paper.albedo", file.paper.albedo, Allowed::between(0.0, 1.0, ""), remedy);
+fn counts(file: &StudyFile, faults: &mut Faults) {
     whole("run.realisations", file.run.realisations, 1..=100_000, "4 is a fair start", faults);
     whole("output.picture_pixels", file.output.picture_pixels, 16..=8192, "360 is usual", faults);
+}
+
+fn output(table: &OutputTable) -> Output {
+    let OutputTable { folder, picture_pixels, mirrored_sky } = table.clone();
+    Output { folder, picture_pixels, mirrored_sky }
 }
 
 fn whole(

@@ -17,9 +17,15 @@
 //! step_nm = 30
 //! ```
 
-use serde::de::{self, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer};
-use serde::{Deserialize, Deserializer, Serialize};
-use std::fmt;
+use super::forms::{IndexWritten, Pair, Strategy};
+use crate::appearance::paper::MirroredSky;
+use crate::ink::{
+    Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, SequentialSettings,
+    Shape, ShareRule, SizeDistribution,
+};
+use crate::solve::Goal;
+use crate::wave::Scheme;
+use serde::{Deserialize, Serialize};
 
 /// A whole study file. Tables left out take the defaults documented on their fields.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -30,6 +36,8 @@ pub struct StudyFile {
     pub layer: LayerTable,
     #[serde(default, rename = "pigment")]
     pub pigments: Vec<PigmentTable>,
+    #[serde(default)]
+    pub packing: PackingTable,
     #[serde(default)]
     pub paper: PaperTable,
     pub light: LightTable,
@@ -56,7 +64,7 @@ pub struct LayerTable {
     /// Refractive index of the half-space the light comes from.
     #[serde(default = "vacuum")]
     pub index_above: f64,
-    /// Refractive index of the half-space behind the layer: 1 for the thin air gap to the paper.
+    /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
     #[serde(default = "vacuum")]
     pub index_below: f64,
 }
@@ -74,42 +82,26 @@ pub struct BinderTable {
 pub struct PigmentTable {
     pub name: String,
     #[serde(default)]
-    pub shape: ShapeName,
-    /// Diameter of the grain (the median of a distribution), nm.
-    pub diameter_nm: f64,
-    /// Relative standard deviation of a log-normal size distribution; 0 makes all grains alike.
-    #[serde(default)]
-    pub diameter_spread: f64,
+    pub shape: Shape,
+    /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead.
+    pub diameter_nm: Option<f64>,
+    /// Size distribution.
+    pub size: Option<SizeDistribution>,
     /// Share of the layer's volume, 0–1.
     pub volume_fraction: f64,
     pub index: IndexWritten,
-}
-
-/// The shapes a study may ask for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShapeName {
-    #[default]
-    Sphere,
-}
-
-/// A complex refractive index n + iκ as written: a number, or a table with one of three forms.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct IndexWritten {
-    /// Real part.
-    pub n: Option<f64>,
-    /// Imaginary part κ ≥ 0 (absorption).
-    pub k: Option<f64>,
-    /// Name of a built-in synthetic spectrum.
-    pub built_in: Option<String>,
-    /// CSV file, relative to the study file: wavelength in nm, κ and optionally n.
-    pub csv: Option<String>,
+    #[serde(default)]
+    pub orientation: Orientation,
+    pub agglomeration: Option<Agglomeration>,
+    #[serde(default)]
+    pub share: ShareRule,
 }
 
 /// `[paper]`: the Lambertian substrate.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperTable {
+    /// 0–1.
     pub albedo: f64,
     pub coupling: CouplingName,
 }
@@ -120,13 +112,15 @@ impl Default for PaperTable {
     }
 }
 
-/// How layer and paper touch.
+/// How layer and paper touch; see [`crate::appearance::paper::Coupling`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CouplingName {
     /// The paper's model (P1 section 5): a thin air gap, light goes back and forth incoherently.
     #[default]
     Gap,
+    /// The paper's scatterers sit in a medium of `layer.index_below` that touches the layer.
+    OpticalContact,
 }
 
 /// `[light]`: vacuum wavelengths in nm, as a list or as a range.
@@ -139,16 +133,30 @@ pub struct LightTable {
     pub step_nm: Option<f64>,
 }
 
-/// `[angles]`: polar angles as quadrature nodes (`count`) or as a list.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+/// `[angles]`: polar angles as quadrature nodes (`count`), which the picture needs, or as a list.
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnglesTable {
-    /// Number of Gauss nodes over the hemisphere.
+    /// Number of quadrature nodes over the hemisphere (5 when nothing is said), the normal among them.
     pub count: Option<usize>,
+    /// Any angles from the normal instead: spectra and distributions without paper, colour and picture.
     pub polar_deg: Option<Vec<f64>>,
+    /// Largest angle of the picture's axes (P1: 60°).
+    #[serde(default = "sixty")]
+    pub picture_max_deg: f64,
     /// Azimuth of the plane of incidence, degrees from x.
     #[serde(default)]
     pub azimuth_deg: f64,
+}
+
+impl Default for AnglesTable {
+    fn default() -> Self {
+        Self { count: None, polar_deg: None, picture_max_deg: sixty(), azimuth_deg: 0.0 }
+    }
+}
+
+fn sixty() -> f64 {
+    60.0
 }
 
 /// `[run]`
@@ -174,24 +182,40 @@ pub struct ResolutionTable {
     pub accuracy: Option<f64>,
     /// Grid points per µm in x and y.
     pub points_per_um: Option<f64>,
-    /// Planes per µm in z.
+    /// Planes with unknowns per µm in z.
     pub planes_per_um: Option<f64>,
+    /// The discretisation in z.
+    #[serde(default)]
+    pub scheme: Scheme,
 }
 
 /// `[solver]`
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverTable {
-    pub method: String,
+    /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
+    pub strategy: Strategy,
     /// Relative residual at which a solve counts as converged.
     pub tolerance: f64,
-    pub max_steps: usize,
+    /// Most operator applications of one solve.
+    pub max_applications: usize,
 }
 
 impl Default for SolverTable {
     fn default() -> Self {
-        Self { method: "krylov".into(), tolerance: 1e-6, max_steps: 2000 }
+        let Goal { tolerance, max_applications } = Goal::default();
+        Self { strategy: Strategy::default(), tolerance, max_applications }
     }
+}
+
+/// `[packing]`: how the grains come to their places.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PackingTable {
+    pub method: MethodChoice,
+    pub sequential: SequentialSettings,
+    pub relaxation: RelaxationSettings,
+    pub equilibration: Option<EquilibrationSettings>,
 }
 
 /// `[output]`
@@ -202,78 +226,16 @@ pub struct OutputTable {
     pub folder: Option<String>,
     /// Side of the picture's square, pixels.
     pub picture_pixels: usize,
+    /// Whether the picture's strip shows the sky that the layer mirrors.
+    pub mirrored_sky: MirroredSky,
 }
 
 impl Default for OutputTable {
     fn default() -> Self {
-        Self { folder: None, picture_pixels: 360 }
+        Self { folder: None, picture_pixels: 360, mirrored_sky: MirroredSky::default() }
     }
 }
 
 fn vacuum() -> f64 {
     1.0
-}
-
-/// One number for both directions, or two.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Pair(pub [f64; 2]);
-
-impl<'de> Deserialize<'de> for Pair {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct PairVisitor;
-        impl<'de> Visitor<'de> for PairVisitor {
-            type Value = Pair;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number or two numbers [x, y]")
-            }
-            fn visit_f64<E: de::Error>(self, v: f64) -> Result<Pair, E> {
-                Ok(Pair([v, v]))
-            }
-            fn visit_i64<E: de::Error>(self, v: i64) -> Result<Pair, E> {
-                self.visit_f64(v as f64)
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Pair, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = seq.next_element()? {
-                    values.push(value);
-                }
-                let found = values.len();
-                values.try_into().map(Pair).map_err(|_| de::Error::invalid_length(found, &self))
-            }
-        }
-        deserializer.deserialize_any(PairVisitor)
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct IndexTable {
-    n: Option<f64>,
-    k: Option<f64>,
-    built_in: Option<String>,
-    csv: Option<String>,
-}
-
-impl<'de> Deserialize<'de> for IndexWritten {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct IndexVisitor;
-        impl<'de> Visitor<'de> for IndexVisitor {
-            type Value = IndexWritten;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number or a table such as { n = 1.4, k = 0.1 }")
-            }
-            fn visit_f64<E: de::Error>(self, n: f64) -> Result<IndexWritten, E> {
-                Ok(IndexWritten { n: Some(n), ..Default::default() })
-            }
-            fn visit_i64<E: de::Error>(self, n: i64) -> Result<IndexWritten, E> {
-                self.visit_f64(n as f64)
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<IndexWritten, A::Error> {
-                let table = IndexTable::deserialize(MapAccessDeserializer::new(map))?;
-                let IndexTable { n, k, built_in, csv } = table;
-                Ok(IndexWritten { n, k, built_in, csv })
-            }
-        }
-        deserializer.deserialize_any(IndexVisitor)
-    }
 }

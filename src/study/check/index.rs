@@ -1,8 +1,9 @@
 //! Refractive indices: from a number, a built-in spectrum or the user's table to one value per wavelength.
 
 use crate::ink::spectra::{Spectrum, SpectrumError, Synthetic};
+use crate::study::checked::Material;
 use crate::study::fault::{Allowed, Fault, Faults};
-use crate::study::file::IndexWritten;
+use crate::study::forms::IndexWritten;
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -13,8 +14,8 @@ pub(super) fn tabulate(
     wavelengths_nm: &[f64],
     folder: &Path,
     faults: &mut Faults,
-) -> Vec<Complex64> {
-    let vacuum = || vec![Complex64::ONE; wavelengths_nm.len()];
+) -> Material {
+    let vacuum = || Material { source: String::new(), index: vec![Complex64::ONE; wavelengths_nm.len()] };
     let Some(spectrum) = spectrum(field, written, folder, faults) else { return vacuum() };
     if let Some(fault) = outside(field, &spectrum, wavelengths_nm) {
         faults.push(fault);
@@ -22,7 +23,9 @@ pub(super) fn tabulate(
     }
     let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
     // Wavelengths that are no numbers have their own fault.
-    values.collect::<Result<_, _>>().unwrap_or_else(|_| vacuum())
+    values
+        .collect::<Result<_, _>>()
+        .map_or_else(|_| vacuum(), |index| Material { source: spectrum.name(), index })
 }
 
 fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
