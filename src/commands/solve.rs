@@ -21,10 +21,8 @@ pub struct SolveArgs {
     nz: Option<usize>,
     #[arg(long, default_value_t = 1e-6)]
     tolerance: f64,
-    #[arg(long)]
-    tents: bool,
-    #[arg(long)]
-    second: bool,
+    #[arg(long, default_value_t = 3)]
+    degree: usize,
     #[arg(long)]
     constant_mean: bool,
     #[arg(long)]
@@ -35,13 +33,8 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     let case = Case::read(&args.case).into_diagnostic()?;
     let n = args.nxy.unwrap_or(16);
     let ny = if case.scene.uniform_in_y() { 1 } else { n };
-    let scheme = if args.tents {
-        Scheme::Tents
-    } else if args.second {
-        Scheme::SecondDifference
-    } else {
-        Scheme::Quadratic
-    };
+    let scheme = [Scheme::SecondDifference, Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, Scheme::Quartic]
+        [args.degree];
     let resolution = Resolution { nx: n, ny, cells: args.nz.unwrap_or(16), scheme };
     let mean = Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean };
     let clock = std::time::Instant::now();

@@ -148,7 +148,8 @@ impl<'a> CellSum<'a> {
 
     fn add_body(&mut self, body: &Body, range: [f64; 2]) {
         let mut heights = std::mem::take(&mut self.heights);
-        section::heights(&body.shape, range, self.builder.kmax, &mut heights);
+        let degree = self.builder.grid.element.degree;
+        section::heights(&body.shape, range, self.builder.kmax, degree, &mut heights);
         for &(z, weight) in &heights {
             self.add_cut(body, z, weight);
         }
@@ -158,7 +159,7 @@ impl<'a> CellSum<'a> {
     fn add_cut(&mut self, body: &Body, z: f64, weight: f64) {
         let grid = self.builder.grid;
         let t = (z - grid.nodes_um[self.cell]) / grid.height_um(self.cell);
-        let shares = grid.shape_functions(t).map(|psi| psi * weight);
+        let shares = grid.element.shape_functions(t).map(|psi| psi * weight);
         let mut edge = std::mem::take(&mut self.edge);
         match section::cut(&body.shape, z, self.builder.kmax, &mut edge) {
             Cut::Edge { area, points } => self.add_edge(area, points, &shares),

@@ -1,5 +1,6 @@
 //! Where the unknowns live: points in the plane, cells in z, and the discretisation between them.
 
+use super::element::Element;
 use crate::wave::{Scene, WaveError};
 use serde::{Deserialize, Serialize};
 
@@ -7,13 +8,29 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
-    /// Exact difference scheme with quadratic moments: nodes and midpoints are unknowns.
-    #[default]
-    Quadratic,
-    /// Exact difference scheme with tent moments: nodes only.
+    /// Exact difference scheme, contrast at the nodes with tent moments.
     Tents,
+    /// Exact difference scheme with quadratic moments at nodes and midpoints.
+    Quadratic,
+    /// Exact difference scheme with cubic moments at Gauss–Lobatto points.
+    #[default]
+    Cubic,
+    /// Exact difference scheme with quartic moments at Gauss–Lobatto points.
+    Quartic,
     /// Second differences as in P2 (3.5), with tent moments.
     SecondDifference,
+}
+
+impl Scheme {
+    /// Planes a cell adds.
+    pub fn degree(self) -> usize {
+        match self {
+            Scheme::Tents | Scheme::SecondDifference => 1,
+            Scheme::Quadratic => 2,
+            Scheme::Cubic => 3,
+            Scheme::Quartic => 4,
+        }
+    }
 }
 
 /// How finely a scene is resolved: points along x and y, cells along z.
@@ -27,12 +44,9 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Planes that carry unknowns: nodes, and midpoints where the scheme has them.
+    /// Planes that carry unknowns: nodes, and inner points where the scheme has them.
     pub fn planes(&self) -> usize {
-        match self.scheme {
-            Scheme::Quadratic => 2 * self.cells + 1,
-            _ => self.cells + 1,
-        }
+        self.scheme.degree() * self.cells + 1
     }
 }
 
@@ -45,6 +59,8 @@ pub struct Grid {
     pub nodes_um: Vec<f64>,
     /// Background medium of each cell.
     pub background: Vec<usize>,
+    /// Interpolation within a cell.
+    pub element: Element,
 }
 
 impl Grid {
@@ -62,7 +78,13 @@ impl Grid {
             background.extend(std::iter::repeat_n(stratum.background, cells));
             bottom += stratum.thickness_um;
         }
-        Ok(Grid { resolution, period_um: scene.period_um, nodes_um, background })
+        Ok(Grid {
+            resolution,
+            period_um: scene.period_um,
+            nodes_um,
+            background,
+            element: Element::new(resolution.scheme.degree()),
+        })
     }
 
     /// Height of cell `j`.
@@ -83,28 +105,10 @@ impl Grid {
         self.resolution.nx * self.resolution.ny
     }
 
-    /// Planes a cell touches, lower node first: two, or three with its midpoint.
+    /// Planes a cell touches, both nodes included.
     pub fn planes_of_cell(&self, cell: usize) -> std::ops::RangeInclusive<usize> {
-        match self.resolution.scheme {
-            Scheme::Quadratic => 2 * cell..=2 * cell + 2,
-            _ => cell..=cell + 1,
-        }
-    }
-
-    /// Values at t ∈ [0, 1] of the cell's shape functions: quadratic Lagrange functions or tents.
-    pub fn shape_functions(&self, t: f64) -> [f64; 3] {
-        match self.resolution.scheme {
-            Scheme::Quadratic => [(1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0)],
-            _ => [1.0 - t, t, 0.0],
-        }
-    }
-
-    /// Integrals over a cell of unit height of the shape functions: Simpson's or the trapezoidal weights.
-    pub fn shape_integrals(&self) -> &'static [f64] {
-        match self.resolution.scheme {
-            Scheme::Quadratic => &[1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0],
-            _ => &[0.5, 0.5],
-        }
+        let degree = self.element.degree;
+        degree * cell..=degree * (cell + 1)
     }
 }
 

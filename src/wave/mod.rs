@@ -4,6 +4,7 @@
 //! travels towards +z.
 
 pub mod coverage;
+pub mod element;
 pub mod error;
 pub mod far_field;
 pub mod fourier;

@@ -1,6 +1,6 @@
 //! The discrete problem (A + V) u = b, shared by all strategies: mean solve, contrast product, residual.
 //!
-//! Unknowns are harmonics of nodes and, in the quadratic scheme, of one bubble per cell; see [`super::mean`].
+//! Unknowns are harmonics of nodes and, of the bubbles in each cell; see [`super::mean`].
 
 use super::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use super::mean::{MeanOperator, decaying_root};
@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Unknowns: rows are planes (nodes, with bubbles between them in the quadratic scheme), columns harmonics.
+/// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
 pub type Field = Array2<Complex64>;
 
 /// Largest phase k̄h of a cell with contrast: beyond it the moments no longer resolve the wave.
-const PHASE_LIMIT: f64 = 2.2;
+const PHASE_LIMIT: f64 = 2.6;
 
 /// How ⟨k²⟩ is chosen. It belongs to the discretisation: all strategies on one problem share it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -280,7 +280,7 @@ fn plane_offsets(coverage: &Coverage, media: &Media, k0: f64, mean_k2: &[Complex
         // A difference of rounding size is none: homogeneous layers then need no iteration at all.
         let raw = eta * eta - mean_k2[j];
         let shift = if raw.norm() < 1e-14 * mean_k2[j].norm() { Complex64::default() } else { raw };
-        for (plane, weight) in grid.planes_of_cell(j).zip(grid.shape_integrals()) {
+        for (plane, weight) in grid.planes_of_cell(j).zip(&grid.element.weights) {
             offsets[plane] += shift * (grid.height_um(j) * weight / grid.points() as f64);
         }
     }

@@ -28,13 +28,14 @@ pub enum Cut<'a> {
 ///
 /// The range is divided where the cut's shape changes; within a part, z = lo + (hi − lo) sin²t removes the
 /// square roots with which edges appear and vanish.
-pub fn heights(shape: &Shape, range: [f64; 2], kmax: f64, out: &mut Vec<(f64, f64)>) {
+pub fn heights(shape: &Shape, range: [f64; 2], kmax: f64, degree: usize, out: &mut Vec<(f64, f64)>) {
     out.clear();
     let breaks = breakpoints(shape, range);
     for pair in breaks.windows(2) {
         let (lo, length) = (pair[0], pair[1] - pair[0]);
         let smooth = matches!(shape, Shape::Balls(balls) if balls.len() == 1);
-        let rule = GaussLegendre::new(height_count(length, kmax, smooth)).expect("at least two nodes");
+        let rule =
+            GaussLegendre::new(height_count(length, kmax, smooth) + degree).expect("at least two nodes");
         for &(x, w) in rule.as_node_weight_pairs() {
             let t = 0.5 * (x + 1.0);
             let (s, ds) =
@@ -48,7 +49,7 @@ pub fn heights(shape: &Shape, range: [f64; 2], kmax: f64, out: &mut Vec<(f64, f6
 /// z, with wavenumbers up to `kmax` times the height, times the shape functions.
 fn height_count(length: f64, kmax: f64, smooth: bool) -> usize {
     let phase = kmax * length;
-    if smooth { 5 + (0.5 * phase) as usize } else { 10 + phase as usize }
+    if smooth { 3 + (0.5 * phase) as usize } else { 8 + phase as usize }
 }
 
 fn breakpoints(shape: &Shape, [lo, hi]: [f64; 2]) -> Vec<f64> {

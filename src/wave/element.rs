@@ -1,0 +1,95 @@
+//! One cell's interpolation points and bubble functions in z, for every degree of the exact scheme.
+//!
+//! A field in a cell is the mean medium's exact solution through the two node values, plus `degree − 1` bubbles
+//! that vanish at the nodes. Bubbles are eigenfunctions of the mass matrix among integrated Legendre polynomials,
+//! so that the mean operator is diagonal on them: −1/h + kz² h λ. The contrast acts at the Gauss–Lobatto points
+//! (degree 1: the nodes, "tents"; degree 2: nodes and midpoints) with moments of V against their Lagrange functions.
+
+use faer::{Mat, Side};
+use gauss_quad::GaussLegendre;
+
+/// Largest degree offered.
+pub const MAX_DEGREE: usize = 4;
+
+/// Interpolation points and bubbles on the unit cell 0 ≤ t ≤ 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Element {
+    pub degree: usize,
+    /// Gauss–Lobatto points, the nodes included.
+    pub points: Vec<f64>,
+    /// ∫ of each point's Lagrange function.
+    pub weights: Vec<f64>,
+    /// λ of each bubble: mass over stiffness on the unit cell.
+    pub lambda: Vec<f64>,
+    /// Value of each bubble (row) at each inner point (column).
+    pub bubbles: Vec<Vec<f64>>,
+}
+
+impl Element {
+    /// Tables for `degree` from 1 to [`MAX_DEGREE`].
+    pub fn new(degree: usize) -> Element {
+        let points = lobatto_points(degree);
+        let rule = GaussLegendre::new(degree + 2).expect("at least two nodes");
+        let weights = (0..=degree).map(|q| rule.integrate(0.0, 1.0, |t| lagrange(&points, q, t))).collect();
+        let (lambda, modes) = bubble_modes(degree - 1, &rule);
+        let value = |mode: &[f64], t: f64| {
+            mode.iter().enumerate().map(|(i, c)| c * integrated_legendre(i + 1, t)).sum()
+        };
+        let bubbles =
+            modes.iter().map(|m| points[1..degree].iter().map(|&t| value(m, t)).collect()).collect();
+        Element { degree, points, weights, lambda, bubbles }
+    }
+
+    /// Values at t of all Lagrange functions.
+    pub fn shape_functions(&self, t: f64) -> [f64; MAX_DEGREE + 1] {
+        std::array::from_fn(|q| if q <= self.degree { lagrange(&self.points, q, t) } else { 0.0 })
+    }
+}
+
+fn lobatto_points(degree: usize) -> Vec<f64> {
+    let inner: &[f64] = match degree {
+        1 => &[],
+        2 => &[0.0],
+        3 => &[0.447_213_595_499_957_94],     // 1/√5
+        4 => &[0.0, 0.654_653_670_707_977_1], // √(3/7)
+        _ => unreachable!("degrees are 1 to MAX_DEGREE"),
+    };
+    let mirrored = inner.iter().filter(|&&x| x > 0.0).map(|x| -x);
+    let mut points: Vec<f64> = inner.iter().copied().chain(mirrored).chain([-1.0, 1.0]).collect();
+    points.sort_by(f64::total_cmp);
+    points.iter().map(|x| 0.5 * (x + 1.0)).collect()
+}
+
+fn lagrange(points: &[f64], q: usize, t: f64) -> f64 {
+    let others = points.iter().enumerate().filter(|&(i, _)| i != q);
+    others.map(|(_, &p)| (t - p) / (points[q] - p)).product()
+}
+
+fn legendre(n: usize, x: f64) -> f64 {
+    let (mut a, mut b) = (1.0, x);
+    for k in 1..=n {
+        (a, b) = (b, ((2 * k + 1) as f64 * x * b - k as f64 * a) / (k + 1) as f64);
+    }
+    a
+}
+
+/// Integrated Legendre polynomial i ≥ 1 on the unit cell, of unit stiffness ∫ (dN/dt)² dt.
+fn integrated_legendre(i: usize, t: f64) -> f64 {
+    let x = 2.0 * t - 1.0;
+    (legendre(i + 1, x) - legendre(i - 1, x)) / (2.0 * ((2 * i + 1) as f64).sqrt())
+}
+
+/// Eigenvalues and eigenvectors of the bubbles' mass matrix.
+fn bubble_modes(count: usize, rule: &GaussLegendre) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mass = |i: usize, j: usize| {
+        rule.integrate(0.0, 1.0, |t| integrated_legendre(i + 1, t) * integrated_legendre(j + 1, t))
+    };
+    if count == 0 {
+        return (Vec::new(), Vec::new());
+    }
+    let matrix = Mat::from_fn(count, count, mass);
+    let eigen = matrix.self_adjoint_eigen(Side::Lower).expect("a small symmetric matrix has eigenvalues");
+    let lambda = (0..count).map(|i| eigen.S()[i]).collect();
+    let modes = (0..count).map(|i| (0..count).map(|r| eigen.U()[(r, i)]).collect()).collect();
+    (lambda, modes)
+}
