@@ -65,8 +65,10 @@ pub enum PaperError {
     TrapsAllLight { mean: f64 },
     #[error("no realisations: at least one is needed")]
     NoRealisations,
-    #[error("{field}: {count} entries where {expected} are needed")]
-    Mismatch { field: &'static str, count: usize, expected: usize },
+    #[error(
+        "the angle rule was made for another coupling than the substrate's; make it with AngleRule::new(points, max, substrate.coupling)"
+    )]
+    CouplingMismatch,
 }
 
 /// What is between the layer and the paper.
