@@ -67,6 +67,7 @@ impl LayerOptics {
             reflectance,
             specular: above.iter().map(|f| f.specular().reflected_efficiency).collect(),
             transmittance: above.iter().map(|f| f.transmittance).collect(),
+            specular_transmittance: above.iter().map(|f| f.specular().transmitted_efficiency).collect(),
             reflectance_below,
             diffuse_brdf,
             baseline,
@@ -137,12 +138,14 @@ impl InkOnPaper {
             return Err(PaperError::CouplingMismatch.into());
         }
         let rho = wavelengths_nm.iter().map(|&nm| substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
+        let baselines = layers.iter().map(|s| common_baseline(&rule, s)).collect::<Result<Vec<_>, _>>()?;
         let without = |left_out: Option<usize>| -> Result<Vec<LayerOnPaper>, PaperError> {
-            let at = |(samples, &rho): (&Vec<LayerOptics>, &f64)| {
+            let at = |((samples, &rho), &baseline): ((&Vec<LayerOptics>, &f64), &Option<Slab>)| {
                 let kept = samples.iter().enumerate().filter(|(r, _)| Some(*r) != left_out).map(|(_, s)| s);
-                LayerOnPaper::new(&rule, &LayerOptics::mean(kept)?, rho)
+                let mean = LayerOptics { baseline, ..LayerOptics::mean(kept)? };
+                LayerOnPaper::new(&rule, &mean, rho)
             };
-            layers.iter().zip(&rho).map(at).collect()
+            layers.iter().zip(&rho).zip(&baselines).map(at).collect()
         };
         let left_out = if realisations > 1 { 0..realisations } else { 0..0 };
         let (whole, replicates) =
@@ -209,6 +212,14 @@ impl InkOnPaper {
             Array2::from_shape_fn((angles.len(), angles.len()), |(o, i)| square[o * angles.len() + i]);
         Ok(InkPicture { angles_deg: angles_deg.to_vec(), strip, square })
     }
+}
+
+/// The baseline of the first realisation, fitted to the ensemble's specular R and T; replicates share it.
+fn common_baseline(rule: &AngleRule, samples: &[LayerOptics]) -> Result<Option<Slab>, PaperError> {
+    let mut mean = LayerOptics::mean(samples.iter())?;
+    mean.check(rule)?;
+    mean.fit_baseline(rule);
+    Ok(mean.baseline)
 }
 
 fn check_counts(

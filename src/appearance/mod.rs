@@ -9,6 +9,7 @@
 //! appearance derived from it is that of s-polarised light; unpolarised light is approximated by it (P1 section 1).
 
 pub mod angles;
+mod baseline;
 pub mod bdf;
 pub mod colour;
 pub mod estimate;
