@@ -65,8 +65,10 @@ pub enum PaperError {
     TrapsAllLight { mean: f64 },
     #[error("no realisations: at least one is needed")]
     NoRealisations,
-    #[error("{field}: {count} entries where {expected} are needed")]
-    Mismatch { field: &'static str, count: usize, expected: usize },
+    #[error(
+        "the angle rule was made for another coupling than the substrate's; make it with AngleRule::new(points, max, substrate.coupling)"
+    )]
+    CouplingMismatch,
 }
 
 /// What is between the layer and the paper.
@@ -145,6 +147,8 @@ pub struct LayerOptics {
     pub specular: Vec<f64>,
     /// Total T from above at `rule.above`.
     pub transmittance: Vec<f64>,
+    /// The part of T in the specular order, at `rule.above`.
+    pub specular_transmittance: Vec<f64>,
     /// Total R_b from below at `rule.below`.
     pub reflectance_below: Vec<f64>,
     /// Diffuse BRDF of the layer alone, azimuthal mean, 1/sr: \[illumination node, viewing node\] of `rule.above`.
@@ -161,8 +165,16 @@ impl LayerOptics {
         reflectance_below: Vec<f64>,
     ) -> Self {
         let diffuse_brdf = Array2::zeros((reflectance.len(), reflectance.len()));
-        let specular = reflectance.clone();
-        Self { specular, reflectance, transmittance, reflectance_below, diffuse_brdf, baseline: None }
+        let (specular, specular_transmittance) = (reflectance.clone(), transmittance.clone());
+        Self {
+            reflectance,
+            specular,
+            transmittance,
+            specular_transmittance,
+            reflectance_below,
+            diffuse_brdf,
+            baseline: None,
+        }
     }
 
     /// A homogeneous layer (the molecular mixture, or the clear binder): no solve needed, its own baseline.
@@ -190,6 +202,7 @@ impl LayerOptics {
             reflectance: mean_of(samples.clone().map(|s| s.reflectance.as_slice())),
             specular: mean_of(samples.clone().map(|s| s.specular.as_slice())),
             transmittance: mean_of(samples.clone().map(|s| s.transmittance.as_slice())),
+            specular_transmittance: mean_of(samples.clone().map(|s| s.specular_transmittance.as_slice())),
             reflectance_below: mean_of(samples.map(|s| s.reflectance_below.as_slice())),
             diffuse_brdf,
             baseline: first.baseline,
@@ -201,6 +214,7 @@ impl LayerOptics {
             ("reflectance", self.reflectance.len(), above),
             ("specular", self.specular.len(), above),
             ("transmittance", self.transmittance.len(), above),
+            ("specular_transmittance", self.specular_transmittance.len(), above),
             ("reflectance_below", self.reflectance_below.len(), below),
             ("diffuse_brdf rows", self.diffuse_brdf.nrows(), above),
             ("diffuse_brdf columns", self.diffuse_brdf.ncols(), above),
@@ -211,11 +225,12 @@ impl LayerOptics {
         }
     }
 
-    fn check(&self, rule: &AngleRule) -> Result<(), PaperError> {
+    pub(super) fn check(&self, rule: &AngleRule) -> Result<(), PaperError> {
         self.check_lengths(rule.above.len(), rule.below.len())?;
         check_range("reflectance", &self.reflectance, 1.0 + ENERGY_SLACK)?;
         check_range("specular", &self.specular, 1.0 + ENERGY_SLACK)?;
         check_range("transmittance", &self.transmittance, 1.0 + ENERGY_SLACK)?;
+        check_range("specular_transmittance", &self.specular_transmittance, 1.0 + ENERGY_SLACK)?;
         check_range("reflectance_below", &self.reflectance_below, 1.0 + ENERGY_SLACK)?;
         let brdf: Vec<f64> = self.diffuse_brdf.iter().copied().collect();
         check_range("diffuse_brdf", &brdf, f64::MAX)

@@ -107,18 +107,63 @@ fn homogeneous_layers_on_paper_meet_the_reference_digits_with_any_number_of_angl
     }
 }
 
+/// A layer that scatters, by a model that keeps the energy: the coherent part is a slab with κ raised by `extinction`;
+/// of what that loses, 30 % leaves as diffuse reflection and 60 % as diffuse transmission.
+fn scattering(rule: &AngleRule, case: &Value, extinction: f64) -> LayerOptics {
+    let lossy = baseline(case, 1.0, extinction).unwrap();
+    let mut layer = LayerOptics { baseline: None, ..LayerOptics::homogeneous(rule, lossy) };
+    let lost: Vec<f64> =
+        layer.reflectance.iter().zip(&layer.transmittance).map(|(r, t)| 1.0 - r - t).collect();
+    for (k, lost) in lost.into_iter().enumerate() {
+        layer.reflectance[k] += 0.3 * lost;
+        layer.transmittance[k] += 0.6 * lost;
+        layer.reflectance_below[k] += 0.3 * lost;
+    }
+    layer
+}
+
+/// Largest errors of T̄, R̄_b, and of natural light and the BRDF in 0–60°, against 64 angles.
+fn scattering_errors(points: usize, prepare: impl Fn(&AngleRule, &Value, &mut LayerOptics)) -> [f64; 2] {
+    let rule = AngleRule::new(points, 60.0, Coupling::Gap).unwrap();
+    let many = AngleRule::new(64, 60.0, Coupling::Gap).unwrap();
+    let mut worst = [0.0f64; 2];
+    for case in reference("coherent").iter().filter(|case| case["n"] != 1.0) {
+        for extinction in [0.005, 0.02] {
+            let mut few = scattering(&rule, case, extinction);
+            prepare(&rule, case, &mut few);
+            let exact =
+                LayerOptics { baseline: baseline(case, 1.0, 0.0), ..scattering(&many, case, extinction) };
+            let a = LayerOnPaper::new(&rule, &few, 0.9).unwrap();
+            let b = LayerOnPaper::new(&many, &exact, 0.9).unwrap();
+            let means = (a.mean_transmittance() - b.mean_transmittance()).abs();
+            let returned = (a.mean_reflectance_below() - b.mean_reflectance_below()).abs();
+            worst[0] = worst[0].max(means).max(returned);
+            for degrees in 0..=60 {
+                let (p, q) = (rule.at(degrees.into()).unwrap(), many.at(degrees.into()).unwrap());
+                let sky = MirroredSky::Included;
+                let light = (a.natural_light(&p, sky) - b.natural_light(&q, sky)).abs();
+                let brdf = PI * (a.brdf(&p, &p) - b.brdf(&q, &q)).abs();
+                worst[1] = worst[1].max(light).max(brdf);
+            }
+        }
+    }
+    worst
+}
+
 #[test]
 fn the_documented_errors_of_the_angle_rule_are_those_observed() {
-    let mut table = String::from(
-        "| points | means | 0–60° | means, baseline | 0–60°, baseline |\n|---|---|---|---|---|\n",
-    );
+    let mut table =
+        String::from("| points | none: means | 0–60° | √⟨η²⟩: means | 0–60° | fitted: means | 0–60° |\n");
+    table += "|---|---|---|---|---|---|---|\n";
     for points in [3, 4, 5, 6, 7, 8, 10, 12, 16] {
-        let [mean, all] = largest("coherent", points, |rule, case| layer(rule, case, true));
-        let [mean_off, all_off] = largest("coherent", points, |rule, case| LayerOptics {
-            baseline: baseline(case, 0.99, 0.01),
-            ..layer(rule, case, true)
+        let none = scattering_errors(points, |_, _, _| ());
+        let given = scattering_errors(points, |_, case, layer| layer.baseline = baseline(case, 1.0, 0.0));
+        let fitted = scattering_errors(points, |rule, case, layer| {
+            layer.baseline = baseline(case, 1.0, 0.0);
+            layer.fit_baseline(rule);
         });
-        table += &format!("| {points} | {mean:.0e} | {all:.0e} | {mean_off:.0e} | {all_off:.0e} |\n");
+        let cells = [none, given, fitted].map(|[m, a]| format!("{m:.0e} | {a:.0e}"));
+        table += &format!("| {points} | {} |\n", cells.join(" | "));
     }
     println!("{table}");
     assert_eq!(table, include_str!("angle_errors.md"));
@@ -229,7 +274,7 @@ proptest! {
 
     #[test]
     fn brdf_is_reciprocal_and_its_integral_is_the_albedo(
-        loss in 0.0..0.9f64, reflect in 0.0..0.9f64, diffuse in 0.0..0.5f64, albedo in 0.0..1.0f64,
+        loss in 0.0..0.9f64, reflect in 0.0..0.9f64, diffuse in 0.0..0.3f64, albedo in 0.0..1.0f64,
         i in 0.0..60.0f64, o in 0.0..60.0f64,
     ) {
         let rule = AngleRule::new(6, 60.0, Coupling::Gap).unwrap();
