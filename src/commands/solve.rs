@@ -1,67 +1,173 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
-use clap::Args;
-use inkwave::solve::{Goal, Silent, SolverChoice};
+use clap::{Args, ValueEnum};
+use inkwave::solve::accuracy::{Estimated, Task};
+use inkwave::solve::{Goal, SolverChoice, Step, Watch};
 use inkwave::study::case::Case;
-use inkwave::wave::{FarField, Mean, Problem, Resolution, Scheme};
+use inkwave::wave::{Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
-use serde_json::json;
+use serde_json::{Value, json};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-/// Solves one explicit geometry.
+/// Solves one explicit geometry and prints its orders as JSON.
+///
+/// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d, cylinder2d, lamellar2d)
+/// as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].
 #[derive(Args)]
 pub struct SolveArgs {
-    /// Case file: JSON or TOML, the inputs themselves or an object holding them as `inputs`.
+    /// Case file; an object that holds the case as `inputs` is accepted too
     case: PathBuf,
+    /// Largest amplitude error accepted: chooses the resolution (default 1e-3 unless --nxy and --nz are given)
+    #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"])]
+    accuracy: Option<f64>,
+    /// Strategy: krylov, born
     #[arg(long, default_value = "krylov")]
     solver: String,
-    #[arg(long)]
+    /// Points along x and y of one period
+    #[arg(long, value_name = "POINTS", requires = "nz")]
     nxy: Option<usize>,
-    #[arg(long)]
+    /// Cells along z
+    #[arg(long, value_name = "CELLS")]
     nz: Option<usize>,
+    /// Relative residual to reach
     #[arg(long, default_value_t = 1e-6)]
     tolerance: f64,
-    #[arg(long, default_value_t = 3)]
-    degree: usize,
+    /// Discretisation in z
+    #[arg(long, value_enum, default_value_t = SchemeName::Cubic)]
+    scheme: SchemeName,
+    /// Average ⟨k²⟩ over the whole layer instead of over each cell
     #[arg(long)]
     constant_mean: bool,
+    /// Leave absorption out of ⟨k²⟩
     #[arg(long)]
     real_mean: bool,
+    /// Memory that one solve may take, in GB
+    #[arg(long, default_value_t = 4.0)]
+    memory_gb: f64,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum SchemeName {
+    Tents,
+    Quadratic,
+    Cubic,
+    Quartic,
+    SecondDifference,
+}
+
+impl From<SchemeName> for Scheme {
+    fn from(name: SchemeName) -> Scheme {
+        match name {
+            SchemeName::Tents => Scheme::Tents,
+            SchemeName::Quadratic => Scheme::Quadratic,
+            SchemeName::Cubic => Scheme::Cubic,
+            SchemeName::Quartic => Scheme::Quartic,
+            SchemeName::SecondDifference => Scheme::SecondDifference,
+        }
+    }
+}
+
+/// Runs the command.
 pub fn run(args: &SolveArgs) -> Result<()> {
+    check(args)?;
     let case = Case::read(&args.case).into_diagnostic()?;
-    let n = args.nxy.unwrap_or(16);
-    let ny = if case.scene.uniform_in_y() { 1 } else { n };
-    let scheme = [Scheme::SecondDifference, Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, Scheme::Quartic]
-        [args.degree];
-    let resolution = Resolution { nx: n, ny, cells: args.nz.unwrap_or(16), scheme };
-    let mean = Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean };
-    let clock = std::time::Instant::now();
-    let problem =
-        Problem::from_scene(&case.scene, &case.media, &case.incidence, resolution, mean).into_diagnostic()?;
-    let setup = clock.elapsed().as_secs_f64();
-    let goal = Goal { tolerance: args.tolerance, ..Goal::default() };
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
-    let solution = solver.solve(&problem, goal, &mut Silent).into_diagnostic()?;
-    let far: FarField = problem.far_field(&solution.field);
-    let orders: Vec<_> = far
-        .orders
-        .iter()
-        .map(|o| {
-            json!({
-        "m": o.m, "n": o.n, "propagating": o.reflected_propagates || o.transmitted_propagates,
-        "R": [o.reflected.re, o.reflected.im], "T": [o.transmitted.re, o.transmitted.im],
-        "eff_R": o.reflected_efficiency, "eff_T": o.transmitted_efficiency})
-        })
-        .collect();
-    let a = &solution.account;
-    println!(
-        "{}",
-        json!({"orders": orders, "R_total": far.reflectance, "T_total": far.transmittance, "A_total": far.absorptance,
-        "energy": far.energy_error(),
-        "residual": a.residual, "steps": a.steps, "operator_applications": a.operator_applications, "seconds": a.seconds,
-        "seconds_setup": setup, "coverage": problem.coverage.seconds, "unknowns": problem.unknowns()})
-    );
+    let task = Task {
+        scene: &case.scene,
+        media: &case.media,
+        incidence: &case.incidence,
+        mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
+        scheme: args.scheme.into(),
+        solver: &*solver,
+        goal: Goal { tolerance: args.tolerance, ..Goal::default() },
+        memory: (args.memory_gb * 1e9) as usize,
+    };
+    let mut bar = Bar::new();
+    let estimated = match args.nz {
+        Some(cells) => task.solve_with_estimate(resolution(args, &case, cells), &mut bar),
+        None => task.solve_to_accuracy(args.accuracy.unwrap_or(1e-3), &mut bar),
+    };
+    bar.0.finish_and_clear();
+    println!("{:#}", report(&estimated.into_diagnostic()?));
     Ok(())
+}
+
+fn check(args: &SolveArgs) -> Result<()> {
+    if !(1e-15..1.0).contains(&args.tolerance) {
+        miette::bail!("--tolerance is {}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6", args.tolerance);
+    }
+    if !(args.memory_gb > 0.0) {
+        miette::bail!("--memory-gb is {}; it must be above 0: try 4", args.memory_gb);
+    }
+    Ok(())
+}
+
+fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
+    let points = args.nxy.unwrap_or(1);
+    let nx = if case.scene.uniform_in_plane() { 1 } else { points };
+    let ny = if case.scene.uniform_in_y() { 1 } else { points };
+    Resolution { nx, ny, cells, scheme: args.scheme.into() }
+}
+
+fn report(e: &Estimated) -> Value {
+    let (far, account, grid) = (&e.far_field, &e.solution.account, &e.problem.coverage.grid);
+    json!({
+        "orders": far.orders.iter().map(order).collect::<Vec<_>>(),
+        "R_total": far.reflectance,
+        "T_total": far.transmittance,
+        "A_total": far.absorptance,
+        "error_estimate": e.error_estimate,
+        "error_estimate_parts": { "plane": e.parts[0], "z": e.parts[1] },
+        "energy_error": far.energy_error(),
+        "solver": account.solver,
+        "residual": account.residual,
+        "steps": account.steps,
+        "operator_applications": account.operator_applications,
+        "seconds": account.seconds,
+        "seconds_setup": e.seconds_setup,
+        "seconds_estimate": e.seconds_estimate,
+        "unknowns": e.problem.unknowns(),
+        "bytes": e.problem.bytes() + account.bytes,
+        "resolution": {
+            "nx": grid.resolution.nx,
+            "ny": grid.resolution.ny,
+            "cells": grid.resolution.cells,
+            "planes": grid.planes(),
+            "scheme": grid.resolution.scheme,
+            "points_per_um": [grid.resolution.nx as f64 / grid.period_um[0], grid.resolution.ny as f64 / grid.period_um[1]],
+            "planes_per_um": (grid.planes() - 1) as f64 / grid.nodes_um[grid.cells()],
+        },
+        "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+fn order(o: &Order) -> Value {
+    json!({
+        "m": o.m,
+        "n": o.n,
+        "propagating": o.reflected_propagates || o.transmitted_propagates,
+        "R": [o.reflected.re, o.reflected.im],
+        "T": [o.transmitted.re, o.transmitted.im],
+        "eff_R": o.reflected_efficiency,
+        "eff_T": o.transmitted_efficiency,
+    })
+}
+
+/// A spinner on standard error with the residual; hidden when that is not a terminal.
+struct Bar(indicatif::ProgressBar);
+
+impl Bar {
+    fn new() -> Bar {
+        let bar = indicatif::ProgressBar::new_spinner();
+        bar.enable_steady_tick(std::time::Duration::from_millis(200));
+        Bar(bar)
+    }
+}
+
+impl Watch for Bar {
+    fn step(&mut self, step: &Step) -> ControlFlow<()> {
+        self.0.set_message(format!("step {}: residual {:.1e}", step.step, step.residual));
+        ControlFlow::Continue(())
+    }
 }

@@ -2,6 +2,7 @@
 //!
 //! The yardstick is the relative residual ‖u₀ − (1 + A⁻¹V) u‖ / ‖u₀‖ with u₀ = A⁻¹b, the wave in the mean medium.
 
+pub mod accuracy;
 pub mod born;
 pub mod krylov;
 pub mod solver;

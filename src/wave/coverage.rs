@@ -4,7 +4,8 @@
 //! k² differences ("channels"). Coefficients in the plane are exact and band-limited to the grid's harmonics;
 //! along z they are moments against the scheme's shape functions (numerics: W_p = ∫ ψ_p V dz).
 
-use super::fourier::{Harmonics, PlaneFft};
+use super::folding::{Folding, Planes};
+use super::fourier::Harmonics;
 use super::nufft::{Footprint, SourceTransform};
 use super::section::{self, Cut, EdgePoint};
 use super::{Body, Grid, Resolution, Scene, WaveError};
@@ -26,6 +27,9 @@ pub struct Coverage {
     pub channels: Vec<Channel>,
     /// Per channel, planes × points (x fastest) in µm: ∫ ψ_p χ dz, band-limited in the plane.
     pub moments: Vec<Array2<f64>>,
+    /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³), see [`super::folding`].
+    pub pairs: Vec<[usize; 2]>,
+    pub folded: Vec<Array2<f64>>,
     /// Per channel, mean of χ over each cell of the grid.
     pub fractions: Vec<Vec<f64>>,
     /// Seconds spent here.
@@ -33,7 +37,7 @@ pub struct Coverage {
 }
 
 /// Coefficients of one cell: channel → plane of the cell → harmonics.
-type CellCoefficients = Vec<Vec<Vec<Complex64>>>;
+pub(super) type CellCoefficients = Vec<Vec<Vec<Complex64>>>;
 
 struct Builder<'a> {
     scene: &'a Scene,
@@ -50,22 +54,31 @@ impl Coverage {
         let clock = std::time::Instant::now();
         let grid = Grid::new(scene, resolution)?;
         let channels = find_channels(scene, &grid);
-        let harmonics = Harmonics::new(resolution.nx, resolution.ny);
-        let builder = Builder::new(scene, &grid, &channels, &harmonics);
+        let folding = Folding::new(&resolution);
+        let harmonics = &folding.harmonics;
+        let builder = Builder::new(scene, &grid, &channels, harmonics);
         let cells: Vec<CellCoefficients> =
             (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
-        let moments = (0..channels.len()).map(|c| to_planes(&grid, &harmonics, &cells, c)).collect();
+        let Planes { moments, pairs, folded } = folding.planes(&grid, &cells, channels.len());
         let origin = harmonics.find(0, 0).expect("order (0, 0) is always in use");
         let fraction =
             |c: usize, j: usize| cells[j][c].iter().map(|p| p[origin].re).sum::<f64>() / grid.height_um(j);
         let fractions =
             (0..channels.len()).map(|c| (0..grid.cells()).map(|j| fraction(c, j)).collect()).collect();
-        Ok(Coverage { grid, channels, moments, fractions, seconds: clock.elapsed().as_secs_f64() })
+        Ok(Coverage {
+            grid,
+            channels,
+            moments,
+            pairs,
+            folded,
+            fractions,
+            seconds: clock.elapsed().as_secs_f64(),
+        })
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.moments.iter().map(|m| m.len() * size_of::<f64>()).sum()
+        self.moments.iter().chain(&self.folded).map(|m| m.len() * size_of::<f64>()).sum()
     }
 }
 
@@ -97,7 +110,9 @@ impl<'a> Builder<'a> {
         channels: &'a [Channel],
         harmonics: &'a Harmonics,
     ) -> Builder<'a> {
-        let [mmax, nmax] = [grid.resolution.nx, grid.resolution.ny].map(|n| (n - 1) / 2);
+        let largest =
+            |i: usize| harmonics.orders.iter().map(|o| o[i].unsigned_abs() as usize).max().unwrap_or(0);
+        let [mmax, nmax] = [largest(0), largest(1)];
         let k = |max: usize, period: f64| TAU * max as f64 / period;
         let kmax = k(mmax, grid.period_um[0]).hypot(k(nmax, grid.period_um[1]));
         Builder { scene, grid, channels, harmonics, transform: SourceTransform::new(mmax, nmax), kmax }
@@ -225,27 +240,4 @@ fn add_edges(builder: &Builder, scratch: &super::fourier::PlaneScratch, plane: &
         let (kx, ky) = (TAU * m as f64 / lx, TAU * n as f64 / ly);
         *value += Complex64::I * (kx * normal_x + ky * normal_y) / ((kx * kx + ky * ky) * lx * ly);
     }
-}
-
-/// Adds the cells' shares of each plane and transforms them to points.
-fn to_planes(grid: &Grid, harmonics: &Harmonics, cells: &[CellCoefficients], channel: usize) -> Array2<f64> {
-    let fft = PlaneFft::new(grid.resolution.nx, grid.resolution.ny);
-    let mut planes = Array2::zeros((grid.planes(), grid.points()));
-    let touching = |plane: usize| {
-        let all = cells.iter().enumerate();
-        all.filter_map(move |(j, c)| c[channel].get(plane.checked_sub(*grid.planes_of_cell(j).start())?))
-    };
-    planes.outer_iter_mut().into_par_iter().enumerate().for_each_init(
-        || (fft.scratch(), vec![Complex64::default(); harmonics.len()]),
-        |(scratch, sum), (plane, mut out)| {
-            sum.fill(Complex64::default());
-            for part in touching(plane) {
-                sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
-            }
-            harmonics.scatter(sum, &mut scratch.spectrum);
-            fft.inverse(scratch, &harmonics.rows);
-            out.iter_mut().zip(&scratch.plane).for_each(|(o, p)| *o = p.re);
-        },
-    );
-    planes
 }

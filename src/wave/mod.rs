@@ -7,6 +7,7 @@ pub mod coverage;
 pub mod element;
 pub mod error;
 pub mod far_field;
+pub mod folding;
 pub mod fourier;
 pub mod grid;
 pub mod incidence;

@@ -77,10 +77,14 @@ impl Problem {
         check_phase(coverage, &mean_k2, lateral_k2[origin])?;
         check_orders(coverage, media, &lateral, k0)?;
         let points = grid.points() as f64;
-        let contrasts = coverage.channels.iter().map(|c| {
+        let contrast = |c: &super::coverage::Channel| {
             let [inclusion, background] = [media.inclusions[c.inclusion], media.backgrounds[c.background]];
-            (inclusion * inclusion - background * background) * (k0 * k0 / points)
-        });
+            (inclusion * inclusion - background * background) * (k0 * k0)
+        };
+        let single: Vec<Complex64> = coverage.channels.iter().map(contrast).collect();
+        let folded =
+            coverage.pairs.iter().map(|&[a, b]| single[a] * single[b] * if a == b { 1.0 } else { 2.0 });
+        let contrasts = single.iter().copied().chain(folded).map(|c| c / points);
         Ok(Problem {
             contrasts: contrasts.collect(),
             offsets: plane_offsets(coverage, media, k0, &mean_k2),
@@ -184,7 +188,9 @@ impl Problem {
         const BLOCK: usize = 64;
         for (b, block) in values.chunks_mut(BLOCK).enumerate() {
             let mut weight = [self.offsets[plane]; BLOCK];
-            for (moments, &contrast) in self.coverage.moments.iter().zip(&self.contrasts) {
+            for (moments, &contrast) in
+                self.coverage.moments.iter().chain(&self.coverage.folded).zip(&self.contrasts)
+            {
                 let row = moments.row(plane).to_slice().expect("rows are contiguous");
                 let part = &row[b * BLOCK..b * BLOCK + block.len()];
                 weight.iter_mut().zip(part).for_each(|(w, &m)| *w += contrast * m);

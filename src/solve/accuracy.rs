@@ -1,0 +1,257 @@
+//! How fine is fine enough: error estimates from coarser companions, and resolutions chosen for an accuracy.
+//!
+//! A result is compared with one that has a fifth fewer points in the plane and one that has a fifth fewer cells
+//! in z. With the observed orders (about 5 in the plane, 4 to 6 in z) each difference is one to two times the
+//! finer result's error, so that their sum serves as the estimate without being extrapolated.
+
+use super::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::wave::{
+    Coverage, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, WaveError,
+};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Share of points or cells that a companion keeps.
+const COMPANION: f64 = 0.8;
+/// Amplitude error per unit of residual: trapped waves amplify it a little.
+const RESIDUAL_WEIGHT: f64 = 3.0;
+/// Points per wavelength in the densest medium, and cells per wavelength, from which the search starts at 1e-2.
+const START: [f64; 2] = [3.0, 2.6];
+/// Resolutions tried before giving up.
+const LEVELS: usize = 12;
+
+/// One solve to be made: everything but the resolution.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    pub scene: &'a Scene,
+    pub media: &'a Media,
+    pub incidence: &'a Incidence,
+    pub mean: Mean,
+    pub scheme: Scheme,
+    pub solver: &'a dyn Solver,
+    pub goal: Goal,
+    /// Most bytes that one solve may take.
+    pub memory: usize,
+}
+
+/// A solve with its error estimate.
+pub struct Estimated {
+    pub problem: Problem,
+    pub solution: Solution,
+    pub far_field: FarField,
+    /// Largest expected error of any complex amplitude.
+    pub error_estimate: f64,
+    /// The estimate's parts: plane, z.
+    pub parts: [f64; 2],
+    /// Seconds for coverage and factors.
+    pub seconds_setup: f64,
+    /// Seconds for the companions.
+    pub seconds_estimate: f64,
+}
+
+/// Why no result of the asked accuracy exists.
+#[derive(Debug, Error)]
+pub enum AccuracyError {
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    #[error(
+        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
+         and the next finer grid would need {need_gb:.1} GB of the {allowed_gb:.1} GB allowed; ask for less accuracy, \
+         a smaller cell, or more memory"
+    )]
+    NotReached { asked: f64, reached: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
+    #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
+    Accuracy(f64),
+}
+
+impl Task<'_> {
+    /// Solves at one resolution.
+    pub fn solve(
+        &self,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<(Problem, Solution, f64), AccuracyError> {
+        let clock = std::time::Instant::now();
+        let coverage = Arc::new(Coverage::new(self.scene, resolution)?);
+        let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
+        let setup = clock.elapsed().as_secs_f64();
+        let solution = self.solver.solve(&problem, self.goal, watch)?;
+        Ok((problem, solution, setup))
+    }
+
+    /// Solves at one resolution and estimates the error from two companions.
+    pub fn solve_with_estimate(
+        &self,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated, AccuracyError> {
+        let (problem, solution, seconds_setup) = self.solve(resolution, watch)?;
+        let far_field = problem.far_field(&solution.field);
+        let clock = std::time::Instant::now();
+        let mut parts = [0.0; 2];
+        if problem.has_contrast() {
+            let plane = [scaled_plane(resolution, COMPANION), scaled_plane(resolution, 1.0 / COMPANION)];
+            let across = [scaled_cells(resolution, COMPANION), scaled_cells(resolution, 1.0 / COMPANION)];
+            parts[0] = if self.scene.uniform_in_plane() {
+                0.0
+            } else {
+                self.compare(&far_field, resolution, plane, watch)?
+            };
+            parts[1] = self.compare(&far_field, resolution, across, watch)?;
+        }
+        let floor = 1e-13 + RESIDUAL_WEIGHT * solution.account.residual;
+        Ok(Estimated {
+            error_estimate: parts[0] + parts[1] + floor,
+            seconds_estimate: clock.elapsed().as_secs_f64(),
+            problem,
+            solution,
+            far_field,
+            parts,
+            seconds_setup,
+        })
+    }
+
+    /// Largest amplitude difference to the coarser companion, or to the finer one where coarser is refused.
+    fn compare(
+        &self,
+        far: &FarField,
+        own: Resolution,
+        companions: [Resolution; 2],
+        watch: &mut dyn Watch,
+    ) -> Result<f64, AccuracyError> {
+        let [coarser, finer] = companions;
+        let attempt = if coarser == own { None } else { self.solve(coarser, watch).ok() };
+        let (problem, solution, _) = match attempt {
+            Some(solved) => solved,
+            None => self.solve(finer, watch)?,
+        };
+        Ok(largest_difference(far, &problem.far_field(&solution.field)))
+    }
+
+    /// Refines plane and z separately until the estimate meets `accuracy`.
+    pub fn solve_to_accuracy(
+        &self,
+        accuracy: f64,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated, AccuracyError> {
+        if !(1e-9..=0.5).contains(&accuracy) {
+            return Err(AccuracyError::Accuracy(accuracy));
+        }
+        let mut task = *self;
+        task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
+        let mut resolution = task.start(accuracy);
+        let mut last: Option<Estimated> = None;
+        for _ in 0..LEVELS {
+            if let (Some(estimated), true) = (&last, task.bytes(resolution) > task.memory) {
+                return Err(task.not_reached(accuracy, estimated, resolution));
+            }
+            let estimated = match task.solve_with_estimate(resolution, watch) {
+                Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) => {
+                    resolution.cells = needed.max(resolution.cells + 1);
+                    continue;
+                }
+                other => other?,
+            };
+            if estimated.error_estimate <= accuracy {
+                return Ok(estimated);
+            }
+            resolution = refine(resolution, estimated.parts, accuracy);
+            last = Some(estimated);
+        }
+        match last {
+            Some(estimated) => Err(task.not_reached(accuracy, &estimated, resolution)),
+            None => Err(AccuracyError::Accuracy(accuracy)),
+        }
+    }
+
+    /// First resolution of the search.
+    fn start(&self, accuracy: f64) -> Resolution {
+        let all = self.media.backgrounds.iter().chain(&self.media.inclusions);
+        let densest = all.map(|eta| eta.norm()).fold(1.0, f64::max);
+        let finer = (1e-2 / accuracy).max(1.0);
+        let waves = densest / self.incidence.wavelength_um;
+        let points = |period: f64| {
+            let orders = 2.0
+                * (period / self.incidence.wavelength_um
+                    * self.media.above.re.max(self.media.below.re)
+                    * 2.0);
+            smooth_size((START[0] * finer.powf(0.2) * waves * period).max(orders.min(8.0)).ceil() as usize)
+        };
+        let nx = if self.scene.uniform_in_plane() { 1 } else { points(self.scene.period_um[0]) };
+        let ny = if self.scene.uniform_in_y() { 1 } else { points(self.scene.period_um[1]) };
+        let cells = (START[1] * finer.powf(0.2) * waves * self.scene.thickness_um()).ceil() as usize;
+        Resolution { nx, ny, cells: cells.max(self.scene.strata.len()).max(2), scheme: self.scheme }
+    }
+
+    /// Bytes of a solve: some 40 basis vectors, factors, coverage.
+    fn bytes(&self, r: Resolution) -> usize {
+        r.nx * r.ny * r.planes() * size_of::<num_complex::Complex64>() * 50
+    }
+
+    fn not_reached(&self, asked: f64, last: &Estimated, next: Resolution) -> AccuracyError {
+        let r = last.problem.coverage.grid.resolution;
+        let gb = |bytes: usize| bytes as f64 / 1e9;
+        AccuracyError::NotReached {
+            asked,
+            reached: last.error_estimate,
+            nx: r.nx,
+            ny: r.ny,
+            cells: r.cells,
+            need_gb: gb(self.bytes(next)),
+            allowed_gb: gb(self.memory),
+        }
+    }
+}
+
+/// Largest difference of any amplitude that both list; all propagating orders are in both.
+pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
+    let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
+    let pairs = a.orders.iter().filter_map(|o| Some((o, other(o.m, o.n)?)));
+    let difference = |(a, b): (&crate::wave::Order, &crate::wave::Order)| {
+        (a.reflected - b.reflected).norm().max((a.transmitted - b.transmitted).norm())
+    };
+    pairs.map(difference).fold(0.0, f64::max)
+}
+
+/// Smallest product of 2, 3 and 5 that is at least `n`.
+pub fn smooth_size(n: usize) -> usize {
+    (n.max(2)..).find(|&n| crate::wave::nufft::is_smooth(n)).expect("smooth numbers are unbounded")
+}
+
+fn scaled_plane(r: Resolution, factor: f64) -> Resolution {
+    let scale = |n: usize| match n {
+        1 => 1,
+        n if factor > 1.0 => smooth_size((n as f64 * factor).ceil() as usize),
+        n => (2..n)
+            .rev()
+            .find(|&k| (k as f64) <= n as f64 * factor && crate::wave::nufft::is_smooth(k))
+            .unwrap_or(n),
+    };
+    Resolution { nx: scale(r.nx), ny: scale(r.ny), ..r }
+}
+
+fn scaled_cells(r: Resolution, factor: f64) -> Resolution {
+    let cells = r.cells as f64 * factor;
+    let cells = if factor > 1.0 { cells.ceil() } else { cells.floor() };
+    Resolution { cells: (cells as usize).max(1), ..r }
+}
+
+/// Refines whatever exceeds its half of the accuracy, as far as fourth-order convergence suggests.
+fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolution {
+    let factor = |part: f64| (part / (0.4 * accuracy)).powf(0.25).clamp(1.12, 1.7);
+    let mut next = r;
+    if parts[0] > 0.45 * accuracy {
+        let grow =
+            |n: usize| if n == 1 { 1 } else { smooth_size((n as f64 * factor(parts[0])).ceil() as usize) };
+        (next.nx, next.ny) = (grow(r.nx), grow(r.ny));
+    }
+    if parts[1] > 0.45 * accuracy {
+        next.cells = (r.cells as f64 * factor(parts[1])).ceil() as usize;
+    }
+    if next == r {
+        next.cells += 1;
+    }
+    next
+}
