@@ -14,11 +14,14 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run a study: packings, wave solves, colour, picture and report.
+    Run(commands::run::RunArgs),
     Solve(commands::solve::SolveArgs),
 }
 
 fn main() -> miette::Result<()> {
     match Cli::parse().command {
+        Command::Run(args) => commands::run::run(&args),
         Command::Solve(args) => commands::solve::run(&args),
     }
 }

@@ -1,1 +1,21 @@
 //! What is seen: bidirectional distribution functions, the paper below, colour and pictures.
+//!
+//! The path: [`FarField`](crate::wave::FarField)s of several realisations → [`bdf::Bdf`] (means with standard
+//! errors) and [`paper::LayerOptics`] → [`paper::LayerOnPaper`] (a Lambertian substrate below, light going back and
+//! forth) → [`ink_on_paper::InkOnPaper`] (all wavelengths, errors over realisations) → [`colour::Colour`] and the
+//! [`picture::InkPicture`] of P1 Fig. 6. [`angles::AngleRule`] says which angles to solve for.
+//!
+//! The wave model is scalar: it is exact for light polarised along the layer (s) on plane layers, and all
+//! appearance derived from it is that of s-polarised light; unpolarised light is approximated by it (P1 section 1).
+
+pub mod angles;
+mod baseline;
+pub mod bdf;
+pub mod colour;
+pub mod estimate;
+pub mod figure;
+pub mod ink_on_paper;
+pub mod paper;
+pub mod picture;
+pub mod slab;
+pub mod tristimulus;

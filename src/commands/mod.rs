@@ -1,3 +1,7 @@
 //! The commands, one file each.
 
+pub mod diagnostics;
+pub mod progress;
+pub mod run;
 pub mod solve;
+pub mod stop;

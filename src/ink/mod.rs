@@ -18,6 +18,8 @@ pub mod request;
 mod sequential;
 pub mod shape;
 pub mod size;
+pub mod spectra;
+mod survivors;
 pub mod vector;
 pub mod volume;
 pub mod watch;

@@ -1,2 +1,13 @@
 //! What was asked: the study file, checked, and the run that carries it out.
+
 pub mod case;
+pub mod check;
+pub mod checked;
+pub mod crew;
+pub mod fault;
+pub mod file;
+pub mod forms;
+pub mod identity;
+pub mod load;
+pub mod locate;
+pub mod watch;

@@ -1,0 +1,340 @@
+//! BRDF and BTDF: ensemble averages of far fields of several realisations at one incidence, with standard errors.
+//!
+//! Orders sit on a uniform lattice in direction cosines (α, β) = (kx, ky)/k0, cell area λ²/(Lx Ly); since
+//! cos θ dω = dα dβ, the estimate at an order is f = ⟨e⟩ Lx Ly/λ² per steradian, with no cosine and no bin area
+//! (vacuum on that side; in a medium of index n, dα dβ = n² cos θ dω). One order of one realisation is speckle with a
+//! relative deviation of 1; smoothing and averaging tame it.
+
+use super::estimate::{Estimate, jackknife_covariance};
+use crate::wave::{FarField, Incidence, Order};
+use ndarray::Array2;
+use num_complex::Complex64;
+use thiserror::Error;
+
+#[derive(Debug, Error, PartialEq)]
+pub enum BdfError {
+    #[error("no far fields: a BDF needs at least one realisation")]
+    Empty,
+    #[error(
+        "far field {index} differs from the first in {field}; average realisations of one incidence and period"
+    )]
+    Mixed { index: usize, field: &'static str },
+    #[error("far field {index}, order ({m}, {n}): not finite; check the solve behind it")]
+    NotFinite { index: usize, m: i32, n: i32 },
+    #[error(
+        "smoothing bandwidth = {value} (direction cosines): must be greater than 0 and finite, at least {spacing:.4} to reach a neighbour"
+    )]
+    Bandwidth { value: f64, spacing: f64 },
+    #[error(
+        "direction cosines ({alpha}, {beta}) are outside the unit circle, or no order lies within the bandwidth {bandwidth}"
+    )]
+    NothingThere { alpha: f64, beta: f64, bandwidth: f64 },
+    #[error("cannot write the table: {0}")]
+    Write(String),
+}
+
+/// The half-space the light leaves into, seen from where it came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    Reflected,
+    Transmitted,
+}
+
+/// One order on one side, averaged over the ensemble. Efficiencies are shares of the incident power.
+///
+/// `coherent` w|⟨a⟩|² and `diffuse` w(⟨|a|²⟩ − |⟨a⟩|²) are the unbiased estimates (variance over n − 1), so that they
+/// sum to the mean efficiency; one realisation cannot tell them apart (`None`). An unbiased coherent part may come
+/// out slightly negative: noise around zero. `bdf` is per steradian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrderMean {
+    pub m: i32,
+    pub n: i32,
+    pub direction: [f64; 2],
+    pub efficiency: Estimate,
+    pub coherent: Option<f64>,
+    pub diffuse: Option<f64>,
+    pub bdf: Estimate,
+}
+
+/// Totals of one side, shares of the incident power.
+///
+/// `specular` is the whole order (0, 0), `diffuse` all others. `coherent` is the part of the specular order that
+/// survives averaging of the amplitude (unbiased, jackknife error; unknown for one realisation).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Totals {
+    pub total: Estimate,
+    pub specular: Estimate,
+    pub diffuse: Estimate,
+    pub coherent: Option<Estimate>,
+}
+
+/// A smoothed BDF value, 1/sr; `effective_orders` = (ΣK)²/ΣK² says how many orders of one realisation it averages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smoothed {
+    pub bdf: Estimate,
+    pub effective_orders: f64,
+}
+
+impl Smoothed {
+    /// What fully developed speckle would give for the standard error: f/√(orders · realisations). A model, usable
+    /// where one realisation leaves the error unknown.
+    pub fn speckle_error(&self, realisations: usize) -> f64 {
+        self.bdf.value / (self.effective_orders * realisations as f64).sqrt()
+    }
+}
+
+/// One side: the orders that propagate there, and every realisation's efficiencies \[realisation, order\].
+#[derive(Clone, Debug, PartialEq)]
+struct LobeData {
+    orders: Vec<OrderMean>,
+    efficiencies: Array2<f64>,
+    totals: Totals,
+}
+
+/// The ensemble's BDF at one incidence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bdf {
+    incidence: Incidence,
+    period_um: [f64; 2],
+    realisations: usize,
+    reflected: LobeData,
+    transmitted: LobeData,
+}
+
+impl Bdf {
+    /// Averages far fields of independent realisations.
+    ///
+    /// # Errors
+    /// No far fields; far fields of different incidence, period or orders; values that are not finite.
+    pub fn from_ensemble(fields: &[FarField]) -> Result<Self, BdfError> {
+        let first = fields.first().ok_or(BdfError::Empty)?;
+        for (index, field) in fields.iter().enumerate() {
+            check(index, first, field)?;
+        }
+        let density = first.period_um[0] * first.period_um[1] / first.incidence.wavelength_um.powi(2);
+        Ok(Self {
+            incidence: first.incidence,
+            period_um: first.period_um,
+            realisations: fields.len(),
+            reflected: LobeData::new(fields, density, Lobe::Reflected),
+            transmitted: LobeData::new(fields, density, Lobe::Transmitted),
+        })
+    }
+
+    pub fn incidence(&self) -> Incidence {
+        self.incidence
+    }
+
+    pub fn period_um(&self) -> [f64; 2] {
+        self.period_um
+    }
+
+    pub fn realisations(&self) -> usize {
+        self.realisations
+    }
+
+    /// The orders that propagate on that side.
+    pub fn orders(&self, lobe: Lobe) -> &[OrderMean] {
+        &self.lobe(lobe).orders
+    }
+
+    pub fn totals(&self, lobe: Lobe) -> Totals {
+        self.lobe(lobe).totals
+    }
+
+    /// Distance of neighbouring orders in direction cosines: [λ/Lx, λ/Ly].
+    pub fn spacing(&self) -> [f64; 2] {
+        self.period_um.map(|l| self.incidence.wavelength_um / l)
+    }
+
+    /// Diffuse BDF at direction cosines (α, β), smoothed with the kernel K = 1 − (d/bandwidth)² over the orders within
+    /// `bandwidth` (direction cosines). The specular order is left out: its neighbours fill the gap.
+    ///
+    /// # Errors
+    /// Bandwidth not positive; directions outside the unit circle; no order within the bandwidth.
+    pub fn at(&self, lobe: Lobe, direction: [f64; 2], bandwidth: f64) -> Result<Smoothed, BdfError> {
+        let [alpha, beta] = direction;
+        self.smooth(lobe, direction, bandwidth, |[a, b]| (a - alpha).hypot(b - beta))
+    }
+
+    /// Diffuse BDF averaged over azimuth at a polar angle (vacuum), smoothed in sin θ with the same kernel.
+    ///
+    /// # Errors
+    /// As [`Bdf::at`].
+    pub fn azimuthal_mean(&self, lobe: Lobe, polar_deg: f64, bandwidth: f64) -> Result<Smoothed, BdfError> {
+        let sin = polar_deg.to_radians().sin();
+        self.smooth(lobe, [sin, 0.0], bandwidth, |[a, b]| a.hypot(b) - sin)
+    }
+
+    /// As [`Bdf::azimuthal_mean`], for each realisation alone, 1/sr.
+    pub fn azimuthal_means(&self, lobe: Lobe, polar_deg: f64, bandwidth: f64) -> Result<Vec<f64>, BdfError> {
+        let sin = polar_deg.to_radians().sin();
+        let (values, _) = self.kernel_means(lobe, [sin, 0.0], bandwidth, |[a, b]| a.hypot(b) - sin)?;
+        Ok(values)
+    }
+
+    fn lobe(&self, lobe: Lobe) -> &LobeData {
+        match lobe {
+            Lobe::Reflected => &self.reflected,
+            Lobe::Transmitted => &self.transmitted,
+        }
+    }
+
+    fn smooth(
+        &self,
+        lobe: Lobe,
+        at: [f64; 2],
+        bandwidth: f64,
+        distance: impl Fn([f64; 2]) -> f64,
+    ) -> Result<Smoothed, BdfError> {
+        let (values, effective_orders) = self.kernel_means(lobe, at, bandwidth, distance)?;
+        Ok(Smoothed { bdf: Estimate::of_mean(&values), effective_orders })
+    }
+
+    /// Kernel-weighted BDF of every realisation, and the effective number of orders.
+    fn kernel_means(
+        &self,
+        lobe: Lobe,
+        at: [f64; 2],
+        bandwidth: f64,
+        distance: impl Fn([f64; 2]) -> f64,
+    ) -> Result<(Vec<f64>, f64), BdfError> {
+        let [dx, dy] = self.spacing();
+        if !(bandwidth.is_finite() && bandwidth > 0.0) {
+            return Err(BdfError::Bandwidth { value: bandwidth, spacing: dx.max(dy) });
+        }
+        let data = self.lobe(lobe);
+        let kernel = |o: &OrderMean| {
+            let specular = o.m == 0 && o.n == 0;
+            if specular { 0.0 } else { (1.0 - (distance(o.direction) / bandwidth).powi(2)).max(0.0) }
+        };
+        let weights: Vec<f64> = data.orders.iter().map(kernel).collect();
+        let (sum, squares) = weights.iter().fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
+        if !(at[0].hypot(at[1]) < 1.0 && sum > 0.0) {
+            return Err(BdfError::NothingThere { alpha: at[0], beta: at[1], bandwidth });
+        }
+        let mean = |row: ndarray::ArrayView1<f64>| {
+            row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>() / sum / (dx * dy)
+        };
+        Ok((data.efficiencies.outer_iter().map(mean).collect(), sum * sum / squares))
+    }
+}
+
+impl LobeData {
+    fn new(fields: &[FarField], density: f64, lobe: Lobe) -> Self {
+        let kept: Vec<usize> =
+            (0..fields[0].orders.len()).filter(|&k| view(&fields[0].orders[k], lobe).propagates).collect();
+        let at = |r: usize, k: usize| view(&fields[r].orders[kept[k]], lobe);
+        let efficiencies = Array2::from_shape_fn((fields.len(), kept.len()), |(r, k)| at(r, k).efficiency);
+        let column = |k: usize| -> Vec<View> { (0..fields.len()).map(|r| at(r, k)).collect() };
+        let orders: Vec<OrderMean> = kept
+            .iter()
+            .enumerate()
+            .map(|(k, &i)| order_mean(&fields[0].orders[i], &column(k), density))
+            .collect();
+        let specular = orders.iter().position(|o| o.m == 0 && o.n == 0);
+        let totals = totals(&efficiencies, specular, &specular.map(column).unwrap_or_default());
+        Self { orders, efficiencies, totals }
+    }
+}
+
+/// One side of an order.
+#[derive(Clone, Copy)]
+struct View {
+    propagates: bool,
+    amplitude: Complex64,
+    efficiency: f64,
+}
+
+fn view(order: &Order, lobe: Lobe) -> View {
+    let (propagates, amplitude, efficiency) = match lobe {
+        Lobe::Reflected => (order.reflected_propagates, order.reflected, order.reflected_efficiency),
+        Lobe::Transmitted => (order.transmitted_propagates, order.transmitted, order.transmitted_efficiency),
+    };
+    View { propagates, amplitude, efficiency }
+}
+
+fn check(index: usize, first: &FarField, field: &FarField) -> Result<(), BdfError> {
+    let mixed = |field| Err(BdfError::Mixed { index, field });
+    if field.incidence != first.incidence {
+        return mixed("incidence");
+    }
+    if field.period_um != first.period_um {
+        return mixed("period_um");
+    }
+    let same = |(a, b): (&Order, &Order)| {
+        let propagation = |o: &Order| (o.reflected_propagates, o.transmitted_propagates);
+        (a.m, a.n) == (b.m, b.n) && propagation(a) == propagation(b)
+    };
+    if field.orders.len() != first.orders.len() || !field.orders.iter().zip(&first.orders).all(same) {
+        return mixed("orders");
+    }
+    let finite = |o: &&Order| {
+        let amplitudes = o.reflected.is_finite() && o.transmitted.is_finite();
+        amplitudes && o.reflected_efficiency.is_finite() && o.transmitted_efficiency.is_finite()
+    };
+    match field.orders.iter().find(|o| !finite(o)) {
+        Some(o) => Err(BdfError::NotFinite { index, m: o.m, n: o.n }),
+        None => Ok(()),
+    }
+}
+
+fn order_mean(order: &Order, column: &[View], density: f64) -> OrderMean {
+    let efficiency = Estimate::of_mean(&column.iter().map(|v| v.efficiency).collect::<Vec<_>>());
+    let coherent = coherent_efficiency(column.iter());
+    OrderMean {
+        m: order.m,
+        n: order.n,
+        direction: order.direction,
+        efficiency,
+        coherent,
+        diffuse: coherent.map(|c| efficiency.value - c),
+        bdf: Estimate {
+            value: efficiency.value * density,
+            standard_error: efficiency.standard_error.map(|s| s * density),
+        },
+    }
+}
+
+/// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), w = Σe/Σ|a|² the flux factor of the order. `None` for one sample.
+fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64> {
+    let (mut n, mut sum, mut square, mut power) = (0.0, Complex64::ZERO, 0.0, 0.0);
+    for v in views {
+        n += 1.0;
+        sum += v.amplitude;
+        square += v.amplitude.norm_sqr();
+        power += v.efficiency;
+    }
+    if n < 2.0 {
+        return None;
+    }
+    let flux = if square > 0.0 { power / square } else { 0.0 };
+    let mean = (sum / n).norm_sqr();
+    let variance = (square - n * mean) / (n - 1.0);
+    Some(flux * (mean - variance / n))
+}
+
+fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column: &[View]) -> Totals {
+    let sums: Vec<f64> = efficiencies.outer_iter().map(|row| row.sum()).collect();
+    let mirrored: Vec<f64> = efficiencies.outer_iter().map(|row| specular.map_or(0.0, |k| row[k])).collect();
+    let scattered: Vec<f64> = sums.iter().zip(&mirrored).map(|(s, m)| s - m).collect();
+    Totals {
+        total: Estimate::of_mean(&sums),
+        specular: Estimate::of_mean(&mirrored),
+        diffuse: Estimate::of_mean(&scattered),
+        coherent: coherent_total(column),
+    }
+}
+
+/// The coherent part of the specular order; leaving one out needs three realisations for an error.
+fn coherent_total(column: &[View]) -> Option<Estimate> {
+    let others = |r: usize| column.iter().enumerate().filter(move |(s, _)| *s != r).map(|(_, v)| v);
+    let replicates: Option<Vec<[f64; 1]>> =
+        (0..column.len()).map(|r| coherent_efficiency(others(r)).map(|c| [c])).collect();
+    let variance = replicates.and_then(|r| jackknife_covariance(&r)).map(|c| c[0][0].sqrt());
+    coherent_efficiency(column.iter()).map(|value| Estimate { value, standard_error: variance })
+}
+
+#[cfg(test)]
+#[path = "bdf_tests.rs"]
+mod tests;

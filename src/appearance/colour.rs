@@ -1,0 +1,174 @@
+//! Colour of a spectrum: XYZ, CIE Lab, sRGB, and colour differences with their uncertainty.
+
+use super::estimate::{Estimate, jackknife_covariance};
+pub use super::tristimulus::{Colorimeter, ColourError};
+use colorimetry::lab::CieLab;
+use colorimetry::observer::Observer;
+use colorimetry::xyz::{RelXYZ, XYZ};
+use serde::Serialize;
+
+/// Slack of the gamut test: rounding of the division by white.
+const GAMUT_SLACK: f64 = 1e-9;
+
+/// A colour under D65 for the CIE 1931 2° observer.
+///
+/// `lab` refers to the grid's own perfect white. `linear_rgb` is divided per channel by that of white and not
+/// clipped; `srgb` and `srgb8` are clipped to 0–1 before the transfer curve (IEC 61966-2-1), and `out_of_gamut`
+/// tells when that changed the colour. `lab_covariance` is `None` when one realisation leaves it unknown.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Colour {
+    pub xyz: [f64; 3],
+    pub white_xyz: [f64; 3],
+    pub lab: [f64; 3],
+    pub linear_rgb: [f64; 3],
+    pub srgb: [f64; 3],
+    pub srgb8: [u8; 3],
+    pub out_of_gamut: bool,
+    pub lab_covariance: Option<[[f64; 3]; 3]>,
+}
+
+impl Colorimeter {
+    /// Colour of a spectrum of reflectance factors (perfect white = 1), uncertainty unknown.
+    ///
+    /// ```
+    /// use inkwave::appearance::colour::Colorimeter;
+    /// let wavelengths_nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
+    /// let white = Colorimeter::new(&wavelengths_nm)?.colour(&[1.0; 31])?;
+    /// assert_eq!(white.srgb8, [255, 255, 255]);
+    /// # Ok::<(), inkwave::appearance::colour::ColourError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Wrong length, or a value that is not finite.
+    pub fn colour(&self, values: &[f64]) -> Result<Colour, ColourError> {
+        let (xyz, white_xyz) = (self.xyz(values)?, self.white_xyz());
+        let linear_rgb = self.linear_rgb(xyz);
+        let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
+        Ok(Colour {
+            xyz,
+            white_xyz,
+            lab: lab_of(xyz, white_xyz),
+            linear_rgb,
+            srgb,
+            srgb8: srgb.map(|c| (255.0 * c).round() as u8),
+            out_of_gamut: linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c)),
+            lab_covariance: None,
+        })
+    }
+
+    /// Colour of the ensemble's spectrum with the jackknife covariance of Lab: `replicates` are the same
+    /// spectrum computed with one realisation left out at a time (n of them; fewer than two leave it unknown).
+    ///
+    /// # Errors
+    /// As [`Colorimeter::colour`].
+    pub fn colour_with_error(&self, values: &[f64], replicates: &[Vec<f64>]) -> Result<Colour, ColourError> {
+        let labs = replicates.iter().map(|r| Ok(self.colour(r)?.lab)).collect::<Result<Vec<_>, _>>()?;
+        Ok(Colour { lab_covariance: jackknife_covariance(&labs), ..self.colour(values)? })
+    }
+}
+
+impl Colour {
+    /// C* = √(a*² + b*²), standard error to first order.
+    pub fn chroma(&self) -> Estimate {
+        self.propagate(|[_, a, b]| a.hypot(b))
+    }
+
+    /// Hue angle, degrees in 0–360, standard error to first order (unknown for a neutral colour, where the
+    /// angle has no meaning and 0 is returned).
+    pub fn hue_deg(&self) -> Estimate {
+        let [_, a, b] = self.lab;
+        let square = a * a + b * b;
+        if square < 1e-18 {
+            return Estimate::unknown_error(0.0);
+        }
+        let gradient = [0.0, -b / square, a / square].map(f64::to_degrees);
+        let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, gradient).sqrt());
+        Estimate { value: b.atan2(a).to_degrees().rem_euclid(360.0), standard_error }
+    }
+
+    /// Standard errors of L*, a*, b*.
+    pub fn lab_standard_error(&self) -> Option<[f64; 3]> {
+        self.lab_covariance.map(|c| std::array::from_fn(|i| c[i][i].max(0.0).sqrt()))
+    }
+
+    /// ΔE*ab (CIE 1976) to an independent colour; see [`Colour::delta_e_2000`] for the error.
+    pub fn delta_e_76(&self, other: &Self) -> Estimate {
+        self.difference(other, |p, q| distance(p, q))
+    }
+
+    /// ΔE₀₀ (CIEDE2000, k_L = k_C = k_H = 1) to an independent colour.
+    ///
+    /// The error is first order: √(gᵀ(C₁ + C₂)g), g the gradient along the line between the two colours. Where ΔE
+    /// is not well above it, noise alone lifts ΔE: compare with [`Colour::delta_e_noise`]. Variants that share
+    /// their packings are correlated; the error is then an upper estimate for a positive correlation.
+    pub fn delta_e_2000(&self, other: &Self) -> Estimate {
+        self.difference(other, ciede2000)
+    }
+
+    /// Root mean square of ΔE*ab that the two uncertainties alone would show: √tr(C₁ + C₂).
+    pub fn delta_e_noise(&self, other: &Self) -> Option<f64> {
+        let trace = |c: [[f64; 3]; 3]| c[0][0] + c[1][1] + c[2][2];
+        Some((trace(self.lab_covariance?) + trace(other.lab_covariance?)).sqrt())
+    }
+
+    fn propagate(&self, f: impl Fn([f64; 3]) -> f64) -> Estimate {
+        let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, gradient(&f, self.lab)).sqrt());
+        Estimate { value: f(self.lab), standard_error }
+    }
+
+    fn difference(&self, other: &Self, f: impl Fn([f64; 3], [f64; 3]) -> f64) -> Estimate {
+        let here = gradient(&|p| f(p, other.lab), self.lab);
+        let there = gradient(&|q| f(self.lab, q), other.lab);
+        let variance = |a, b| quadratic_form(&a, here) + quadratic_form(&b, there);
+        let covariances = self.lab_covariance.zip(other.lab_covariance);
+        let first_order = covariances.map(|(a, b)| variance(a, b).sqrt());
+        // equal colours have no line between them: the noise in every direction bounds the error
+        let equal = distance(self.lab, other.lab) < 2.0 * STEP;
+        let standard_error = if equal { self.delta_e_noise(other) } else { first_order };
+        Estimate { value: f(self.lab, other.lab), standard_error }
+    }
+}
+
+/// IEC 61966-2-1 transfer curve for 0 ≤ c ≤ 1.
+pub fn srgb_curve(c: f64) -> f64 {
+    if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn lab_of(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
+    let white = XYZ::new(white, Observer::Cie1931);
+    CieLab::from_rxyz(RelXYZ::new(xyz, white)).to_array()
+}
+
+fn ciede2000(p: [f64; 3], q: [f64; 3]) -> f64 {
+    let white = Observer::Cie1931.xyz_d65();
+    // the same observer and white on both sides: the crate has no reason to refuse
+    CieLab::new(p, white).ciede2000(&CieLab::new(q, white)).unwrap_or_else(|_| distance(p, q))
+}
+
+fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
+    p.iter().zip(q).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+fn quadratic_form(c: &[[f64; 3]; 3], g: [f64; 3]) -> f64 {
+    let row = |i: usize| (0..3).map(|j| c[i][j] * g[j]).sum::<f64>();
+    (0..3).map(|i| g[i] * row(i)).sum::<f64>().max(0.0)
+}
+
+/// Step of the numerical gradients, Lab units.
+const STEP: f64 = 1e-3;
+
+/// Central differences.
+fn gradient(f: &impl Fn([f64; 3]) -> f64, at: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let shifted = |by: f64| {
+            let mut p = at;
+            p[i] += by;
+            f(p)
+        };
+        (shifted(STEP) - shifted(-STEP)) / (2.0 * STEP)
+    })
+}
+
+#[cfg(test)]
+#[path = "colour_tests.rs"]
+mod tests;

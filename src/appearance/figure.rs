@@ -1,0 +1,174 @@
+//! The canvas under pictures and plots: an RGB bitmap with the built-in font, written as PNG.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::register_font;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::Once;
+use thiserror::Error;
+
+#[derive(Debug, Error)]
+pub enum FigureError {
+    #[error("cannot write {path}: {message}; check the folder and its rights", path = path.display())]
+    Write { path: PathBuf, message: String },
+    #[error("cannot draw: {0}")]
+    Draw(String),
+    #[error("{field} = {value}: allowed {lo} to {hi}")]
+    Size { field: &'static str, value: usize, lo: usize, hi: usize },
+    #[error("nothing to draw: {field} is empty")]
+    Empty { field: &'static str },
+    #[error("{field}: {count} entries where {expected} are needed")]
+    Count { field: &'static str, count: usize, expected: usize },
+}
+
+/// The font of all figures.
+pub const FONT: &str = "sans-serif";
+
+/// Registers DejaVu Sans for plotters, once per process: no system font is needed.
+pub fn register_fonts() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // the embedded font is valid; if plotters refused it, drawing would report the missing font
+        let _ = register_font(FONT, FontStyle::Normal, dejavu::sans::regular());
+        let _ = register_font(FONT, FontStyle::Bold, dejavu::sans::bold());
+    });
+}
+
+/// Okabe–Ito colours, told apart with every common colour blindness; black first.
+pub const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 0, 0),
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+];
+
+/// An RGB bitmap, 8 bits, sRGB.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bitmap {
+    width: usize,
+    height: usize,
+    rgb: Vec<u8>,
+}
+
+/// Where a text stands relative to its point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    Left,
+    Centre,
+    Right,
+}
+
+/// Largest side of a bitmap, pixels.
+const LARGEST_SIDE: usize = 20_000;
+
+impl Bitmap {
+    /// A white bitmap.
+    ///
+    /// # Errors
+    /// A side of 0 or more than 20 000 pixels.
+    pub fn white(width: usize, height: usize) -> Result<Self, FigureError> {
+        for (field, value) in [("width", width), ("height", height)] {
+            if !(1..=LARGEST_SIDE).contains(&value) {
+                return Err(FigureError::Size { field, value, lo: 1, hi: LARGEST_SIDE });
+            }
+        }
+        Ok(Self { width, height, rgb: vec![255; 3 * width * height] })
+    }
+
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    pub fn pixel(&self, x: usize, y: usize) -> Option<[u8; 3]> {
+        let inside = x < self.width && y < self.height;
+        inside.then(|| std::array::from_fn(|c| self.rgb[3 * (y * self.width + x) + c]))
+    }
+
+    /// Fills a rectangle; what lies outside is cut off.
+    pub fn fill(&mut self, [x, y]: [usize; 2], [width, height]: [usize; 2], colour: [u8; 3]) {
+        for row in y..(y + height).min(self.height) {
+            for column in x..(x + width).min(self.width) {
+                let at = 3 * (row * self.width + column);
+                self.rgb[at..at + 3].copy_from_slice(&colour);
+            }
+        }
+    }
+
+    /// Writes a line of text, vertically centred on `y`; `upwards` turns it by 90°.
+    ///
+    /// # Errors
+    /// The font fails (it is embedded, so it does not).
+    pub fn text(
+        &mut self,
+        text: &str,
+        [x, y]: [i32; 2],
+        px: u32,
+        anchor: Anchor,
+        upwards: bool,
+    ) -> Result<(), FigureError> {
+        let horizontal = match anchor {
+            Anchor::Left => HPos::Left,
+            Anchor::Centre => HPos::Center,
+            Anchor::Right => HPos::Right,
+        };
+        register_fonts(); // a font is looked up when its description is made
+        let mut font = (FONT, px).into_font();
+        if upwards {
+            font = font.transform(FontTransform::Rotate270);
+        }
+        let style = TextStyle::from(font).color(&BLACK).pos(Pos::new(horizontal, VPos::Center));
+        self.draw(|area| {
+            area.draw(&Text::new(text.to_string(), (x, y), style))
+                .map_err(|e| FigureError::Draw(e.to_string()))
+        })
+    }
+
+    /// Draws with plotters.
+    ///
+    /// # Errors
+    /// Whatever the drawing reports.
+    pub fn draw(
+        &mut self,
+        paint: impl FnOnce(&DrawingArea<BitMapBackend, Shift>) -> Result<(), FigureError>,
+    ) -> Result<(), FigureError> {
+        register_fonts();
+        let size = (self.width as u32, self.height as u32);
+        let area = BitMapBackend::with_buffer(&mut self.rgb, size).into_drawing_area();
+        paint(&area)?;
+        area.present().map_err(|e| FigureError::Draw(e.to_string()))
+    }
+
+    /// Writes a PNG with the sRGB chunk and text chunks (keyword, text), e.g. provenance.
+    ///
+    /// # Errors
+    /// The path cannot be written; a keyword is not 1–79 Latin-1 characters.
+    pub fn write_png(&self, path: impl AsRef<Path>, text: &[(&str, &str)]) -> Result<(), FigureError> {
+        let path = path.as_ref();
+        let failed = |message: String| FigureError::Write { path: path.into(), message };
+        let file = File::create(path).map_err(|e| failed(e.to_string()))?;
+        self.encode(BufWriter::new(file), text).map_err(|e| failed(e.to_string()))
+    }
+
+    fn encode(&self, sink: impl std::io::Write, text: &[(&str, &str)]) -> Result<(), png::EncodingError> {
+        let mut encoder = png::Encoder::new(sink, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+        for (keyword, value) in text {
+            encoder.add_itxt_chunk(keyword.to_string(), value.to_string())?;
+        }
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.rgb)?;
+        writer.finish()
+    }
+}

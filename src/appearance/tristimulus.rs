@@ -1,0 +1,187 @@
+//! Tristimulus weights of a wavelength grid: CIE 1931 2° observer under D65.
+
+use colorimetry::illuminant::CieIlluminant;
+use colorimetry::observer::Observer;
+use thiserror::Error;
+
+/// Range of the CIE tables, nm.
+pub const TABLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
+
+/// Uniform grids up to this step are summed as they are; others are resampled to at most [`RESAMPLED_STEP_NM`].
+const LARGEST_DIRECT_STEP_NM: f64 = 10.0;
+const RESAMPLED_STEP_NM: f64 = 5.0;
+
+/// IEC 61966-2-1: linear RGB = M · XYZ with Y = 1 for white.
+const XYZ_TO_RGB: [[f64; 3]; 3] =
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
+
+/// White must keep at least this share of every channel, or a division by it blows noise up.
+const LEAST_WHITE_CHANNEL: f64 = 0.1;
+
+#[derive(Debug, Error, PartialEq)]
+pub enum ColourError {
+    #[error("wavelengths_nm has {count} entries; a colour needs at least 3, spread over 400 to 700 nm")]
+    TooFewWavelengths { count: usize },
+    #[error(
+        "wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables); leave it out of the colour"
+    )]
+    BadWavelength { index: usize, value: f64, lo: f64, hi: f64 },
+    #[error(
+        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of the {name} channel, at least {least} needed; cover 400 to 700 nm"
+    )]
+    WhiteNotCovered { first: f64, last: f64, name: &'static str, channel: f64, least: f64 },
+    #[error("the spectrum has {count} values for {expected} wavelengths")]
+    WrongLength { count: usize, expected: usize },
+    #[error("spectrum value at {wavelength_nm} nm = {value}: must be finite")]
+    NotFinite { wavelength_nm: f64, value: f64 },
+}
+
+/// Turns spectra on one wavelength grid into tristimulus values: XYZ = Σ_j w_j R_j, white (R = 1) has Y = 100.
+///
+/// A uniform grid with steps up to 10 nm is summed as it is (CIE 15, plain sum). Any other grid is resampled to
+/// steps of at most 5 nm between its ends by Lagrange interpolation through the four nearest points (three
+/// in the first and last interval: the rule of ASTM E2022), which keeps XYZ linear in the spectrum. Nothing is
+/// extrapolated: the sum ends where the grid ends, for white as well.
+///
+/// *Measured* over the 12 spectra of `validation/data/colour.json`, largest ΔE*ab against the 5 nm sum from 400 to
+/// 700 nm: 16 points (20 nm) 0.5, 12 points (27 nm) 1.6, 8 points (43 nm) 6.5; a band of σ = 12 nm is lost by
+/// such grids (1.3, 7.8, 79). Test `coarse_grids_keep_the_colour`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Colorimeter {
+    wavelengths_nm: Vec<f64>,
+    weights: Vec<[f64; 3]>,
+    white_xyz: [f64; 3],
+    white_rgb: [f64; 3],
+}
+
+impl Colorimeter {
+    /// Weights for a grid, nm, increasing, uniform or not.
+    ///
+    /// # Errors
+    /// Fewer than 3 wavelengths, not increasing, outside 380–780 nm, or so narrow that white loses a channel.
+    pub fn new(wavelengths_nm: &[f64]) -> Result<Self, ColourError> {
+        check_grid(wavelengths_nm)?;
+        let raw = if is_direct(wavelengths_nm) {
+            wavelengths_nm.iter().map(|&nm| light_times_observer(nm)).collect()
+        } else {
+            resampled_weights(wavelengths_nm)
+        };
+        let scale = 100.0 / raw.iter().map(|w| w[1]).sum::<f64>();
+        let weights: Vec<_> = raw.iter().map(|w| w.map(|x| scale * x)).collect();
+        let white_xyz = weighted_sum(&weights, &vec![1.0; weights.len()]);
+        let white_rgb = rgb_of(white_xyz);
+        check_white(wavelengths_nm, white_xyz, white_rgb)?;
+        Ok(Self { wavelengths_nm: wavelengths_nm.to_vec(), weights, white_xyz, white_rgb })
+    }
+
+    pub fn wavelengths_nm(&self) -> &[f64] {
+        &self.wavelengths_nm
+    }
+
+    /// XYZ of the perfect white diffuser on this grid; Y = 100.
+    pub fn white_xyz(&self) -> [f64; 3] {
+        self.white_xyz
+    }
+
+    /// XYZ of a spectrum of reflectance factors (white = 1), one value per wavelength.
+    ///
+    /// # Errors
+    /// Wrong length, or a value that is not finite.
+    pub fn xyz(&self, values: &[f64]) -> Result<[f64; 3], ColourError> {
+        if values.len() != self.weights.len() {
+            return Err(ColourError::WrongLength { count: values.len(), expected: self.weights.len() });
+        }
+        match values.iter().position(|v| !v.is_finite()) {
+            Some(i) => {
+                Err(ColourError::NotFinite { wavelength_nm: self.wavelengths_nm[i], value: values[i] })
+            }
+            None => Ok(weighted_sum(&self.weights, values)),
+        }
+    }
+
+    /// Linear sRGB, divided per channel by that of white, so that white is exactly (1, 1, 1); not clipped.
+    pub fn linear_rgb(&self, xyz: [f64; 3]) -> [f64; 3] {
+        let rgb = rgb_of(xyz);
+        std::array::from_fn(|c| rgb[c] / self.white_rgb[c])
+    }
+}
+
+fn rgb_of(xyz: [f64; 3]) -> [f64; 3] {
+    XYZ_TO_RGB.map(|row| row.iter().zip(xyz).map(|(m, x)| m * x / 100.0).sum())
+}
+
+fn weighted_sum(weights: &[[f64; 3]], values: &[f64]) -> [f64; 3] {
+    std::array::from_fn(|c| weights.iter().zip(values).map(|(w, v)| w[c] * v).sum())
+}
+
+fn check_grid(grid: &[f64]) -> Result<(), ColourError> {
+    if grid.len() < 3 {
+        return Err(ColourError::TooFewWavelengths { count: grid.len() });
+    }
+    let [lo, hi] = TABLE_RANGE_NM;
+    let bad = |i: usize| !(lo..=hi).contains(&grid[i]) || (i > 0 && grid[i] <= grid[i - 1]);
+    match (0..grid.len()).find(|&i| bad(i)) {
+        Some(index) => Err(ColourError::BadWavelength { index, value: grid[index], lo, hi }),
+        None => Ok(()),
+    }
+}
+
+fn check_white(grid: &[f64], xyz: [f64; 3], rgb: [f64; 3]) -> Result<(), ColourError> {
+    let least = LEAST_WHITE_CHANNEL;
+    let shares =
+        [("red", rgb[0]), ("green", rgb[1]), ("blue", rgb[2]), ("X", xyz[0] / 100.0), ("Z", xyz[2] / 100.0)];
+    match shares.into_iter().find(|(_, share)| !(*share >= least)) {
+        Some((name, channel)) => {
+            let (first, last) = (grid[0], grid[grid.len() - 1]);
+            Err(ColourError::WhiteNotCovered { first, last, name, channel, least })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Uniform with a step of at most 10 nm (to a rounding of the user's numbers).
+fn is_direct(grid: &[f64]) -> bool {
+    let step = (grid[grid.len() - 1] - grid[0]) / (grid.len() - 1) as f64;
+    let uniform = grid.windows(2).all(|w| (w[1] - w[0] - step).abs() < 1e-6 * step);
+    uniform && step <= LARGEST_DIRECT_STEP_NM * (1.0 + 1e-9)
+}
+
+/// S(λ) (x̄, ȳ, z̄)(λ), linear between the 1 nm rows of the tables.
+fn light_times_observer(nm: f64) -> [f64; 3] {
+    let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
+    let below = (nm.floor() as usize).clamp(lo, hi - 1);
+    let t = nm - below as f64;
+    let (a, b) = (table_row(below), table_row(below + 1));
+    std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
+}
+
+fn table_row(nm: usize) -> [f64; 3] {
+    let light = CieIlluminant::D65.illuminant().as_ref()[nm];
+    // every caller stays inside the tables, where the crate has an answer
+    Observer::Cie1931.xyz_at_wavelength(nm).map_or([0.0; 3], |xyz| xyz.to_array().map(|x| light * x))
+}
+
+fn resampled_weights(grid: &[f64]) -> Vec<[f64; 3]> {
+    let (first, last) = (grid[0], grid[grid.len() - 1]);
+    let intervals = ((last - first) / RESAMPLED_STEP_NM - 1e-9).ceil().max(1.0);
+    let mut weights = vec![[0.0; 3]; grid.len()];
+    for k in 0..=intervals as usize {
+        let nm = first + (last - first) * k as f64 / intervals;
+        let row = light_times_observer(nm);
+        for (j, share) in lagrange_shares(grid, nm) {
+            (0..3).for_each(|c| weights[j][c] += share * row[c]);
+        }
+    }
+    weights
+}
+
+/// (index, weight) of the local Lagrange interpolation through up to four neighbours.
+fn lagrange_shares(grid: &[f64], at: f64) -> Vec<(usize, f64)> {
+    let after = grid.partition_point(|&x| x < at).clamp(1, grid.len() - 1);
+    let window = after.saturating_sub(2)..(after + 2).min(grid.len());
+    let share = |j: usize| {
+        let factors = window.clone().filter(|&k| k != j).map(|k| (at - grid[k]) / (grid[j] - grid[k]));
+        factors.product::<f64>()
+    };
+    window.clone().map(|j| (j, share(j))).collect()
+}

@@ -1,0 +1,123 @@
+//! Progress of a run on stderr: a bar on a terminal, a plain line every ten seconds elsewhere.
+
+use super::stop::StopFlag;
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use inkwave::study::checked::{Point, Study};
+use inkwave::study::watch::RunWatch;
+use inkwave::wave::Side;
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+const BETWEEN_LINES: Duration = Duration::from_secs(10);
+
+/// Shows a run's progress and passes the user's stop on.
+pub struct Progress {
+    stop: StopFlag,
+    bar: ProgressBar,
+    /// None on a terminal; elsewhere the time of the last line.
+    last_line: Option<Mutex<Instant>>,
+    started: Mutex<Instant>,
+    solved: AtomicUsize,
+    left: AtomicUsize,
+}
+
+impl Progress {
+    pub fn new(stop: StopFlag) -> Self {
+        let plain = !std::io::stderr().is_terminal();
+        let bar = ProgressBar::no_length();
+        let template = "{bar:32} {pos}/{len} solves  {msg}  {elapsed} gone, {prefix}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("━╸ "));
+        }
+        if !plain {
+            bar.enable_steady_tick(Duration::from_millis(250));
+        }
+        Self {
+            stop,
+            bar,
+            last_line: plain.then(|| Mutex::new(Instant::now())),
+            started: Mutex::new(Instant::now()),
+            solved: AtomicUsize::new(0),
+            left: AtomicUsize::new(0),
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn say(&self, text: &str) {
+        match self.last_line {
+            Some(_) => eprintln!("{text}"),
+            None => self.bar.println(text),
+        }
+    }
+
+    /// Mean time of the solves of this run times those left.
+    fn time_left(&self) -> String {
+        let (solved, left) = (self.solved.load(Ordering::Relaxed), self.left.load(Ordering::Relaxed));
+        let Ok(started) = self.started.lock() else { return String::new() };
+        if solved == 0 {
+            return "time left unknown".into();
+        }
+        let seconds = started.elapsed().as_secs_f64() * left as f64 / solved as f64;
+        format!("about {} left", HumanDuration(Duration::from_secs_f64(seconds)))
+    }
+
+    fn line_when_due(&self) {
+        let Some(last) = self.last_line.as_ref().and_then(|last| last.lock().ok()) else { return };
+        let mut last = last;
+        if last.elapsed() >= BETWEEN_LINES {
+            *last = Instant::now();
+            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0));
+            eprintln!("{done}/{all} solves, {}, {}", self.bar.message(), self.time_left());
+        }
+    }
+}
+
+impl RunWatch for Progress {
+    fn stop(&self) -> bool {
+        self.stop.is_raised()
+    }
+
+    fn begins(&self, study: &Study, kept: usize) {
+        let all = study.solves();
+        self.bar.set_length(all as u64);
+        self.bar.set_position(kept as u64);
+        self.left.store(all.saturating_sub(kept), Ordering::Relaxed);
+        if kept > 0 {
+            self.say(&format!("{kept} of {all} solves are there already"));
+        }
+    }
+
+    fn stage(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+        if self.last_line.is_some() {
+            eprintln!("{what}");
+        }
+    }
+
+    fn solving(&self, study: &Study, point: &Point) {
+        let Point { realisation, incidence, .. } = point;
+        let (nm, angle) = (1e3 * incidence.wavelength_um, incidence.polar_deg);
+        let below = if incidence.from == Side::Below { " from below" } else { "" };
+        let of = study.realisations;
+        self.bar
+            .set_message(format!("realisation {}/{of} · {nm:.0} nm · {angle:.0}°{below}", realisation + 1));
+        self.bar.set_prefix(self.time_left());
+    }
+
+    fn solved(&self, _study: &Study, point: &Point, failure: Option<&str>) {
+        self.solved.fetch_add(1, Ordering::Relaxed);
+        self.left.fetch_sub(1, Ordering::Relaxed);
+        self.bar.inc(1);
+        if let Some(failure) = failure {
+            let nm = 1e3 * point.incidence.wavelength_um;
+            self.say(&format!("no result at {nm:.0} nm, {:.0}°: {failure}", point.incidence.polar_deg));
+        }
+        self.line_when_due();
+    }
+}

@@ -1,0 +1,34 @@
+//! Ctrl-C: the first stops cleanly, the second at once.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Exit code of a program ended by Ctrl-C (128 + SIGINT).
+const INTERRUPTED: i32 = 130;
+
+/// Raised when the user has asked to stop.
+#[derive(Clone, Debug, Default)]
+pub struct StopFlag(Arc<AtomicBool>);
+
+impl StopFlag {
+    /// Listens for Ctrl-C and for a request to terminate. Where the system refuses, Ctrl-C ends the program
+    /// at once; finished points are safe then, too.
+    pub fn listen() -> Self {
+        let flag = Self::default();
+        let raised = flag.0.clone();
+        let listening = ctrlc::set_handler(move || {
+            if raised.swap(true, Ordering::SeqCst) {
+                std::process::exit(INTERRUPTED);
+            }
+            eprintln!("\nStopping after the present step; once more to end at once.");
+        });
+        if let Err(error) = listening {
+            eprintln!("Ctrl-C will end the program at once ({error}).");
+        }
+        flag
+    }
+
+    pub fn is_raised(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
+}

@@ -1,0 +1,311 @@
+//! Index of refraction against wavelength: constants, built-in synthetic pigments, a user's table.
+//!
+//! P1 fixes Re η = 1.4 for every pigment and shows Im η of red, yellow, blue and an artificial green only as a
+//! plot (Fig. 5). The built-in pigments are therefore **synthetic**: smooth sums of Gaussians made for this
+//! project (`validation/data/pigments.json`), not measured data. Measured spectra come from a CSV file.
+
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Re η of every pigment in P1 section 5; used where a table has no column `n`.
+pub const PIGMENT_N: f64 = 1.4;
+
+/// A wavelength that a spectrum cannot answer, or a table that is not a spectrum.
+#[derive(Debug, Error)]
+pub enum SpectrumError {
+    #[error(
+        "wavelength_nm = {value} is outside the spectrum {name}: {lo} to {hi} nm; choose wavelengths inside or extend the table"
+    )]
+    OutOfRange { name: String, value: f64, lo: f64, hi: f64 },
+    #[error("wavelength_nm = {value}: must be finite and greater than 0")]
+    BadWavelength { value: f64 },
+    #[error("unknown pigment spectrum {value:?}: one of red, yellow, blue, green, or a CSV file")]
+    UnknownPigment { value: String },
+    #[error("{field} = {value}: allowed are finite values {allowed}; {remedy}")]
+    BadValue { field: String, value: f64, allowed: &'static str, remedy: &'static str },
+    #[error("{path}: {rows} rows; at least 2 are needed to interpolate, or use a constant index", path = path.display())]
+    TooFewRows { path: PathBuf, rows: usize },
+    #[error("{path}: {source}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n", path = path.display())]
+    Unreadable { path: PathBuf, source: csv::Error },
+}
+
+/// The built-in synthetic pigments (κ(λ) of `validation/data/pigments.json`, Re η = 1.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Synthetic {
+    Red,
+    Yellow,
+    Blue,
+    Green,
+}
+
+/// Range in which the synthetic formulas are used: that of the CIE tables.
+const SYNTHETIC_RANGE_NM: [f64; 2] = [380.0, 780.0];
+
+impl Synthetic {
+    pub const ALL: [Self; 4] = [Self::Red, Self::Yellow, Self::Blue, Self::Green];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Red => "red",
+            Self::Yellow => "yellow",
+            Self::Blue => "blue",
+            Self::Green => "green",
+        }
+    }
+
+    /// κ(λ) = 0.30 (Σ a exp(−((λ − c)/s)²/2) + floor), λ in nm.
+    pub fn kappa(self, wavelength_nm: f64) -> f64 {
+        let (bands, floor): (&[[f64; 3]], f64) = match self {
+            Self::Red => (&[[0.58, 516., 30.], [0.77, 549., 21.], [0.20, 360., 45.]], 0.015),
+            Self::Yellow => (&[[0.55, 412., 34.], [0.74, 457., 23.]], 0.008),
+            Self::Blue => (&[[0.80, 618., 36.], [1.00, 705., 40.], [0.18, 345., 45.]], 0.010),
+            Self::Green => (&[[1.00, 430., 32.], [1.00, 655., 38.]], 0.008),
+        };
+        let gauss = |[a, c, s]: &[f64; 3]| a * (-((wavelength_nm - c) / s).powi(2) / 2.0).exp();
+        0.30 * (bands.iter().map(gauss).sum::<f64>() + floor)
+    }
+}
+
+/// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sample {
+    pub wavelength_nm: f64,
+    pub n: f64,
+    pub kappa: f64,
+}
+
+/// A row of the user's file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    wavelength_nm: f64,
+    kappa: f64,
+    n: Option<f64>,
+}
+
+/// A tabulated spectrum, increasing in wavelength; linear between its rows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Table {
+    name: String,
+    samples: Vec<Sample>,
+}
+
+/// Index of refraction η(λ) = n + iκ of one material; κ > 0 absorbs (time factor e^{−iωt}).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Spectrum {
+    /// The same index at every wavelength.
+    Constant { n: f64, kappa: f64 },
+    /// A built-in synthetic pigment.
+    Synthetic(Synthetic),
+    /// A user's table.
+    Tabulated(Table),
+}
+
+impl Spectrum {
+    /// A constant index.
+    ///
+    /// # Errors
+    /// `n` not positive, `kappa` negative, or either not finite.
+    pub fn constant(n: f64, kappa: f64) -> Result<Self, SpectrumError> {
+        check_index("index", n, kappa)?;
+        Ok(Self::Constant { n, kappa })
+    }
+
+    /// A built-in synthetic pigment by name: red, yellow, blue or green.
+    pub fn synthetic(name: &str) -> Result<Self, SpectrumError> {
+        let known = Synthetic::ALL.into_iter().find(|s| s.name() == name);
+        known.map(Self::Synthetic).ok_or_else(|| SpectrumError::UnknownPigment { value: name.into() })
+    }
+
+    /// Reads `wavelength_nm,kappa[,n]`; lines that start with `#` are comments, `n` defaults to 1.4 (P1).
+    ///
+    /// # Errors
+    /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ < 0, n ≤ 0.
+    pub fn from_csv(path: impl AsRef<Path>) -> Result<Self, SpectrumError> {
+        let path = path.as_ref();
+        let unreadable = |source| SpectrumError::Unreadable { path: path.into(), source };
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .from_path(path)
+            .map_err(unreadable)?;
+        let rows = reader.deserialize().collect::<Result<Vec<Row>, _>>().map_err(unreadable)?;
+        if rows.len() < 2 {
+            return Err(SpectrumError::TooFewRows { path: path.into(), rows: rows.len() });
+        }
+        let sample =
+            |r: &Row| Sample { wavelength_nm: r.wavelength_nm, n: r.n.unwrap_or(PIGMENT_N), kappa: r.kappa };
+        Self::tabulated(&path.display().to_string(), rows.iter().map(sample).collect())
+    }
+
+    /// A table given in memory, checked as [`Spectrum::from_csv`] checks a file.
+    pub fn tabulated(name: &str, samples: Vec<Sample>) -> Result<Self, SpectrumError> {
+        if samples.len() < 2 {
+            return Err(SpectrumError::TooFewRows { path: name.into(), rows: samples.len() });
+        }
+        for (row, s) in samples.iter().enumerate() {
+            check_index(&format!("{name}, row {}", row + 1), s.n, s.kappa)?;
+            let before = if row == 0 { 0.0 } else { samples[row - 1].wavelength_nm };
+            if !(s.wavelength_nm.is_finite() && s.wavelength_nm > before) {
+                return Err(SpectrumError::BadValue {
+                    field: format!("{name}, row {}: wavelength_nm", row + 1),
+                    value: s.wavelength_nm,
+                    allowed: "that increase from row to row, greater than 0",
+                    remedy: "sort the table by wavelength and remove repeated rows",
+                });
+            }
+        }
+        Ok(Self::Tabulated(Table { name: name.into(), samples }))
+    }
+
+    /// η at a vacuum wavelength in µm.
+    ///
+    /// # Errors
+    /// The wavelength is not positive, or outside [`Spectrum::range_nm`].
+    pub fn index(&self, wavelength_um: f64) -> Result<Complex64, SpectrumError> {
+        let nm = wavelength_um * 1000.0;
+        if !(nm.is_finite() && nm > 0.0) {
+            return Err(SpectrumError::BadWavelength { value: nm });
+        }
+        if let Some([lo, hi]) = self.range_nm() {
+            // 0.38 µm · 1000 may differ from 380 by a rounding
+            if nm < lo * (1.0 - 1e-12) || nm > hi * (1.0 + 1e-12) {
+                return Err(SpectrumError::OutOfRange { name: self.name(), value: nm, lo, hi });
+            }
+        }
+        Ok(match self {
+            Self::Constant { n, kappa } => Complex64::new(*n, *kappa),
+            Self::Synthetic(pigment) => Complex64::new(PIGMENT_N, pigment.kappa(nm)),
+            Self::Tabulated(table) => table.interpolate(nm),
+        })
+    }
+
+    /// First and last wavelength that the spectrum can answer, nm; `None` for a constant.
+    pub fn range_nm(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Constant { .. } => None,
+            Self::Synthetic(_) => Some(SYNTHETIC_RANGE_NM),
+            Self::Tabulated(t) => {
+                Some([t.samples[0].wavelength_nm, t.samples[t.samples.len() - 1].wavelength_nm])
+            }
+        }
+    }
+
+    /// A name for messages and tables; synthetic spectra say that they are.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Constant { n, kappa } => format!("{n} + {kappa}i"),
+            Self::Synthetic(pigment) => format!("{} (synthetic)", pigment.name()),
+            Self::Tabulated(table) => table.name.clone(),
+        }
+    }
+}
+
+impl Table {
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Linear between the rows, n and κ apart.
+    fn interpolate(&self, nm: f64) -> Complex64 {
+        let after = self.samples.partition_point(|s| s.wavelength_nm < nm).clamp(1, self.samples.len() - 1);
+        let (a, b) = (self.samples[after - 1], self.samples[after]);
+        let t = ((nm - a.wavelength_nm) / (b.wavelength_nm - a.wavelength_nm)).clamp(0.0, 1.0);
+        Complex64::new(a.n + t * (b.n - a.n), a.kappa + t * (b.kappa - a.kappa))
+    }
+}
+
+/// The homogeneous index a mixture tends to as its grains shrink: η² = Σ f η² + (1 − Σ f) η_binder².
+///
+/// The scalar equation has no Maxwell Garnett term: the volume average of η² is exact for grain size → 0 (the
+/// molecular mixture of P1 section 5). `shares` are (volume fraction, index); fractions sum to at most 1.
+pub fn molecular_mixture(binder: Complex64, shares: &[(f64, Complex64)]) -> Complex64 {
+    let squared: Complex64 = shares.iter().map(|&(f, eta)| f * (eta * eta - binder * binder)).sum();
+    (binder * binder + squared).sqrt()
+}
+
+fn check_index(field: &str, n: f64, kappa: f64) -> Result<(), SpectrumError> {
+    let bad = |column, value, allowed, remedy| {
+        Err(SpectrumError::BadValue { field: format!("{field}: {column}"), value, allowed, remedy })
+    };
+    if !(n.is_finite() && n > 0.0) {
+        return bad("n", n, "greater than 0", "give the real part of the index, e.g. 1.4");
+    }
+    if !(kappa.is_finite() && kappa >= 0.0) {
+        return bad("kappa", kappa, "of at least 0", "absorption is positive here: exp(-iωt) convention");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn file(text: &str) -> tempfile::NamedTempFile {
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(text.as_bytes()).unwrap();
+        file
+    }
+
+    #[test]
+    fn synthetic_pigments_are_those_of_the_reference_table() {
+        let text = include_str!("../../validation/data/pigments.json");
+        let json: serde_json::Value = serde_json::from_str(text).unwrap();
+        for pigment in Synthetic::ALL {
+            let table = &json["pigments"][pigment.name()];
+            let column = |key: &str| -> Vec<f64> { serde_json::from_value(table[key].clone()).unwrap() };
+            for (nm, kappa) in column("l").into_iter().zip(column("kappa")) {
+                // rounding: the table has 8 significant digits
+                approx::assert_relative_eq!(pigment.kappa(nm), kappa, max_relative = 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn a_table_is_linear_between_rows_and_exact_on_them() {
+        let csv = file("# measured by me\nwavelength_nm, kappa, n\n400, 0.1, 1.4\n500, 0.3, 1.6\n");
+        let spectrum = Spectrum::from_csv(csv.path()).unwrap();
+        assert_eq!(spectrum.range_nm(), Some([400.0, 500.0]));
+        for (um, n, kappa) in [(0.4, 1.4, 0.1), (0.425, 1.45, 0.15), (0.5, 1.6, 0.3)] {
+            let eta = spectrum.index(um).unwrap();
+            approx::assert_abs_diff_eq!(eta.re, n, epsilon = 1e-14);
+            approx::assert_abs_diff_eq!(eta.im, kappa, epsilon = 1e-14);
+        }
+    }
+
+    #[test]
+    fn n_defaults_to_the_papers_value() {
+        let csv = file("wavelength_nm,kappa\n400,0.1\n500,0.3\n");
+        assert_eq!(Spectrum::from_csv(csv.path()).unwrap().index(0.45).unwrap().re, PIGMENT_N);
+    }
+
+    #[test]
+    fn bad_tables_and_wavelengths_are_refused_with_the_field() {
+        let message = |text| Spectrum::from_csv(file(text).path()).unwrap_err().to_string();
+        assert!(message("wavelength_nm,kappa\n400,-0.1\n500,0.3\n").contains("row 1: kappa = -0.1"));
+        assert!(message("wavelength_nm,kappa\n500,0.1\n400,0.3\n").contains("row 2: wavelength_nm = 400"));
+        assert!(message("wavelength_nm,kappa\n500,NaN\n600,0.3\n").contains("kappa = NaN"));
+        assert!(message("wavelength_nm,kappa,n\n500,1,0\n600,0.3,1\n").contains("n = 0"));
+        assert!(message("wavelength_nm,kappa\n500,0.1\n").contains("1 rows"));
+        assert!(message("lambda,kappa\n500,0.1\n600,0.1\n").contains("lambda"));
+        assert!(Spectrum::from_csv("no/such/file.csv").unwrap_err().to_string().contains("no/such/file.csv"));
+        let yellow = Spectrum::synthetic("yellow").unwrap();
+        assert!(yellow.index(0.30).unwrap_err().to_string().contains("380 to 780 nm"));
+        assert!(yellow.index(f64::NAN).is_err() && yellow.index(0.0).is_err());
+        assert!(yellow.index(0.38).is_ok() && yellow.index(0.78).is_ok());
+        assert!(Spectrum::synthetic("mauve").is_err());
+        assert!(Spectrum::constant(1.4, -0.1).is_err() && Spectrum::constant(0.0, 0.1).is_err());
+    }
+
+    #[test]
+    fn the_molecular_mixture_keeps_its_ends() {
+        let (binder, pigment) = (Complex64::new(1.558, 0.0), Complex64::new(1.4, 0.3));
+        assert!((molecular_mixture(binder, &[(0.0, pigment)]) - binder).norm() < 1e-15);
+        assert!((molecular_mixture(binder, &[(0.4, pigment), (0.6, pigment)]) - pigment).norm() < 1e-15);
+    }
+}

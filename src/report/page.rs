@@ -1,0 +1,151 @@
+//! The page to show a colleague: one HTML file with its pictures inside.
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use minijinja::{Environment, value::Serde};
+use serde::Serialize;
+
+/// All that the page says; its layout is `page.html`.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Page {
+    pub title: String,
+    /// The study in one sentence.
+    pub summary: String,
+    /// What is missing, while the study is not finished.
+    pub partial: Option<String>,
+    pub picture: Option<Picture>,
+    pub colour: Option<ColourBlock>,
+    pub figures: Vec<Figure>,
+    pub certainty: Vec<Meant>,
+    pub asked: Vec<Named>,
+    pub packings: Vec<PackingRow>,
+    pub failures: Vec<FailureRow>,
+    pub limits: Vec<String>,
+    pub provenance: Provenance,
+}
+
+/// An embedded image.
+#[derive(Clone, Debug, Serialize)]
+pub struct Picture {
+    /// A `data:` address.
+    pub data: String,
+    pub caption: String,
+}
+
+/// A figure under its own heading.
+#[derive(Clone, Debug, Serialize)]
+pub struct Figure {
+    pub heading: String,
+    pub data: String,
+    pub caption: String,
+}
+
+/// Colour numbers beside the picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct ColourBlock {
+    /// `#rrggbb` of the swatch.
+    pub hex: String,
+    pub rows: Vec<WithError>,
+    pub note: String,
+}
+
+/// A number with its standard error, both as text.
+#[derive(Clone, Debug, Serialize)]
+pub struct WithError {
+    pub name: String,
+    pub value: String,
+    pub error: Option<String>,
+}
+
+/// A number and what it means.
+#[derive(Clone, Debug, Serialize)]
+pub struct Meant {
+    pub name: String,
+    pub value: String,
+    pub meaning: String,
+}
+
+/// A row of name and value; `code` sets the value in a typewriter face.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Named {
+    pub name: String,
+    pub value: String,
+    pub code: bool,
+}
+
+/// One pigment of one packing.
+#[derive(Clone, Debug, Serialize)]
+pub struct PackingRow {
+    pub realisation: usize,
+    pub pigment: String,
+    pub grains: usize,
+    pub asked: String,
+    pub reached: String,
+    pub method: String,
+}
+
+/// A solve that has no result.
+#[derive(Clone, Debug, Serialize)]
+pub struct FailureRow {
+    pub point: String,
+    pub reason: String,
+}
+
+/// Where the numbers come from.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Provenance {
+    pub program: String,
+    pub rows: Vec<Named>,
+}
+
+impl Named {
+    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { name: name.into(), value: value.into(), code: false }
+    }
+
+    pub fn code(name: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { code: true, ..Self::new(name, value) }
+    }
+}
+
+impl Page {
+    /// The page as HTML; all text is escaped.
+    ///
+    /// # Errors
+    /// The template does not fit the page's data, which is a fault of the program.
+    pub fn html(&self) -> Result<String, minijinja::Error> {
+        let mut templates = Environment::new();
+        templates.add_template("page.html", include_str!("page.html"))?;
+        templates.get_template("page.html")?.render(Serde(self))
+    }
+}
+
+/// A PNG as a `data:` address.
+pub fn png_data(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png))
+}
+
+/// An SVG as a `data:` address.
+pub fn svg_data(svg: &str) -> String {
+    format!("data:image/svg+xml;base64,{}", BASE64_STANDARD.encode(svg))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_escaped_and_a_partial_run_says_so_first() {
+        let partial = Some("3 of 9 solves are there.".to_owned());
+        let page = Page { title: "<b>&".into(), partial, ..Page::default() };
+        let html = page.html().unwrap();
+        assert!(html.contains("<h1>&lt;b&gt;&amp;</h1>"));
+        let banner = html.find("Partial results").unwrap();
+        assert!(banner < html.find("<h2>").unwrap());
+    }
+
+    #[test]
+    fn a_whole_run_has_no_banner() {
+        assert!(!Page::default().html().unwrap().contains("Partial results"));
+    }
+}

@@ -1,0 +1,114 @@
+//! What can be wrong with a study, said so that it can be put right.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// One thing to put right: the field, what was found there, what is allowed and what to try.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// Path of the field in the study file, such as `pigment[0].volume_fraction`.
+    pub field: String,
+    pub found: String,
+    pub allowed: String,
+    pub remedy: String,
+}
+
+impl Fault {
+    pub fn new(
+        field: impl Into<String>,
+        found: impl fmt::Display,
+        allowed: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        let (field, found) = (field.into(), found.to_string());
+        Self { field, found, allowed: allowed.into(), remedy: remedy.into() }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}: found {}; allowed: {}", self.field, self.found, self.allowed)
+    }
+}
+
+/// Why there is no checked study.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    #[error("cannot read the study file {}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: std::io::Error },
+    /// Not TOML, an unknown key, a missing key or a value of the wrong kind; `span` in bytes.
+    #[error("{}: {message}", path.display())]
+    Syntax { path: PathBuf, text: String, span: Option<Range<usize>>, message: String, remedy: String },
+    /// Everything that is wrong with the values, at once.
+    #[error("{}: {}", path.display(), list(faults))]
+    Values { path: PathBuf, text: String, faults: Vec<Fault> },
+}
+
+fn list(faults: &[Fault]) -> String {
+    faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("; ")
+}
+
+/// An allowed range of a number, with its unit, that can say itself in words.
+#[derive(Clone, Copy, Debug)]
+pub struct Allowed {
+    low: f64,
+    low_is_open: bool,
+    high: f64,
+    high_is_open: bool,
+    unit: &'static str,
+}
+
+impl Allowed {
+    /// low ≤ value ≤ high.
+    pub fn between(low: f64, high: f64, unit: &'static str) -> Self {
+        Self { low, low_is_open: false, high, high_is_open: false, unit }
+    }
+
+    /// low < value ≤ high.
+    pub fn above(low: f64, high: f64, unit: &'static str) -> Self {
+        Self { low_is_open: true, ..Self::between(low, high, unit) }
+    }
+
+    /// low ≤ value < high.
+    pub fn below(low: f64, high: f64, unit: &'static str) -> Self {
+        Self { high_is_open: true, ..Self::between(low, high, unit) }
+    }
+
+    /// False for NaN and infinities too.
+    pub fn holds(&self, value: f64) -> bool {
+        let above = if self.low_is_open { value > self.low } else { value >= self.low };
+        let below = if self.high_is_open { value < self.high } else { value <= self.high };
+        value.is_finite() && above && below
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let low = if self.low_is_open { "greater than" } else { "from" };
+        let high = match (self.low_is_open, self.high_is_open) {
+            (true, false) => "and at most",
+            (_, true) => "to below",
+            (false, false) => "to",
+        };
+        let space = if self.unit.is_empty() { "" } else { " " };
+        write!(f, "{low} {} {high} {}{space}{}", self.low, self.high, self.unit)
+    }
+}
+
+/// Collects the faults of a study while it is checked.
+#[derive(Debug, Default)]
+pub struct Faults(pub Vec<Fault>);
+
+impl Faults {
+    pub fn push(&mut self, fault: Fault) {
+        self.0.push(fault);
+    }
+
+    /// Notes a fault unless the number is finite and allowed.
+    pub fn number(&mut self, field: &str, value: f64, allowed: Allowed, remedy: &str) {
+        if !allowed.holds(value) {
+            self.push(Fault::new(field, value, allowed.to_string(), remedy));
+        }
+    }
+}

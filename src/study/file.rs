@@ -1,0 +1,241 @@
+//! The study file as written: TOML with the units in the key names, nothing checked yet.
+//!
+//! ```toml
+//! title = "Yellow ink, 30 %"
+//! [layer]
+//! period_um = 2.0                      # or [2.0, 1.5]
+//! thickness_um = 1.0
+//! binder.index = 1.558
+//! [[pigment]]
+//! name = "yellow"
+//! diameter_nm = 250
+//! volume_fraction = 0.30
+//! index = { built_in = "yellow" }      # or { n = 1.4, k = 0.1 }, { csv = "measured.csv" }
+//! [light]
+//! from_nm = 400
+//! to_nm = 700
+//! step_nm = 30
+//! ```
+
+use super::forms::{IndexWritten, Pair, Strategy};
+use crate::appearance::paper::MirroredSky;
+use crate::ink::{
+    Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, SequentialSettings,
+    Shape, ShareRule, SizeDistribution,
+};
+use crate::solve::Goal;
+use crate::wave::Scheme;
+use serde::{Deserialize, Serialize};
+
+/// A whole study file. Tables left out take the defaults documented on their fields.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudyFile {
+    /// Shown as the report's heading; the file's name when left out.
+    pub title: Option<String>,
+    pub layer: LayerTable,
+    #[serde(default, rename = "pigment")]
+    pub pigments: Vec<PigmentTable>,
+    #[serde(default)]
+    pub packing: PackingTable,
+    #[serde(default)]
+    pub paper: PaperTable,
+    pub light: LightTable,
+    #[serde(default)]
+    pub angles: AnglesTable,
+    #[serde(default)]
+    pub run: RunTable,
+    #[serde(default)]
+    pub resolution: ResolutionTable,
+    #[serde(default)]
+    pub solver: SolverTable,
+    #[serde(default)]
+    pub output: OutputTable,
+}
+
+/// `[layer]`: the periodic cell and what lies above and below it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayerTable {
+    /// Period in x and y, µm: one number or `[x, y]`.
+    pub period_um: Pair,
+    pub thickness_um: f64,
+    pub binder: BinderTable,
+    /// Refractive index of the half-space the light comes from.
+    #[serde(default = "vacuum")]
+    pub index_above: f64,
+    /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
+    #[serde(default = "vacuum")]
+    pub index_below: f64,
+}
+
+/// `[layer.binder]`
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct BinderTable {
+    pub index: IndexWritten,
+}
+
+/// `[[pigment]]`: one kind of grain.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PigmentTable {
+    pub name: String,
+    #[serde(default)]
+    pub shape: Shape,
+    /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead.
+    pub diameter_nm: Option<f64>,
+    /// Size distribution.
+    pub size: Option<SizeDistribution>,
+    /// Share of the layer's volume, 0–1.
+    pub volume_fraction: f64,
+    pub index: IndexWritten,
+    #[serde(default)]
+    pub orientation: Orientation,
+    pub agglomeration: Option<Agglomeration>,
+    #[serde(default)]
+    pub share: ShareRule,
+}
+
+/// `[paper]`: the Lambertian substrate.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PaperTable {
+    /// 0–1.
+    pub albedo: f64,
+    pub coupling: CouplingName,
+}
+
+impl Default for PaperTable {
+    fn default() -> Self {
+        Self { albedo: 0.9, coupling: CouplingName::Gap }
+    }
+}
+
+/// How layer and paper touch; see [`crate::appearance::paper::Coupling`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CouplingName {
+    /// The paper's model (P1 section 5): a thin air gap, light goes back and forth incoherently.
+    #[default]
+    Gap,
+    /// The paper's scatterers sit in a medium of `layer.index_below` that touches the layer.
+    OpticalContact,
+}
+
+/// `[light]`: vacuum wavelengths in nm, as a list or as a range.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightTable {
+    pub wavelengths_nm: Option<Vec<f64>>,
+    pub from_nm: Option<f64>,
+    pub to_nm: Option<f64>,
+    pub step_nm: Option<f64>,
+}
+
+/// `[angles]`: polar angles as quadrature nodes (`count`), which the picture needs, or as a list.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AnglesTable {
+    /// Number of quadrature nodes over the hemisphere (5 when nothing is said), the normal among them.
+    pub count: Option<usize>,
+    /// Any angles from the normal instead: spectra and distributions without paper, colour and picture.
+    pub polar_deg: Option<Vec<f64>>,
+    /// Largest angle of the picture's axes (P1: 60°).
+    #[serde(default = "sixty")]
+    pub picture_max_deg: f64,
+    /// Azimuth of the plane of incidence, degrees from x.
+    #[serde(default)]
+    pub azimuth_deg: f64,
+}
+
+impl Default for AnglesTable {
+    fn default() -> Self {
+        Self { count: None, polar_deg: None, picture_max_deg: sixty(), azimuth_deg: 0.0 }
+    }
+}
+
+fn sixty() -> f64 {
+    60.0
+}
+
+/// `[run]`
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RunTable {
+    /// Number of independent packings to average over.
+    pub realisations: usize,
+    pub seed: u64,
+}
+
+impl Default for RunTable {
+    fn default() -> Self {
+        Self { realisations: 4, seed: 1 }
+    }
+}
+
+/// `[resolution]`: a wanted accuracy, or the grid itself.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResolutionTable {
+    /// Largest wanted error of any order's complex amplitude.
+    pub accuracy: Option<f64>,
+    /// Grid points per µm in x and y.
+    pub points_per_um: Option<f64>,
+    /// Planes with unknowns per µm in z.
+    pub planes_per_um: Option<f64>,
+    /// The discretisation in z.
+    #[serde(default)]
+    pub scheme: Scheme,
+}
+
+/// `[solver]`
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverTable {
+    /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
+    pub strategy: Strategy,
+    /// Relative residual at which a solve counts as converged.
+    pub tolerance: f64,
+    /// Most operator applications of one solve.
+    pub max_applications: usize,
+}
+
+impl Default for SolverTable {
+    fn default() -> Self {
+        let Goal { tolerance, max_applications } = Goal::default();
+        Self { strategy: Strategy::default(), tolerance, max_applications }
+    }
+}
+
+/// `[packing]`: how the grains come to their places.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PackingTable {
+    pub method: MethodChoice,
+    pub sequential: SequentialSettings,
+    pub relaxation: RelaxationSettings,
+    pub equilibration: Option<EquilibrationSettings>,
+}
+
+/// `[output]`
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputTable {
+    /// Folder for the results, relative to where the program runs; `out/<study name>` when left out.
+    pub folder: Option<String>,
+    /// Side of the picture's square, pixels.
+    pub picture_pixels: usize,
+    /// Whether the picture's strip shows the sky that the layer mirrors.
+    pub mirrored_sky: MirroredSky,
+}
+
+impl Default for OutputTable {
+    fn default() -> Self {
+        Self { folder: None, picture_pixels: 360, mirrored_sky: MirroredSky::default() }
+    }
+}
+
+fn vacuum() -> f64 {
+    1.0
+}

@@ -1,0 +1,107 @@
+//! Values that may be written in more than one form.
+
+use crate::solve::SolverChoice;
+use serde::de::{self, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
+
+/// A complex refractive index n + iκ as written: a number, or a table with one of three forms.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct IndexWritten {
+    /// Real part.
+    pub n: Option<f64>,
+    /// Imaginary part κ ≥ 0 (absorption).
+    pub k: Option<f64>,
+    /// Name of a built-in synthetic spectrum.
+    pub built_in: Option<String>,
+    /// CSV file, relative to the study file: wavelength in nm, κ and optionally n.
+    pub csv: Option<String>,
+}
+
+/// One number for both directions, or two.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Pair(pub [f64; 2]);
+
+impl<'de> Deserialize<'de> for Pair {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PairVisitor;
+        impl<'de> Visitor<'de> for PairVisitor {
+            type Value = Pair;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number or two numbers [x, y]")
+            }
+            fn visit_f64<E: de::Error>(self, v: f64) -> Result<Pair, E> {
+                Ok(Pair([v, v]))
+            }
+            fn visit_i64<E: de::Error>(self, v: i64) -> Result<Pair, E> {
+                self.visit_f64(v as f64)
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Pair, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = seq.next_element()? {
+                    values.push(value);
+                }
+                let found = values.len();
+                values.try_into().map(Pair).map_err(|_| de::Error::invalid_length(found, &self))
+            }
+        }
+        deserializer.deserialize_any(PairVisitor)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct IndexTable {
+    n: Option<f64>,
+    k: Option<f64>,
+    built_in: Option<String>,
+    csv: Option<String>,
+}
+
+impl<'de> Deserialize<'de> for IndexWritten {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct IndexVisitor;
+        impl<'de> Visitor<'de> for IndexVisitor {
+            type Value = IndexWritten;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number or a table such as { n = 1.4, k = 0.1 }")
+            }
+            fn visit_f64<E: de::Error>(self, n: f64) -> Result<IndexWritten, E> {
+                Ok(IndexWritten { n: Some(n), ..Default::default() })
+            }
+            fn visit_i64<E: de::Error>(self, n: i64) -> Result<IndexWritten, E> {
+                self.visit_f64(n as f64)
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<IndexWritten, A::Error> {
+                let table = IndexTable::deserialize(MapAccessDeserializer::new(map))?;
+                let IndexTable { n, k, built_in, csv } = table;
+                Ok(IndexWritten { n, k, built_in, csv })
+            }
+        }
+        deserializer.deserialize_any(IndexVisitor)
+    }
+}
+
+/// A strategy by name, or as a table with its settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Strategy(pub SolverChoice);
+
+impl<'de> Deserialize<'de> for Strategy {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct StrategyVisitor;
+        impl<'de> Visitor<'de> for StrategyVisitor {
+            type Value = Strategy;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the name of a strategy, or a table such as { krylov = { restart = 60 } }")
+            }
+            fn visit_str<E: de::Error>(self, name: &str) -> Result<Strategy, E> {
+                let unknown = |_| de::Error::unknown_variant(name, &SolverChoice::NAMES);
+                SolverChoice::named(name).map(Strategy).map_err(unknown)
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Strategy, A::Error> {
+                SolverChoice::deserialize(MapAccessDeserializer::new(map)).map(Strategy)
+            }
+        }
+        deserializer.deserialize_any(StrategyVisitor)
+    }
+}

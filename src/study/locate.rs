@@ -1,0 +1,73 @@
+//! Where a field stands in the study file, so that an error can point at its line.
+
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Bytes of the value at `field` (such as `pigment[0].index.k`), or of the deepest table on the way to it
+/// that exists. `None` when the text is no TOML or has no such table at all.
+pub fn span_of(text: &str, field: &str) -> Option<Range<usize>> {
+    let document = DeTable::parse(text).ok()?;
+    let mut steps = steps(field);
+    let (key, value) = document.get_ref().get_key_value(steps.next()?)?;
+    let (mut here, mut span) = (value, outline(key.span(), value));
+    for step in steps {
+        let Some((next, next_span)) = child(here, step) else { break };
+        (here, span) = (next, next_span);
+    }
+    Some(span)
+}
+
+/// `pigment[0].index.k` → `pigment`, `0`, `index`, `k`.
+fn steps(field: &str) -> impl Iterator<Item = &str> {
+    field.split(['.', '[', ']']).filter(|step| !step.is_empty())
+}
+
+fn child<'a, 'i>(
+    value: &'a Spanned<DeValue<'i>>,
+    step: &str,
+) -> Option<(&'a Spanned<DeValue<'i>>, Range<usize>)> {
+    match value.get_ref() {
+        DeValue::Table(table) => {
+            table.get_key_value(step).map(|(key, value)| (value, outline(key.span(), value)))
+        }
+        DeValue::Array(items) => items.get(step.parse::<usize>().ok()?).map(|item| (item, item.span())),
+        _ => None,
+    }
+}
+
+/// A value's own bytes; for a table, whose bytes may be spread over the file, its name.
+fn outline(key: Range<usize>, value: &Spanned<DeValue>) -> Range<usize> {
+    match value.get_ref() {
+        DeValue::Table(_) => key,
+        _ => value.span(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "[layer]\nthickness_um = 1.0\nbinder.index = 1.5\n\
+        [[pigment]]\nname = 'a'\n[[pigment]]\nname = 'b'\nindex = { n = 1.4, k = -0.1 }\n\
+        [light]\nwavelengths_nm = [400.0, nan]\n";
+
+    fn shown(field: &str) -> Option<&'static str> {
+        span_of(TEXT, field).map(|span| &TEXT[span])
+    }
+
+    #[test]
+    fn a_field_is_found_wherever_it_stands() {
+        assert_eq!(shown("layer.thickness_um"), Some("1.0"));
+        assert_eq!(shown("layer.binder.index"), Some("1.5"));
+        assert_eq!(shown("pigment[1].index.k"), Some("-0.1"));
+        assert_eq!(shown("light.wavelengths_nm[1]"), Some("nan"));
+    }
+
+    #[test]
+    fn a_missing_field_points_at_its_table() {
+        assert_eq!(shown("light.step_nm"), Some("light"));
+        assert_eq!(shown("pigment[0].index"), Some("[[pigment]]"));
+        assert_eq!(shown("paper.albedo"), None);
+    }
+}
