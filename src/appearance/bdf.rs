@@ -337,4 +337,4 @@ fn coherent_total(column: &[View]) -> Option<Estimate> {
 
 #[cfg(test)]
 #[path = "bdf_tests.rs"]
-mod tests;
+pub(crate) mod tests;

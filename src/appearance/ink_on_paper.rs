@@ -4,10 +4,10 @@ use super::angles::{AngleRule, PolarAngle};
 use super::bdf::{Bdf, BdfError, Lobe};
 use super::colour::{Colorimeter, Colour, ColourError};
 use super::estimate::{Estimate, jackknife_covariance};
-use super::paper::{LayerOnPaper, LayerOptics, MirroredSky, PaperError, Substrate};
+use super::paper::{Coupling, LayerOnPaper, LayerOptics, MirroredSky, PaperError, Substrate};
 use super::picture::InkPicture;
 use super::slab::Slab;
-use crate::wave::FarField;
+use crate::wave::{FarField, Side};
 use ndarray::Array2;
 use std::f64::consts::PI;
 use thiserror::Error;
@@ -27,6 +27,10 @@ pub enum InkError {
         "{field}: far field {index} was solved at {value}°, the rule's angle is {expected}°; solve at the rule's angles, without snapping"
     )]
     WrongAngle { field: &'static str, index: usize, value: f64, expected: f64 },
+    #[error("{field}: far field {index} was lit from the other side")]
+    WrongSide { field: &'static str, index: usize },
+    #[error("optical contact needs solves from below (angles inside the medium); give them, or use the gap")]
+    BelowNeeded,
     #[error("{field}: {count} entries where {expected} are needed")]
     Count { field: &'static str, count: usize, expected: usize },
 }
@@ -46,13 +50,14 @@ impl LayerOptics {
         baseline: Option<Slab>,
         bandwidth: f64,
     ) -> Result<Self, InkError> {
-        check_angles("above", &rule.above, above)?;
+        check_angles("above", Side::Above, &rule.above, above)?;
         let reflectance: Vec<f64> = above.iter().map(|f| f.reflectance).collect();
         let reflectance_below = match below {
             Some(fields) => {
-                check_angles("below", &rule.below, fields)?;
+                check_angles("below", Side::Below, &rule.below, fields)?;
                 fields.iter().map(|f| f.reflectance).collect()
             }
+            None if rule.coupling != Coupling::Gap => return Err(InkError::BelowNeeded),
             None => reflectance.clone(),
         };
         let mut diffuse_brdf = Array2::zeros((above.len(), above.len()));
@@ -77,6 +82,7 @@ impl LayerOptics {
 
 fn check_angles(
     field: &'static str,
+    side: Side,
     nodes: &[super::angles::AngleNode],
     fields: &[FarField],
 ) -> Result<(), InkError> {
@@ -84,6 +90,9 @@ fn check_angles(
         return Err(InkError::Count { field, count: fields.len(), expected: nodes.len() });
     }
     for (index, (node, far)) in nodes.iter().zip(fields).enumerate() {
+        if far.incidence.from != side {
+            return Err(InkError::WrongSide { field, index });
+        }
         let (value, expected) = (far.incidence.polar_deg, node.polar_deg);
         if !((value - expected).abs() < NODE_SLACK_DEG) {
             return Err(InkError::WrongAngle { field, index, value, expected });

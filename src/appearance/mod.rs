@@ -11,6 +11,7 @@
 pub mod angles;
 mod baseline;
 pub mod bdf;
+mod bdf_table;
 pub mod colour;
 pub mod estimate;
 pub mod figure;

@@ -318,3 +318,23 @@ fn bad_layers_and_papers_are_refused() {
     assert!(spectral.at(390.0).is_err() && Albedo::Constant(-0.1).at(500.0).is_err());
     assert!(Albedo::Spectral(vec![[500.0, 0.8], [500.0, 0.9]]).at(500.0).is_err());
 }
+
+#[test]
+fn a_clear_wave_film_in_contact_is_williams_and_clapper_and_the_gap_is_not() {
+    let clear = Slab { index: 1.558.into(), thickness_um: 1.0, wavelength_um: 0.55 };
+    let seen = |coupling| {
+        let rule = AngleRule::new(4, 60.0, coupling).unwrap();
+        let paper = LayerOnPaper::new(&rule, &LayerOptics::homogeneous(&rule, clear), 0.9).unwrap();
+        let normal = rule.at(0.0).unwrap();
+        let factor = |deg: &f64| PI * paper.brdf(&normal, &rule.at(*deg).unwrap());
+        [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0].iter().map(factor).collect::<Vec<f64>>()
+    };
+    let contact = seen(Coupling::OpticalContact { index: 1.558 });
+    let reference = &reference("williams_clapper")[0];
+    assert_eq!((reference["tau"].as_f64(), reference["surface"].as_str()), (Some(0.0), Some("s")));
+    for (got, want) in contact.iter().zip(numbers(&reference["radiance_factor_from0"])) {
+        // 12 digits; the film has one interface only, so no fringes
+        assert!((got - want).abs() < 2e-12, "{got} {want}");
+    }
+    assert!((seen(Coupling::Gap)[0] - 0.910).abs() < 5e-4 && (contact[0] - 0.818).abs() < 5e-4);
+}
