@@ -94,7 +94,8 @@ fn check_angles(
             return Err(InkError::WrongSide { field, index });
         }
         let (value, expected) = (far.incidence.polar_deg, node.polar_deg);
-        if !((value - expected).abs() < NODE_SLACK_DEG) {
+        let apart = (value - expected).abs();
+        if apart.is_nan() || apart > NODE_SLACK_DEG {
             return Err(InkError::WrongAngle { field, index, value, expected });
         }
     }
