@@ -73,6 +73,21 @@ impl AngleRule {
     }
 }
 
+impl AngleRule {
+    /// Interpolation weights at node `k` from all other nodes (and zero at grazing, for differences).
+    pub(super) fn shares_without(&self, k: usize, zero_at_grazing: bool) -> Vec<f64> {
+        let mut mu: Vec<f64> = self.above.iter().map(|n| n.polar_deg.to_radians().cos()).collect();
+        let at = mu.remove(k);
+        if zero_at_grazing {
+            mu.push(0.0);
+        }
+        let mut shares = lagrange(&mu, at);
+        shares.truncate(self.above.len() - 1);
+        shares.insert(k, 0.0);
+        shares
+    }
+}
+
 /// Σ weight · value: the mean over the hemisphere, 2∫₀¹ f μ dμ.
 pub fn hemispherical_mean(nodes: &[AngleNode], values: &[f64]) -> f64 {
     nodes.iter().zip(values).map(|(n, v)| n.weight * v).sum()

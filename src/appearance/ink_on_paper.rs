@@ -39,7 +39,8 @@ impl LayerOptics {
     /// One realisation at one wavelength from its solves: `above[k]` at `rule.above[k]`, `below[k]` at `rule.below[k]`.
     ///
     /// Without solves from below (`None`) the layer is taken as the same from both sides: R_b = R, allowed for a gap
-    /// only. `bandwidth` (direction cosines) smooths the diffuse BRDF. The specular part is the order (0, 0).
+    /// only. `bandwidth` (direction cosines, [`suggested_bandwidth`](super::bdf::suggested_bandwidth)) smooths the diffuse
+    /// BRDF, which is 0 where the cell is too narrow to scatter. The specular part is the order (0, 0).
     ///
     /// # Errors
     /// Numbers of fields or angles that are not the rule's; a bandwidth too small to reach an order.
@@ -63,7 +64,8 @@ impl LayerOptics {
         let mut diffuse_brdf = Array2::zeros((above.len(), above.len()));
         for (i, field) in above.iter().enumerate() {
             let bdf = Bdf::from_ensemble(std::slice::from_ref(field))?;
-            for (o, node) in rule.above.iter().enumerate() {
+            let viewing = if bdf.scatters(Lobe::Reflected) { rule.above.as_slice() } else { &[] };
+            for (o, node) in viewing.iter().enumerate() {
                 diffuse_brdf[[i, o]] =
                     bdf.azimuthal_mean(Lobe::Reflected, node.polar_deg, bandwidth)?.bdf.value;
             }
@@ -121,6 +123,30 @@ impl SpectrumEstimate {
 /// The ink on its paper. Every quantity is computed from ensemble means (a print shows many cells at once); the
 /// errors are jackknife errors over realisations, so that noise common to wavelengths and angles of one packing
 /// counts once.
+///
+/// ```
+/// use inkwave::appearance::angles::AngleRule;
+/// use inkwave::appearance::ink_on_paper::InkOnPaper;
+/// use inkwave::appearance::paper::{Albedo, Coupling, LayerOptics, MirroredSky, Substrate};
+/// use inkwave::appearance::slab::Slab;
+/// use inkwave::ink::spectra::{Spectrum, molecular_mixture};
+///
+/// let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
+/// let rule = AngleRule::new(4, 60.0, substrate.coupling)?;
+/// let yellow = Spectrum::synthetic("yellow")?;
+/// let wavelengths_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
+/// let mut layers = Vec::new();
+/// for nm in &wavelengths_nm {
+///     let wavelength_um = nm / 1000.0;
+///     let index = molecular_mixture(1.558.into(), &[(0.3, yellow.index(wavelength_um)?)]);
+///     layers.push(vec![LayerOptics::homogeneous(&rule, Slab { index, thickness_um: 1.0, wavelength_um })]);
+/// }
+/// let ink = InkOnPaper::new(rule, &wavelengths_nm, &layers, &substrate)?;
+/// let view = ink.rule().at(0.0)?;
+/// let colour = ink.colour(|layer| layer.natural_light(&view, MirroredSky::Included))?;
+/// assert!(colour.chroma().value > 90.0 && (80.0..110.0).contains(&colour.hue_deg().value));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct InkOnPaper {
     rule: AngleRule,
@@ -174,6 +200,11 @@ impl InkOnPaper {
     /// The ensemble mean at every wavelength.
     pub fn layers(&self) -> &[LayerOnPaper] {
         &self.whole
+    }
+
+    /// What the number of angles may cost at each wavelength: see [`LayerOnPaper::angle_error`].
+    pub fn angle_errors(&self) -> Vec<f64> {
+        self.whole.iter().map(|layer| layer.angle_error(&self.rule)).collect()
     }
 
     /// Any quantity of the layer on paper against wavelength:
