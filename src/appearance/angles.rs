@@ -102,7 +102,8 @@ pub fn hemispherical_mean(nodes: &[AngleNode], values: &[f64]) -> f64 {
 /// error of T̄ and R̄_b, and of natural light and π f in 0–60°, without a baseline, with the slab of √⟨η²⟩, and with the
 /// slab fitted to the specular R and T ([`LayerOptics::fit_baseline`], what
 /// [`InkOnPaper`](super::ink_on_paper::InkOnPaper) does). The worst layer is the clear film with strong fringes; strongly
-/// absorbing ones are orders better. A layer that does not scatter is exact with any number of angles.
+/// absorbing ones are orders better. In this model the coherent wave sees exactly a slab, which favours the fit; layers
+/// of grains have not been measured yet. A layer that does not scatter is exact with any number of angles.
 ///
 #[doc = include_str!("angle_errors.md")]
 ///
