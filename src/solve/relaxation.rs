@@ -6,10 +6,13 @@
 //! transform. Without absorption trapped waves circulate undamped; replacing the state by its mean over a window
 //! ("averaging restart") removes them.
 
-use super::ledger::Ledger;
+use super::ledger::{Ledger, flat};
 use super::solver::{Goal, Solution, SolveError, Solver, Watch};
+use super::vectors::dot;
 use crate::wave::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
+use faer::linalg::solvers::Solve;
+use faer::{Col, Mat};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -23,11 +26,18 @@ pub struct Relaxation {
     pub tau: f64,
     /// Steps between two looks at the residual, and the window over which the state is averaged.
     pub window: usize,
+    /// Earlier restarts that the averaging may draw on; 1 averages over one window only.
+    pub memory: usize,
 }
+
+/// τ is halved at most down to this share of the asked one.
+const SHORTEST: f64 = 0.2;
+/// A window that multiplies the residual by more than this has too long a τ.
+const GROWTH: f64 = 10.0;
 
 impl Default for Relaxation {
     fn default() -> Relaxation {
-        Relaxation { tau: 3.0, window: 20 }
+        Relaxation { tau: 6.0, window: 8, memory: 5 }
     }
 }
 
@@ -47,33 +57,90 @@ impl Solver for Relaxation {
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut scratch = Field::zeros(problem.shape());
-        if ledger.measure(&field, &mut scratch) <= goal.tolerance {
-            ledger.note(ledger.account.residual)?;
+        let first = ledger.measure(&field, &mut scratch);
+        ledger.note(first)?;
+        if ledger.reached() {
             return Ok(ledger.finish(field));
         }
-        ledger.note(ledger.account.residual)?;
-        let mut march = March::new(problem, self.tau, &field);
+        let (mut tau, mut memory) = (self.tau, Vec::new());
+        let mut march = March::new(problem, tau, &field);
         ledger.account.bytes = march.bytes();
         loop {
+            let before = ledger.account.residual;
             let mean = march.window(self.window, &mut ledger);
-            let (averaged, plain) = (march.unknowns(&mean), march.unknowns(&march.state));
-            let marched = ledger.measure(&plain, &mut scratch);
-            let restarted = ledger.measure(&averaged, &mut scratch);
-            // Whichever is nearer to the fixed point goes on.
-            let better = restarted.min(marched);
-            if restarted <= marched {
-                march.state = mean;
-                field = averaged;
-            } else {
-                field = plain;
+            for state in [mean, march.state.clone()] {
+                let field = march.unknowns(&state);
+                let mut residual = Field::zeros(problem.shape());
+                ledger.measure(&field, &mut residual);
+                memory.push(Candidate { state, field, residual });
             }
-            ledger.note(better)?;
-            if ledger.reached() {
+            let grows = ledger.account.residual > GROWTH * before && tau > self.tau * SHORTEST;
+            let best = Candidate::blend(&memory);
+            let reached = super::vectors::norm(flat(&best.residual)) / ledger.scale();
+            if reached.is_finite() && reached <= before && !grows {
+                (field, march.state) = (best.field.clone(), best.state.clone());
+                memory.drain(..(memory.len() + 1).saturating_sub(self.memory.max(1)));
+                memory.push(best);
+                ledger.note(reached)?;
+            } else if tau <= self.tau * SHORTEST {
+                return Err(ledger.diverged(reached / before));
+            } else {
+                // Ringing of the band-limited contrast gives gain in spots: shorter steps split it less.
+                tau *= 0.5;
+                memory.clear();
+                march = March::new(problem, tau, &field);
+                ledger.note(before)?;
+            }
+            if ledger.reached() && ledger.measure(&field, &mut scratch) <= goal.tolerance {
                 return Ok(ledger.finish(field));
             }
             ledger.judge("try another tau or window, or solver = \"krylov\"")?;
         }
     }
+}
+
+/// A state of the march, the field that belongs to it, and that field's residual.
+struct Candidate {
+    state: Array2<Complex64>,
+    field: Field,
+    residual: Field,
+}
+
+impl Candidate {
+    /// The affine combination with the smallest residual: states, fields and residuals are affine in each other.
+    fn blend(candidates: &[Candidate]) -> Candidate {
+        let last = candidates.last().expect("a window leaves two candidates");
+        let differences: Vec<Field> =
+            candidates[..candidates.len() - 1].iter().map(|c| &c.residual - &last.residual).collect();
+        let weights = least_squares(&differences, &last.residual);
+        let mut blend = Candidate {
+            state: last.state.clone(),
+            field: last.field.clone(),
+            residual: last.residual.clone(),
+        };
+        for (candidate, &w) in candidates.iter().zip(&weights) {
+            let toward = |out: &mut Array2<Complex64>, own: &Array2<Complex64>, last: &Array2<Complex64>| {
+                ndarray::Zip::from(out).and(own).and(last).par_for_each(|o, &c, &l| *o += w * (c - l));
+            };
+            toward(&mut blend.state, &candidate.state, &last.state);
+            toward(&mut blend.field, &candidate.field, &last.field);
+            toward(&mut blend.residual, &candidate.residual, &last.residual);
+        }
+        blend
+    }
+}
+
+/// Weights w that minimise ‖r + Σ w_i d_i‖, from normal equations scaled to unit diagonal.
+fn least_squares(differences: &[Field], residual: &Field) -> Vec<Complex64> {
+    let n = differences.len();
+    let sizes: Vec<f64> = differences.iter().map(|d| super::vectors::norm(flat(d)).max(1e-300)).collect();
+    let gram = Mat::from_fn(n, n, |i, j| {
+        let ridge = if i == j { 1e-12 } else { 0.0 };
+        dot(flat(&differences[i]), flat(&differences[j])) / (sizes[i] * sizes[j]) + ridge
+    });
+    let right = Col::from_fn(n, |i| -dot(flat(&differences[i]), flat(residual)) / sizes[i]);
+    let solved = gram.partial_piv_lu().solve(&right);
+    (0..n).map(|i| solved[i] / sizes[i]).collect()
 }
 
 impl Relaxation {
