@@ -2,10 +2,12 @@
 
 pub mod figures;
 pub mod folder;
+pub mod packing_record;
 pub mod page;
 pub mod record;
 pub mod safely;
 pub mod store;
 
+pub use packing_record::PackingRecord;
 pub use record::{PointRecord, SolveAccount};
 pub use store::Store;

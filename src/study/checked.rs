@@ -85,6 +85,15 @@ pub enum WantedResolution {
     Grid { points_per_um: f64, planes_per_um: f64, scheme: Scheme },
 }
 
+impl WantedResolution {
+    /// The discretisation in z.
+    pub fn scheme(&self) -> Scheme {
+        match *self {
+            Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
+        }
+    }
+}
+
 /// What the results look like; no solve depends on it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Output {
@@ -123,6 +132,12 @@ impl Study {
             backgrounds: vec![self.layer.binder.index[wavelength]],
             inclusions: self.pigments.iter().map(|p| p.material.index[wavelength]).collect(),
         }
+    }
+
+    /// The same indices for a content hash: above, below, binder, pigments.
+    pub fn indices(&self, wavelength: usize) -> Vec<Complex64> {
+        let Media { above, below, backgrounds, inclusions } = self.media(wavelength);
+        [above, below].into_iter().chain(backgrounds).chain(inclusions).collect()
     }
 
     /// All solves of one realisation, in their order: wavelength, side, angle.

@@ -10,4 +10,7 @@ pub mod forms;
 pub mod identity;
 pub mod load;
 pub mod locate;
+pub mod optics;
+pub mod resolve;
+pub mod runner;
 pub mod watch;

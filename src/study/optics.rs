@@ -1,0 +1,90 @@
+//! The physics of a run, step by step: packing → scene → coverage → solve → far field.
+
+use super::checked::{Point, Study};
+use super::watch::RunWatch;
+use crate::ink::{PackError, PackProgress, PackWatch, Packing, pack};
+use crate::report::record::{NotFinite, PointRecord, SolveAccount};
+use crate::solve::{SolveError, Step, Watch};
+use crate::wave::{Ball, Body, Coverage, Mean, Problem, Scene, Shape, WaveError};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+/// Why a point has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum PointError {
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    #[error(transparent)]
+    NotFinite(#[from] NotFinite),
+}
+
+impl PointError {
+    /// True when the user stopped the solve, which is no failure.
+    pub fn is_stop(&self) -> bool {
+        matches!(self, Self::Solve(SolveError::Cancelled { .. }))
+    }
+}
+
+/// Packs the grains of a realisation; stops when the watch says so.
+pub fn pack_realisation(
+    study: &Study,
+    realisation: usize,
+    watch: &dyn RunWatch,
+) -> Result<Packing, PackError> {
+    pack(&study.packing_request(realisation), &mut Stopper(watch))
+}
+
+/// The packing as the wave sees it: one stratum of binder with the grains inside.
+pub fn scene_of(packing: &Packing) -> Scene {
+    let body = |grain: &crate::ink::Grain| {
+        let ball = |s: &crate::ink::Sphere| Ball { center_um: s.center_um, radius_um: s.radius_um };
+        Body { shape: Shape::Balls(grain.spheres.iter().map(ball).collect()), inclusion: grain.pigment }
+    };
+    let bodies = packing.grains().iter().map(body).collect();
+    Scene::layer(packing.period_um(), packing.thickness_um(), bodies)
+}
+
+/// Solves one point and keeps what it found under `key`.
+pub fn solve_point(
+    study: &Study,
+    coverage: &Arc<Coverage>,
+    point: &Point,
+    key: &str,
+    watch: &dyn RunWatch,
+) -> Result<PointRecord, PointError> {
+    let media = study.media(point.wavelength);
+    let problem = Problem::new(coverage, &media, &point.incidence, Mean::default())?;
+    let solution = study.solver.build().solve(&problem, study.goal, &mut Stopper(watch))?;
+    let account = SolveAccount {
+        solver: solution.account.solver.clone(),
+        steps: solution.account.steps,
+        operator_applications: solution.account.operator_applications,
+        residual: solution.account.residual,
+        seconds: solution.account.seconds,
+    };
+    let far_field = problem.far_field(&solution.field);
+    Ok(PointRecord::new(key.to_owned(), point.realisation, &far_field, account)?)
+}
+
+/// Passes the run's wish to stop on to packings and solvers.
+pub(super) struct Stopper<'a>(pub &'a dyn RunWatch);
+
+impl Stopper<'_> {
+    fn go_on(&self) -> ControlFlow<()> {
+        if self.0.stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+impl Watch for Stopper<'_> {
+    fn step(&mut self, _: &Step) -> ControlFlow<()> {
+        self.go_on()
+    }
+}
+
+impl PackWatch for Stopper<'_> {
+    fn progress(&mut self, _: &PackProgress) -> ControlFlow<()> {
+        self.go_on()
+    }
+}
