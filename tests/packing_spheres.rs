@@ -73,8 +73,8 @@ fn the_limit_is_told_with_figures() {
     match pack(&asked, &mut ()) {
         Err(PackError::NotReached { requested, reached, largest_overlap_um, placed, wanted, .. }) => {
             assert!((requested - 0.64).abs() < 0.002);
-            // Bounds: what remains must be a real packing, yet fewer grains than asked.
-            assert!(reached > 0.2 && reached < requested && placed < wanted);
+            // Bounds: H/d = 2.2 allows about 0.52 (design note); what is told must be near it and below the request.
+            assert!(reached > 0.45 && reached < requested && placed < wanted);
             assert!(largest_overlap_um > 0.0 && largest_overlap_um < 0.45);
         }
         other => panic!("0.64 between close walls cannot be: {other:?}"),

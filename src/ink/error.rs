@@ -13,7 +13,7 @@ pub enum PackError {
     )]
     NotReached {
         requested: f64,
-        /// Fraction of the grains that remain when those that overlap are taken out one by one.
+        /// Fraction of the grains that did find room after the worst ones were taken out.
         reached: f64,
         placed: usize,
         wanted: usize,

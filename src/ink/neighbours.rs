@@ -11,11 +11,13 @@ pub(crate) struct Neighbours {
     /// Positions when the list was made.
     origin: Vec<V3>,
     skin: f64,
+    sorted: Sorted,
 }
 
 impl Neighbours {
     pub fn new(bodies: &Bodies, inflation: f64, skin: f64) -> Self {
-        let mut made = Self { start: Vec::new(), list: Vec::new(), origin: Vec::new(), skin };
+        let sorted = Sorted::default();
+        let mut made = Self { start: Vec::new(), list: Vec::new(), origin: Vec::new(), skin, sorted };
         made.remake(bodies, inflation);
         made
     }
@@ -36,19 +38,17 @@ impl Neighbours {
         let n = bodies.spheres();
         let widest = bodies.radius[..n].iter().copied().fold(0.0, f64::max);
         let reach = 2.0 * widest * (1.0 + inflation) + self.skin;
-        let count = grid_count(&bodies.cell, reach);
-        let sorted = Sorted::new(bodies, count);
+        self.sorted.sort(bodies, grid_count(&bodies.cell, reach));
+        let sorted = &self.sorted;
         self.origin.clear();
         self.origin.extend_from_slice(&bodies.at[..n]);
         self.start.clear();
         self.list.clear();
-        let cells: usize = count.iter().product();
-        let near: Vec<Vec<u32>> = (0..cells).map(|c| neighbours(c, count, &bodies.cell)).collect();
         for s in 0..n {
             self.start.push(self.list.len() as u32);
             let (p, owner) = (bodies.at[s], bodies.owner[s]);
             let wide = bodies.radius[s] * (1.0 + inflation) + self.skin;
-            for &c in &near[sorted.cell[s] as usize] {
+            for &c in &sorted.near[sorted.cell[s] as usize] {
                 for k in sorted.start[c as usize]..sorted.start[c as usize + 1] {
                     let (q, r, t) = sorted.entry[k as usize];
                     let d = bodies.cell.delta(p, q);
@@ -64,31 +64,41 @@ impl Neighbours {
 }
 
 /// Spheres sorted by grid cell (counting sort): position, radius and number side by side.
+#[derive(Default)]
 struct Sorted {
+    count: [usize; 3],
+    near: Vec<Vec<u32>>,
     cell: Vec<u32>,
     start: Vec<u32>,
+    next: Vec<u32>,
     entry: Vec<(V3, f64, u32)>,
 }
 
 impl Sorted {
-    fn new(bodies: &Bodies, count: [usize; 3]) -> Self {
+    fn sort(&mut self, bodies: &Bodies, count: [usize; 3]) {
+        let cells: usize = count.iter().product();
+        if self.count != count {
+            self.count = count;
+            self.near = (0..cells).map(|c| neighbours(c, count, &bodies.cell)).collect();
+        }
         let n = bodies.spheres();
         let scale: V3 = std::array::from_fn(|a| count[a] as f64 / bodies.cell.size[a]);
         let index = |p: V3, a: usize| ((p[a] * scale[a]) as usize).min(count[a] - 1);
         let cell_of = |p: &V3| ((index(*p, 2) * count[1] + index(*p, 1)) * count[0] + index(*p, 0)) as u32;
-        let cell: Vec<u32> = bodies.at[..n].iter().map(cell_of).collect();
-        let mut start = vec![0u32; count.iter().product::<usize>() + 1];
-        cell.iter().for_each(|c| start[*c as usize + 1] += 1);
-        for c in 1..start.len() {
-            start[c] += start[c - 1];
+        self.cell.clear();
+        self.cell.extend(bodies.at[..n].iter().map(cell_of));
+        self.start.clear();
+        self.start.resize(cells + 1, 0);
+        self.cell.iter().for_each(|c| self.start[*c as usize + 1] += 1);
+        for c in 1..self.start.len() {
+            self.start[c] += self.start[c - 1];
         }
-        let mut next = start.clone();
-        let mut entry = vec![([0.0; 3], 0.0, 0u32); n];
+        self.next.clone_from(&self.start);
+        self.entry.resize(n, ([0.0; 3], 0.0, 0));
         for s in 0..n {
-            let slot = &mut next[cell[s] as usize];
-            entry[*slot as usize] = (bodies.at[s], bodies.radius[s], s as u32);
+            let slot = &mut self.next[self.cell[s] as usize];
+            self.entry[*slot as usize] = (bodies.at[s], bodies.radius[s], s as u32);
             *slot += 1;
         }
-        Self { cell, start, entry }
     }
 }

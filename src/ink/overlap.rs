@@ -37,7 +37,10 @@ pub fn smallest_gap(
             if b.x + if wrapped { period[0] } else { 0.0 } - a.x > window {
                 break;
             }
-            if a.grain != b.grain {
+            // Far in z: no smaller gap than the one known.
+            let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
+            let far = walls && dz - a.sphere.radius_um - b.sphere.radius_um >= worst.gap;
+            if a.grain != b.grain && !far {
                 let gap = image_gap(&a.sphere, &b.sphere, period, thickness, walls);
                 worst.hear(gap, || (format!("grain {}", a.grain), format!("grain {}", b.grain)));
             }

@@ -60,6 +60,12 @@ impl Plan {
         Ok(Self { bodies, fields, shares, box_um3: lx * ly * request.thickness_um })
     }
 
+    /// The same cell with fewer bodies.
+    pub fn subset(&self, kept: &[usize]) -> Self {
+        let bodies = kept.iter().map(|b| self.bodies[*b].clone()).collect();
+        Self { bodies, fields: self.fields.clone(), shares: self.shares.clone(), box_um3: self.box_um3 }
+    }
+
     pub fn grains(&self) -> usize {
         self.bodies.iter().map(|b| b.parts.len()).sum()
     }

@@ -15,8 +15,9 @@ use super::vector::{Rotation, V3, add, cross, dot, norm, scale};
 use super::watch::{PackProgress, PackWatch};
 use std::ops::ControlFlow;
 
-/// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed length.
-const SKIN_RADII: f64 = 0.4;
+/// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed length (the
+/// time of 10 × 10 × 1 µm cases is flat between 0.7 and 1.0).
+const SKIN_RADII: f64 = 0.9;
 /// Steps between two looks at whether the energy still falls.
 const PATIENCE: u64 = 400;
 /// Inflation below which a stalled relaxation is given up.
@@ -100,9 +101,10 @@ impl<'r, 'a> Relaxation<'r, 'a> {
 
     /// Throws bodies in at random until `upto` of them are in the cell; all of them move.
     fn insert(&mut self, upto: usize, draws: &mut Draws) {
-        for b in self.bodies.placed..upto {
+        let places = scattered(self.bodies, upto - self.bodies.placed, draws);
+        for (b, place) in (self.bodies.placed..upto).zip(places) {
             let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
-            scatter(self.bodies, b, field, draws);
+            scatter(self.bodies, b, place, field, draws);
             self.moves[b] = true;
             self.moving.push(b as u32);
         }
@@ -114,28 +116,41 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     }
 
     fn run(&mut self, draws: &mut Draws, watch: &mut dyn PackWatch) -> Result<(), PackError> {
-        let mut before = f64::INFINITY;
-        let mut milestone = f64::INFINITY;
+        let limit = self.settings.max_steps.saturating_sub(self.steps);
+        match self.settle(limit, draws, watch)? {
+            None => Ok(()),
+            Some(left) => Err(self.not_reached(&left, draws, watch)),
+        }
+    }
+
+    /// Steps until no overlap is left (`None`) or until it stalls or the limit is met (what is left).
+    pub fn settle(
+        &mut self,
+        limit: u64,
+        draws: &mut Draws,
+        watch: &mut dyn PackWatch,
+    ) -> Result<Option<Found>, PackError> {
+        let start = self.steps;
+        let (mut before, mut milestone) = (f64::INFINITY, f64::INFINITY);
         loop {
             let found = self.forces(draws);
             if found.overlap <= 0.0 {
-                return Ok(());
+                return Ok(None);
             }
             if self.steps % REPORT == 0 {
                 self.report(&found, watch)?;
             }
-            if self.steps >= self.settings.max_steps {
-                return Err(self.not_reached(&found));
+            if self.steps - start >= limit {
+                return Ok(Some(found));
             }
             if (self.steps - self.batch_start + 1) % PATIENCE == 0 {
                 if found.energy > 0.8 * milestone && !self.deflate() {
-                    return Err(self.not_reached(&found));
+                    return Ok(Some(found));
                 }
                 milestone = found.energy;
             }
-            let worse = found.energy > before;
-            self.step =
-                if worse { 0.7 * self.step } else { 1.03 * self.step }.clamp(0.05, self.settings.step);
+            let factor = if found.energy > before { 0.7 } else { 1.03 };
+            self.step = (factor * self.step).clamp(0.05, self.settings.step);
             before = found.energy;
             self.advance();
             self.steps += 1;
@@ -302,13 +317,15 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         }
     }
 
-    fn not_reached(&self, found: &Found) -> PackError {
-        let kept = super::survivors::without_overlap(self.bodies, &self.list);
-        let bodies = kept.iter().map(|b| &self.plan.bodies[*b]);
+    fn not_reached(&self, found: &Found, draws: &mut Draws, watch: &mut dyn PackWatch) -> PackError {
+        let fewer = match fit_fewer(self.bodies, self.plan, self.settings, draws, watch) {
+            Ok(fewer) => fewer,
+            Err(stopped) => return stopped,
+        };
         PackError::NotReached {
             requested: self.plan.fraction(),
-            reached: bodies.clone().map(|b| b.volume_um3()).sum::<f64>() / self.plan.box_um3,
-            placed: bodies.map(|b| b.parts.len()).sum(),
+            reached: fewer.iter().map(|b| self.plan.bodies[*b].volume_um3()).sum::<f64>() / self.plan.box_um3,
+            placed: fewer.iter().map(|b| self.plan.bodies[*b].parts.len()).sum(),
             wanted: self.plan.grains(),
             steps: self.steps,
             largest_overlap_um: found.overlap,
@@ -318,6 +335,25 @@ impl<'r, 'a> Relaxation<'r, 'a> {
                 .into(),
         }
     }
+
+    /// Bodies in place, all of them moving.
+    fn start_all(&mut self) {
+        self.moving = (0..self.bodies.placed as u32).collect();
+        self.moves.fill(true);
+        self.batch_start = self.steps;
+        self.list.remake(self.bodies, self.inflation);
+    }
+}
+
+/// Uniform places in the cell, sorted by region so that neighbours in space are neighbours in memory. (The
+/// bodies are shuffled, hence each still gets a uniform place.)
+fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
+    let size = bodies.cell.size;
+    let mut places: Vec<V3> = (0..n).map(|_| std::array::from_fn(|a| draws.between(0.0, size[a]))).collect();
+    let side = (bodies.cell.size.iter().product::<f64>() / n.max(1) as f64).cbrt() * 2.0;
+    let region = |p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64);
+    places.sort_by_cached_key(region);
+    places
 }
 
 impl Found {
@@ -327,4 +363,62 @@ impl Found {
         self.overlap = self.overlap.max(overlap);
         self.relative = self.relative.max(overlap / sum);
     }
+}
+
+/// Part of the bodies taken out at a time, and how often.
+const TAKEN_OUT: f64 = 0.01;
+const ROUNDS: usize = 60;
+
+/// The highest concentration these grains reach from where they are stuck: the bodies that overlap most are
+/// taken out, a hundredth at a time, and the rest relaxes again, until nothing overlaps.
+fn fit_fewer(
+    stuck: &Bodies,
+    plan: &Plan,
+    settings: &RelaxationSettings,
+    draws: &mut Draws,
+    watch: &mut dyn PackWatch,
+) -> Result<Vec<usize>, PackError> {
+    let mut kept: Vec<usize> = (0..stuck.placed).collect();
+    let mut state: Vec<(V3, Rotation)> =
+        kept.iter().map(|b| (stuck.centre[*b], stuck.rotation[*b])).collect();
+    for _ in 0..ROUNDS {
+        let plan = plan.subset(&kept);
+        let mut bodies = Bodies::new(stuck.cell, &plan.bodies);
+        state.iter().enumerate().for_each(|(b, (centre, rotation))| bodies.put(b, *centre, *rotation));
+        bodies.placed = kept.len();
+        let mut relaxation = Relaxation::new(&mut bodies, &plan, settings);
+        relaxation.inflation = settings.inflation.min(1e-3);
+        relaxation.start_all();
+        if relaxation.settle(PATIENCE, draws, watch)?.is_none() {
+            return Ok(kept);
+        }
+        let strain = strain(&bodies);
+        let mut order: Vec<usize> = (0..kept.len()).collect();
+        order.sort_by(|a, b| strain[*b].total_cmp(&strain[*a]));
+        let mut out: Vec<usize> = order[..(TAKEN_OUT * kept.len() as f64).ceil() as usize].to_vec();
+        out.sort_unstable();
+        state = (0..kept.len()).map(|b| (bodies.centre[b], bodies.rotation[b])).collect();
+        for b in out.into_iter().rev() {
+            kept.remove(b);
+            state.remove(b);
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// Overlap energy of each body.
+fn strain(bodies: &Bodies) -> Vec<f64> {
+    let list = Neighbours::new(bodies, 0.0, 0.0);
+    let mut strain = vec![0.0; bodies.placed];
+    for s in 0..bodies.spheres() {
+        let (p, r) = (bodies.at[s], bodies.radius[s]);
+        let mut push = |depth: f64| strain[bodies.owner[s] as usize] += depth.max(0.0).powi(2);
+        if bodies.cell.walls {
+            push(2.0 * (r - p[2].min(bodies.cell.size[2] - p[2])));
+        }
+        for t in list.of(s).iter().map(|t| *t as usize) {
+            push(r + bodies.radius[t] - norm(bodies.cell.delta(p, bodies.at[t])));
+        }
+    }
+    strain
 }

@@ -6,7 +6,7 @@ use super::buckets::Buckets;
 use super::error::PackError;
 use super::orientation::{Field, draw_rotation};
 use super::plan::Plan;
-use super::vector::{Rotation, V3, add, dot};
+use super::vector::{Rotation, V3, dot};
 use super::watch::{PackProgress, PackWatch};
 
 /// Gaps below this share of the radii's sum count as overlap, so that rounding cannot spoil the final proof.
@@ -120,18 +120,18 @@ fn blocked(bodies: &Bodies, plan: &Plan, attempts: u64, volume: f64) -> PackErro
     }
 }
 
-/// A uniform start that may overlap, for the relaxation.
-pub(crate) fn scatter(bodies: &mut Bodies, b: usize, field: Option<&Field>, draws: &mut Draws) {
-    let rotation =
-        if bodies.bodies[b].single_sphere() { Rotation::IDENTITY } else { draw_rotation(field, draws) };
-    let mut centre: V3 = std::array::from_fn(|a| draws.between(0.0, bodies.cell.size[a]));
-    bodies.put(b, centre, rotation);
+/// A random start that may overlap, for the relaxation: at `place`, or between the walls at the same share of
+/// the height that the turned grain can use.
+pub(crate) fn scatter(bodies: &mut Bodies, b: usize, place: V3, field: Option<&Field>, draws: &mut Draws) {
+    let single = bodies.bodies[b].single_sphere();
+    let rotation = if single { Rotation::IDENTITY } else { draw_rotation(field, draws) };
+    bodies.put(b, place, rotation);
     if bodies.cell.walls {
-        // Uniform between the walls where the grain fits as it is turned; else in the middle, for the walls to turn it.
         let [low, high] = bodies.span_z(b);
-        let room = bodies.cell.size[2] - (high - low);
-        centre[2] =
-            if room > 0.0 { draws.uniform() * room - low } else { 0.5 * (bodies.cell.size[2] - high - low) };
-        bodies.shift(b, add(centre, [0.0; 3]));
+        let height = bodies.cell.size[2];
+        let room = height - (high - low);
+        // A grain too long for the layer as it is turned starts in the middle; the walls will turn it.
+        let z = if room > 0.0 { place[2] / height * room - low } else { 0.5 * (height - high - low) };
+        bodies.shift(b, [place[0], place[1], z]);
     }
 }
