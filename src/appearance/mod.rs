@@ -17,5 +17,6 @@ pub mod figure;
 pub mod ink_on_paper;
 pub mod paper;
 pub mod picture;
+pub mod plots;
 pub mod slab;
 pub mod tristimulus;
