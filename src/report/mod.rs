@@ -1,6 +1,5 @@
 //! What is kept: records, manifest, pages and figures.
 
-pub mod figures;
 pub mod folder;
 pub mod packing_record;
 pub mod page;
