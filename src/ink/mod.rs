@@ -19,7 +19,6 @@ mod sequential;
 pub mod shape;
 pub mod size;
 pub mod spectra;
-mod survivors;
 pub mod vector;
 pub mod volume;
 pub mod watch;
