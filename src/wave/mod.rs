@@ -13,6 +13,7 @@ pub mod grid;
 pub mod incidence;
 pub mod mean;
 pub mod nufft;
+pub mod packed;
 pub mod problem;
 pub mod scene;
 pub mod section;
