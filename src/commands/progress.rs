@@ -49,6 +49,11 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 
+    /// True when the user has asked to stop.
+    pub fn stopped(&self) -> bool {
+        self.stop.is_raised()
+    }
+
     fn say(&self, text: &str) {
         match self.last_line {
             Some(_) => eprintln!("{text}"),

@@ -4,10 +4,14 @@ use super::diagnostics::study_report;
 use super::progress::Progress;
 use super::stop::StopFlag;
 use clap::Args;
+use inkwave::ink::PackError;
 use inkwave::report::folder::{FolderError, OutputFolder};
+use inkwave::report::manifest::Status;
 use inkwave::study::checked::Study;
 use inkwave::study::load::load;
-use inkwave::study::runner::{self, RunSettings};
+use inkwave::study::publish::{Published, publish};
+use inkwave::study::runner::{self, Collected, RunError, RunSettings};
+use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `inkwave run`.
@@ -29,11 +33,44 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let path = output_path(args, &study);
     let folder = OutputFolder::open(&path).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
-    let collected = runner::run(&study, &folder, RunSettings { jobs: args.jobs.map(usize::from) }, &progress);
+    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+    let collected = runner::run(&study, &folder, settings, &progress);
     progress.finish();
-    let c = collected.map_err(|e| miette::miette!("{e}"))?;
-    eprintln!("{:?} {}", c.resolved, c.finished());
-    Ok(())
+    let collected = collected.map_err(|error| {
+        folder.discard_when_empty();
+        run_report(error)
+    })?;
+    let published = publish(&study, &collected, &folder).into_diagnostic()?;
+    tell(&study, &collected, &published, &folder, progress.stopped())
+}
+
+/// Says where the results are; anything less than all of them is an error, so that scripts notice.
+fn tell(
+    study: &Study,
+    collected: &Collected,
+    published: &Published,
+    folder: &OutputFolder,
+    stopped: bool,
+) -> miette::Result<()> {
+    let report = folder.path().join("report.html");
+    if let Some(colour) = &published.colour {
+        println!("{}: {colour}", study.title);
+    }
+    println!("Report: {}", report.display());
+    if published.status == Status::Complete {
+        return Ok(());
+    }
+    let (finished, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
+    let help = if stopped {
+        "run the same command again to continue"
+    } else {
+        "the report lists their reasons; try another solver, a finer grid or more applications"
+    };
+    let why = if stopped { "stopped".to_owned() } else { format!("{failed} solves have no result") };
+    Err(miette!(
+        help = help,
+        "{why}: {finished} of {all} solves are finished, the results are marked as partial"
+    ))
 }
 
 /// `--output`, else the study's own folder, else `out/<study name>`.
@@ -44,5 +81,16 @@ fn output_path(args: &RunArgs, study: &Study) -> PathBuf {
 }
 
 fn folder_report(error: FolderError) -> miette::Report {
-    miette::miette!(help = error.remedy(), "{error}")
+    miette!(help = error.remedy(), "{error}")
+}
+
+fn run_report(error: RunError) -> miette::Report {
+    match error {
+        RunError::Folder(error) => folder_report(error),
+        RunError::Packing { source: PackError::NotReached { .. }, .. } => {
+            let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
+            miette!(help = help, "{error}")
+        }
+        other => miette!("{other}"),
+    }
 }

@@ -61,12 +61,12 @@ pub struct Paper {
     pub coupling: Coupling,
 }
 
-/// Angles of incidence, degrees from the normal, rising, below 90.
+/// Angles of incidence, degrees from the normal, below 90.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Angles {
-    /// For light from above.
+    /// For light from above, rising.
     pub above: Vec<f64>,
-    /// For light from below; empty when light from above serves for both.
+    /// For light from below, in the rule's order; empty when light from above serves for both.
     pub below: Vec<f64>,
     pub azimuth_deg: f64,
     /// The quadrature rule, unless the angles were listed.

@@ -5,7 +5,7 @@ use super::watch::RunWatch;
 use crate::ink::{PackError, PackProgress, PackWatch, Packing, pack};
 use crate::report::record::{NotFinite, PointRecord, SolveAccount};
 use crate::solve::{SolveError, Step, Watch};
-use crate::wave::{Ball, Body, Coverage, Mean, Problem, Scene, Shape, WaveError};
+use crate::wave::{Coverage, Mean, Problem, WaveError};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -34,16 +34,6 @@ pub fn pack_realisation(
     watch: &dyn RunWatch,
 ) -> Result<Packing, PackError> {
     pack(&study.packing_request(realisation), &mut Stopper(watch))
-}
-
-/// The packing as the wave sees it: one stratum of binder with the grains inside.
-pub fn scene_of(packing: &Packing) -> Scene {
-    let body = |grain: &crate::ink::Grain| {
-        let ball = |s: &crate::ink::Sphere| Ball { center_um: s.center_um, radius_um: s.radius_um };
-        Body { shape: Shape::Balls(grain.spheres.iter().map(ball).collect()), inclusion: grain.pigment }
-    };
-    let bodies = packing.grains().iter().map(body).collect();
-    Scene::layer(packing.period_um(), packing.thickness_um(), bodies)
 }
 
 /// Solves one point and keeps what it found under `key`.

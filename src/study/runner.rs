@@ -7,7 +7,7 @@
 use super::checked::{Point, Study};
 use super::crew::work_through;
 use super::identity::Key;
-use super::optics::{PointError, pack_realisation, scene_of, solve_point};
+use super::optics::{PointError, pack_realisation, solve_point};
 use super::resolve::{self, Resolved, resolve};
 use super::watch::RunWatch;
 use crate::ink::{PackError, Packing};
@@ -16,7 +16,7 @@ use crate::report::packing_record::PackingRecord;
 use crate::report::record::PointRecord;
 use crate::report::store::Store;
 use crate::solve::accuracy::AccuracyError;
-use crate::wave::{Coverage, Mean, WaveError};
+use crate::wave::{Coverage, Mean, Scene, WaveError};
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -97,7 +97,7 @@ pub fn run(
 ) -> Result<Collected, RunError> {
     let stores = Stores::open(folder)?;
     let mut packings = Packings { study, watch, first: None };
-    let scene = || packings.get(0).map(|packing| scene_of(&packing));
+    let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
     let resolved = resolve(study, &stores.grids, watch, scene).map_err(stopped)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
     let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));
@@ -212,7 +212,7 @@ impl RealisationRun<'_> {
 
     /// Solves side by side; `None` for those that a stop left out.
     fn solve_all(&self, packing: &Packing, todo: &[&(Point, Key)]) -> Result<Vec<Solved>, RunError> {
-        let coverage = Arc::new(Coverage::new(&scene_of(packing), self.resolved.resolution)?);
+        let coverage = Arc::new(Coverage::new(&Scene::from_packing(packing), self.resolved.resolution)?);
         let results: Vec<Mutex<Solved>> = todo.iter().map(|_| Mutex::new(None)).collect();
         let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
         let jobs = self.settings.jobs.unwrap_or_else(rayon::current_num_threads);
