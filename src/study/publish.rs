@@ -43,7 +43,7 @@ pub enum PublishError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Published {
     pub status: Status,
-    /// L*, a*, b* and C* at 45°:0° in words, where there is a colour.
+    /// L*, a*, b* and C* under natural light in words, where there is a colour.
     pub colour: Option<String>,
 }
 

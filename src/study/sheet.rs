@@ -9,6 +9,7 @@ use super::summary::{LIT_AT_45, NATURAL_LIGHT};
 use crate::appearance::estimate::Estimate;
 use crate::appearance::figure::FigureError;
 use crate::appearance::paper::{Coupling, MirroredSky};
+use crate::ink::{PigmentGrains, SizeDistribution};
 use crate::report::manifest::{ColourNote, Manifest, Status};
 use crate::report::page::{ColourBlock, ColourRow, Page, Picture, png_data};
 
@@ -41,12 +42,12 @@ pub fn sheet(
 
 fn summary(study: &Study) -> String {
     let shares = study.pigments.iter().map(|p| {
-        let shape = p.grains.shape.name();
         format!(
-            "{} % {} ({shape}s up to {} nm)",
+            "{} % {} ({} {})",
             percent(p.grains.volume_fraction),
             p.name,
-            p.grains.size.largest_nm()
+            p.grains.shape.name(),
+            size(&p.grains)
         )
     });
     let shares: Vec<String> = shares.collect();
@@ -59,6 +60,14 @@ fn summary(study: &Study) -> String {
         }
     };
     format!("{pigments} in a layer {} µm thick{paper}.", study.layer.thickness_um)
+}
+
+/// The grains' size: one diameter, or the largest.
+fn size(grains: &PigmentGrains) -> String {
+    match grains.size {
+        SizeDistribution::Constant { value_nm, .. } => format!("{value_nm} nm"),
+        _ => format!("up to {:.0} nm", grains.size.largest_nm()),
+    }
 }
 
 fn percent(share: f64) -> f64 {
@@ -99,7 +108,7 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
     let conditions = manifest.colours.iter().map(|note| note.conditions.clone()).collect();
     let row = |name: &str, of: &dyn Fn(&ColourNote) -> Estimate| ColourRow {
         name: name.to_owned(),
-        values: manifest.colours.iter().map(|note| with_error(of(note), 1)).collect(),
+        values: manifest.colours.iter().map(|note| with_error(of(note), 2)).collect(),
     };
     let lab = |i: usize| {
         move |note: &ColourNote| Estimate {
@@ -112,12 +121,12 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
         row("L*", &lab(0)),
         row("a*", &lab(1)),
         row("b*", &lab(2)),
-        row("chroma C*", &|note| note.chroma),
-        row("hue h, °", &|note| note.hue_deg),
+        row("C*", &|note| note.chroma),
+        row("h, °", &|note| note.hue_deg),
     ];
     rows.push(ColourRow { name: "sRGB".into(), values: manifest.colours.iter().map(srgb).collect() });
     let in_words = format!(
-        "L* {}, a* {}, b* {}, C* {} at {}",
+        "L* {}, a* {}, b* {}, C* {} under {}",
         with_error(lab(0)(first), 1),
         with_error(lab(1)(first), 1),
         with_error(lab(2)(first), 1),
@@ -135,8 +144,8 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
 
 fn colour_note(manifest: &Manifest<&Study>) -> String {
     let mut note = format!(
-        "{LIT_AT_45}: lit at 45°, seen along the normal, as prints are measured; {NATURAL_LIGHT}: a uniform sky, \
-         seen along the normal. CIE 1931 observer, illuminant D65. The patch shows the first column; ± is one \
+        "Under {NATURAL_LIGHT}: a uniform sky, seen along the normal; {LIT_AT_45}: lit at 45°, seen along the normal, as \
+         prints are measured. CIE 1931 observer, illuminant D65. C* is the chroma, h the hue. The patch shows the first column; ± is one \
          standard error."
     );
     if manifest.colours.iter().any(|c| c.colour.out_of_gamut) {
@@ -149,7 +158,7 @@ fn colour_note(manifest: &Manifest<&Study>) -> String {
 fn with_error(estimate: Estimate, digits: usize) -> String {
     let value = format!("{:.digits$}", estimate.value).replace('-', "−");
     match estimate.standard_error {
-        Some(error) => format!("{value} ± {error:.*}", digits + 1),
+        Some(error) => format!("{value} ± {error:.digits$}"),
         None => value,
     }
 }

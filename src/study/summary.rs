@@ -104,11 +104,10 @@ fn colours(study: &Study, seen: &Seen) -> Result<Vec<ColourNote>, String> {
     let ink = seen.ink.as_ref().map_err(NoInk::to_string)?;
     let of = || -> Result<Vec<ColourNote>, InkError> {
         let conditions = Conditions::new(ink)?;
-        let mut notes = Vec::new();
+        let mut notes = vec![note(NATURAL_LIGHT, ink.colour(conditions.natural_light(study))?)];
         if let Some(lit_at_45) = conditions.lit_at_45() {
             notes.push(note(LIT_AT_45, ink.colour(lit_at_45)?));
         }
-        notes.push(note(NATURAL_LIGHT, ink.colour(conditions.natural_light(study))?));
         Ok(notes)
     };
     of().map_err(|error| error.to_string())

@@ -47,12 +47,12 @@ fn against_wavelength(y_label: &str, series: Vec<Series>) -> Option<Plot> {
 
 fn seen_spectra(rows: &[SpectrumRow]) -> Drawing {
     let series = vec![
-        spectrum(rows, LIT_AT_45, |row| row.lit_at_45),
         spectrum(rows, NATURAL_LIGHT, |row| row.natural_light),
+        spectrum(rows, LIT_AT_45, |row| row.lit_at_45),
     ];
     let caption = format!(
-        "What the eye receives from the ink on its paper, as a share of what a perfect white would send: {LIT_AT_45} \
-         (π × BRDF) and {NATURAL_LIGHT} at normal view. Bars are standard errors over realisations."
+        "What the eye receives from the ink on its paper, as a share of what a perfect white would send: under {NATURAL_LIGHT} \
+         and at {LIT_AT_45} (π × BRDF). Bars are standard errors over realisations."
     );
     Some(("The ink on its paper", against_wavelength("share of a perfect white", series)?, caption))
 }
@@ -61,9 +61,9 @@ fn layer_spectra(rows: &[SpectrumRow]) -> Drawing {
     let angle = rows.first()?.polar_deg;
     let series = vec![
         spectrum(rows, "reflected", |row| Some(row.reflectance)),
-        spectrum(rows, "of it specular", |row| Some(row.specular_reflectance)),
+        spectrum(rows, "reflected, specular", |row| Some(row.specular_reflectance)),
         spectrum(rows, "transmitted", |row| Some(row.transmittance)),
-        spectrum(rows, "of it specular", |row| Some(row.specular_transmittance)),
+        spectrum(rows, "transmitted, specular", |row| Some(row.specular_transmittance)),
         spectrum(rows, "absorbed", |row| Some(row.absorptance)),
     ];
     let caption = format!(

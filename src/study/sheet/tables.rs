@@ -65,7 +65,7 @@ pub(super) fn asked(study: &Study) -> Vec<Named> {
     ];
     rows.extend(study.pigments.iter().map(|pigment| {
         let grains = &pigment.grains;
-        let size = format!("{}, up to {} nm", grains.shape.name(), grains.size.largest_nm());
+        let size = format!("{}, {}", grains.shape.name(), super::size(grains));
         let share = percent(grains.volume_fraction);
         Named::new(
             format!("pigment {}", pigment.name),
