@@ -89,6 +89,9 @@ impl RunWatch for Progress {
     }
 
     fn begins(&self, study: &Study, kept: usize) {
+        if let Ok(mut started) = self.started.lock() {
+            *started = Instant::now();
+        }
         let all = study.solves();
         self.bar.set_length(all as u64);
         self.bar.set_position(kept as u64);

@@ -91,6 +91,10 @@ fn run_report(error: RunError) -> miette::Report {
             let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
             miette!(help = help, "{error}")
         }
+        RunError::Resolution(_) | RunError::Wave(_) => {
+            let help = "[resolution] sets the grid: raise points_per_um or planes_per_um, or give an accuracy instead";
+            miette!(help = help, "{error}")
+        }
         other => miette!("{other}"),
     }
 }

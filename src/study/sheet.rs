@@ -127,10 +127,10 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
     rows.push(ColourRow { name: "sRGB".into(), values: manifest.colours.iter().map(srgb).collect() });
     let in_words = format!(
         "L* {}, a* {}, b* {}, C* {} under {}",
-        with_error(lab(0)(first), 1),
-        with_error(lab(1)(first), 1),
-        with_error(lab(2)(first), 1),
-        with_error(first.chroma, 1),
+        with_error(lab(0)(first), 2),
+        with_error(lab(1)(first), 2),
+        with_error(lab(2)(first), 2),
+        with_error(first.chroma, 2),
         first.conditions
     );
     Some(ColourBlock {
@@ -148,8 +148,14 @@ fn colour_note(manifest: &Manifest<&Study>) -> String {
          prints are measured. CIE 1931 observer, illuminant D65. C* is the chroma, h the hue. The patch shows the first column; ± is one \
          standard error."
     );
-    if manifest.colours.iter().any(|c| c.colour.out_of_gamut) {
-        note.push_str(" This colour lies outside sRGB: screens show the nearest they can.");
+    let outside: Vec<&str> =
+        manifest.colours.iter().filter(|c| c.colour.out_of_gamut).map(|c| c.conditions.as_str()).collect();
+    if !outside.is_empty() {
+        let line = format!(
+            " The colour at {} lies outside sRGB: screens show the nearest they can.",
+            outside.join(" and ")
+        );
+        note.push_str(&line);
     }
     note
 }

@@ -146,6 +146,9 @@ pub(super) fn limits(study: &Study) -> Vec<String> {
         "Every grain is there: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell repeats \
          sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
             .to_owned(),
+        "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
+         thickness they wash out."
+            .to_owned(),
         "Standard errors are over realisations (independent random packings) by the jackknife. They do not hold the \
          errors of the grid, of the angles' quadrature or of the wavelengths' spacing."
             .to_owned(),
