@@ -27,13 +27,17 @@ impl PointError {
     }
 }
 
-/// Packs the grains of a realisation; stops when the watch says so.
+/// Packs the grains of a realisation; stops when the watch says so. A clear layer has nothing to pack.
 pub fn pack_realisation(
     study: &Study,
     realisation: usize,
     watch: &dyn RunWatch,
 ) -> Result<Packing, PackError> {
-    pack(&study.packing_request(realisation), &mut Stopper(watch))
+    let request = study.packing_request(realisation);
+    if request.pigments.is_empty() {
+        return Packing::from_grains(request.period_um, request.thickness_um, true, Vec::new());
+    }
+    pack(&request, &mut Stopper(watch))
 }
 
 /// Solves one point and keeps what it found under `key`.
