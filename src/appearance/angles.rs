@@ -73,6 +73,21 @@ impl AngleRule {
     }
 }
 
+impl AngleRule {
+    /// Interpolation weights at node `k` from all other nodes (and zero at grazing, for differences).
+    pub(super) fn shares_without(&self, k: usize, zero_at_grazing: bool) -> Vec<f64> {
+        let mut mu: Vec<f64> = self.above.iter().map(|n| n.polar_deg.to_radians().cos()).collect();
+        let at = mu.remove(k);
+        if zero_at_grazing {
+            mu.push(0.0);
+        }
+        let mut shares = lagrange(&mu, at);
+        shares.truncate(self.above.len() - 1);
+        shares.insert(k, 0.0);
+        shares
+    }
+}
+
 /// Σ weight · value: the mean over the hemisphere, 2∫₀¹ f μ dμ.
 pub fn hemispherical_mean(nodes: &[AngleNode], values: &[f64]) -> f64 {
     nodes.iter().zip(values).map(|(n, v)| n.weight * v).sum()
@@ -87,7 +102,8 @@ pub fn hemispherical_mean(nodes: &[AngleNode], values: &[f64]) -> f64 {
 /// error of T̄ and R̄_b, and of natural light and π f in 0–60°, without a baseline, with the slab of √⟨η²⟩, and with the
 /// slab fitted to the specular R and T ([`LayerOptics::fit_baseline`], what
 /// [`InkOnPaper`](super::ink_on_paper::InkOnPaper) does). The worst layer is the clear film with strong fringes; strongly
-/// absorbing ones are orders better. A layer that does not scatter is exact with any number of angles.
+/// absorbing ones are orders better. In this model the coherent wave sees exactly a slab, which favours the fit; layers
+/// of grains have not been measured yet. A layer that does not scatter is exact with any number of angles.
 ///
 #[doc = include_str!("angle_errors.md")]
 ///

@@ -64,7 +64,7 @@ fn step(rule: &AngleRule, layer: &LayerOptics, slab: Slab, at: &[f64], damping: 
     let (nn, nk, kk) = (dot(&dn, &dn) * (1.0 + damping), dot(&dn, &dk), dot(&dk, &dk) * (1.0 + damping));
     let (gn, gk) = (dot(&dn, at), dot(&dk, at));
     let determinant = nn * kk - nk * nk;
-    if !(determinant > 0.0) {
+    if determinant.is_nan() || determinant <= 0.0 {
         return slab;
     }
     let n = slab.index.re - (kk * gn - nk * gk) / determinant;

@@ -101,6 +101,11 @@ pub struct Bdf {
     transmitted: LobeData,
 }
 
+/// A bandwidth (direction cosines) that always reaches the eight neighbours of an order: 1.5 of the lattice spacing.
+pub fn suggested_bandwidth(wavelength_um: f64, period_um: [f64; 2]) -> f64 {
+    1.5 * wavelength_um / period_um[0].min(period_um[1])
+}
+
 impl Bdf {
     /// Averages far fields of independent realisations.
     ///
@@ -136,6 +141,11 @@ impl Bdf {
     /// The orders that propagate on that side.
     pub fn orders(&self, lobe: Lobe) -> &[OrderMean] {
         &self.lobe(lobe).orders
+    }
+
+    /// Whether any order but the specular one propagates: a cell narrower than the wavelength has none.
+    pub fn scatters(&self, lobe: Lobe) -> bool {
+        self.orders(lobe).iter().any(|o| (o.m, o.n) != (0, 0))
     }
 
     pub fn totals(&self, lobe: Lobe) -> Totals {
@@ -337,4 +347,4 @@ fn coherent_total(column: &[View]) -> Option<Estimate> {
 
 #[cfg(test)]
 #[path = "bdf_tests.rs"]
-mod tests;
+pub(crate) mod tests;

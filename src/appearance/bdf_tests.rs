@@ -18,12 +18,12 @@ mod rand_chacha_normal {
     }
 }
 
-const LAMBDA_UM: f64 = 0.5;
-const PERIOD_UM: f64 = 5.0;
+pub(crate) const LAMBDA_UM: f64 = 0.5;
+pub(crate) const PERIOD_UM: f64 = 5.0;
 
 /// A far field with ⟨|a|²⟩ = `power` in every diffuse order (plus a coherent amplitude in the specular one);
 /// e = cos θ |a|² at normal incidence, so f = power · cos θ · L²/λ².
-fn speckle(rng: &mut rand::rngs::ChaCha8Rng, power: f64, coherent: f64) -> FarField {
+pub(crate) fn speckle(rng: &mut rand::rngs::ChaCha8Rng, power: f64, coherent: f64) -> FarField {
     let reach = (PERIOD_UM / LAMBDA_UM) as i32 + 1;
     let mut orders = Vec::new();
     for m in -reach..=reach {
@@ -59,7 +59,7 @@ fn ensemble(rng: &mut rand::rngs::ChaCha8Rng, count: usize) -> Vec<FarField> {
     (0..count).map(|_| speckle(rng, 1e-3, 0.3)).collect()
 }
 
-fn rng(seed: u64) -> rand::rngs::ChaCha8Rng {
+pub(crate) fn rng(seed: u64) -> rand::rngs::ChaCha8Rng {
     rand::rngs::ChaCha8Rng::seed_from_u64(seed)
 }
 
@@ -195,4 +195,23 @@ fn mixed_or_broken_ensembles_are_refused() {
     assert!(bdf.at(Lobe::Reflected, [1.2, 0.0], 0.5).is_err());
     assert!(bdf.at(Lobe::Reflected, [0.05, 0.05], 0.01).unwrap_err().to_string().contains("no order"));
     assert!(bdf.azimuthal_mean(Lobe::Reflected, f64::NAN, 0.1).is_err());
+}
+
+#[test]
+fn the_csv_table_has_every_propagating_order_and_leaves_unknowns_empty() {
+    for count in [1, 3] {
+        let bdf = Bdf::from_ensemble(&ensemble(&mut rng(6), count)).unwrap();
+        let mut text = Vec::new();
+        bdf.write_csv(&mut text, true).unwrap();
+        bdf.write_csv(&mut text, false).unwrap();
+        let mut table = csv::Reader::from_reader(text.as_slice());
+        let columns = table.headers().unwrap().clone();
+        let column = |name| columns.iter().position(|c| c == name).unwrap();
+        let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+        assert_eq!(rows.len(), 2 * 2 * 305);
+        let total: f64 = rows[..305].iter().map(|r| r[column("efficiency")].parse::<f64>().unwrap()).sum();
+        approx::assert_relative_eq!(total, bdf.totals(Lobe::Reflected).total.value, max_relative = 1e-13);
+        assert_eq!(rows[0][column("bdf_standard_error")].is_empty(), count == 1);
+        assert!(rows.iter().all(|r| r[column("polar_deg")].parse::<f64>().unwrap() < 90.0));
+    }
 }

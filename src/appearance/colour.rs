@@ -93,7 +93,7 @@ impl Colour {
 
     /// ΔE*ab (CIE 1976) to an independent colour; see [`Colour::delta_e_2000`] for the error.
     pub fn delta_e_76(&self, other: &Self) -> Estimate {
-        self.difference(other, |p, q| distance(p, q))
+        self.difference(other, distance)
     }
 
     /// ΔE₀₀ (CIEDE2000, k_L = k_C = k_H = 1) to an independent colour.

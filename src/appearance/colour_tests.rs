@@ -52,14 +52,14 @@ fn both_reference_grids_are_reproduced() {
         for case in json["spectra"].as_array().unwrap() {
             let (name, want) = (case["name"].as_str().unwrap(), &case[key]);
             let got = colour_on(&grid, name);
-            // The CIE tables have 5 to 7 significant digits and the two copies round differently in the last:
-            // XYZ to 1e-5 of 100 (seen 2e-6), Lab to 1e-4, where f' ≤ 7.8/100 · 500 multiplies it.
+            // The tables are the same numbers, so only the file's 12 printed digits remain: 5e-10 of XYZ ≤ 109, and
+            // Lab, RGB from the same sums. Seen: XYZ 1.2e-10, Lab 3.4e-10, RGB 5e-12, sRGB 5e-13.
             let xyz = largest_difference(&got.xyz, &numbers(&want["XYZ"]));
             let lab = largest_difference(&got.lab, &numbers(&want["Lab"]));
             let rgb = largest_difference(&got.linear_rgb, &numbers(&want["rgb_linear_whitenorm"]));
             let srgb = largest_difference(&got.srgb, &numbers(&want["srgb_whitenorm"]));
-            assert!(xyz < 1e-5 && lab < 1e-4, "{key} {name}: XYZ off by {xyz:e}, Lab by {lab:e}");
-            assert!(rgb < 1e-6 && srgb < 1e-6, "{key} {name}: RGB off by {rgb:e}, sRGB by {srgb:e}");
+            assert!(xyz < 5e-10 && lab < 1e-9, "{key} {name}: XYZ off by {xyz:e}, Lab by {lab:e}");
+            assert!(rgb < 2e-11 && srgb < 2e-12, "{key} {name}: RGB off by {rgb:e}, sRGB by {srgb:e}");
             assert_eq!(got.srgb8.map(f64::from).to_vec(), numbers(&want["srgb8_whitenorm"]), "{key} {name}");
             assert_eq!(!got.out_of_gamut, want["in_gamut"].as_bool().unwrap(), "{key} {name}");
         }
@@ -128,4 +128,17 @@ fn unusable_grids_and_values_are_refused() {
     let meter = Colorimeter::new(&[440.0, 550.0, 640.0]).unwrap();
     assert!(meter.colour(&[1.0; 2]).is_err());
     assert!(meter.colour(&[1.0, f64::NAN, 1.0]).unwrap_err().to_string().contains("at 550 nm = NaN"));
+}
+
+#[test]
+fn ciede2000_meets_published_pairs() {
+    // Sharma, Wu & Dalal (2005), pairs 1, 17 and 25: four decimals
+    let at = |lab| Colour { lab, ..colour_on(&uniform(400., 700., 10.), "perfect_white") };
+    for (p, q, delta) in [
+        ([50.0, 2.6772, -79.7751], [50.0, 0.0, -82.7485], 2.0425),
+        ([50.0, 2.5, 0.0], [73.0, 25.0, -18.0], 27.1492),
+        ([60.2574, -34.0099, 36.2677], [60.4626, -34.1751, 39.4387], 1.2644),
+    ] {
+        approx::assert_abs_diff_eq!(at(p).delta_e_2000(&at(q)).value, delta, epsilon = 5e-5);
+    }
 }

@@ -4,10 +4,10 @@ use super::angles::{AngleRule, PolarAngle};
 use super::bdf::{Bdf, BdfError, Lobe};
 use super::colour::{Colorimeter, Colour, ColourError};
 use super::estimate::{Estimate, jackknife_covariance};
-use super::paper::{LayerOnPaper, LayerOptics, MirroredSky, PaperError, Substrate};
+use super::paper::{Coupling, LayerOnPaper, LayerOptics, MirroredSky, PaperError, Substrate};
 use super::picture::InkPicture;
 use super::slab::Slab;
-use crate::wave::FarField;
+use crate::wave::{FarField, Side};
 use ndarray::Array2;
 use std::f64::consts::PI;
 use thiserror::Error;
@@ -27,6 +27,10 @@ pub enum InkError {
         "{field}: far field {index} was solved at {value}°, the rule's angle is {expected}°; solve at the rule's angles, without snapping"
     )]
     WrongAngle { field: &'static str, index: usize, value: f64, expected: f64 },
+    #[error("{field}: far field {index} was lit from the other side")]
+    WrongSide { field: &'static str, index: usize },
+    #[error("optical contact needs solves from below (angles inside the medium); give them, or use the gap")]
+    BelowNeeded,
     #[error("{field}: {count} entries where {expected} are needed")]
     Count { field: &'static str, count: usize, expected: usize },
 }
@@ -35,7 +39,8 @@ impl LayerOptics {
     /// One realisation at one wavelength from its solves: `above[k]` at `rule.above[k]`, `below[k]` at `rule.below[k]`.
     ///
     /// Without solves from below (`None`) the layer is taken as the same from both sides: R_b = R, allowed for a gap
-    /// only. `bandwidth` (direction cosines) smooths the diffuse BRDF. The specular part is the order (0, 0).
+    /// only. `bandwidth` (direction cosines, [`suggested_bandwidth`](super::bdf::suggested_bandwidth)) smooths the diffuse
+    /// BRDF, which is 0 where the cell is too narrow to scatter. The specular part is the order (0, 0).
     ///
     /// # Errors
     /// Numbers of fields or angles that are not the rule's; a bandwidth too small to reach an order.
@@ -46,19 +51,21 @@ impl LayerOptics {
         baseline: Option<Slab>,
         bandwidth: f64,
     ) -> Result<Self, InkError> {
-        check_angles("above", &rule.above, above)?;
+        check_angles("above", Side::Above, &rule.above, above)?;
         let reflectance: Vec<f64> = above.iter().map(|f| f.reflectance).collect();
         let reflectance_below = match below {
             Some(fields) => {
-                check_angles("below", &rule.below, fields)?;
+                check_angles("below", Side::Below, &rule.below, fields)?;
                 fields.iter().map(|f| f.reflectance).collect()
             }
+            None if rule.coupling != Coupling::Gap => return Err(InkError::BelowNeeded),
             None => reflectance.clone(),
         };
         let mut diffuse_brdf = Array2::zeros((above.len(), above.len()));
         for (i, field) in above.iter().enumerate() {
             let bdf = Bdf::from_ensemble(std::slice::from_ref(field))?;
-            for (o, node) in rule.above.iter().enumerate() {
+            let viewing = if bdf.scatters(Lobe::Reflected) { rule.above.as_slice() } else { &[] };
+            for (o, node) in viewing.iter().enumerate() {
                 diffuse_brdf[[i, o]] =
                     bdf.azimuthal_mean(Lobe::Reflected, node.polar_deg, bandwidth)?.bdf.value;
             }
@@ -77,6 +84,7 @@ impl LayerOptics {
 
 fn check_angles(
     field: &'static str,
+    side: Side,
     nodes: &[super::angles::AngleNode],
     fields: &[FarField],
 ) -> Result<(), InkError> {
@@ -84,8 +92,12 @@ fn check_angles(
         return Err(InkError::Count { field, count: fields.len(), expected: nodes.len() });
     }
     for (index, (node, far)) in nodes.iter().zip(fields).enumerate() {
+        if far.incidence.from != side {
+            return Err(InkError::WrongSide { field, index });
+        }
         let (value, expected) = (far.incidence.polar_deg, node.polar_deg);
-        if !((value - expected).abs() < NODE_SLACK_DEG) {
+        let apart = (value - expected).abs();
+        if apart.is_nan() || apart > NODE_SLACK_DEG {
             return Err(InkError::WrongAngle { field, index, value, expected });
         }
     }
@@ -111,6 +123,30 @@ impl SpectrumEstimate {
 /// The ink on its paper. Every quantity is computed from ensemble means (a print shows many cells at once); the
 /// errors are jackknife errors over realisations, so that noise common to wavelengths and angles of one packing
 /// counts once.
+///
+/// ```
+/// use inkwave::appearance::angles::AngleRule;
+/// use inkwave::appearance::ink_on_paper::InkOnPaper;
+/// use inkwave::appearance::paper::{Albedo, Coupling, LayerOptics, MirroredSky, Substrate};
+/// use inkwave::appearance::slab::Slab;
+/// use inkwave::ink::spectra::{Spectrum, molecular_mixture};
+///
+/// let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
+/// let rule = AngleRule::new(4, 60.0, substrate.coupling)?;
+/// let yellow = Spectrum::synthetic("yellow")?;
+/// let wavelengths_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
+/// let mut layers = Vec::new();
+/// for nm in &wavelengths_nm {
+///     let wavelength_um = nm / 1000.0;
+///     let index = molecular_mixture(1.558.into(), &[(0.3, yellow.index(wavelength_um)?)]);
+///     layers.push(vec![LayerOptics::homogeneous(&rule, Slab { index, thickness_um: 1.0, wavelength_um })]);
+/// }
+/// let ink = InkOnPaper::new(rule, &wavelengths_nm, &layers, &substrate)?;
+/// let view = ink.rule().at(0.0)?;
+/// let colour = ink.colour(|layer| layer.natural_light(&view, MirroredSky::Included))?;
+/// assert!(colour.chroma().value > 90.0 && (80.0..110.0).contains(&colour.hue_deg().value));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct InkOnPaper {
     rule: AngleRule,
@@ -164,6 +200,11 @@ impl InkOnPaper {
     /// The ensemble mean at every wavelength.
     pub fn layers(&self) -> &[LayerOnPaper] {
         &self.whole
+    }
+
+    /// What the number of angles may cost at each wavelength: see [`LayerOnPaper::angle_error`].
+    pub fn angle_errors(&self) -> Vec<f64> {
+        self.whole.iter().map(|layer| layer.angle_error(&self.rule)).collect()
     }
 
     /// Any quantity of the layer on paper against wavelength:

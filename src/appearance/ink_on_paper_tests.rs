@@ -3,6 +3,7 @@
 use super::*;
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::ink::spectra::{Spectrum, molecular_mixture};
+use crate::wave::Side;
 
 /// A molecular mixture of a synthetic pigment in the papers' binder, 1 µm, on paper 0.9.
 pub(crate) fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> InkOnPaper {
@@ -114,4 +115,32 @@ fn ragged_input_is_refused() {
     let contact = Substrate { coupling: Coupling::OpticalContact { index: 1.5 }, ..substrate.clone() };
     let error = InkOnPaper::new(rule.clone(), &[500.0], &[vec![layer]], &contact).unwrap_err();
     assert!(error.to_string().contains("another coupling"));
+}
+
+#[test]
+fn far_fields_become_layer_optics_at_the_rules_angles() {
+    use crate::appearance::bdf::tests::{LAMBDA_UM, PERIOD_UM, rng, speckle};
+    let rule = AngleRule::new(2, 60.0, Coupling::Gap).unwrap();
+    let solve = |seed, polar_deg, from| {
+        let mut field = speckle(&mut rng(seed), 1e-3, 0.3);
+        field.incidence.polar_deg = polar_deg;
+        field.incidence.from = from;
+        field
+    };
+    let above: Vec<FarField> = rule.above.iter().map(|n| solve(1, n.polar_deg, Side::Above)).collect();
+    let below: Vec<FarField> = rule.below.iter().map(|n| solve(2, n.polar_deg, Side::Below)).collect();
+    let layer = LayerOptics::from_far_fields(&rule, &above, Some(&below), None, 0.3).unwrap();
+    assert_eq!(layer.reflectance_below[1], below[1].reflectance);
+    assert_eq!(layer.specular[0], above[0].specular().reflected_efficiency);
+    // f = 1e-3 cos θ L²/λ²; one speckle realisation over more than 64 orders, 4σ < 50 % (cos θ bends over the ring)
+    let expected = 1e-3 * 60f64.to_radians().cos() * (PERIOD_UM / LAMBDA_UM).powi(2);
+    assert!((layer.diffuse_brdf[[0, 1]] / expected - 1.0).abs() < 0.5);
+    let refused = |above: &[FarField], below: Option<&[FarField]>| {
+        LayerOptics::from_far_fields(&rule, above, below, None, 0.3).unwrap_err().to_string()
+    };
+    assert!(refused(&above[..1], None).contains("above: 1 entries"));
+    assert!(refused(&[above[1].clone(), above[0].clone()], None).contains("rule's angle"));
+    assert!(refused(&above, Some(&above)).contains("below"));
+    let contact = AngleRule::new(2, 60.0, Coupling::OpticalContact { index: 1.5 }).unwrap();
+    assert!(LayerOptics::from_far_fields(&contact, &above, None, None, 0.3).is_err());
 }

@@ -11,12 +11,15 @@
 pub mod angles;
 mod baseline;
 pub mod bdf;
+mod bdf_table;
 pub mod colour;
 pub mod estimate;
 pub mod figure;
 pub mod ink_on_paper;
+mod layer_optics;
 pub mod paper;
 pub mod picture;
 pub mod plots;
 pub mod slab;
+mod substrate;
 pub mod tristimulus;

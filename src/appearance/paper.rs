@@ -21,19 +21,19 @@
 //! The wave model is scalar: all of this is for s-polarised light.
 
 use super::angles::{AngleRule, PolarAngle, hemispherical_mean};
-use super::estimate::mean_of;
+pub use super::layer_optics::LayerOptics;
 use super::slab::Slab;
+pub use super::substrate::{Albedo, Coupling, Substrate};
 use crate::wave::Side;
-use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use thiserror::Error;
 
-/// Largest excess over 1 that a total may have: solver residual, not physics.
-const ENERGY_SLACK: f64 = 1e-2;
-
 /// Angles for the hemispherical means of the baseline: rounding for layers of a few wavelengths.
 const BASELINE_POINTS: usize = 48;
+
+/// Calibrated on the model layers of the tests; see [`LayerOnPaper::angle_error`].
+const ANGLE_ERROR_SAFETY: f64 = 1.5;
 
 #[derive(Debug, Error, PartialEq)]
 pub enum PaperError {
@@ -69,180 +69,6 @@ pub enum PaperError {
         "the angle rule was made for another coupling than the substrate's; make it with AngleRule::new(points, max, substrate.coupling)"
     )]
     CouplingMismatch,
-}
-
-/// What is between the layer and the paper.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Coupling {
-    /// A thin gap of vacuum, wide enough to be incoherent (P1).
-    #[default]
-    Gap,
-    /// The paper's scatterers sit in a medium of this index that touches the layer.
-    OpticalContact { index: f64 },
-}
-
-impl Coupling {
-    /// Index of the half-space below that the solves must have.
-    pub fn index_below(self) -> f64 {
-        match self {
-            Self::Gap => 1.0,
-            Self::OpticalContact { index } => index,
-        }
-    }
-}
-
-/// Albedo ρ of the paper, 0–1: the same at every wavelength, or (wavelength_nm, ρ) rows, linear in between.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Albedo {
-    Constant(f64),
-    Spectral(Vec<[f64; 2]>),
-}
-
-impl Albedo {
-    /// ρ(λ).
-    ///
-    /// # Errors
-    /// Values outside 0–1, tables that do not increase, wavelengths outside the table.
-    pub fn at(&self, wavelength_nm: f64) -> Result<f64, PaperError> {
-        let value = match self {
-            Self::Constant(value) => *value,
-            Self::Spectral(rows) => interpolate(rows, wavelength_nm)?,
-        };
-        if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(PaperError::Albedo { value }) }
-    }
-}
-
-fn interpolate(rows: &[[f64; 2]], nm: f64) -> Result<f64, PaperError> {
-    let unordered = rows.windows(2).find(|w| !(w[1][0] > w[0][0]));
-    if rows.len() < 2 || unordered.is_some() {
-        return Err(PaperError::AlbedoTable { value: unordered.map_or(nm, |w| w[1][0]) });
-    }
-    let (lo, hi) = (rows[0][0], rows[rows.len() - 1][0]);
-    if !(lo..=hi).contains(&nm) {
-        return Err(PaperError::AlbedoRange { value: nm, lo, hi });
-    }
-    let after = rows.partition_point(|r| r[0] < nm).clamp(1, rows.len() - 1);
-    let ([x0, y0], [x1, y1]) = (rows[after - 1], rows[after]);
-    Ok(y0 + (nm - x0) / (x1 - x0) * (y1 - y0))
-}
-
-/// The paper under the layer.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Substrate {
-    pub albedo: Albedo,
-    #[serde(default)]
-    pub coupling: Coupling,
-}
-
-/// What the solves say about the layer at one wavelength, at the angles of an [`AngleRule`].
-///
-/// One realisation, or a mean over several ([`LayerOptics::mean`]).
-#[derive(Clone, Debug, PartialEq)]
-pub struct LayerOptics {
-    /// Total R from above at `rule.above`.
-    pub reflectance: Vec<f64>,
-    /// The part of R in the specular order, at `rule.above`.
-    pub specular: Vec<f64>,
-    /// Total T from above at `rule.above`.
-    pub transmittance: Vec<f64>,
-    /// The part of T in the specular order, at `rule.above`.
-    pub specular_transmittance: Vec<f64>,
-    /// Total R_b from below at `rule.below`.
-    pub reflectance_below: Vec<f64>,
-    /// Diffuse BRDF of the layer alone, azimuthal mean, 1/sr: \[illumination node, viewing node\] of `rule.above`.
-    pub diffuse_brdf: Array2<f64>,
-    /// A homogeneous slab like the layer, if there is one.
-    pub baseline: Option<Slab>,
-}
-
-impl LayerOptics {
-    /// A layer that does not scatter.
-    pub fn specular_only(
-        reflectance: Vec<f64>,
-        transmittance: Vec<f64>,
-        reflectance_below: Vec<f64>,
-    ) -> Self {
-        let diffuse_brdf = Array2::zeros((reflectance.len(), reflectance.len()));
-        let (specular, specular_transmittance) = (reflectance.clone(), transmittance.clone());
-        Self {
-            reflectance,
-            specular,
-            transmittance,
-            specular_transmittance,
-            reflectance_below,
-            diffuse_brdf,
-            baseline: None,
-        }
-    }
-
-    /// A homogeneous layer (the molecular mixture, or the clear binder): no solve needed, its own baseline.
-    pub fn homogeneous(rule: &AngleRule, slab: Slab) -> Self {
-        let index = rule.coupling.index_below();
-        let at = |side, deg| slab.reflectance_transmittance(side, deg, index);
-        let (r, t) = rule.above.iter().map(|n| at(Side::Above, n.polar_deg)).unzip();
-        let below = rule.below.iter().map(|n| at(Side::Below, n.polar_deg).0).collect();
-        Self { baseline: Some(slab), ..Self::specular_only(r, t, below) }
-    }
-
-    /// Mean over realisations.
-    ///
-    /// # Errors
-    /// No samples, or samples on different rules.
-    pub fn mean<'a>(samples: impl Iterator<Item = &'a Self> + Clone) -> Result<Self, PaperError> {
-        let first = samples.clone().next().ok_or(PaperError::NoRealisations)?;
-        let count = samples.clone().count() as f64;
-        let mut diffuse_brdf = Array2::zeros(first.diffuse_brdf.raw_dim());
-        for sample in samples.clone() {
-            sample.check_lengths(first.reflectance.len(), first.reflectance_below.len())?;
-            diffuse_brdf.scaled_add(1.0 / count, &sample.diffuse_brdf);
-        }
-        Ok(Self {
-            reflectance: mean_of(samples.clone().map(|s| s.reflectance.as_slice())),
-            specular: mean_of(samples.clone().map(|s| s.specular.as_slice())),
-            transmittance: mean_of(samples.clone().map(|s| s.transmittance.as_slice())),
-            specular_transmittance: mean_of(samples.clone().map(|s| s.specular_transmittance.as_slice())),
-            reflectance_below: mean_of(samples.map(|s| s.reflectance_below.as_slice())),
-            diffuse_brdf,
-            baseline: first.baseline,
-        })
-    }
-
-    fn check_lengths(&self, above: usize, below: usize) -> Result<(), PaperError> {
-        let columns = [
-            ("reflectance", self.reflectance.len(), above),
-            ("specular", self.specular.len(), above),
-            ("transmittance", self.transmittance.len(), above),
-            ("specular_transmittance", self.specular_transmittance.len(), above),
-            ("reflectance_below", self.reflectance_below.len(), below),
-            ("diffuse_brdf rows", self.diffuse_brdf.nrows(), above),
-            ("diffuse_brdf columns", self.diffuse_brdf.ncols(), above),
-        ];
-        match columns.into_iter().find(|(_, count, expected)| count != expected) {
-            Some((field, count, expected)) => Err(PaperError::WrongLength { field, count, expected }),
-            None => Ok(()),
-        }
-    }
-
-    pub(super) fn check(&self, rule: &AngleRule) -> Result<(), PaperError> {
-        self.check_lengths(rule.above.len(), rule.below.len())?;
-        check_range("reflectance", &self.reflectance, 1.0 + ENERGY_SLACK)?;
-        check_range("specular", &self.specular, 1.0 + ENERGY_SLACK)?;
-        check_range("transmittance", &self.transmittance, 1.0 + ENERGY_SLACK)?;
-        check_range("specular_transmittance", &self.specular_transmittance, 1.0 + ENERGY_SLACK)?;
-        check_range("reflectance_below", &self.reflectance_below, 1.0 + ENERGY_SLACK)?;
-        let brdf: Vec<f64> = self.diffuse_brdf.iter().copied().collect();
-        check_range("diffuse_brdf", &brdf, f64::MAX)
-    }
-}
-
-fn check_range(field: &'static str, values: &[f64], hi: f64) -> Result<(), PaperError> {
-    let lo = -ENERGY_SLACK;
-    match values.iter().position(|v| !(lo..=hi).contains(v)) {
-        Some(index) => Err(PaperError::BadValue { field, index, value: values[index], lo, hi }),
-        None => Ok(()),
-    }
 }
 
 /// Whether light of the sky mirrored by the layer counts: P1 leaves it open.
@@ -345,6 +171,27 @@ impl LayerOnPaper {
             MirroredSky::Excluded => self.specular(viewing),
         };
         self.albedo(viewing) - mirrored
+    }
+
+    /// Upper estimate of the largest error of R and T between the rule's nodes up to 60°: each node is left out in turn
+    /// and interpolated from the others; 1.5 times the largest miss.
+    ///
+    /// The factor is calibrated, not derived: on the model layers of [`angle_rule`](super::angles::angle_rule)'s table
+    /// with 4 to 10 angles it puts the estimate above the true error in nine cases of ten (median ratio 9). Layers
+    /// unlike those have not been tried. With fewer than three angles nothing can be left out, and the estimate is 1.
+    pub fn angle_error(&self, rule: &AngleRule) -> f64 {
+        if rule.above.len() < 3 {
+            return 1.0;
+        }
+        let nodes = rule.above.iter().take_while(|n| n.polar_deg < 70.0).count();
+        // few nodes: normal incidence, extrapolated from the others, must join
+        let first = if rule.above.len() < 5 { 0 } else { 1 };
+        let miss = |values: &[f64], k: usize| {
+            let shares = rule.shares_without(k, self.layer.baseline.is_some());
+            (values[k] - dot(&shares, values)).abs()
+        };
+        let of = |k| miss(&self.layer.transmittance, k).max(miss(&self.layer.reflectance, k));
+        ANGLE_ERROR_SAFETY * (first..nodes).map(of).fold(0.0, f64::max)
     }
 
     fn slab(&self, at: &PolarAngle) -> (f64, f64) {

@@ -130,7 +130,7 @@ fn check_white(grid: &[f64], xyz: [f64; 3], rgb: [f64; 3]) -> Result<(), ColourE
     let least = LEAST_WHITE_CHANNEL;
     let shares =
         [("red", rgb[0]), ("green", rgb[1]), ("blue", rgb[2]), ("X", xyz[0] / 100.0), ("Z", xyz[2] / 100.0)];
-    match shares.into_iter().find(|(_, share)| !(*share >= least)) {
+    match shares.into_iter().find(|(_, share)| share.is_nan() || *share < least) {
         Some((name, channel)) => {
             let (first, last) = (grid[0], grid[grid.len() - 1]);
             Err(ColourError::WhiteNotCovered { first, last, name, channel, least })

@@ -1,0 +1,106 @@
+//! Where the time of one production solve goes: 10 × 10 × 1 µm, 30 % spheres of 250 nm, κ = 0.1, λ = 0.55 µm.
+//!
+//! `cargo bench --bench one_solve [-- POINTS_PER_UM CELLS TOLERANCE]` prints medians of each part measured in the
+//! same run, and the ratio of the solve to its floor: one forward and one inverse transform of every plane a step.
+
+use inkwave::ink::{PackingRequest, PigmentGrains, pack};
+use inkwave::solve::{Gmres, Goal, Silent, Solver};
+use inkwave::wave::{Coverage, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::time::Instant;
+
+const REPEATS: usize = 5;
+
+fn main() {
+    let numbers: Vec<f64> = std::env::args().filter_map(|a| a.parse().ok()).collect();
+    let number = |i: usize, default: f64| numbers.get(i).copied().unwrap_or(default);
+    let period = number(3, 10.0);
+    let n = (number(0, 12.0) * period).round() as usize;
+    let resolution = Resolution { nx: n, ny: n, cells: number(1, 9.0) as usize, scheme: Scheme::Cubic };
+    let tolerance = number(2, 1e-4);
+    let scene = scene(period);
+    let coverage = Arc::new(Coverage::new(&scene, resolution).expect("coverage"));
+    let problem = problem(&coverage, number(4, 0.1));
+    println!(
+        "{} bodies, {} unknowns, {} planes of {n} × {n}",
+        scene.bodies.len(),
+        problem.unknowns(),
+        problem.shape().0
+    );
+    let coverage_s = median(|| drop(Coverage::new(&scene, resolution)));
+    let factors_s = median(|| drop(self::problem(&coverage, 0.1)));
+    let goal = Goal { tolerance, ..Goal::default() };
+    let solution = Gmres::default().solve(&problem, goal, &mut Silent).expect("solve");
+    let solve_s = median(|| drop(Gmres::default().solve(&problem, goal, &mut Silent)));
+    let applications = solution.account.operator_applications as f64;
+    let mut out = Field::zeros(problem.shape());
+    let loads_s = median(|| problem.contrast_loads(solution.field.view(), &mut out)) * applications;
+    let floor_s = transforms(n, problem.shape().0) * applications;
+    let mean_s = median(|| problem.mean.solve(&mut out, true)) * applications;
+    let rows = [
+        ("coverage (once per geometry)", coverage_s),
+        ("factors (once per wavelength and angle)", factors_s),
+        ("solve", solve_s),
+        ("  floor: transforms alone", floor_s),
+        ("  products, plane values, gather and scatter", loads_s - floor_s),
+        ("  mean solves", mean_s),
+        ("  orthogonalisation and the rest", solve_s - loads_s - mean_s),
+    ];
+    rows.iter().for_each(|(name, seconds)| println!("{name:48} {:8.1} ms", seconds * 1e3));
+    let bytes = solution.account.bytes + problem.bytes();
+    println!("{applications} operator applications, residual {:.1e}", solution.account.residual);
+    println!("solve / floor = {:.2}", solve_s / floor_s);
+    println!(
+        "{:.0} bytes per unknown, {:.2} GB in all",
+        bytes as f64 / problem.unknowns() as f64,
+        bytes as f64 / 1e9
+    );
+}
+
+fn scene(period: f64) -> Scene {
+    let pigment = PigmentGrains::spheres(250.0, 0.30);
+    let request =
+        PackingRequest { period_um: [period; 2], pigments: vec![pigment], ..PackingRequest::default() };
+    Scene::from_packing(&pack(&request, &mut ()).expect("30 % of spheres pack"))
+}
+
+fn problem(coverage: &Arc<Coverage>, kappa: f64) -> Problem {
+    let one = Complex64::ONE;
+    let media = Media {
+        above: one,
+        below: one,
+        backgrounds: vec![1.558.into()],
+        inclusions: vec![Complex64::new(1.4, kappa)],
+    };
+    let incidence = Incidence { wavelength_um: 0.55, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
+    Problem::new(coverage, &media, &incidence, Mean::default()).expect("problem")
+}
+
+/// One forward and one inverse transform of every plane, on all cores.
+fn transforms(n: usize, planes: usize) -> f64 {
+    let fft = inkwave::wave::fourier::PlaneFft::new(n, n);
+    let all = 0..n;
+    median(|| {
+        (0..planes).into_par_iter().for_each_init(
+            || fft.scratch(),
+            |scratch, _| {
+                fft.forward(scratch, std::slice::from_ref(&all));
+                fft.inverse(scratch, std::slice::from_ref(&all));
+            },
+        );
+    })
+}
+
+fn median(mut run: impl FnMut()) -> f64 {
+    let mut seconds: Vec<f64> = (0..REPEATS)
+        .map(|_| {
+            let clock = Instant::now();
+            run();
+            clock.elapsed().as_secs_f64()
+        })
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds[REPEATS / 2]
+}
