@@ -9,8 +9,10 @@ mod monte_carlo;
 mod name_or_table;
 mod neighbours;
 pub mod orientation;
+pub mod output;
 mod overlap;
 mod pack;
+mod pack_study;
 pub mod packing;
 mod plan;
 mod relaxation;
@@ -29,6 +31,7 @@ pub use draws::Draws;
 pub use error::PackError;
 pub use orientation::Orientation;
 pub use pack::pack;
+pub use pack_study::{LayerTable, PackStudy, PigmentTable};
 pub use packing::{Account, Grain, Method, Packing, Share, Sphere};
 pub use relief::{Relief, ReliefRequest, ReliefRule};
 pub use request::{
