@@ -8,6 +8,7 @@ use super::Draws;
 use super::bodies::Bodies;
 use super::error::PackError;
 use super::neighbours::Neighbours;
+use super::orientation::Field;
 use super::plan::Plan;
 use super::request::RelaxationSettings;
 use super::sequential::{MARGIN, scatter};
@@ -246,6 +247,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     fn advance(&mut self) {
         let h = self.step / self.settings.translational_viscosity;
         let ramp = self.ramp();
+        let aligning = self.aligning(ramp);
         let mut outrun = false;
         for k in 0..self.joined.len() {
             let b = self.joined[k] as usize;
@@ -255,7 +257,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             let mut by = scale(force, h);
             let mut turn = [0.0; 3];
             if self.inertia[b] > 0.0 {
-                turn = add(scale(torque, h / self.inertia[b]), self.alignment(b, ramp));
+                turn = add(scale(torque, h / self.inertia[b]), self.alignment(b, ramp, &aligning));
             }
             let reach = self.plan.bodies[b].reach;
             let length = norm(by) + norm(turn) * reach;
@@ -287,11 +289,23 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         if steps > 0.0 { (1.0 - (self.steps - self.batch_start) as f64 / steps).max(0.0) } else { 0.0 }
     }
 
+    /// Pigments whose order still falls short of what their field asks for.
+    fn aligning(&self, ramp: f64) -> Vec<bool> {
+        let falls_short = |(pigment, field): (usize, &Option<Field>)| {
+            let Some(field) = field.filter(|f| ramp > 0.0 && f.kappa != 0.0) else { return false };
+            let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
+            let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
+            let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));
+            n > 0.0 && field.wants_more(sum / n)
+        };
+        self.plan.fields.iter().enumerate().map(falls_short).collect()
+    }
+
     /// The turn that the aligning field adds to a step.
-    fn alignment(&self, b: usize, ramp: f64) -> V3 {
+    fn alignment(&self, b: usize, ramp: f64, aligning: &[bool]) -> V3 {
         let body = &self.plan.bodies[b];
         match &self.plan.fields[body.pigment] {
-            Some(field) if ramp > 0.0 && field.kappa != 0.0 => {
+            Some(field) if aligning[body.pigment] => {
                 let torque = scale(field.torque(self.bodies.axes(b)), 1.0 / body.parts.len() as f64);
                 // At 45° the torque is ½.
                 scale(torque, 2.0 * ramp * self.settings.aligning_deg_per_step.to_radians())

@@ -136,7 +136,7 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
     let size = lx.max(ly).max(height);
     // Heights above the paper, so that up is up.
     let eye = [0.5 * lx - 0.75 * size, 0.5 * ly - 1.6 * size, 1.35 * size + height];
-    let camera = Camera::new(eye, [0.5 * lx, 0.5 * ly, 0.35 * height], [0.0, 0.0, 1.0], 1.25 * w as f64);
+    let camera = Camera::new(eye, [0.5 * lx, 0.5 * ly, 0.0], [0.0, 0.0, 1.0], 1.02 * w as f64);
     let mut raster = Raster::new(w, h, BACKGROUND);
     for grain in packing.grains() {
         for s in &grain.spheres {

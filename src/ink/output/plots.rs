@@ -79,8 +79,8 @@ fn axes<DB: DrawingBackend>(chart: &mut Chart<DB>, x_label: &str, y_label: &str)
         .y_desc(y_label)
         .axis_desc_style(("sans-serif", LABEL))
         .label_style(("sans-serif", LABEL))
-        .light_line_style(RGBColor(235, 235, 235))
-        .bold_line_style(RGBColor(205, 205, 205))
+        .max_light_lines(1)
+        .bold_line_style(RGBColor(222, 222, 222))
         .draw()
 }
 

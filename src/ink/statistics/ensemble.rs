@@ -4,6 +4,7 @@ use super::orientation::orientation_tensor;
 use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
 use super::sections::{SectionStatistics, section_statistics};
 use crate::ink::Packing;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// A mean over realisations; the error needs at least two of them (or a counting error).
@@ -53,13 +54,13 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     let mut all = Statistics { realisations: packings.len(), curves: Vec::new(), scalars: Vec::new() };
     let Some(first) = packings.first().filter(|p| !p.grains().is_empty()) else { return all };
     let d = mean_diameter_um(first);
-    let pairs: Vec<PairStatistics> = packings.iter().map(pair_statistics).collect();
-    let spacing = d / 12.0;
-    let planes = ((first.thickness_um() / spacing).round() as usize).clamp(20, 200);
-    let section = |p: &Packing| section_statistics(p, planes, spacing, d / 20.0, 3.0 * d);
-    let sections: Vec<SectionStatistics> = packings.iter().map(section).collect();
+    let pairs: Vec<PairStatistics> = packings.par_iter().map(pair_statistics).collect();
+    // Grains line up with the walls, so the planes must be close; in the plane lines sample at random.
+    let planes = ((24.0 * first.thickness_um() / d).round() as usize).clamp(20, 400);
+    let section = |p: &Packing| section_statistics(p, planes, d / 6.0, d / 20.0, 3.0 * d);
+    let sections: Vec<SectionStatistics> = packings.par_iter().map(section).collect();
     all.curves.push(pair_correlation(&pairs));
-    all.curves.push(nearest(&pairs, d));
+    all.curves.push(nearest(&pairs));
     all.curves.extend(two_point(&sections));
     all.curves.extend(profiles(&sections));
     scalars(&mut all, packings, &pairs, &sections);
@@ -72,18 +73,18 @@ fn pointwise<T>(of: &[T], n: usize, entry: impl Fn(&T, usize) -> f64) -> Vec<Est
     (0..n).map(at).collect()
 }
 
-/// g(r): the error is the scatter of the realisations, at least the counting error.
+/// g(r): the error is the scatter of the realisations, at least the counting error; shells in which an ideal gas
+/// would have fewer than ten pairs are left out.
 fn pair_correlation(pairs: &[PairStatistics]) -> Curve {
     let n = pairs.iter().map(|p| p.counts.len()).min().unwrap_or(0);
     let gs: Vec<Vec<f64>> = pairs.iter().map(PairStatistics::g).collect();
-    let mut y = pointwise(&gs, n, |g, i| g[i]);
-    for (i, estimate) in y.iter_mut().enumerate() {
-        let counts: f64 = pairs.iter().map(|p| p.counts[i]).sum();
-        let ideal: f64 = pairs.iter().map(|p| p.ideal[i]).sum();
-        *estimate = estimate.at_least(counts.max(1.0).sqrt() / ideal);
-    }
+    let ideal: Vec<f64> = (0..n).map(|i| pairs.iter().map(|p| p.ideal[i]).sum()).collect();
+    let counts: Vec<f64> = (0..n).map(|i| pairs.iter().map(|p| p.counts[i]).sum()).collect();
+    let start = ideal.iter().position(|pairs| *pairs >= 10.0).unwrap_or(n);
+    let all = pointwise(&gs, n, |g, i| g[i]);
+    let y = (start..n).map(|i| all[i].at_least(counts[i].sqrt() / ideal[i])).collect();
     let edges = &pairs[0].edges_um;
-    let x = (0..n).map(|i| 0.5 * (edges[i] + edges[i + 1])).collect();
+    let x = (start..n).map(|i| 0.5 * (edges[i] + edges[i + 1])).collect();
     curve("pair_correlation", "distance of centres r, µm", "pair correlation g(r)", x, y)
 }
 
@@ -92,14 +93,14 @@ fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>
     Curve { name, x_label, y_label, x, y }
 }
 
-/// Density of the distance to the nearest centre, in 40 classes from the smallest to two mean diameters.
-fn nearest(pairs: &[PairStatistics], d: f64) -> Curve {
+/// Density of the distance to the nearest centre, in 40 classes from the smallest to the largest distance.
+fn nearest(pairs: &[PairStatistics]) -> Curve {
     const CLASSES: usize = 40;
     let all = || pairs.iter().flat_map(|p| &p.nearest_um).copied().filter(|r| r.is_finite());
-    let low = all().fold(f64::MAX, f64::min).min(2.0 * d);
-    let width = (2.0 * d - low).max(1e-9 * d) / CLASSES as f64;
+    let (low, high) = all().fold((f64::MAX, 0.0), |(l, h): (f64, f64), r| (l.min(r), h.max(r)));
+    let width = ((high - low) / CLASSES as f64).max(1e-9);
     let density = |p: &PairStatistics, i: usize| {
-        let class = |r: &&f64| ((**r - low) / width) as usize == i;
+        let class = |r: &&f64| (((**r - low) / width) as usize).min(CLASSES - 1) == i && r.is_finite();
         p.nearest_um.iter().filter(class).count() as f64 / (p.nearest_um.len() as f64 * width)
     };
     let x = (0..CLASSES).map(|i| low + (i as f64 + 0.5) * width).collect();
