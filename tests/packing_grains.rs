@@ -1,5 +1,6 @@
 //! Clusters, mixtures, orientation, agglomerates, walls: what every kind of grain must keep.
 
+use inkwave::ink::shape::Template;
 use inkwave::ink::statistics::{Estimate, orientation_tensor, section_statistics};
 use inkwave::ink::{
     Agglomeration, EquilibrationSettings, Grain, MethodChoice, Orientation, Packing, PackingRequest,
@@ -35,8 +36,7 @@ fn smallest_gap(packing: &Packing) -> f64 {
 }
 
 /// Every grain must still be the rigid body it was: distances between its spheres, radii and volume.
-fn assert_rigid(grain: &Grain, shape: &Shape) {
-    let template = shape.template();
+fn assert_rigid(grain: &Grain, template: &Template) {
     let scale = grain.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
     for (i, (a, ta)) in grain.spheres.iter().zip(&template.spheres).enumerate() {
         for (b, tb) in grain.spheres[..i].iter().zip(&template.spheres) {
@@ -54,13 +54,14 @@ fn every_shape_packs_without_overlap_and_stays_rigid() {
         Shape::Cluster { spheres: vec![[0.0, 0.0, 0.0, 1.0], [1.5, 0.0, 0.0, 0.8], [0.0, 1.5, 0.0, 0.8]] };
     let ellipsoid = Shape::Ellipsoid { aspect_ratio: 2.0, spheres: 5 };
     for shape in [Shape::CYLINDER, Shape::RICE_GRAIN, ellipsoid, elbow] {
+        let template = shape.template();
         for (fraction, method) in [(0.10, MethodChoice::SequentialAddition), (0.40, MethodChoice::Relaxation)]
         {
             let asked =
                 PackingRequest { method, ..request(vec![PigmentGrains::of(shape.clone(), 250.0, fraction)]) };
             let packing = pack(&asked, &mut ()).unwrap();
             assert!(smallest_gap(&packing) > 0.0, "{} {fraction}", shape.name());
-            packing.grains().iter().for_each(|g| assert_rigid(g, &shape));
+            packing.grains().iter().for_each(|g| assert_rigid(g, &template));
             let one = packing.grains()[0].volume_um3 / 9.0;
             // Identity: the nearest whole number of grains.
             assert!((packing.achieved_fraction(0) - fraction).abs() <= 0.5 * one * (1.0 + 1e-9));
