@@ -54,7 +54,8 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     let mut all = Statistics { realisations: packings.len(), curves: Vec::new(), scalars: Vec::new() };
     let Some(first) = packings.first().filter(|p| !p.grains().is_empty()) else { return all };
     let d = mean_diameter_um(first);
-    let pairs: Vec<PairStatistics> = packings.par_iter().map(pair_statistics).collect();
+    let pairs: Vec<PairStatistics> =
+        packings.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
     // Grains line up with the walls, so the planes must be close; in the plane lines sample at random.
     let planes = ((24.0 * first.thickness_um() / d).round() as usize).clamp(20, 400);
     let section = |p: &Packing| section_statistics(p, planes, d / 6.0, d / 20.0, 3.0 * d);

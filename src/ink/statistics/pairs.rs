@@ -36,21 +36,21 @@ pub fn mean_diameter_um(packing: &Packing) -> f64 {
     packing.grains().iter().map(|g| diameter(g.volume_um3)).sum::<f64>() / n
 }
 
-/// Shells of 0.02 mean diameters from 0 to 5 diameters, or to half the period if that is less.
-pub fn pair_statistics(packing: &Packing) -> PairStatistics {
-    pair_statistics_to(packing, 0.02, 5.0)
-}
-
-/// The same with shells of `width` up to `furthest`, both in mean diameters.
+/// Shells of `width` up to `furthest`, both in mean diameters, or up to half the period if that is less.
 pub fn pair_statistics_to(packing: &Packing, width: f64, furthest: f64) -> PairStatistics {
     let d = mean_diameter_um(packing);
+    pair_statistics(packing, width * d, furthest * d)
+}
+
+/// The same with shells in µm, so that realisations of different grains share them.
+pub fn pair_statistics(packing: &Packing, width_um: f64, furthest_um: f64) -> PairStatistics {
     let cell = Cell::new(packing.period_um(), packing.thickness_um(), packing.walls());
     let half = (0..3).filter(|a| cell.periodic(*a)).map(|a| 0.5 * cell.size[a]).fold(f64::MAX, f64::min);
     // The small addition keeps 3.0 / 0.02 from losing its last shell to rounding.
-    let shells = ((half / d).min(furthest) / width + 1e-9).floor() as usize;
-    let edges_um: Vec<f64> = (0..=shells).map(|i| i as f64 * width * d).collect();
+    let shells = (half.min(furthest_um) / width_um + 1e-9).floor() as usize;
+    let edges_um: Vec<f64> = (0..=shells).map(|i| i as f64 * width_um).collect();
     let centres: Vec<V3> = packing.grains().iter().map(|g| cell.wrap(g.centre_um())).collect();
-    let (counts, nearest_um) = count(&cell, &centres, &edges_um, width * d);
+    let (counts, nearest_um) = count(&cell, &centres, &edges_um, width_um);
     let n = centres.len() as f64;
     let expected = ideal_share(packing, &edges_um);
     let ideal = expected.windows(2).map(|w| 0.5 * n * (n - 1.0) * (w[1] - w[0])).collect();
