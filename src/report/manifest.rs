@@ -62,6 +62,8 @@ pub struct FailureNote {
 pub struct Certainty {
     /// Largest expected error of an order's complex amplitude from the grid, over the probed points.
     pub amplitude_error_estimate: f64,
+    /// Upper estimate of the error of R and T between the angles that were solved, at the worst wavelength.
+    pub angle_error_estimate: Option<f64>,
     /// Largest |R + T + A − 1| of all solves.
     pub largest_energy_error: f64,
     /// Largest relative residual of all solves.

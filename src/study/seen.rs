@@ -2,7 +2,7 @@
 
 use super::checked::Study;
 use super::runner::{Collected, Realisation};
-use crate::appearance::bdf::{Bdf, BdfError, Lobe, Totals};
+use crate::appearance::bdf::{Bdf, BdfError, Lobe, Totals, suggested_bandwidth};
 use crate::appearance::estimate::Estimate;
 use crate::appearance::ink_on_paper::{InkError, InkOnPaper};
 use crate::appearance::paper::{Albedo, LayerOptics, Substrate};
@@ -11,9 +11,6 @@ use crate::ink::spectra::molecular_mixture;
 use crate::report::record::PointRecord;
 use crate::wave::FarField;
 
-/// Smoothing of the diffuse distribution in direction cosines, in spacings of the orders: the nearest order is
-/// always within reach, and a handful beside it.
-const BANDWIDTH_IN_SPACINGS: f64 = 1.5;
 /// Large cells have orders enough for this bandwidth.
 const LEAST_BANDWIDTH: f64 = 0.1;
 
@@ -57,8 +54,7 @@ impl LayerSeen {
 
 /// Bandwidth of the study's diffuse distributions at a wavelength, in direction cosines.
 pub fn bandwidth(study: &Study, wavelength_nm: f64) -> f64 {
-    let [x, y] = study.layer.period_um;
-    (BANDWIDTH_IN_SPACINGS * wavelength_nm * 1e-3 / x.min(y)).max(LEAST_BANDWIDTH)
+    suggested_bandwidth(wavelength_nm * 1e-3, study.layer.period_um).max(LEAST_BANDWIDTH)
 }
 
 /// Everything that follows from the solves that are there.

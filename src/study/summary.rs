@@ -45,7 +45,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         solves: Count { asked, finished },
         failures: failures(study, collected),
         resolution: collected.resolved.resolution,
-        certainty: certainty(collected, records().collect()),
+        certainty: certainty(collected, records().collect(), angle_error(seen)),
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
         colours,
         no_colour,
@@ -65,11 +65,20 @@ fn failures(study: &Study, collected: &Collected) -> Vec<FailureNote> {
     collected.failures().map(note).collect()
 }
 
-fn certainty(collected: &Collected, records: Vec<&PointRecord>) -> Certainty {
+fn angle_error(seen: &Seen) -> Option<f64> {
+    seen.ink.as_ref().ok()?.angle_errors().into_iter().reduce(f64::max)
+}
+
+fn certainty(
+    collected: &Collected,
+    records: Vec<&PointRecord>,
+    angle_error_estimate: Option<f64>,
+) -> Certainty {
     let largest = |f: &dyn Fn(&PointRecord) -> f64| records.iter().map(|r| f(r)).fold(0.0, f64::max);
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
     Certainty {
         amplitude_error_estimate: collected.resolved.error_estimate,
+        angle_error_estimate,
         largest_energy_error: largest(&|r| r.energy_error().abs()),
         largest_residual: largest(&|r| r.account.residual),
         mean_steps: steps as f64 / records.len().max(1) as f64,

@@ -27,6 +27,11 @@ pub(super) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
         let meaning = "largest standard error of the layer's R or T over packings";
         rows.push(meant("spectra", format!("± {error:.4}"), meaning));
     }
+    if let Some(error) = certainty.angle_error_estimate {
+        let meaning =
+            "upper estimate of the error of R and T between the angles solved, at the worst wavelength";
+        rows.push(meant("angles", format!("{error:.1e}"), meaning));
+    }
     rows.extend([
         meant(
             "grid",
