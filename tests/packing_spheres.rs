@@ -83,12 +83,13 @@ fn the_limit_is_told_with_figures() {
 
 #[test]
 fn bad_numbers_name_field_value_range_and_remedy() {
-    let cases: [(&str, Box<dyn Fn(&mut PackingRequest)>); 5] = [
-        ("pigment[0].size", Box::new(|r| r.thickness_um = 0.2)),
-        ("pigment[0].size", Box::new(|r| r.period_um = [0.4, 4.0])),
-        ("pigment[0].size.value_nm", Box::new(|r| r.pigments[0] = PigmentGrains::spheres(-1.0, 0.1))),
-        ("pigment[0].volume_fraction", Box::new(|r| r.pigments[0].volume_fraction = 1.2)),
-        ("period_um and thickness_um", Box::new(|r| r.thickness_um = f64::NAN)),
+    type Spoil = fn(&mut PackingRequest);
+    let cases: [(&str, Spoil); 5] = [
+        ("pigment[0].size", |r| r.thickness_um = 0.2),
+        ("pigment[0].size", |r| r.period_um = [0.4, 4.0]),
+        ("pigment[0].size.value_nm", |r| r.pigments[0] = PigmentGrains::spheres(-1.0, 0.1)),
+        ("pigment[0].volume_fraction", |r| r.pigments[0].volume_fraction = 1.2),
+        ("period_um and thickness_um", |r| r.thickness_um = f64::NAN),
     ];
     for (name, spoil) in cases {
         let mut asked = request(250.0, 0.3, MethodChoice::Auto);

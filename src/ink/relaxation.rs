@@ -7,6 +7,7 @@
 use super::Draws;
 use super::bodies::Bodies;
 use super::error::PackError;
+use super::fewer;
 use super::neighbours::Neighbours;
 use super::orientation::Field;
 use super::plan::Plan;
@@ -24,7 +25,7 @@ const PATIENCE: u64 = 400;
 /// Inflation below which a stalled relaxation is given up.
 const LEAST_INFLATION: f64 = 2e-4;
 /// Steps after which hooked clusters are looked for, the part of the bodies that counts as few, and how often.
-const TANGLE_PATIENCE: u64 = 100;
+const TANGLE_PATIENCE: u64 = 50;
 const FEW: f64 = 0.02;
 const MOST_THROWS: u64 = 100;
 const REPORT: u64 = 20;
@@ -54,7 +55,7 @@ pub(crate) fn relax_all(
     Ok(relaxation.steps)
 }
 
-struct Relaxation<'r, 'a> {
+pub(crate) struct Relaxation<'r, 'a> {
     bodies: &'r mut Bodies<'a>,
     plan: &'r Plan,
     settings: &'r RelaxationSettings,
@@ -68,17 +69,20 @@ struct Relaxation<'r, 'a> {
     /// Largest step, and the squared arm that stands for J/μ; zero for single spheres.
     limit: Vec<f64>,
     inertia: Vec<f64>,
-    inflation: f64,
+    pub inflation: f64,
     step: f64,
     steps: u64,
     batch_start: u64,
     /// Whether any body has more than one sphere.
     clusters: bool,
     thrown_again: u64,
+    /// Step at which the neighbour lists were made last.
+    listed: u64,
+    mean_radius: f64,
 }
 
 impl<'r, 'a> Relaxation<'r, 'a> {
-    fn new(bodies: &'r mut Bodies<'a>, plan: &'r Plan, settings: &'r RelaxationSettings) -> Self {
+    pub fn new(bodies: &'r mut Bodies<'a>, plan: &'r Plan, settings: &'r RelaxationSettings) -> Self {
         let n = plan.bodies.len();
         let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
         let thinnest = |b: &super::plan::Body| b.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
@@ -106,6 +110,8 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             batch_start: 0,
             clusters: plan.bodies.iter().any(|b| !b.single_sphere()),
             thrown_again: 0,
+            listed: 0,
+            mean_radius: mean,
         }
     }
 
@@ -147,19 +153,19 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             if found.overlap <= 0.0 {
                 return Ok(None);
             }
-            if self.steps % REPORT == 0 {
+            if self.steps.is_multiple_of(REPORT) {
                 self.report(&found, watch)?;
             }
             if self.steps - start >= limit {
                 return Ok(Some(found));
             }
-            if (self.steps - self.batch_start + 1) % PATIENCE == 0 {
+            if (self.steps - self.batch_start + 1).is_multiple_of(PATIENCE) {
                 if found.energy > 0.8 * milestone && !self.deflate() {
                     return Ok(Some(found));
                 }
                 milestone = found.energy;
             }
-            if self.clusters && (self.steps - self.batch_start + 1) % TANGLE_PATIENCE == 0 {
+            if self.clusters && (self.steps - self.batch_start + 1).is_multiple_of(TANGLE_PATIENCE) {
                 if found.energy > 0.5 * mark {
                     self.untangle(draws);
                 }
@@ -176,7 +182,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     /// Clusters can hook into each other, and no push parts them: when only a few bodies still overlap and do not
     /// come free, they are thrown in anew.
     fn untangle(&mut self, draws: &mut Draws) {
-        let strain = strain(self.bodies);
+        let strain = fewer::strain(self.bodies);
         let hooked: Vec<usize> = (0..strain.len()).filter(|b| strain[*b] > 0.0).collect();
         let few = (FEW * strain.len() as f64).max(4.0) as usize;
         if hooked.len() > few || self.thrown_again >= MOST_THROWS {
@@ -323,7 +329,9 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         std::mem::swap(&mut self.moving, &mut self.joined);
         self.joined.clear();
         if outrun {
+            self.list.adapt(self.steps - self.listed, self.mean_radius);
             self.list.remake(self.bodies, self.inflation);
+            self.listed = self.steps;
         }
     }
 
@@ -376,7 +384,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     }
 
     fn not_reached(&self, found: &Found, draws: &mut Draws, watch: &mut dyn PackWatch) -> PackError {
-        let fewer = match fit_fewer(self.bodies, self.plan, self.settings, draws, watch) {
+        let fewer = match fewer::fit_fewer(self.bodies, self.plan, self.settings, draws, watch) {
             Ok(fewer) => fewer,
             Err(stopped) => return stopped,
         };
@@ -395,7 +403,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     }
 
     /// Bodies in place, all of them moving.
-    fn start_all(&mut self) {
+    pub fn start_all(&mut self) {
         self.moving = (0..self.bodies.placed as u32).collect();
         self.moves.fill(true);
         self.batch_start = self.steps;
@@ -421,62 +429,4 @@ impl Found {
         self.overlap = self.overlap.max(overlap);
         self.relative = self.relative.max(overlap / sum);
     }
-}
-
-/// Part of the bodies taken out at a time, and how often.
-const TAKEN_OUT: f64 = 0.01;
-const ROUNDS: usize = 60;
-
-/// The highest concentration these grains reach from where they are stuck: the bodies that overlap most are
-/// taken out, a hundredth at a time, and the rest relaxes again, until nothing overlaps.
-fn fit_fewer(
-    stuck: &Bodies,
-    plan: &Plan,
-    settings: &RelaxationSettings,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<Vec<usize>, PackError> {
-    let mut kept: Vec<usize> = (0..stuck.placed).collect();
-    let mut state: Vec<(V3, Rotation)> =
-        kept.iter().map(|b| (stuck.centre[*b], stuck.rotation[*b])).collect();
-    for _ in 0..ROUNDS {
-        let plan = plan.subset(&kept);
-        let mut bodies = Bodies::new(stuck.cell, &plan.bodies);
-        state.iter().enumerate().for_each(|(b, (centre, rotation))| bodies.put(b, *centre, *rotation));
-        bodies.placed = kept.len();
-        let mut relaxation = Relaxation::new(&mut bodies, &plan, settings);
-        relaxation.inflation = settings.inflation.min(1e-3);
-        relaxation.start_all();
-        if relaxation.settle(PATIENCE, draws, watch)?.is_none() {
-            return Ok(kept);
-        }
-        let strain = strain(&bodies);
-        let mut order: Vec<usize> = (0..kept.len()).collect();
-        order.sort_by(|a, b| strain[*b].total_cmp(&strain[*a]));
-        let mut out: Vec<usize> = order[..(TAKEN_OUT * kept.len() as f64).ceil() as usize].to_vec();
-        out.sort_unstable();
-        state = (0..kept.len()).map(|b| (bodies.centre[b], bodies.rotation[b])).collect();
-        for b in out.into_iter().rev() {
-            kept.remove(b);
-            state.remove(b);
-        }
-    }
-    Ok(Vec::new())
-}
-
-/// Overlap energy of each body.
-fn strain(bodies: &Bodies) -> Vec<f64> {
-    let list = Neighbours::new(bodies, 0.0, 0.0);
-    let mut strain = vec![0.0; bodies.placed];
-    for s in 0..bodies.spheres() {
-        let (p, r) = (bodies.at[s], bodies.radius[s]);
-        let mut push = |depth: f64| strain[bodies.owner[s] as usize] += depth.max(0.0).powi(2);
-        if bodies.cell.walls {
-            push(2.0 * (r - p[2].min(bodies.cell.size[2] - p[2])));
-        }
-        for t in list.of(s).iter().map(|t| *t as usize) {
-            push(r + bodies.radius[t] - norm(bodies.cell.delta(p, bodies.at[t])));
-        }
-    }
-    strain
 }
