@@ -48,7 +48,7 @@ impl Neighbours {
         let n = bodies.spheres();
         let widest = bodies.radius[..n].iter().copied().fold(0.0, f64::max);
         let reach = 2.0 * widest * (1.0 + inflation) + self.skin;
-        self.sorted.sort(bodies, grid_count(&bodies.cell, reach));
+        self.sorted.sort(bodies, grid_count(&bodies.cell, reach, n));
         let sorted = &self.sorted;
         self.origin.clear();
         self.origin.extend_from_slice(&bodies.at[..n]);

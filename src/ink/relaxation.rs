@@ -117,6 +117,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
 
     /// Throws bodies in at random until `upto` of them are in the cell; all of them move.
     fn insert(&mut self, upto: usize, draws: &mut Draws) {
+        self.rest();
         let places = scattered(self.bodies, upto - self.bodies.placed, draws);
         for (b, place) in (self.bodies.placed..upto).zip(places) {
             let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
@@ -129,6 +130,16 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         self.inflation = self.settings.inflation;
         self.step = self.settings.step;
         self.list.remake(self.bodies, self.inflation);
+    }
+
+    /// Forgets the forces of the last look; bodies still in (inflated) contact stay on the moving list.
+    fn rest(&mut self) {
+        self.moves.fill(false);
+        for b in self.joined.iter().map(|b| *b as usize) {
+            (self.force[b], self.torque[b]) = ([0.0; 3], [0.0; 3]);
+            (self.touched[b], self.moves[b]) = (false, true);
+        }
+        self.moving = std::mem::take(&mut self.joined);
     }
 
     fn run(&mut self, draws: &mut Draws, watch: &mut dyn PackWatch) -> Result<(), PackError> {
