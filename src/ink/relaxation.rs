@@ -13,7 +13,7 @@ use super::orientation::Field;
 use super::plan::Plan;
 use super::request::RelaxationSettings;
 use super::sequential::{MARGIN, scatter};
-use super::vector::{Rotation, V3, add, cross, dot, norm, scale};
+use super::vector::{Rotation, V3, add, cross, dot, norm, scale, sub};
 use super::watch::{PackProgress, PackWatch};
 use std::ops::ControlFlow;
 
@@ -62,13 +62,9 @@ pub(crate) struct Relaxation<'r, 'a> {
     list: Neighbours,
     moving: Vec<u32>,
     moves: Vec<bool>,
-    touched: Vec<bool>,
-    joined: Vec<u32>,
-    force: Vec<V3>,
-    torque: Vec<V3>,
-    /// Largest step, and the squared arm that stands for J/μ; zero for single spheres.
+    loads: Loads,
+    /// Largest step of each body.
     limit: Vec<f64>,
-    inertia: Vec<f64>,
     pub inflation: f64,
     step: f64,
     steps: u64,
@@ -98,12 +94,8 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             settings,
             moving: Vec::new(),
             moves: vec![false; n],
-            touched: vec![false; n],
-            joined: Vec::new(),
-            force: vec![[0.0; 3]; n],
-            torque: vec![[0.0; 3]; n],
+            loads: Loads::new(inertia),
             limit,
-            inertia,
             inflation: settings.inflation,
             step: settings.step,
             steps: 0,
@@ -135,11 +127,11 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     /// Forgets the forces of the last look; bodies still in (inflated) contact stay on the moving list.
     fn rest(&mut self) {
         self.moves.fill(false);
-        for b in self.joined.iter().map(|b| *b as usize) {
-            (self.force[b], self.torque[b]) = ([0.0; 3], [0.0; 3]);
-            (self.touched[b], self.moves[b]) = (false, true);
+        for b in self.loads.joined.iter().map(|b| *b as usize) {
+            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
+            (self.loads.touched[b], self.moves[b]) = (false, true);
         }
-        self.moving = std::mem::take(&mut self.joined);
+        self.moving = std::mem::take(&mut self.loads.joined);
     }
 
     fn run(&mut self, draws: &mut Draws, watch: &mut dyn PackWatch) -> Result<(), PackError> {
@@ -205,16 +197,16 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             let place = std::array::from_fn(|a| draws.between(0.0, size[a]));
             let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
             scatter(self.bodies, b, place, field, draws);
-            self.touch(b);
+            self.loads.touch(b);
             if !self.moves[b] {
                 self.moves[b] = true;
                 self.moving.push(b as u32);
             }
         }
         // Forces found for the old places must not move the bodies in their new ones.
-        for k in 0..self.joined.len() {
-            let b = self.joined[k] as usize;
-            (self.force[b], self.torque[b]) = ([0.0; 3], [0.0; 3]);
+        for k in 0..self.loads.joined.len() {
+            let b = self.loads.joined[k] as usize;
+            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
         }
         self.list.remake(self.bodies, self.inflation);
     }
@@ -239,20 +231,21 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     }
 
     fn pairs(&mut self, b: usize, s: usize, found: &mut Found, draws: &mut Draws) {
-        let (p, r) = (self.bodies.at[s], self.bodies.radius[s]);
+        let bodies = &*self.bodies;
+        let (p, r, wider) = (bodies.at[s], bodies.radius[s], 1.0 + self.inflation);
         let mut push = [0.0; 3];
-        for k in 0..self.list.of(s).len() {
-            let t = self.list.of(s)[k] as usize;
-            let other = self.bodies.owner[t] as usize;
-            if other < b && self.moves[other] {
-                continue; // met from the other side
-            }
-            let d = self.bodies.cell.delta(p, self.bodies.at[t]);
-            let sum = r + self.bodies.radius[t];
-            let reach = sum * (1.0 + self.inflation);
+        let mut pushed = false;
+        for t in self.list.of(s).iter().map(|t| *t as usize) {
+            let d = bodies.cell.delta(p, bodies.at[t]);
+            let sum = r + bodies.radius[t];
+            let reach = sum * wider;
             let d2 = dot(d, d);
             if d2 >= reach * reach {
                 continue;
+            }
+            let other = bodies.owner[t] as usize;
+            if other < b && self.moves[other] {
+                continue; // met from the other side
             }
             let distance = d2.sqrt();
             let depth = reach - distance;
@@ -262,29 +255,13 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             } else {
                 scale(draws.direction(), depth)
             };
-            push = add(push, scale(away, -1.0));
-            self.act(other, t, away);
-            self.touch(b);
+            push = sub(push, away);
+            pushed = true;
+            self.loads.act(other, bodies.arm[t], away);
             found.hear(0.5 * depth * depth, sum * (1.0 + MARGIN) - distance, sum);
         }
-        self.act(b, s, push);
-    }
-
-    /// Adds a force on sphere s of body b, with its torque about the body's centre.
-    #[inline(always)]
-    fn act(&mut self, b: usize, s: usize, force: V3) {
-        self.force[b] = add(self.force[b], force);
-        if self.inertia[b] > 0.0 {
-            self.torque[b] = add(self.torque[b], cross(self.bodies.arm[s], force));
-        }
-        self.touch(b);
-    }
-
-    #[inline(always)]
-    fn touch(&mut self, b: usize) {
-        if !self.touched[b] {
-            self.touched[b] = true;
-            self.joined.push(b as u32);
+        if pushed {
+            self.loads.act(b, bodies.arm[s], push);
         }
     }
 
@@ -297,7 +274,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         for (distance, sign) in [(z, 1.0), (top - z, -1.0)] {
             let depth = r * (1.0 + self.inflation) - distance;
             if depth > 0.0 {
-                self.act(b, s, [0.0, 0.0, sign * 2.0 * depth]);
+                self.loads.act(b, self.bodies.arm[s], [0.0, 0.0, sign * 2.0 * depth]);
                 let margin = MARGIN * (r + top);
                 found.hear(depth * depth, r + margin - distance, r);
             }
@@ -310,15 +287,15 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         let ramp = self.ramp();
         let aligning = self.aligning(ramp);
         let mut outrun = false;
-        for k in 0..self.joined.len() {
-            let b = self.joined[k] as usize;
-            self.touched[b] = false;
-            let force = std::mem::take(&mut self.force[b]);
-            let torque = std::mem::take(&mut self.torque[b]);
+        for k in 0..self.loads.joined.len() {
+            let b = self.loads.joined[k] as usize;
+            self.loads.touched[b] = false;
+            let force = std::mem::take(&mut self.loads.force[b]);
+            let torque = std::mem::take(&mut self.loads.torque[b]);
             let mut by = scale(force, h);
             let mut turn = [0.0; 3];
-            if self.inertia[b] > 0.0 {
-                turn = add(scale(torque, h / self.inertia[b]), self.alignment(b, ramp, &aligning));
+            if self.loads.inertia[b] > 0.0 {
+                turn = add(scale(torque, h / self.loads.inertia[b]), self.alignment(b, ramp, &aligning));
             }
             let reach = self.plan.bodies[b].reach;
             let length = norm(by) + norm(turn) * reach;
@@ -336,9 +313,9 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             outrun |= range.into_iter().any(|s| self.list.outrun(&self.bodies.cell, s, self.bodies.at[s]));
         }
         self.moving.iter().for_each(|b| self.moves[*b as usize] = false);
-        self.joined.iter().for_each(|b| self.moves[*b as usize] = true);
-        std::mem::swap(&mut self.moving, &mut self.joined);
-        self.joined.clear();
+        self.loads.joined.iter().for_each(|b| self.moves[*b as usize] = true);
+        std::mem::swap(&mut self.moving, &mut self.loads.joined);
+        self.loads.joined.clear();
         if outrun {
             self.list.adapt(self.steps - self.listed, self.mean_radius);
             self.list.remake(self.bodies, self.inflation);
@@ -431,6 +408,42 @@ fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
     let region = |p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64);
     places.sort_by_cached_key(region);
     places
+}
+
+/// Forces and torques of one step, and the bodies that feel any.
+struct Loads {
+    force: Vec<V3>,
+    torque: Vec<V3>,
+    touched: Vec<bool>,
+    joined: Vec<u32>,
+    /// The squared arm that stands for J/μ; zero for single spheres.
+    inertia: Vec<f64>,
+}
+
+impl Loads {
+    fn new(inertia: Vec<f64>) -> Self {
+        let n = inertia.len();
+        let (force, torque) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+        Self { force, torque, touched: vec![false; n], joined: Vec::new(), inertia }
+    }
+
+    /// Adds a force at an arm from the centre of body b.
+    #[inline(always)]
+    fn act(&mut self, b: usize, arm: V3, force: V3) {
+        self.force[b] = add(self.force[b], force);
+        if self.inertia[b] > 0.0 {
+            self.torque[b] = add(self.torque[b], cross(arm, force));
+        }
+        self.touch(b);
+    }
+
+    #[inline(always)]
+    fn touch(&mut self, b: usize) {
+        if !self.touched[b] {
+            self.touched[b] = true;
+            self.joined.push(b as u32);
+        }
+    }
 }
 
 impl Found {
