@@ -136,6 +136,19 @@ fn a_solve_that_fails_is_told_and_does_not_stop_the_others() {
     assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("Solves without a result"));
 }
 
+#[test]
+fn a_study_that_cannot_begin_leaves_earlier_results_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), TINY), &out, &[]);
+    let before = tables(&out);
+    let too_coarse = TINY.replace("planes_per_um = 40", "planes_per_um = 2");
+    let done = run_support::run(&study(folder.path(), &too_coarse), &out, &[]);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(!done.status.success() && said.contains("planes_per_um"), "{said}");
+    assert!(before == tables(&out) && !out.join("PARTIAL").exists() && out.join("report.html").exists());
+}
+
 /// A study that takes long enough to be interrupted.
 fn long_study() -> String {
     TINY.replace("step_nm = 100", "step_nm = 2").replace("count = 3", "count = 12")

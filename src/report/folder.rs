@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Marks a folder whose study is not finished.
 pub const PARTIAL: &str = "PARTIAL";
+/// Files that tell of a study and must not outlive it.
+pub const RESULTS: [&str; 5] = ["results.json", "report.html", "picture.png", "spectra.csv", "bdf.csv"];
 /// Finished solves.
 pub const POINTS: &str = "points";
 /// Packings made.
@@ -49,7 +51,7 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Makes the folder where needed and marks it partial.
+    /// Makes the folder where needed.
     ///
     /// # Errors
     /// It cannot be made or written to, or holds files of something else.
@@ -60,13 +62,19 @@ impl OutputFolder {
         let not_writable = |source| FolderError::NotWritable { path: path.to_owned(), source };
         std::fs::create_dir_all(path).map_err(not_writable)?;
         let folder = Self { path: path.to_owned(), made };
-        let text = "This study is not finished. Run it again to continue where it stopped.\n";
-        folder.write(PARTIAL, text.as_bytes()).inspect_err(|_| folder.discard_when_empty())?;
+        tempfile::tempfile_in(path).map_err(not_writable).inspect_err(|_| folder.discard_when_empty())?;
         Ok(folder)
     }
 
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Marks the folder partial and takes the results of earlier runs away, before the first new solve.
+    pub fn begin(&self) -> Result<(), FolderError> {
+        let text = "This study is not finished. Run it again to continue where it stopped.\n";
+        self.write(PARTIAL, text.as_bytes())?;
+        RESULTS.iter().try_for_each(|name| self.remove(name))
     }
 
     /// Writes one file whole or not at all.
@@ -99,12 +107,9 @@ impl OutputFolder {
             return;
         }
         // Removal of a folder fails when it is not empty, which is what is wanted.
+        let _ = self.complete();
         for name in [POINTS, PACKINGS, GRIDS] {
             let _ = std::fs::remove_dir(self.path.join(name));
-        }
-        let only_the_mark = std::fs::read_dir(&self.path).is_ok_and(|files| files.count() <= 1);
-        if only_the_mark {
-            let _ = self.complete();
         }
         for folder in &self.made {
             let _ = std::fs::remove_dir(folder);
@@ -142,7 +147,10 @@ mod tests {
         let folder = OutputFolder::open(&root.path().join("yellow")).unwrap();
         std::fs::create_dir(folder.path().join(POINTS)).unwrap();
         std::fs::write(folder.path().join("points/a.json"), "{}").unwrap();
+        std::fs::write(folder.path().join("report.html"), "old").unwrap();
+        folder.begin().unwrap();
         folder.discard_when_empty();
+        assert!(!folder.path().join("report.html").exists());
         assert!(folder.path().join("points/a.json").exists() && folder.path().join(PARTIAL).exists());
     }
 

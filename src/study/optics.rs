@@ -27,16 +27,13 @@ impl PointError {
     }
 }
 
-/// Packs the grains of a realisation; stops when the watch says so. A clear layer has nothing to pack.
+/// Packs the grains of a realisation; stops when the watch says so.
 pub fn pack_realisation(
     study: &Study,
     realisation: usize,
     watch: &dyn RunWatch,
 ) -> Result<Packing, PackError> {
     let request = study.packing_request(realisation);
-    if request.pigments.is_empty() {
-        return Packing::from_grains(request.period_um, request.thickness_um, true, Vec::new());
-    }
     pack(&request, &mut Stopper(watch))
 }
 

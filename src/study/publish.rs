@@ -15,9 +15,6 @@ use crate::report::tables;
 
 /// Rows and columns of the picture.
 const PICTURE_ANGLES: usize = 61;
-/// Files that tell of one study and must not outlive it.
-const RESULTS: [&str; 5] = ["results.json", "report.html", "picture.png", "spectra.csv", "bdf.csv"];
-
 /// Why the results could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PublishError {
@@ -60,9 +57,7 @@ pub fn publish(
     let manifest = summarise(study, collected, &seen);
     let pictures = pictures(study, &seen)?;
     let page = sheet(study, &manifest, &seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
-    for name in RESULTS {
-        folder.remove(name)?;
-    }
+    folder.begin()?;
     if let Some(pictures) = &pictures {
         folder.write("picture.png", &pictures.plain)?;
     }

@@ -98,7 +98,11 @@ pub fn run(
     let resolved = resolve(study, &stores.grids, watch, scene).map_err(stopped)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
     let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));
-    watch.begins(study, kept.count());
+    let kept = kept.count();
+    if kept < study.solves() {
+        folder.begin()?;
+    }
+    watch.begins(study, kept);
     let mut realisations = Vec::new();
     for realisation in 0..study.realisations {
         if watch.stop() && !realisations.is_empty() {
