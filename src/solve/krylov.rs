@@ -236,3 +236,7 @@ impl LeastSquares {
         y
     }
 }
+
+#[cfg(test)]
+#[path = "krylov_tests.rs"]
+mod tests;

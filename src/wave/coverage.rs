@@ -241,3 +241,7 @@ fn add_edges(builder: &Builder, scratch: &super::fourier::PlaneScratch, plane: &
         *value += Complex64::I * (kx * normal_x + ky * normal_y) / ((kx * kx + ky * ky) * lx * ly);
     }
 }
+
+#[cfg(test)]
+#[path = "coverage_tests.rs"]
+mod tests;

@@ -332,3 +332,7 @@ fn check_orders(coverage: &Coverage, media: &Media, lateral: &[[f64; 2]], k0: f6
     }
     Ok(())
 }
+
+#[cfg(test)]
+#[path = "problem_tests.rs"]
+mod tests;

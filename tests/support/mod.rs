@@ -37,7 +37,7 @@ pub struct ReferenceOrder {
 pub fn references() -> &'static [Reference] {
     static ALL: OnceLock<Vec<Reference>> = OnceLock::new();
     ALL.get_or_init(|| {
-        let text = include_str!("../../validation/data/waves.json");
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/validation/data/waves.json"));
         let file: serde_json::Value = serde_json::from_str(text).expect("waves.json is JSON");
         let cases = file["cases"].as_array().expect("waves.json lists cases");
         cases.iter().filter(|c| c["outputs"]["orders"].is_array()).map(read).collect()
