@@ -49,6 +49,11 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 
+    /// True when the user has asked to stop.
+    pub fn stopped(&self) -> bool {
+        self.stop.is_raised()
+    }
+
     fn say(&self, text: &str) {
         match self.last_line {
             Some(_) => eprintln!("{text}"),
@@ -84,6 +89,9 @@ impl RunWatch for Progress {
     }
 
     fn begins(&self, study: &Study, kept: usize) {
+        if let Ok(mut started) = self.started.lock() {
+            *started = Instant::now();
+        }
         let all = study.solves();
         self.bar.set_length(all as u64);
         self.bar.set_position(kept as u64);

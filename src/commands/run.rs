@@ -1,8 +1,18 @@
 //! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper.
 
 use super::diagnostics::study_report;
+use super::progress::Progress;
+use super::stop::StopFlag;
 use clap::Args;
-use std::path::PathBuf;
+use inkwave::ink::PackError;
+use inkwave::report::folder::{FolderError, OutputFolder};
+use inkwave::report::manifest::Status;
+use inkwave::study::checked::Study;
+use inkwave::study::load::load;
+use inkwave::study::publish::{Published, publish};
+use inkwave::study::runner::{self, Collected, RunError, RunSettings};
+use miette::{IntoDiagnostic, miette};
+use std::path::{Path, PathBuf};
 
 /// Arguments of `inkwave run`.
 #[derive(Debug, Args)]
@@ -12,11 +22,79 @@ pub struct RunArgs {
     /// Folder for the results; made when it is not there, continued when it holds part of this study.
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Solves at a time; the number of processors when left out. Fewer take less memory.
+    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: Option<u16>,
 }
 
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> miette::Result<()> {
-    let study = inkwave::study::load::load(&args.study).map_err(study_report)?;
-    eprintln!("{}", study.key());
-    Ok(())
+    let study = load(&args.study).map_err(study_report)?;
+    let path = output_path(args, &study);
+    let folder = OutputFolder::open(&path).map_err(folder_report)?;
+    let progress = Progress::new(StopFlag::listen());
+    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+    let collected = runner::run(&study, &folder, settings, &progress);
+    progress.finish();
+    let collected = collected.map_err(|error| {
+        folder.discard_when_empty();
+        run_report(error)
+    })?;
+    let published = publish(&study, &collected, &folder).into_diagnostic()?;
+    tell(&study, &collected, &published, &folder, progress.stopped())
+}
+
+/// Says where the results are; anything less than all of them is an error, so that scripts notice.
+fn tell(
+    study: &Study,
+    collected: &Collected,
+    published: &Published,
+    folder: &OutputFolder,
+    stopped: bool,
+) -> miette::Result<()> {
+    let report = folder.path().join("report.html");
+    if let Some(colour) = &published.colour {
+        println!("{}: {colour}", study.title);
+    }
+    println!("Report: {}", report.display());
+    if published.status == Status::Complete {
+        return Ok(());
+    }
+    let (finished, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
+    let help = if stopped {
+        "run the same command again to continue"
+    } else {
+        "the report lists their reasons; try another solver, a finer grid or more applications"
+    };
+    let why = if stopped { "stopped".to_owned() } else { format!("{failed} solves have no result") };
+    Err(miette!(
+        help = help,
+        "{why}: {finished} of {all} solves are finished, the results are marked as partial"
+    ))
+}
+
+/// `--output`, else the study's own folder, else `out/<study name>`.
+fn output_path(args: &RunArgs, study: &Study) -> PathBuf {
+    let name = || args.study.file_stem().map_or_else(|| "study".into(), PathBuf::from);
+    let own = || study.output.folder.as_ref().map(PathBuf::from);
+    args.output.clone().or_else(own).unwrap_or_else(|| Path::new("out").join(name()))
+}
+
+fn folder_report(error: FolderError) -> miette::Report {
+    miette!(help = error.remedy(), "{error}")
+}
+
+fn run_report(error: RunError) -> miette::Report {
+    match error {
+        RunError::Folder(error) => folder_report(error),
+        RunError::Packing { source: PackError::NotReached { .. }, .. } => {
+            let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
+            miette!(help = help, "{error}")
+        }
+        RunError::Resolution(_) | RunError::Wave(_) => {
+            let help = "[resolution] sets the grid: raise points_per_um or planes_per_um, or give an accuracy instead";
+            miette!(help = help, "{error}")
+        }
+        other => miette!("{other}"),
+    }
 }

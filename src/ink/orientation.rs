@@ -9,7 +9,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 /// distribution exp(± κ (u·n)²) (+ along a direction, − in a plane); without it the start is perfectly aligned.
 ///
 /// The same field gives the torque ± (u·n)(u × n) of the relaxation (P1 section 3: the "magnetic" field) and
-/// the Boltzmann weight of the Monte Carlo moves. Contacts turn grains away again, so the packing reports the
+/// the Boltzmann weight of the Monte Carlo moves. The torque acts only while the pigment's order falls short of
+/// the distribution's, and ramps down, so that it does not prevent convergence. Contacts turn grains away again, so the packing reports the
 /// tensor that was achieved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -101,6 +102,27 @@ impl Field {
         sign * if self.kappa > 0.0 { near_pole(self.kappa, draws) } else { near_plane(-self.kappa, draws) }
     }
 
+    /// ⟨(u·n)²⟩ of the distribution: the order that a finite strength asks for (midpoint rule, 1e-6).
+    pub fn mean_square(&self) -> f64 {
+        if self.kappa.is_infinite() {
+            return if self.kappa > 0.0 { 1.0 } else { 0.0 };
+        }
+        let (mut top, mut bottom) = (0.0, 0.0);
+        for i in 0..10_000 {
+            let square = ((f64::from(i) + 0.5) * 1e-4).powi(2);
+            // Referred to the maximum of the exponent, so that a strong field cannot overflow.
+            let weight = (self.kappa * square - self.kappa.max(0.0)).exp();
+            top += weight * square;
+            bottom += weight;
+        }
+        top / bottom
+    }
+
+    /// True when axes of mean (u·n)² `found` are less ordered than the field asks.
+    pub fn wants_more(&self, found: f64) -> bool {
+        if self.kappa > 0.0 { found < self.mean_square() } else { found > self.mean_square() }
+    }
+
     /// Torque per unit field strength, Σ over the axes: towards n for κ > 0, away for κ < 0.
     pub fn torque(&self, axes: impl Iterator<Item = V3>) -> V3 {
         let sign = self.kappa.signum();
@@ -151,14 +173,13 @@ pub(crate) fn draw_rotation(field: Option<&Field>, draws: &mut Draws) -> Rotatio
 mod tests {
     use super::*;
 
-    /// ⟨c²⟩ of exp(κ c²) by the midpoint rule.
-    fn mean_square(kappa: f64) -> f64 {
-        let points = (0..20_000).map(|i| (i as f64 + 0.5) / 2e4);
-        let (top, bottom) = points.fold((0.0, 0.0), |(t, b), c: f64| {
-            let w = (kappa * c * c).exp();
-            (t + w * c * c, b + w)
-        });
-        top / bottom
+    #[test]
+    fn the_order_of_the_watson_distribution_has_its_limits() {
+        let order = |kappa: f64| Field { axis: [0.0, 0.0, 1.0], kappa }.mean_square();
+        // Orders: 1/3 + 4κ/45 for weak fields, 1/(2|κ|) in a strong plane, 1 − 1/κ along a strong axis.
+        assert!((order(1e-3) - 1.0 / 3.0 - 4e-3 / 45.0).abs() < 1e-7);
+        assert!((order(-200.0) - 1.0 / 400.0).abs() < 1e-6);
+        assert!((order(500.0) - (1.0 - 1.0 / 500.0)).abs() < 1e-5);
     }
 
     #[test]
@@ -171,7 +192,7 @@ mod tests {
                 (0..n).map(|_| dot(field.draw_axis(&mut draws), field.axis).powi(2)).sum::<f64>() / n as f64;
             // Significance: c² lies in [0, 1] with a deviation below 0.32; four standard errors.
             let bar = 4.0 * 0.32 / (n as f64).sqrt();
-            assert!((mean - mean_square(kappa)).abs() < bar, "{kappa}: {mean} {}", mean_square(kappa));
+            assert!((mean - field.mean_square()).abs() < bar, "{kappa}: {mean} {}", field.mean_square());
         }
     }
 }

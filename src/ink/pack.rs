@@ -7,7 +7,7 @@ use super::packing::{Account, Method, Packing};
 use super::plan::Plan;
 use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest};
 use super::watch::PackWatch;
-use super::{relaxation, sequential};
+use super::{monte_carlo, relaxation, relief, sequential};
 
 /// Packs the grains of the request; the same request gives the same packing bit for bit, whatever the number of
 /// threads. (Spheres use +, −, ×, ÷ and √ only; turned grains also sines, whose last bit may depend on the
@@ -31,41 +31,71 @@ use super::{relaxation, sequential};
 /// # Ok::<(), inkwave::ink::PackError>(())
 /// ```
 pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
+    let (packing, notes) = match request.method {
+        MethodChoice::SequentialAddition => {
+            (attempt(request, Some(Method::SequentialAddition), watch)?, None)
+        }
+        MethodChoice::Relaxation => (attempt(request, Some(Method::Relaxation), watch)?, None),
+        MethodChoice::Auto => match attempt(request, None, watch) {
+            // Only sequential addition says this without an overlap.
+            Err(PackError::NotReached { largest_overlap_um: 0.0, .. }) => {
+                let note = "sequential addition was blocked, relaxation took over".to_string();
+                (attempt(request, Some(Method::Relaxation), watch)?, Some(note))
+            }
+            first => (first?, None),
+        },
+    };
+    Ok(packing.with_notes(notes))
+}
+
+/// One run from the seed with a method, or with the one that suits the concentration.
+fn attempt(
+    request: &PackingRequest,
+    method: Option<Method>,
+    watch: &mut dyn PackWatch,
+) -> Result<Packing, PackError> {
     let mut draws = Draws::new(request.seed, request.stream);
     let mut plan = Plan::new(request, &mut draws)?;
-    let method = choose(request, &plan);
+    let method = method.unwrap_or_else(|| suited(request, &plan));
     arrange(&mut plan, method, &mut draws);
     let cell = Cell::new(request.period_um, request.thickness_um, request.walls);
     let mut bodies = Bodies::new(cell, &plan.bodies);
-    let mut account = Account {
-        method,
-        seed: request.seed,
-        stream: request.stream,
-        steps: 0,
-        sweeps: 0,
-        acceptance: None,
-        smallest_gap_um: None,
-        notes: Vec::new(),
+    let mut account = Account::new(method, request.seed, request.stream);
+    account.steps = if method == Method::SequentialAddition {
+        let limit = request.sequential.attempts_per_grain;
+        sequential::add_all(&mut bodies, &plan, limit, &mut draws, watch)?
+    } else {
+        relaxation::relax_all(&mut bodies, &plan, &request.relaxation, &mut draws, watch)?
     };
-    account.steps = match method {
-        Method::SequentialAddition => {
-            let attempts = request.sequential.attempts_per_grain;
-            sequential::add_all(&mut bodies, &plan, attempts, &mut draws, watch)?
+    if let Some(settings) = &request.equilibration {
+        account.sweeps = settings.sweeps;
+        let rate = monte_carlo::equilibrate(&mut bodies, &plan, settings.sweeps, &mut draws, watch)?;
+        account.acceptance = Some(rate);
+    }
+    finish(request, &plan, &bodies, account)
+}
+
+/// The proof, and the binder's surface if one is asked for.
+fn finish(
+    request: &PackingRequest,
+    plan: &Plan,
+    bodies: &Bodies,
+    account: Account,
+) -> Result<Packing, PackError> {
+    let (period, thickness, shares) = (request.period_um, request.thickness_um, plan.shares.clone());
+    let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), shares, account)?;
+    Ok(match &request.relief {
+        Some(asked) if !packing.grains().is_empty() => {
+            let settled = relief::settle(&packing, asked);
+            packing.with_relief(settled)
         }
-        _ => relaxation::relax_all(&mut bodies, &plan, &request.relaxation, &mut draws, watch)?,
-    };
-    let (period, thickness) = (request.period_um, request.thickness_um);
-    Packing::proven(period, thickness, request.walls, bodies.grains(), plan.shares.clone(), account)
+        _ => packing,
+    })
 }
 
 /// The automatic choice looks at the fraction of the volume that centres can use: walls crowd thick grains.
-fn choose(request: &PackingRequest, plan: &Plan) -> Method {
-    match request.method {
-        MethodChoice::SequentialAddition => Method::SequentialAddition,
-        MethodChoice::Relaxation => Method::Relaxation,
-        MethodChoice::Auto if crowding(request, plan) <= AUTO_LIMIT => Method::SequentialAddition,
-        MethodChoice::Auto => Method::Relaxation,
-    }
+fn suited(request: &PackingRequest, plan: &Plan) -> Method {
+    if crowding(request, plan) <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
 }
 
 fn crowding(request: &PackingRequest, plan: &Plan) -> f64 {

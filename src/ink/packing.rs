@@ -100,6 +100,13 @@ pub struct Account {
     pub notes: Vec<String>,
 }
 
+impl Account {
+    pub(crate) fn new(method: Method, seed: u64, stream: u64) -> Self {
+        let (acceptance, smallest_gap_um) = (None, None);
+        Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes: Vec::new() }
+    }
+}
+
 /// Grains in a cell that is periodic in x and y, with hard walls at z = 0 and z = H or periodic in z too.
 ///
 /// It can be built only through an all-pairs check that shares no code with the packing methods.
@@ -132,16 +139,7 @@ impl Packing {
             Share { requested_fraction, achieved_fraction, fraction_error: 0.0, grains, size_factor: 1.0 }
         };
         let shares = (0..kinds).map(share).collect();
-        let account = Account {
-            method: Method::Given,
-            seed: 0,
-            stream: 0,
-            steps: 0,
-            sweeps: 0,
-            acceptance: None,
-            smallest_gap_um: None,
-            notes: Vec::new(),
-        };
+        let account = Account::new(Method::Given, 0, 0);
         Self::proven(period_um, thickness_um, walls, grains, shares, account)
     }
 
@@ -156,6 +154,11 @@ impl Packing {
     ) -> Result<Self, PackError> {
         account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
         Ok(Self { period_um, thickness_um, walls, grains, shares, account, relief: None })
+    }
+
+    pub(crate) fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.account.notes.extend(notes);
+        self
     }
 
     pub(crate) fn with_relief(self, relief: Relief) -> Self {

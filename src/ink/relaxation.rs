@@ -8,6 +8,7 @@ use super::Draws;
 use super::bodies::Bodies;
 use super::error::PackError;
 use super::neighbours::Neighbours;
+use super::orientation::Field;
 use super::plan::Plan;
 use super::request::RelaxationSettings;
 use super::sequential::{MARGIN, scatter};
@@ -22,6 +23,10 @@ const SKIN_RADII: f64 = 0.9;
 const PATIENCE: u64 = 400;
 /// Inflation below which a stalled relaxation is given up.
 const LEAST_INFLATION: f64 = 2e-4;
+/// Steps after which hooked clusters are looked for, the part of the bodies that counts as few, and how often.
+const TANGLE_PATIENCE: u64 = 100;
+const FEW: f64 = 0.02;
+const MOST_THROWS: u64 = 100;
 const REPORT: u64 = 20;
 
 /// What one evaluation of the forces found.
@@ -67,6 +72,9 @@ struct Relaxation<'r, 'a> {
     step: f64,
     steps: u64,
     batch_start: u64,
+    /// Whether any body has more than one sphere.
+    clusters: bool,
+    thrown_again: u64,
 }
 
 impl<'r, 'a> Relaxation<'r, 'a> {
@@ -96,6 +104,8 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             step: settings.step,
             steps: 0,
             batch_start: 0,
+            clusters: plan.bodies.iter().any(|b| !b.single_sphere()),
+            thrown_again: 0,
         }
     }
 
@@ -131,7 +141,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         watch: &mut dyn PackWatch,
     ) -> Result<Option<Found>, PackError> {
         let start = self.steps;
-        let (mut before, mut milestone) = (f64::INFINITY, f64::INFINITY);
+        let (mut before, mut milestone, mut mark) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         loop {
             let found = self.forces(draws);
             if found.overlap <= 0.0 {
@@ -149,12 +159,47 @@ impl<'r, 'a> Relaxation<'r, 'a> {
                 }
                 milestone = found.energy;
             }
+            if self.clusters && (self.steps - self.batch_start + 1) % TANGLE_PATIENCE == 0 {
+                if found.energy > 0.5 * mark {
+                    self.untangle(draws);
+                }
+                mark = found.energy;
+            }
             let factor = if found.energy > before { 0.7 } else { 1.03 };
             self.step = (factor * self.step).clamp(0.05, self.settings.step);
             before = found.energy;
             self.advance();
             self.steps += 1;
         }
+    }
+
+    /// Clusters can hook into each other, and no push parts them: when only a few bodies still overlap and do not
+    /// come free, they are thrown in anew.
+    fn untangle(&mut self, draws: &mut Draws) {
+        let strain = strain(self.bodies);
+        let hooked: Vec<usize> = (0..strain.len()).filter(|b| strain[*b] > 0.0).collect();
+        let few = (FEW * strain.len() as f64).max(4.0) as usize;
+        if hooked.len() > few || self.thrown_again >= MOST_THROWS {
+            return;
+        }
+        self.thrown_again += 1;
+        let size = self.bodies.cell.size;
+        for b in hooked {
+            let place = std::array::from_fn(|a| draws.between(0.0, size[a]));
+            let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
+            scatter(self.bodies, b, place, field, draws);
+            self.touch(b);
+            if !self.moves[b] {
+                self.moves[b] = true;
+                self.moving.push(b as u32);
+            }
+        }
+        // Forces found for the old places must not move the bodies in their new ones.
+        for k in 0..self.joined.len() {
+            let b = self.joined[k] as usize;
+            (self.force[b], self.torque[b]) = ([0.0; 3], [0.0; 3]);
+        }
+        self.list.remake(self.bodies, self.inflation);
     }
 
     /// Halves the inflation of a stalled relaxation; false when that has been tried to the end.
@@ -246,6 +291,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     fn advance(&mut self) {
         let h = self.step / self.settings.translational_viscosity;
         let ramp = self.ramp();
+        let aligning = self.aligning(ramp);
         let mut outrun = false;
         for k in 0..self.joined.len() {
             let b = self.joined[k] as usize;
@@ -255,7 +301,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             let mut by = scale(force, h);
             let mut turn = [0.0; 3];
             if self.inertia[b] > 0.0 {
-                turn = add(scale(torque, h / self.inertia[b]), self.alignment(b, ramp));
+                turn = add(scale(torque, h / self.inertia[b]), self.alignment(b, ramp, &aligning));
             }
             let reach = self.plan.bodies[b].reach;
             let length = norm(by) + norm(turn) * reach;
@@ -287,11 +333,23 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         if steps > 0.0 { (1.0 - (self.steps - self.batch_start) as f64 / steps).max(0.0) } else { 0.0 }
     }
 
+    /// Pigments whose order still falls short of what their field asks for.
+    fn aligning(&self, ramp: f64) -> Vec<bool> {
+        let falls_short = |(pigment, field): (usize, &Option<Field>)| {
+            let Some(field) = field.filter(|f| ramp > 0.0 && f.kappa != 0.0) else { return false };
+            let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
+            let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
+            let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));
+            n > 0.0 && field.wants_more(sum / n)
+        };
+        self.plan.fields.iter().enumerate().map(falls_short).collect()
+    }
+
     /// The turn that the aligning field adds to a step.
-    fn alignment(&self, b: usize, ramp: f64) -> V3 {
+    fn alignment(&self, b: usize, ramp: f64, aligning: &[bool]) -> V3 {
         let body = &self.plan.bodies[b];
         match &self.plan.fields[body.pigment] {
-            Some(field) if ramp > 0.0 && field.kappa != 0.0 => {
+            Some(field) if aligning[body.pigment] => {
                 let torque = scale(field.torque(self.bodies.axes(b)), 1.0 / body.parts.len() as f64);
                 // At 45° the torque is ½.
                 scale(torque, 2.0 * ramp * self.settings.aligning_deg_per_step.to_radians())

@@ -39,7 +39,7 @@ enum Written {
         length_in_radii: f64,
         #[serde(default = "half")]
         tip_in_radii: f64,
-        #[serde(default = "five")]
+        #[serde(default = "seven")]
         spheres: usize,
     },
     Ellipsoid {
@@ -64,6 +64,9 @@ fn half() -> f64 {
 }
 fn five() -> usize {
     5
+}
+fn seven() -> usize {
+    7
 }
 fn nine() -> usize {
     9
@@ -100,7 +103,7 @@ pub struct Template {
 
 impl Shape {
     pub const CYLINDER: Self = Self::Cylinder { length_in_radii: 6.0, spheres: 5 };
-    pub const RICE_GRAIN: Self = Self::RiceGrain { length_in_radii: 6.0, tip_in_radii: 0.5, spheres: 5 };
+    pub const RICE_GRAIN: Self = Self::RiceGrain { length_in_radii: 6.0, tip_in_radii: 0.5, spheres: 7 };
 
     pub fn name(&self) -> &'static str {
         match self {

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! points/<hash>.json    one finished solve each        packings/<hash>.json   one packing each
+//!                                                      grids/<hash>.json      grids and their errors
 //! results.json          numbers and provenance         report.html            the page to show
 //! picture.png  spectra.csv  bdf.csv                    PARTIAL                there while not all is finished
 //! ```
@@ -16,6 +17,8 @@ pub const PARTIAL: &str = "PARTIAL";
 pub const POINTS: &str = "points";
 /// Packings made.
 pub const PACKINGS: &str = "packings";
+/// Grids chosen, with their error estimates.
+pub const GRIDS: &str = "grids";
 
 /// Why a folder cannot take results.
 #[derive(Debug, thiserror::Error)]
@@ -96,7 +99,7 @@ impl OutputFolder {
             return;
         }
         // Removal of a folder fails when it is not empty, which is what is wanted.
-        for name in [POINTS, PACKINGS] {
+        for name in [POINTS, PACKINGS, GRIDS] {
             let _ = std::fs::remove_dir(self.path.join(name));
         }
         let only_the_mark = std::fs::read_dir(&self.path).is_ok_and(|files| files.count() <= 1);

@@ -40,21 +40,23 @@ pub struct Figure {
     pub caption: String,
 }
 
-/// Colour numbers beside the picture.
+/// Colour numbers beside the picture, one column for each condition.
 #[derive(Clone, Debug, Serialize)]
 pub struct ColourBlock {
-    /// `#rrggbb` of the swatch.
+    /// `#rrggbb` of the patch.
     pub hex: String,
-    pub rows: Vec<WithError>,
+    pub conditions: Vec<String>,
+    pub rows: Vec<ColourRow>,
     pub note: String,
+    /// The first column in one line.
+    pub in_words: String,
 }
 
-/// A number with its standard error, both as text.
+/// One quantity under every condition.
 #[derive(Clone, Debug, Serialize)]
-pub struct WithError {
+pub struct ColourRow {
     pub name: String,
-    pub value: String,
-    pub error: Option<String>,
+    pub values: Vec<String>,
 }
 
 /// A number and what it means.

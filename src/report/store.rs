@@ -30,6 +30,11 @@ impl<R: Serialize + DeserializeOwned> Store<R> {
         serde_json::from_slice(&text).ok()
     }
 
+    /// True when there is a record of this key, readable or not.
+    pub fn has(&self, key: &str) -> bool {
+        self.path(key).exists()
+    }
+
     /// Keeps a record for good.
     pub fn put(&self, key: &str, record: &R) -> io::Result<()> {
         safely::write(&self.path(key), &serde_json::to_vec(record)?)

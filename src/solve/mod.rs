@@ -3,11 +3,23 @@
 //! The yardstick is the relative residual ‖u₀ − (1 + A⁻¹V) u‖ / ‖u₀‖ with u₀ = A⁻¹b, the wave in the mean medium.
 
 pub mod accuracy;
+pub mod bicgstab;
 pub mod born;
+pub mod convergent_born;
+pub mod direct;
+pub mod guided;
 pub mod krylov;
+mod least_squares;
+mod ledger;
+pub mod relaxation;
 pub mod solver;
 pub mod vectors;
 
+pub use bicgstab::Bicgstab;
 pub use born::Born;
+pub use convergent_born::ConvergentBorn;
+pub use direct::Direct;
+pub use guided::GuidedModes;
 pub use krylov::Gmres;
+pub use relaxation::Relaxation;
 pub use solver::{Account, Goal, Silent, Solution, SolveError, Solver, SolverChoice, Step, Watch};

@@ -121,7 +121,11 @@ pub trait Solver: Send + Sync {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SolverChoice {
     Krylov(super::Gmres),
+    Bicgstab(super::Bicgstab),
     Born(super::Born),
+    ConvergentBorn(super::ConvergentBorn),
+    Relaxation(super::Relaxation),
+    Direct(super::Direct),
 }
 
 impl Default for SolverChoice {
@@ -131,14 +135,19 @@ impl Default for SolverChoice {
 }
 
 impl SolverChoice {
-    /// Names accepted on the command line.
-    pub const NAMES: [&'static str; 2] = ["krylov", "born"];
+    /// All names, the default first.
+    pub const NAMES: [&'static str; 6] =
+        ["krylov", "bicgstab", "born", "convergent_born", "relaxation", "direct"];
 
     /// The strategy of that name with its default settings.
     pub fn named(name: &str) -> Result<SolverChoice, SolveError> {
         match name {
             "krylov" => Ok(SolverChoice::Krylov(Default::default())),
+            "bicgstab" => Ok(SolverChoice::Bicgstab(Default::default())),
             "born" => Ok(SolverChoice::Born(Default::default())),
+            "convergent_born" => Ok(SolverChoice::ConvergentBorn(Default::default())),
+            "relaxation" => Ok(SolverChoice::Relaxation(Default::default())),
+            "direct" => Ok(SolverChoice::Direct(Default::default())),
             _ => Err(SolveError::Setting {
                 field: "solver",
                 value: name.to_string(),
@@ -152,7 +161,11 @@ impl SolverChoice {
     pub fn build(&self) -> Box<dyn Solver> {
         match *self {
             SolverChoice::Krylov(settings) => Box::new(settings),
+            SolverChoice::Bicgstab(settings) => Box::new(settings),
             SolverChoice::Born(settings) => Box::new(settings),
+            SolverChoice::ConvergentBorn(settings) => Box::new(settings),
+            SolverChoice::Relaxation(settings) => Box::new(settings),
+            SolverChoice::Direct(settings) => Box::new(settings),
         }
     }
 }

@@ -61,12 +61,12 @@ pub struct Paper {
     pub coupling: Coupling,
 }
 
-/// Angles of incidence, degrees from the normal, rising, below 90.
+/// Angles of incidence, degrees from the normal, below 90.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Angles {
-    /// For light from above.
+    /// For light from above, rising.
     pub above: Vec<f64>,
-    /// For light from below; empty when light from above serves for both.
+    /// For light from below, in the rule's order; empty when light from above serves for both.
     pub below: Vec<f64>,
     pub azimuth_deg: f64,
     /// The quadrature rule, unless the angles were listed.
@@ -83,6 +83,15 @@ pub enum WantedResolution {
     Accuracy { amplitude: f64, scheme: Scheme },
     /// Points and planes per µm.
     Grid { points_per_um: f64, planes_per_um: f64, scheme: Scheme },
+}
+
+impl WantedResolution {
+    /// The discretisation in z.
+    pub fn scheme(&self) -> Scheme {
+        match *self {
+            Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
+        }
+    }
 }
 
 /// What the results look like; no solve depends on it.
@@ -123,6 +132,12 @@ impl Study {
             backgrounds: vec![self.layer.binder.index[wavelength]],
             inclusions: self.pigments.iter().map(|p| p.material.index[wavelength]).collect(),
         }
+    }
+
+    /// The same indices for a content hash: above, below, binder, pigments.
+    pub fn indices(&self, wavelength: usize) -> Vec<Complex64> {
+        let Media { above, below, backgrounds, inclusions } = self.media(wavelength);
+        [above, below].into_iter().chain(backgrounds).chain(inclusions).collect()
     }
 
     /// All solves of one realisation, in their order: wavelength, side, angle.

@@ -5,6 +5,7 @@
 //! so that the mean operator is diagonal on them: −1/h + kz² h λ. The contrast acts at the Gauss–Lobatto points
 //! (degree 1: the nodes, "tents"; degree 2: nodes and midpoints) with moments of V against their Lagrange functions.
 
+use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use gauss_quad::GaussLegendre;
 
@@ -23,6 +24,8 @@ pub struct Element {
     pub lambda: Vec<f64>,
     /// Value of each bubble (row) at each inner point (column).
     pub bubbles: Vec<Vec<f64>>,
+    /// Inverse of that table: amplitude of each bubble (row) from the values at the inner points.
+    pub amplitudes: Vec<Vec<f64>>,
 }
 
 impl Element {
@@ -35,9 +38,10 @@ impl Element {
         let value = |mode: &[f64], t: f64| {
             mode.iter().enumerate().map(|(i, c)| c * integrated_legendre(i + 1, t)).sum()
         };
-        let bubbles =
+        let bubbles: Vec<Vec<f64>> =
             modes.iter().map(|m| points[1..degree].iter().map(|&t| value(m, t)).collect()).collect();
-        Element { degree, points, weights, lambda, bubbles }
+        let amplitudes = inverse(&bubbles);
+        Element { degree, points, weights, lambda, bubbles, amplitudes }
     }
 
     /// Values at t of all Lagrange functions.
@@ -77,6 +81,16 @@ fn legendre(n: usize, x: f64) -> f64 {
 fn integrated_legendre(i: usize, t: f64) -> f64 {
     let x = 2.0 * t - 1.0;
     (legendre(i + 1, x) - legendre(i - 1, x)) / (2.0 * ((2 * i + 1) as f64).sqrt())
+}
+
+/// Amplitudes from values: the inverse of the transposed table.
+fn inverse(table: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = table.len();
+    if n == 0 {
+        return Vec::new();
+    }
+    let inverse = Mat::from_fn(n, n, |point, bubble| table[bubble][point]).partial_piv_lu().inverse();
+    (0..n).map(|i| (0..n).map(|j| inverse[(i, j)]).collect()).collect()
 }
 
 /// Eigenvalues and eigenvectors of the bubbles' mass matrix.

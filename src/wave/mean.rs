@@ -75,9 +75,9 @@ pub fn decaying_root(z: Complex64) -> Complex64 {
 
 /// A, factorised: rows of the arrays are cells or nodes, columns harmonics.
 pub struct MeanOperator {
-    scheme: Scheme,
-    element: Element,
-    heights: Vec<f64>,
+    pub(super) scheme: Scheme,
+    pub(super) element: Element,
+    pub(super) heights: Vec<f64>,
     /// k̄² of each cell.
     mean_k2: Vec<Complex64>,
     /// kx² + ky² of each harmonic.
@@ -85,7 +85,7 @@ pub struct MeanOperator {
     off: Array2<Complex64>,
     inverse_pivot: Array2<Complex64>,
     /// One array per inner point of a cell.
-    left_share: Vec<Array2<Complex64>>,
+    pub(super) left_share: Vec<Array2<Complex64>>,
 }
 
 impl MeanOperator {
@@ -115,7 +115,7 @@ impl MeanOperator {
         operator
     }
 
-    fn kz2(&self, cell: usize, harmonic: usize) -> Complex64 {
+    pub(super) fn kz2(&self, cell: usize, harmonic: usize) -> Complex64 {
         self.mean_k2[cell] - self.lateral_k2[harmonic]
     }
 
@@ -149,7 +149,7 @@ impl MeanOperator {
     }
 
     /// Diagonal of A on a bubble.
-    fn bubble(&self, cell: usize, bubble: usize, harmonic: usize) -> Complex64 {
+    pub(super) fn bubble(&self, cell: usize, bubble: usize, harmonic: usize) -> Complex64 {
         let h = self.heights[cell];
         self.kz2(cell, harmonic) * (h * self.element.lambda[bubble]) - 1.0 / h
     }
@@ -267,6 +267,51 @@ impl MeanOperator {
             }
         });
         out
+    }
+
+    /// Largest Im k̄² of any cell.
+    pub fn mean_absorption(&self) -> f64 {
+        self.mean_k2.iter().map(|k2| k2.im).fold(0.0, f64::max)
+    }
+
+    /// True when k̄² is real, as relaxation needs it.
+    pub fn is_real(&self) -> bool {
+        self.mean_absorption() == 0.0
+    }
+
+    /// Diagonal and off-diagonal of one harmonic's node system; `ends` are iκ of the half-spaces.
+    pub fn node_matrix(&self, harmonic: usize, ends: [Complex64; 2]) -> (Vec<Complex64>, Vec<Complex64>) {
+        let cells = self.heights.len();
+        let mut diagonal = vec![Complex64::default(); cells + 1];
+        (diagonal[0], diagonal[cells]) = (ends[0], ends[1]);
+        let mut off = Vec::with_capacity(cells);
+        for (j, &h) in self.heights.iter().enumerate() {
+            let cell = NodeCoefficients::new(self.kz2(j, harmonic), h, self.scheme);
+            diagonal[j] += cell.diagonal;
+            diagonal[j + 1] += cell.diagonal;
+            off.push(cell.off);
+        }
+        (diagonal, off)
+    }
+
+    /// Lumped mass of each node: half of both cells it touches.
+    pub fn node_mass(&self) -> Vec<f64> {
+        let h = |j: usize| self.heights.get(j).copied().unwrap_or(0.0);
+        (0..=self.heights.len()).map(|j| 0.5 * (h(j) + if j > 0 { h(j - 1) } else { 0.0 })).collect()
+    }
+
+    /// Values on all planes of the mean solution through given node values.
+    pub fn profile_on_planes(&self, harmonic: usize, nodes: &[f64]) -> Vec<Complex64> {
+        let degree = self.element.degree;
+        let value = |plane: usize| {
+            let (cell, point) = (plane / degree, plane % degree);
+            if point == 0 {
+                return nodes[cell].into();
+            }
+            let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1][[cell, harmonic]]);
+            left * nodes[cell] + right * nodes[cell + 1]
+        };
+        (0..=degree * self.heights.len()).map(value).collect()
     }
 
     /// Bytes held.

@@ -3,6 +3,7 @@
 //! Lengths are in µm, angles in degrees, time factor e^{−iωt}; the layer is 0 ≤ z ≤ H and light from above
 //! travels towards +z.
 
+pub mod banded;
 pub mod coverage;
 pub mod element;
 pub mod error;

@@ -178,6 +178,56 @@ impl Problem {
         );
     }
 
+    /// iκ of both half-spaces for one harmonic.
+    pub fn end_conditions(&self, harmonic: usize) -> [Complex64; 2] {
+        [0, 1].map(|side| Complex64::I * self.kappa[side][harmonic])
+    }
+
+    /// Fourier coefficients of W_p at (m mod nx, n mod ny).
+    pub fn contrast_spectrum(&self, plane: usize) -> Array2<Complex64> {
+        let mut scratch = self.fft.scratch();
+        scratch.plane.fill(Complex64::ONE);
+        self.multiply_contrast(plane, &mut scratch.plane);
+        let resolution = self.coverage.grid.resolution;
+        self.fft.forward(&mut scratch, std::slice::from_ref(&(0..resolution.nx)));
+        Array2::from_shape_vec((resolution.nx, resolution.ny), scratch.spectrum).expect("a full spectrum")
+    }
+
+    /// V/D at every point of a plane, so that the largest modulus is a physical k² contrast.
+    pub fn contrast_per_mass(&self, plane: usize, mass: f64) -> Vec<Complex64> {
+        let points = self.coverage.grid.points();
+        let mut values = vec![Complex64::from(points as f64 / mass); points];
+        self.multiply_contrast(plane, &mut values);
+        values
+    }
+
+    /// Harmonics of every plane → values at its points, unnormalised.
+    pub fn planes_to_points(&self, harmonics: &Field, points: &mut Array2<Complex64>) {
+        let rows = points.outer_iter_mut().into_par_iter().zip(harmonics.outer_iter());
+        rows.for_each_init(
+            || self.fft.scratch(),
+            |scratch, (mut out, row)| {
+                self.to_points(row.to_slice().expect("rows are contiguous"), scratch);
+                out.as_slice_mut().expect("rows are contiguous").copy_from_slice(&scratch.plane);
+            },
+        );
+    }
+
+    /// Values at points → harmonics of every plane (inverse of [`Problem::planes_to_points`] on the harmonics in use).
+    pub fn points_to_planes(&self, points: &Array2<Complex64>, harmonics: &mut Field) {
+        let scale = 1.0 / self.coverage.grid.points() as f64;
+        let rows = harmonics.outer_iter_mut().into_par_iter().zip(points.outer_iter());
+        rows.for_each_init(
+            || self.fft.scratch(),
+            |scratch, (mut out, row)| {
+                scratch.plane.iter_mut().zip(row).for_each(|(p, v)| *p = v * scale);
+                self.fft.forward(scratch, &self.harmonics.rows);
+                let out = out.as_slice_mut().expect("rows are contiguous");
+                self.harmonics.gather(&scratch.spectrum, out);
+            },
+        );
+    }
+
     fn to_points(&self, harmonics: &[Complex64], scratch: &mut PlaneScratch) {
         self.harmonics.scatter(harmonics, &mut scratch.spectrum);
         self.fft.inverse(scratch, &self.harmonics.rows);

@@ -83,7 +83,5 @@ fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
 }
 
 fn degrees(nodes: &[AngleNode]) -> Vec<f64> {
-    let mut degrees: Vec<f64> = nodes.iter().map(|node| node.polar_deg).collect();
-    degrees.sort_by(f64::total_cmp);
-    degrees
+    nodes.iter().map(|node| node.polar_deg).collect()
 }

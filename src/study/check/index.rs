@@ -25,7 +25,15 @@ pub(super) fn tabulate(
     // Wavelengths that are no numbers have their own fault.
     values
         .collect::<Result<_, _>>()
-        .map_or_else(|_| vacuum(), |index| Material { source: spectrum.name(), index })
+        .map_or_else(|_| vacuum(), |index| Material { source: source(&spectrum), index })
+}
+
+/// The spectrum's name; a transparent constant without its zero.
+fn source(spectrum: &Spectrum) -> String {
+    match spectrum {
+        Spectrum::Constant { n, kappa: 0.0 } => n.to_string(),
+        other => other.name(),
+    }
 }
 
 fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {

@@ -1,0 +1,218 @@
+//! Averages over realisations with their standard errors.
+
+use super::orientation::orientation_tensor;
+use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
+use super::sections::{SectionStatistics, section_statistics};
+use crate::ink::Packing;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A mean over realisations; the error needs at least two of them (or a counting error).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    pub mean: f64,
+    pub standard_error: Option<f64>,
+}
+
+impl Estimate {
+    pub fn of(values: &[f64]) -> Self {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let scatter = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+        let standard_error = (values.len() > 1).then(|| (scatter / (n * (n - 1.0))).sqrt());
+        Self { mean, standard_error }
+    }
+
+    /// With a counting error as the floor of the scatter, which few realisations estimate badly.
+    pub fn at_least(self, floor: f64) -> Self {
+        Self { standard_error: Some(self.standard_error.unwrap_or(0.0).max(floor)), ..self }
+    }
+}
+
+/// A function with error bars.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// File stem, e.g. "pair_correlation".
+    pub name: String,
+    pub x_label: String,
+    pub y_label: String,
+    pub x: Vec<f64>,
+    pub y: Vec<Estimate>,
+}
+
+/// All statistics of an ensemble.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Statistics {
+    pub realisations: usize,
+    pub curves: Vec<Curve>,
+    /// Name, unit and value of every scalar.
+    pub scalars: Vec<(String, String, Estimate)>,
+}
+
+/// Statistics of realisations of one request; empty without any.
+pub fn gather(packings: &[Packing]) -> Statistics {
+    let mut all = Statistics { realisations: packings.len(), curves: Vec::new(), scalars: Vec::new() };
+    let Some(first) = packings.first().filter(|p| !p.grains().is_empty()) else { return all };
+    let d = mean_diameter_um(first);
+    let pairs: Vec<PairStatistics> =
+        packings.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
+    // Grains line up with the walls, so the planes must be close; in the plane lines sample at random.
+    let planes = ((24.0 * first.thickness_um() / d).round() as usize).clamp(20, 400);
+    let section = |p: &Packing| section_statistics(p, planes, d / 6.0, d / 20.0, 3.0 * d);
+    let sections: Vec<SectionStatistics> = packings.par_iter().map(section).collect();
+    all.curves.push(pair_correlation(&pairs));
+    all.curves.push(nearest(&pairs));
+    all.curves.extend(two_point(&sections));
+    all.curves.extend(profiles(&sections));
+    scalars(&mut all, packings, &pairs, &sections);
+    all
+}
+
+/// Mean and error of the i-th entry of each realisation.
+fn pointwise<T>(of: &[T], n: usize, entry: impl Fn(&T, usize) -> f64) -> Vec<Estimate> {
+    let at = |i| Estimate::of(&of.iter().map(|p| entry(p, i)).collect::<Vec<_>>());
+    (0..n).map(at).collect()
+}
+
+/// g(r): the error is the scatter of the realisations, at least the counting error; shells in which an ideal gas
+/// would have fewer than ten pairs are left out.
+fn pair_correlation(pairs: &[PairStatistics]) -> Curve {
+    let n = pairs.iter().map(|p| p.counts.len()).min().unwrap_or(0);
+    let gs: Vec<Vec<f64>> = pairs.iter().map(PairStatistics::g).collect();
+    let ideal: Vec<f64> = (0..n).map(|i| pairs.iter().map(|p| p.ideal[i]).sum()).collect();
+    let counts: Vec<f64> = (0..n).map(|i| pairs.iter().map(|p| p.counts[i]).sum()).collect();
+    let start = ideal.iter().position(|pairs| *pairs >= 10.0).unwrap_or(n);
+    let all = pointwise(&gs, n, |g, i| g[i]);
+    let y = (start..n).map(|i| all[i].at_least(counts[i].sqrt() / ideal[i])).collect();
+    let edges = &pairs[0].edges_um;
+    let x = (start..n).map(|i| 0.5 * (edges[i] + edges[i + 1])).collect();
+    curve("pair_correlation", "distance of centres r, µm", "pair correlation g(r)", x, y)
+}
+
+fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>) -> Curve {
+    let (name, x_label, y_label) = (name.into(), x_label.into(), y_label.into());
+    Curve { name, x_label, y_label, x, y }
+}
+
+/// Density of the distance to the nearest centre, in 40 classes from the smallest to the largest distance.
+fn nearest(pairs: &[PairStatistics]) -> Curve {
+    const CLASSES: usize = 40;
+    let all = || pairs.iter().flat_map(|p| &p.nearest_um).copied().filter(|r| r.is_finite());
+    let (low, high) = all().fold((f64::MAX, 0.0), |(l, h): (f64, f64), r| (l.min(r), h.max(r)));
+    let width = ((high - low) / CLASSES as f64).max(1e-9);
+    let density = |p: &PairStatistics, i: usize| {
+        let class = |r: &&f64| (((**r - low) / width) as usize).min(CLASSES - 1) == i && r.is_finite();
+        p.nearest_um.iter().filter(class).count() as f64 / (p.nearest_um.len() as f64 * width)
+    };
+    let x = (0..CLASSES).map(|i| low + (i as f64 + 0.5) * width).collect();
+    let y = pointwise(pairs, CLASSES, density);
+    curve("nearest_neighbour", "distance to the nearest centre, µm", "density, 1/µm", x, y)
+}
+
+fn two_point(sections: &[SectionStatistics]) -> [Curve; 3] {
+    let r = &sections[0].r_um;
+    let named = |name: &str, label: &str, entry: &dyn Fn(&SectionStatistics, usize) -> f64| {
+        curve(name, "separation in the plane r, µm", label, r.clone(), pointwise(sections, r.len(), entry))
+    };
+    [
+        named("two_point", "two-point probability S2(r)", &|s, i| 0.5 * (s.s2_x[i] + s.s2_y[i])),
+        named("two_point_x", "S2 along x", &|s, i| s.s2_x[i]),
+        named("two_point_y", "S2 along y", &|s, i| s.s2_y[i]),
+    ]
+}
+
+fn profiles(sections: &[SectionStatistics]) -> Vec<Curve> {
+    let z = &sections[0].z_um;
+    let label = "depth z, µm";
+    let total = pointwise(sections, z.len(), |s, i| s.profile.iter().map(|p| p[i]).sum());
+    let mut curves = vec![curve("profile", label, "volume fraction φ(z)", z.clone(), total)];
+    let pigments = sections[0].profile.len();
+    for k in (0..pigments).filter(|_| pigments > 1) {
+        let y = pointwise(sections, z.len(), |s, i| s.profile[k][i]);
+        curves.push(curve(
+            &format!("profile_pigment_{k}"),
+            label,
+            &format!("φ(z) of pigment {k}"),
+            z.clone(),
+            y,
+        ));
+    }
+    curves
+}
+
+fn scalars(
+    all: &mut Statistics,
+    packings: &[Packing],
+    pairs: &[PairStatistics],
+    sections: &[SectionStatistics],
+) {
+    let mut put = |name: &str, unit: &str, values: Vec<f64>| {
+        if !values.is_empty() {
+            all.scalars.push((name.into(), unit.into(), Estimate::of(&values)));
+        }
+    };
+    for k in 0..packings[0].shares().len() {
+        put(&format!("requested fraction of pigment {k}"), "1", vec![packings[0].requested_fraction(k)]);
+        put(
+            &format!("achieved fraction of pigment {k}"),
+            "1",
+            packings.iter().map(|p| p.achieved_fraction(k)).collect(),
+        );
+        put(
+            &format!("grains of pigment {k}"),
+            "1",
+            packings.iter().map(|p| p.shares()[k].grains as f64).collect(),
+        );
+    }
+    put("mean nearest-neighbour distance", "µm", pairs.iter().map(PairStatistics::mean_nearest_um).collect());
+    put("smallest gap", "µm", packings.iter().filter_map(|p| p.account().smallest_gap_um).collect());
+    put("S2(0) from chords", "1", sections.iter().map(|s| 0.5 * (s.s2_x[0] + s.s2_y[0])).collect());
+    let slope = |s: &SectionStatistics| -0.5 * (s.chords_per_um[0] + s.chords_per_um[1]);
+    put("slope of S2 at 0 (= −s/4)", "1/µm", sections.iter().map(slope).collect());
+    put("mean of φ(z)², the limit of S2", "1", sections.iter().map(|s| s.mean_square_profile).collect());
+    tensors(packings, &mut put);
+    walls(packings, &mut put);
+    relief(packings, &mut put);
+}
+
+fn tensors(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
+    const NAMES: [&str; 3] = ["x", "y", "z"];
+    for k in 0..packings[0].shares().len() {
+        let tensors: Vec<_> = packings.iter().filter_map(|p| orientation_tensor(p, Some(k))).collect();
+        for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+            let name = format!("orientation tensor Q_{}{} of pigment {k}", NAMES[a], NAMES[b]);
+            put(&name, "1", tensors.iter().map(|t| t.q[a][b]).collect());
+        }
+    }
+}
+
+/// Grains nearer to a wall than a hundredth of their thickest radius count as touching it.
+fn walls(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
+    if !packings[0].walls() {
+        return;
+    }
+    let touching = |p: &Packing, top: bool| {
+        let near = |s: &crate::ink::Sphere| {
+            let z = if top { s.center_um[2] } else { p.thickness_um() - s.center_um[2] };
+            z < 1.01 * s.radius_um
+        };
+        let touches = p.grains().iter().filter(|g| g.spheres.iter().any(near)).count();
+        touches as f64 / (p.period_um()[0] * p.period_um()[1])
+    };
+    put("grains touching the wall z = 0", "1/µm²", packings.iter().map(|p| touching(p, true)).collect());
+    put("grains touching the wall z = H", "1/µm²", packings.iter().map(|p| touching(p, false)).collect());
+}
+
+fn relief(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
+    let reliefs: Vec<_> = packings.iter().filter_map(Packing::relief).collect();
+    put("mean height of the binder", "µm", reliefs.iter().map(|r| r.mean_height_um()).collect());
+    put("rms of the binder's height", "µm", reliefs.iter().map(|r| r.rms_height_um()).collect());
+    put("share of the pigment above the binder", "1", reliefs.iter().map(|r| r.protruding_share()).collect());
+    put(
+        "rms of the free surface (grains and binder)",
+        "µm",
+        reliefs.iter().map(|r| r.rms_surface_um()).collect(),
+    );
+    let below = reliefs.iter().map(|r| r.fraction_below());
+    put("pigment fraction below the binder's surface", "1", below.collect());
+}

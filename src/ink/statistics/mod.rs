@@ -1,0 +1,11 @@
+//! Statistics of packings (G9), each with a standard error over realisations.
+
+mod ensemble;
+mod orientation;
+mod pairs;
+mod sections;
+
+pub use ensemble::{Curve, Estimate, Statistics, gather};
+pub use orientation::{OrientationTensor, orientation_tensor};
+pub use pairs::{PairStatistics, pair_statistics, pair_statistics_to};
+pub use sections::{SectionStatistics, section_statistics};

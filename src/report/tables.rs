@@ -1,0 +1,128 @@
+//! The tables that other programs open: spectra and distributions as CSV.
+
+use super::manifest::SpectrumRow;
+use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
+use crate::appearance::estimate::Estimate;
+use crate::wave::Side;
+
+/// Spectra, one row a wavelength; unknown errors and unfinished values are empty.
+pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let names =
+        ["reflectance", "specular_reflectance", "transmittance", "specular_transmittance", "absorptance"];
+    let seen = ["natural_light", "lit_at_45"];
+    let columns = names.into_iter().chain(seen);
+    let header = columns.flat_map(|name| [name.to_owned(), format!("{name}_standard_error")]);
+    table.write_record(["wavelength_nm".to_owned(), "polar_deg".to_owned()].into_iter().chain(header))?;
+    for row in rows {
+        let layer = [
+            row.reflectance,
+            row.specular_reflectance,
+            row.transmittance,
+            row.specular_transmittance,
+            row.absorptance,
+        ];
+        let cells = layer.map(Some).into_iter().chain([row.natural_light, row.lit_at_45]).flat_map(cells);
+        let place = [row.wavelength_nm.to_string(), row.polar_deg.to_string()];
+        table.write_record(place.into_iter().chain(cells))?;
+    }
+    finish(table)
+}
+
+const BDF_HEADER: [&str; 15] = [
+    "wavelength_nm",
+    "from",
+    "polar_in_deg",
+    "azimuth_in_deg",
+    "lobe",
+    "m",
+    "n",
+    "alpha",
+    "beta",
+    "specular",
+    "efficiency",
+    "efficiency_standard_error",
+    "bdf_per_sr",
+    "bdf_standard_error",
+    "realisations",
+];
+
+/// Distributions of the layer alone, one row an order: direction cosines, efficiency and BRDF or BTDF. The
+/// specular order is marked: it is a mirror image, not a density per steradian.
+pub fn distributions<'a>(bdfs: impl Iterator<Item = &'a Bdf>) -> csv::Result<Vec<u8>> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(BDF_HEADER)?;
+    for bdf in bdfs {
+        for lobe in [Lobe::Reflected, Lobe::Transmitted] {
+            for order in bdf.orders(lobe) {
+                table.write_record(row(bdf, lobe, order))?;
+            }
+        }
+    }
+    finish(table)
+}
+
+fn row(bdf: &Bdf, lobe: Lobe, order: &OrderMean) -> impl Iterator<Item = String> {
+    let incidence = bdf.incidence();
+    let from = if incidence.from == Side::Above { "above" } else { "below" };
+    let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
+    let place = [
+        (1e3 * incidence.wavelength_um).to_string(),
+        from.to_owned(),
+        incidence.polar_deg.to_string(),
+        incidence.azimuth_deg.to_string(),
+        lobe.to_owned(),
+        order.m.to_string(),
+        order.n.to_string(),
+        order.direction[0].to_string(),
+        order.direction[1].to_string(),
+        (order.m == 0 && order.n == 0).to_string(),
+    ];
+    let numbers = cells(Some(order.efficiency)).into_iter().chain(cells(Some(order.bdf)));
+    place.into_iter().chain(numbers).chain([bdf.realisations().to_string()])
+}
+
+/// Value and standard error.
+fn cells(estimate: Option<Estimate>) -> [String; 2] {
+    let text = |number: Option<f64>| number.map_or_else(String::new, |x| x.to_string());
+    [text(estimate.map(|e| e.value)), text(estimate.and_then(|e| e.standard_error))]
+}
+
+fn finish(table: csv::Writer<Vec<u8>>) -> csv::Result<Vec<u8>> {
+    table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::record::tests::two_orders;
+
+    #[test]
+    fn tables_are_rectangular_and_unknown_errors_are_empty() {
+        let bdf = Bdf::from_ensemble(&[two_orders()]).unwrap();
+        let csv = distributions(std::iter::once(&bdf)).unwrap();
+        let mut reader = csv::Reader::from_reader(csv.as_slice());
+        let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
+        assert_eq!(rows.len(), 2);
+        assert_eq!((&rows[0][4], &rows[0][10], &rows[0][11]), ("reflected", "0.05", ""));
+    }
+
+    #[test]
+    fn a_spectrum_has_a_row_for_each_wavelength() {
+        let of = |value| Estimate { value, standard_error: Some(0.125) };
+        let row = SpectrumRow {
+            wavelength_nm: 400.0,
+            polar_deg: 0.0,
+            reflectance: of(0.25),
+            specular_reflectance: of(0.1),
+            transmittance: of(0.5),
+            specular_transmittance: of(0.4),
+            absorptance: of(0.25),
+            natural_light: None,
+            lit_at_45: Some(of(0.75)),
+        };
+        let text = String::from_utf8(spectra(&[row]).unwrap()).unwrap();
+        let last = text.lines().last().unwrap();
+        assert_eq!(last, "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.25,0.125,,,0.75,0.125");
+    }
+}

@@ -1,0 +1,112 @@
+//! The account that every strategy keeps while it runs.
+
+use super::solver::{Account, Goal, Solution, SolveError, Step, Watch};
+use super::vectors::norm;
+use crate::wave::{Field, Problem};
+use num_complex::Complex64;
+use std::time::Instant;
+
+/// Residuals beyond this multiple of the incident wave will not come back.
+const HOPELESS: f64 = 1e4;
+
+/// One solve under way: the yardstick, the history and the watcher.
+pub(super) struct Ledger<'a> {
+    pub problem: &'a Problem,
+    pub background: Field,
+    pub goal: Goal,
+    pub account: Account,
+    scale: f64,
+    watch: &'a mut dyn Watch,
+    clock: Instant,
+}
+
+impl<'a> Ledger<'a> {
+    pub fn new(name: &str, problem: &'a Problem, goal: Goal, watch: &'a mut dyn Watch) -> Ledger<'a> {
+        let clock = Instant::now();
+        let background = problem.background_wave();
+        let scale = norm(flat(&background));
+        let account = Account { solver: name.to_string(), residual: 1.0, ..Account::default() };
+        Ledger { problem, background, goal, account, scale, watch, clock }
+    }
+
+    /// Bytes of `vectors` fields of the problem's size.
+    pub fn holds_vectors(&mut self, vectors: usize) {
+        self.account.bytes = vectors * self.background.len() * size_of::<Complex64>();
+    }
+
+    /// ‖u₀‖, the unit of relative residuals.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// True relative residual of `u`; its vector goes to `out`. One operator application.
+    pub fn measure(&mut self, u: &Field, out: &mut Field) -> f64 {
+        self.problem.residual(&self.background, u, out);
+        self.account.operator_applications += 1;
+        self.account.residual = norm(flat(out)) / self.scale;
+        self.account.residual
+    }
+
+    /// Enters a residual in the history and asks the watcher whether to go on.
+    pub fn note(&mut self, residual: f64) -> Result<(), SolveError> {
+        self.account.residual = residual;
+        self.account.history.push(residual);
+        self.account.seconds = self.clock.elapsed().as_secs_f64();
+        let step =
+            Step { step: self.account.steps, applications: self.account.operator_applications, residual };
+        if self.watch.step(&step).is_break() {
+            return Err(SolveError::Cancelled { account: Box::new(self.account.clone()) });
+        }
+        Ok(())
+    }
+
+    pub fn reached(&self) -> bool {
+        self.account.residual <= self.goal.tolerance
+    }
+
+    pub fn exhausted(&self) -> bool {
+        self.account.operator_applications >= self.goal.max_applications
+    }
+
+    /// Gives up when the residual is not finite or hopelessly large, or when the applications are used up.
+    pub fn judge(&self, advice: &str) -> Result<(), SolveError> {
+        if !self.account.residual.is_finite() || self.account.residual > HOPELESS {
+            return Err(self.diverged(ratio_of_terms(&self.account.history, 6).unwrap_or(f64::INFINITY)));
+        }
+        if self.exhausted() { Err(self.not_converged(advice)) } else { Ok(()) }
+    }
+
+    pub fn diverged(&self, ratio: f64) -> SolveError {
+        SolveError::Diverged { account: Box::new(self.account.clone()), ratio }
+    }
+
+    pub fn not_converged(&self, advice: &str) -> SolveError {
+        let account = Box::new(self.account.clone());
+        SolveError::NotConverged { account, tolerance: self.goal.tolerance, advice: advice.to_string() }
+    }
+
+    pub fn finish(mut self, field: Field) -> Solution {
+        self.account.seconds = self.clock.elapsed().as_secs_f64();
+        Solution { field, account: self.account }
+    }
+}
+
+/// Geometric mean of the ratio of successive residuals over the last `window` steps, once there are that many.
+pub fn ratio_of_terms(history: &[f64], window: usize) -> Option<f64> {
+    let window = window.max(1);
+    let last = history.len().checked_sub(1)?;
+    let first = last.checked_sub(window)?;
+    Some((history[last] / history[first]).powf(1.0 / window as f64))
+}
+
+/// A field as one long vector.
+pub(super) fn flat(field: &Field) -> &[Complex64] {
+    field.as_slice().expect("fields are contiguous")
+}
+
+/// Row and value of b's only entry, in plane values.
+pub(super) fn source_entry(problem: &Problem) -> (usize, Complex64) {
+    let b = problem.source();
+    let found = b.indexed_iter().find(|(_, z)| z.norm() > 0.0);
+    found.map_or((0, Complex64::default()), |((row, _), z)| (row, *z))
+}

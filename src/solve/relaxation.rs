@@ -1,0 +1,285 @@
+//! Relaxation to the stationary state by Crank–Nicolson splitting (P2 section 3, with (3.13)'s sign corrected).
+//!
+//! In plane values, with D the lumped mass and c = iτ/2, one step is
+//! (D − cV) D⁻¹ (D − cÃ) û = (D + cV) D⁻¹ (D + cÃ) u − 2c b, whose fixed point is (Ã + V) u = b for every τ. The state
+//! carried is s = D⁻¹(D − cÃ)u at the points, since (D + cÃ)u = 2Du − Ds: a step costs one inverse and one forward
+//! transform. Without absorption trapped waves circulate undamped; replacing the state by its mean over a window
+//! ("averaging restart") removes them.
+
+use super::ledger::{Ledger, flat};
+use super::solver::{Goal, Solution, SolveError, Solver, Watch};
+use super::vectors::dot;
+use crate::wave::banded::ShiftedMean;
+use crate::wave::{Field, Problem};
+use faer::linalg::solvers::Solve;
+use faer::{Col, Mat};
+use ndarray::Array2;
+use num_complex::Complex64;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Settings; the defaults converge on every reference case with a real mean.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Relaxation {
+    /// τ times the largest |V|.
+    pub tau: f64,
+    /// Steps between two looks at the residual, and the window over which the state is averaged.
+    pub window: usize,
+    /// Earlier restarts that the averaging may draw on; 1 averages over one window only.
+    pub memory: usize,
+}
+
+/// τ is halved at most down to this share of the asked one.
+const SHORTEST: f64 = 0.2;
+/// A window that multiplies the residual by more than this has too long a τ.
+const GROWTH: f64 = 10.0;
+
+impl Default for Relaxation {
+    fn default() -> Relaxation {
+        Relaxation { tau: 6.0, window: 8, memory: 5 }
+    }
+}
+
+impl Solver for Relaxation {
+    fn name(&self) -> &'static str {
+        "relaxation"
+    }
+
+    fn solve_from(
+        &self,
+        problem: &Problem,
+        start: Option<&Field>,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<Solution, SolveError> {
+        self.check(problem)?;
+        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+        let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
+        let mut scratch = Field::zeros(problem.shape());
+        let first = ledger.measure(&field, &mut scratch);
+        ledger.note(first)?;
+        if ledger.reached() {
+            return Ok(ledger.finish(field));
+        }
+        let (mut tau, mut memory) = (self.tau, Vec::new());
+        let mut march = March::new(problem, tau, &field);
+        ledger.account.bytes = march.bytes();
+        loop {
+            let before = ledger.account.residual;
+            let mean = march.window(self.window, &mut ledger);
+            for state in [mean, march.state.clone()] {
+                let field = march.unknowns(&state);
+                let mut residual = Field::zeros(problem.shape());
+                ledger.measure(&field, &mut residual);
+                memory.push(Candidate { state, field, residual });
+            }
+            let grows = ledger.account.residual > GROWTH * before && tau > self.tau * SHORTEST;
+            let best = Candidate::blend(&memory);
+            let reached = super::vectors::norm(flat(&best.residual)) / ledger.scale();
+            if reached.is_finite() && reached <= before && !grows {
+                (field, march.state) = (best.field.clone(), best.state.clone());
+                memory.drain(..(memory.len() + 1).saturating_sub(self.memory.max(1)));
+                memory.push(best);
+                ledger.note(reached)?;
+            } else if tau <= self.tau * SHORTEST {
+                return Err(ledger.diverged(reached / before));
+            } else {
+                // Ringing of the band-limited contrast gives gain in spots: shorter steps split it less.
+                tau *= 0.5;
+                memory.clear();
+                march = March::new(problem, tau, &field);
+                ledger.note(before)?;
+            }
+            if ledger.reached() && ledger.measure(&field, &mut scratch) <= goal.tolerance {
+                return Ok(ledger.finish(field));
+            }
+            ledger.judge("try another tau or window, or solver = \"krylov\"")?;
+        }
+    }
+}
+
+/// A state of the march, the field that belongs to it, and that field's residual.
+struct Candidate {
+    state: Array2<Complex64>,
+    field: Field,
+    residual: Field,
+}
+
+impl Candidate {
+    /// The affine combination with the smallest residual: states, fields and residuals are affine in each other.
+    fn blend(candidates: &[Candidate]) -> Candidate {
+        let last = candidates.last().expect("a window leaves two candidates");
+        let differences: Vec<Field> =
+            candidates[..candidates.len() - 1].iter().map(|c| &c.residual - &last.residual).collect();
+        let weights = least_squares(&differences, &last.residual);
+        let mut blend = Candidate {
+            state: last.state.clone(),
+            field: last.field.clone(),
+            residual: last.residual.clone(),
+        };
+        for (candidate, &w) in candidates.iter().zip(&weights) {
+            let toward = |out: &mut Array2<Complex64>, own: &Array2<Complex64>, last: &Array2<Complex64>| {
+                ndarray::Zip::from(out).and(own).and(last).par_for_each(|o, &c, &l| *o += w * (c - l));
+            };
+            toward(&mut blend.state, &candidate.state, &last.state);
+            toward(&mut blend.field, &candidate.field, &last.field);
+            toward(&mut blend.residual, &candidate.residual, &last.residual);
+        }
+        blend
+    }
+}
+
+/// Weights w that minimise ‖r + Σ w_i d_i‖, from normal equations scaled to unit diagonal.
+fn least_squares(differences: &[Field], residual: &Field) -> Vec<Complex64> {
+    let n = differences.len();
+    let sizes: Vec<f64> = differences.iter().map(|d| super::vectors::norm(flat(d)).max(1e-300)).collect();
+    let gram = Mat::from_fn(n, n, |i, j| {
+        let ridge = if i == j { 1e-12 } else { 0.0 };
+        dot(flat(&differences[i]), flat(&differences[j])) / (sizes[i] * sizes[j]) + ridge
+    });
+    let right = Col::from_fn(n, |i| -dot(flat(&differences[i]), flat(residual)) / sizes[i]);
+    let solved = gram.partial_piv_lu().solve(&right);
+    (0..n).map(|i| solved[i] / sizes[i]).collect()
+}
+
+impl Relaxation {
+    fn check(&self, problem: &Problem) -> Result<(), SolveError> {
+        let setting = |field, value: String, allowed: &str, remedy: &str| SolveError::Setting {
+            field,
+            value,
+            allowed: allowed.to_string(),
+            remedy: remedy.to_string(),
+        };
+        if !problem.mean.is_real() {
+            let remedy =
+                "both halves of the splitting must be dissipative: choose the real mean (--real-mean)";
+            return Err(setting("mean", "complex".into(), "a real ⟨k²⟩", remedy));
+        }
+        if !(self.tau.is_finite() && self.tau > 0.0) {
+            return Err(setting("relaxation.tau", self.tau.to_string(), "finite and above 0", "try 3"));
+        }
+        if self.window == 0 {
+            return Err(setting("relaxation.window", "0".into(), "1 or more", "try 20"));
+        }
+        Ok(())
+    }
+}
+
+/// The march at the points of all planes.
+struct March<'a> {
+    problem: &'a Problem,
+    shifted: ShiftedMean,
+    mass: Vec<f64>,
+    /// (1 + cV/D) and 1/(1 − cV/D) at the points.
+    factors: [Array2<Complex64>; 2],
+    /// 2c b/D of the face the light enters by, uniform in the plane.
+    source: (usize, Complex64),
+    state: Array2<Complex64>,
+    harmonics: Field,
+    values: Array2<Complex64>,
+}
+
+impl<'a> March<'a> {
+    fn new(problem: &'a Problem, tau: f64, field: &Field) -> March<'a> {
+        let mass = problem.mean.plane_mass();
+        let contrast = contrasts(problem, &mass);
+        let largest = contrast.iter().map(|v| v.norm()).fold(1e-300, f64::max);
+        let c = Complex64::new(0.0, 0.5 * tau / largest);
+        let factors = [contrast.mapv(|v| 1.0 + c * v), contrast.mapv(|v| 1.0 / (1.0 - c * v))];
+        let shifted = ShiftedMean::new(problem, 1.0.into(), -c);
+        let (row, amplitude) = super::ledger::source_entry(problem);
+        let source = (row, 2.0 * c * amplitude / mass[row]);
+        let values = Array2::zeros(contrast.dim());
+        let harmonics = Field::zeros(problem.shape());
+        let mut march =
+            March { problem, shifted, mass, factors, source, state: values.clone(), harmonics, values };
+        march.state = march.state_of(field, c);
+        march
+    }
+
+    fn bytes(&self) -> usize {
+        let points = 4 * self.state.len() + 2 * self.harmonics.len();
+        points * size_of::<Complex64>() + self.shifted.bytes()
+    }
+
+    /// D⁻¹(D − cÃ)u at the points: u − cD⁻¹Ãu.
+    fn state_of(&mut self, field: &Field, c: Complex64) -> Array2<Complex64> {
+        let planes = self.problem.mean.to_planes(field);
+        let mut applied = Field::zeros(planes.dim());
+        for (i, (u, mut out)) in planes.columns().into_iter().zip(applied.columns_mut()).enumerate() {
+            let band = self.problem.mean.plane_band(i, self.problem.end_conditions(i));
+            for r in 0..u.len() {
+                out[r] += band[[r, 0]] * u[r];
+                for k in 1..band.ncols().min(r + 1) {
+                    out[r] += band[[r, k]] * u[r - k];
+                    out[r - k] += band[[r, k]] * u[r];
+                }
+            }
+        }
+        for (r, mut row) in applied.outer_iter_mut().enumerate() {
+            row.iter_mut().zip(planes.row(r)).for_each(|(a, u)| *a = u - c / self.mass[r] * *a);
+        }
+        let mut state = Array2::zeros(self.state.dim());
+        self.problem.planes_to_points(&applied, &mut state);
+        state
+    }
+
+    /// Plane values of u from a state, as harmonics.
+    fn solve_mean(&mut self) {
+        self.problem.points_to_planes(&self.state, &mut self.harmonics);
+        for (mut row, &mass) in self.harmonics.outer_iter_mut().zip(&self.mass) {
+            row.iter_mut().for_each(|z| *z *= mass);
+        }
+        self.shifted.solve(&mut self.harmonics);
+    }
+
+    /// Nodes and bubbles of the field that belongs to a state.
+    fn unknowns(&self, state: &Array2<Complex64>) -> Field {
+        let mut planes = Field::zeros(self.problem.shape());
+        self.problem.points_to_planes(state, &mut planes);
+        for (mut row, &mass) in planes.outer_iter_mut().zip(&self.mass) {
+            row.iter_mut().for_each(|z| *z *= mass);
+        }
+        self.shifted.solve(&mut planes);
+        self.problem.mean.to_unknowns(&mut planes);
+        planes
+    }
+
+    fn step(&mut self) {
+        self.solve_mean();
+        self.problem.planes_to_points(&self.harmonics, &mut self.values);
+        let (row, source) = self.source;
+        let [explicit, implicit] = &self.factors;
+        let planes = self.state.outer_iter_mut().into_par_iter().zip(self.values.outer_iter());
+        planes.enumerate().for_each(|(p, (state, values))| {
+            let b = if p == row { source } else { Complex64::default() };
+            let step = ndarray::Zip::from(state).and(values).and(explicit.row(p)).and(implicit.row(p));
+            step.for_each(|s, &u, &e, &i| *s = ((2.0 * u - *s) * e - b) * i);
+        });
+    }
+
+    /// Marches a window and returns the mean of its states.
+    fn window(&mut self, steps: usize, ledger: &mut Ledger) -> Array2<Complex64> {
+        let mut mean = Array2::zeros(self.state.dim());
+        for _ in 0..steps {
+            self.step();
+            ledger.account.steps += 1;
+            ledger.account.operator_applications += 1;
+            mean += &self.state;
+        }
+        mean.mapv_inplace(|z: Complex64| z / steps as f64);
+        mean
+    }
+}
+
+/// V/D at the points of all planes.
+pub(super) fn contrasts(problem: &Problem, mass: &[f64]) -> Array2<Complex64> {
+    let points = problem.coverage.grid.points();
+    let mut all = Array2::zeros((mass.len(), points));
+    let rows = all.outer_iter_mut().into_par_iter().enumerate();
+    rows.for_each(|(p, mut row)| {
+        row.iter_mut().zip(problem.contrast_per_mass(p, mass[p])).for_each(|(out, v)| *out = v);
+    });
+    all
+}

@@ -1,0 +1,142 @@
+//! The grid of a study: as asked, or chosen for the accuracy that was asked; with its error in either case.
+//!
+//! Three probes on the first packing stand for the whole study: the shortest wavelength at the smallest and
+//! at the largest angle, and the wavelength at which grains and binder differ most. The largest of
+//! their error estimates is the study's.
+
+use super::checked::{Layer, Pigment, Study, WantedResolution};
+use super::identity::Key;
+use super::optics::Stopper;
+use super::watch::RunWatch;
+use crate::report::store::Store;
+use crate::solve::SolveError;
+use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
+use crate::wave::{Incidence, Mean, Resolution, Scene, Scheme, Side};
+use serde::{Deserialize, Serialize};
+
+/// Most bytes of one solve.
+const MEMORY: usize = 8_000_000_000;
+
+/// The grid that all solves of a study share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resolved {
+    pub resolution: Resolution,
+    /// Largest expected error of an order's complex amplitude, over the probes.
+    pub error_estimate: f64,
+}
+
+/// The study's grid: from the store, or from solves on `scene`, which is made when it is needed.
+///
+/// # Errors
+/// The accuracy is out of reach, or a probe cannot be solved.
+pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
+    study: &Study,
+    store: &Store<Resolved>,
+    watch: &dyn RunWatch,
+    scene: impl FnOnce() -> Result<Scene, E>,
+) -> Result<Resolved, E> {
+    let probes = probes(study);
+    let packing = Key::of("packing", &study.packing_request(0));
+    let media: Vec<_> = probes.iter().map(|(wavelength, _)| study.indices(*wavelength)).collect();
+    let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
+    let key = Key::of("resolution", &(packing, media, &probes, method));
+    if let Some(resolved) = store.get(key.as_str()) {
+        return Ok(resolved);
+    }
+    let scene = scene()?;
+    watch.stage("estimating the error of the grid");
+    let resolved = settle(study, &scene, &probes, watch)?;
+    store.put(key.as_str(), &resolved)?;
+    Ok(resolved)
+}
+
+/// True when the user stopped the search, which is no failure.
+pub fn is_stop(error: &AccuracyError) -> bool {
+    matches!(error, AccuracyError::Solve(SolveError::Cancelled { .. }))
+}
+
+/// Place of the wavelength, and the incidence.
+type Probe = (usize, Incidence);
+
+fn probes(study: &Study) -> Vec<Probe> {
+    let angles = &study.angles.above;
+    let incidence = |wavelength: usize, polar_deg: f64| Incidence {
+        wavelength_um: study.wavelengths_nm[wavelength] * 1e-3,
+        polar_deg,
+        azimuth_deg: study.angles.azimuth_deg,
+        from: Side::Above,
+    };
+    let contrast = |wavelength: usize| {
+        let [binder, k] = [study.layer.binder.index[wavelength], study.wavelengths_nm[wavelength].into()];
+        let of = |p: &Pigment| {
+            let eta = p.material.index[wavelength];
+            ((eta * eta - binder * binder) / (k * k)).norm()
+        };
+        study.pigments.iter().map(of).fold(0.0, f64::max)
+    };
+    let (smallest, largest) = (angles[0], angles[angles.len() - 1]);
+    let strongest = (0..study.wavelengths_nm.len()).max_by(|&a, &b| contrast(a).total_cmp(&contrast(b)));
+    let mut probes = vec![(0, smallest), (0, largest), (strongest.unwrap_or(0), smallest)];
+    probes.dedup();
+    probes.into_iter().map(|(wavelength, angle)| (wavelength, incidence(wavelength, angle))).collect()
+}
+
+fn settle(
+    study: &Study,
+    scene: &Scene,
+    probes: &[Probe],
+    watch: &dyn RunWatch,
+) -> Result<Resolved, AccuracyError> {
+    let solver = study.solver.build();
+    let mut found: Option<Resolved> = None;
+    for (wavelength, incidence) in probes {
+        let (media, scheme) = (study.media(*wavelength), study.resolution.scheme());
+        let (mean, goal) = (Mean::default(), study.goal);
+        let task =
+            Task { scene, media: &media, incidence, mean, scheme, solver: &*solver, goal, memory: MEMORY };
+        let probed = probe(study, &task, found.map(|f| f.resolution), watch)?;
+        let error_estimate = probed.error_estimate.max(found.map_or(0.0, |f| f.error_estimate));
+        found = Some(Resolved { resolution: probed.problem.coverage.grid.resolution, error_estimate });
+    }
+    found.ok_or(AccuracyError::Accuracy(f64::NAN))
+}
+
+/// Tries the grid found so far and refines it for this probe where that is asked.
+fn probe(
+    study: &Study,
+    task: &Task,
+    before: Option<Resolution>,
+    watch: &dyn RunWatch,
+) -> Result<Estimated, AccuracyError> {
+    let watch = &mut Stopper(watch);
+    let accuracy = match study.resolution {
+        WantedResolution::Grid { points_per_um, planes_per_um, scheme } => {
+            let grid = grid(&study.layer, points_per_um, planes_per_um, scheme);
+            return task.solve_with_estimate(grid, watch);
+        }
+        WantedResolution::Accuracy { amplitude, .. } => amplitude,
+    };
+    if let Some(resolution) = before {
+        let tried = task.solve_with_estimate(resolution, watch)?;
+        if tried.error_estimate <= accuracy {
+            return Ok(tried);
+        }
+    }
+    let refined = task.solve_to_accuracy(accuracy, watch)?;
+    let (fine, Some(coarse)) = (refined.problem.coverage.grid.resolution, before) else { return Ok(refined) };
+    let both = Resolution {
+        nx: fine.nx.max(coarse.nx),
+        ny: fine.ny.max(coarse.ny),
+        cells: fine.cells.max(coarse.cells),
+        scheme: fine.scheme,
+    };
+    if both == fine { Ok(refined) } else { task.solve_with_estimate(both, watch) }
+}
+
+/// Points and cells for the asked points and planes per µm: at least that fine, in sizes that transform fast.
+fn grid(layer: &Layer, points_per_um: f64, planes_per_um: f64, scheme: Scheme) -> Resolution {
+    let points = layer.period_um.map(|period| smooth_size((points_per_um * period).ceil() as usize));
+    let planes = planes_per_um * layer.thickness_um;
+    let cells = (planes / scheme.degree() as f64).ceil().max(1.0) as usize;
+    Resolution { nx: points[0], ny: points[1], cells, scheme }
+}

@@ -1,0 +1,132 @@
+//! Files of a packing run, and the study files under examples/.
+
+use inkwave::ink::output::{
+    cut_picture, grains_csv, perspective_picture, read_packing_json, shape_sheet, spheres_vtp, top_picture,
+    write_report,
+};
+use inkwave::ink::{PackStudy, Packing, ReliefRequest, ReliefRule, pack};
+
+const STUDY: &str = r#"
+seed = 2
+realisations = 2
+[layer]
+period_um = [2.0, 1.5]
+thickness_um = 0.8
+relief = { depth_um = 0.1, rule = { kind = "following", follow = 0.5, smoothing_um = 0.05 } }
+[[pigment]]
+name = "yellow"
+shape = "cylinder"
+size = { kind = "constant", value_nm = 200.0 }
+volume_fraction = 0.2
+orientation = "in_plane"
+[[pigment]]
+name = "blue"
+size = { kind = "list", values_nm = [120.0, 180.0], weights = [2.0, 1.0] }
+volume_fraction = 0.1
+agglomeration = { degree = 0.5, grains = 3 }
+"#;
+
+fn packed() -> (PackStudy, Vec<Packing>) {
+    let study: PackStudy = toml::from_str(STUDY).unwrap();
+    study.check().unwrap();
+    let packings = (0..study.realisations).map(|k| pack(&study.request(k), &mut ()).unwrap()).collect();
+    (study, packings)
+}
+
+#[test]
+fn a_report_holds_every_file_and_the_json_reads_back_bit_for_bit() {
+    let (study, packings) = packed();
+    let folder = tempfile::tempdir().unwrap();
+    let (statistics, page) = write_report(folder.path(), "test", &study.pigments(), &packings).unwrap();
+    let text = std::fs::read_to_string(page).unwrap();
+    let mut pictures = 0;
+    for name in text.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+        let content = std::fs::read(folder.path().join(name)).unwrap();
+        assert!(content.starts_with(b"\x89PNG") || content.starts_with(b"<svg"), "{name}");
+        pictures += 1;
+    }
+    assert_eq!(pictures, 4 + statistics.curves.len());
+    for (k, packing) in packings.iter().enumerate() {
+        let back = read_packing_json(&folder.path().join(format!("packing_{k:03}.json"))).unwrap();
+        assert_eq!(back.grains(), packing.grains());
+    }
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert!(left.iter().all(|n| n.to_string_lossy().contains('.') && !n.to_string_lossy().starts_with('.')));
+    let names: Vec<&str> = statistics.scalars.iter().map(|s| s.0.as_str()).collect();
+    for wanted in
+        ["orientation tensor Q_zz of pigment 0", "share of the pigment above the binder", "smallest gap"]
+    {
+        assert!(names.contains(&wanted), "{wanted} in {names:?}");
+    }
+}
+
+#[test]
+fn csv_and_vtk_have_one_entry_per_sphere() {
+    let (_, packings) = packed();
+    let spheres: usize = packings[0].grains().iter().map(|g| g.spheres.len()).sum();
+    let csv = grains_csv(&packings[0]).unwrap();
+    assert_eq!(csv.iter().filter(|b| **b == b'\n').count(), spheres + 1);
+    let vtk = spheres_vtp(&packings[0]);
+    assert!(vtk.contains(&format!("NumberOfPoints=\"{spheres}\"")));
+    let points = vtk.split("Name=\"points\"").nth(1).unwrap().split("</DataArray>").next().unwrap();
+    assert_eq!(points.lines().skip(1).count(), spheres);
+}
+
+/// Pictures show what they should: the share of coloured pixels is the share of the plane that is covered.
+#[test]
+fn the_cut_shows_the_sections_of_the_grains() {
+    use inkwave::ink::{Grain, Sphere};
+    let sphere = Sphere { center_um: [0.5, 0.5, 0.5], radius_um: 0.3 };
+    let packing = Packing::from_grains([1.0, 1.0], 1.0, true, vec![Grain::new(vec![sphere], 1)]).unwrap();
+    let decoded = |bytes: Vec<u8>| {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        pixels
+    };
+    let pixels = decoded(cut_picture(&packing).unwrap());
+    let is = |colour: [u8; 3]| pixels.chunks(3).filter(|p| **p == colour).count() as f64;
+    let (pigment, binder) = (is([0, 114, 178]), is([228, 232, 236]));
+    let share = pigment / (pigment + binder);
+    // Order: the rim of a disc of some 800 pixels is mixed colour: 2 % of its area.
+    assert!((share - 0.09 * std::f64::consts::PI).abs() < 0.02 * share, "{share}");
+    for picture in [top_picture(&packing), perspective_picture(&packing), shape_sheet(&[])] {
+        assert!(decoded(picture.unwrap()).len() > 1000);
+    }
+}
+
+#[test]
+fn example_studies_are_read_and_can_be_packed() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
+        let name = entry.file_name().unwrap().to_string_lossy().into_owned();
+        if !(name.starts_with("pack-") && name.ends_with(".toml")) {
+            continue;
+        }
+        let study: PackStudy = toml::from_str(&std::fs::read_to_string(&entry).unwrap()).unwrap();
+        study.check().unwrap();
+        let mut request = study.request(0);
+        // A smaller piece of the same layer.
+        request.period_um = [2.0, 2.0];
+        request.equilibration = None;
+        let packing = pack(&request, &mut ()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert!(!packing.grains().is_empty());
+        seen += 1;
+    }
+    assert!(seen >= 4, "{seen}");
+}
+
+#[test]
+fn slips_in_a_study_are_named() {
+    let spoilt =
+        |from: &str, to: &str| toml::from_str::<PackStudy>(&STUDY.replace(from, to)).unwrap_err().to_string();
+    assert!(spoilt("volume_fraction = 0.2", "volume_fracton = 0.2").contains("volume_fracton"));
+    assert!(spoilt("\"cylinder\"", "\"cilinder\"").contains("cilinder"));
+    assert!(spoilt("realisations", "realizations").contains("realizations"));
+    let mut study: PackStudy = toml::from_str(STUDY).unwrap();
+    study.layer.relief = Some(ReliefRequest { depth_um: 2.0, rule: ReliefRule::Flat });
+    assert!(study.check().unwrap_err().to_string().contains("relief.depth_um"));
+    study.pigment.clear();
+    assert!(study.check().is_err());
+}

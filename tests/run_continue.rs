@@ -1,0 +1,155 @@
+//! Runs that were stopped, killed or changed, and go on.
+
+mod run_support;
+
+use inkwave::report::folder::OutputFolder;
+use inkwave::study::checked::{Point, Study};
+use inkwave::study::load::load;
+use inkwave::study::publish::publish;
+use inkwave::study::runner::{RunSettings, run};
+use inkwave::study::watch::RunWatch;
+use run_support::{TINY, study, succeed};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+const TABLES: [&str; 3] = ["spectra.csv", "bdf.csv", "picture.png"];
+
+fn tables(out: &Path) -> [Vec<u8>; 3] {
+    TABLES.map(|file| std::fs::read(out.join(file)).unwrap())
+}
+
+fn points(out: &Path) -> Vec<std::path::PathBuf> {
+    let files = std::fs::read_dir(out.join("points")).into_iter().flatten();
+    files
+        .map(|file| file.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "json"))
+        .collect()
+}
+
+/// Stops after so many solves.
+struct StopAfter {
+    solves: usize,
+    done: AtomicUsize,
+}
+
+impl RunWatch for StopAfter {
+    fn stop(&self) -> bool {
+        self.done.load(Ordering::SeqCst) >= self.solves
+    }
+
+    fn solved(&self, _: &Study, _: &Point, failure: Option<&str>) {
+        assert_eq!(failure, None);
+        self.done.fetch_add(1, Ordering::SeqCst);
+    }
+}
+
+#[test]
+fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let study_file = study(folder.path(), TINY);
+    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
+    succeed(&study_file, &whole, &[]);
+
+    let checked = load(&study_file).unwrap();
+    for solves in [5, 11] {
+        let watch = StopAfter { solves, done: AtomicUsize::new(0) };
+        let output = OutputFolder::open(&parts).unwrap();
+        let collected = run(&checked, &output, RunSettings { jobs: Some(1) }, &watch).unwrap();
+        publish(&checked, &collected, &output).unwrap();
+        assert!(parts.join("PARTIAL").exists());
+        let page = std::fs::read_to_string(parts.join("report.html")).unwrap();
+        assert!(page.contains("Partial results"), "after {solves} more");
+        let results = std::fs::read_to_string(parts.join("results.json")).unwrap();
+        assert!(results.contains("\"status\": \"partial\""));
+    }
+    assert_eq!(points(&parts).len(), 16);
+    let said = succeed(&study_file, &parts, &[]);
+    assert!(said.contains("16 of 24 solves are there already"), "{said}");
+    assert!(tables(&whole) == tables(&parts) && !parts.join("PARTIAL").exists());
+}
+
+#[test]
+fn lost_and_damaged_records_are_computed_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let study_file = study(folder.path(), TINY);
+    let out = folder.path().join("out");
+    succeed(&study_file, &out, &[]);
+    let before = tables(&out);
+    let files = points(&out);
+    std::fs::remove_file(&files[0]).unwrap();
+    let half = std::fs::read(&files[1]).unwrap();
+    std::fs::write(&files[1], &half[..half.len() / 2]).unwrap();
+    succeed(&study_file, &out, &[]);
+    assert!(before == tables(&out));
+}
+
+#[test]
+fn a_change_recomputes_what_depends_on_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), TINY), &out, &[]);
+    let after = |from: &str, to: &str| {
+        let changed = TINY.replace(from, to);
+        assert_ne!(changed, TINY);
+        succeed(&study(folder.path(), &changed), &out, &[])
+    };
+    let all = "24 of 24 solves are there already";
+    assert!(after("[light]", "[paper]\nalbedo = 0.5\n[light]").contains(all), "paper is not in the solves");
+    assert!(after("Tiny yellow", "Another title").contains(all));
+    let said = after("step_nm = 100", "step_nm = 50");
+    assert!(said.contains("24 of 42 solves are there already"), "old wavelengths stay: {said}");
+    let said = after("realisations = 2", "realisations = 3");
+    assert!(said.contains("24 of 36 solves are there already"), "old realisations stay: {said}");
+    assert!(!after("seed = 7", "seed = 8").contains("there already"), "another seed, other packings");
+}
+
+/// A study that takes long enough to be interrupted.
+fn long_study() -> String {
+    TINY.replace("step_nm = 100", "step_nm = 2").replace("count = 3", "count = 12")
+}
+
+fn wait_for_points(out: &Path, count: usize) {
+    let since = Instant::now();
+    while points(out).len() < count {
+        assert!(since.elapsed() < Duration::from_secs(60), "no points");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_cleanly_and_a_kill_loses_nothing_finished() {
+    let folder = tempfile::tempdir().unwrap();
+    let study_file = study(folder.path(), &long_study());
+    let out = folder.path().join("out");
+    let start = || {
+        let mut command = run_support::command(&study_file, &out, &[]);
+        command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::piped()).spawn().unwrap()
+    };
+    let signal = |child: &std::process::Child, name: &str| {
+        let pid = child.id().to_string();
+        assert!(std::process::Command::new("kill").args([name, &pid]).status().unwrap().success());
+    };
+
+    let child = start();
+    wait_for_points(&out, 10);
+    signal(&child, "-KILL");
+    assert!(!child.wait_with_output().unwrap().status.success());
+    let finished = points(&out).len();
+    assert!(finished >= 10 && out.join("PARTIAL").exists());
+
+    let child = start();
+    wait_for_points(&out, finished + 10);
+    signal(&child, "-INT");
+    let asked = Instant::now();
+    let done = child.wait_with_output().unwrap();
+    assert!(asked.elapsed() < Duration::from_secs(20));
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert_eq!(done.status.code(), Some(1), "{said}");
+    assert!(said.contains("are there already") && said.contains("marked as partial"), "{said}");
+    assert!(out.join("PARTIAL").exists() && out.join("report.html").exists());
+    let no_litter =
+        std::fs::read_dir(&out).unwrap().all(|f| !f.unwrap().file_name().to_string_lossy().starts_with('.'));
+    assert!(no_litter, "temporary files of results");
+}
