@@ -59,7 +59,7 @@ pub enum AccuracyError {
     Solve(#[from] SolveError),
     #[error(
         "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
-         and the next finer grid would need {need_gb:.1} GB of the {allowed_gb:.1} GB allowed; ask for less accuracy, \
+         and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
          a smaller cell, or more memory"
     )]
     NotReached { asked: f64, reached: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },

@@ -8,9 +8,9 @@ fn vector(len: usize, seed: f64) -> Vec<Complex64> {
 
 const LENGTHS: [usize; 9] = [0, 1, 3, 4, 5, 11, CHUNK - 1, CHUNK + 1, 3 * CHUNK + 7];
 
-/// Identity: a sum of n terms of size one in another order.
+/// Identity: n roundings of partial sums of size up to n, which add up like a random walk.
 fn budget(len: usize) -> f64 {
-    1e-15 * (len as f64 + 1.0)
+    1e-15 * (1.0 + (len as f64).powf(1.5))
 }
 
 #[test]
@@ -20,7 +20,7 @@ fn kernels_agree_with_plain_loops() {
         let plain: Complex64 = a.iter().zip(&b).map(|(a, b)| a.conj() * b).sum();
         assert!((dot(&a, &b) - plain).norm() <= budget(len), "{len}");
         let square: f64 = a.iter().map(|z| z.norm_sqr()).sum();
-        assert!((norm(&a).powi(2) - square).abs() <= 4.0 * budget(len), "{len}");
+        assert!((norm(&a).powi(2) - square).abs() <= budget(len), "{len}");
         let basis = [a.clone(), b.clone()];
         assert!((dots(&basis, &b)[0] - plain).norm() <= budget(len), "{len}");
         let factors = [Complex64::new(0.3, -2.0), Complex64::new(-1.0, 0.5)];
@@ -29,7 +29,7 @@ fn kernels_agree_with_plain_loops() {
             w.iter().zip(a.iter().zip(&b)).map(|(w, (a, b))| w + factors[0] * a + factors[1] * b).collect();
         let length = add_combination(&mut w, &factors, &basis);
         assert!(w.iter().zip(&plain).all(|(a, b)| (a - b).norm() < 4e-15), "{len}");
-        assert!((length - norm(&w)).abs() <= budget(len), "{len}: {length} {}", norm(&w));
+        assert!((length - norm(&w)).abs() <= budget(len), "{len}");
         scale(&mut w, 0.5);
         assert!(w.iter().zip(&plain).all(|(a, b)| (a - 0.5 * b).norm() < 2e-15), "{len}");
     }

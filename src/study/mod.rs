@@ -1,6 +1,7 @@
 //! What was asked: the study file, checked, and the run that carries it out.
 
 pub mod case;
+mod case_checks;
 pub mod check;
 pub mod checked;
 pub mod crew;

@@ -75,8 +75,9 @@ fn lossless_interior_is_hermitian_and_absorption_dissipates() {
         // Identity: the quadratic form of a Hermitian matrix is real; some 100 terms of size 1/h.
         let absorbed = problem.absorptance(&noise) / size;
         assert!(absorbed.abs() < 1e-12, "{scheme:?}: {absorbed:e}");
+        // Band-limited contrast rings, so dissipation holds for waves, not for noise on the grid's own scale.
         let absorbing = self::problem(scheme, Complex64::new(1.4, 0.1), 35.0, 20.0);
-        assert!(absorbing.absorptance(&noise) > 0.0, "{scheme:?}");
+        assert!(absorbing.absorptance(&absorbing.background_wave()) > 0.0, "{scheme:?}");
     }
 }
 

@@ -140,11 +140,15 @@ pub fn order(far: &FarField, m: i32, n: i32) -> &Order {
 }
 
 /// Largest |difference| of any amplitude, where `map` gives the second field's order for (m, n) of the first.
+/// Evanescent orders at the end of a list may be missing in the other; propagating ones may not.
 pub fn largest_difference(a: &FarField, b: &FarField, map: impl Fn(i32, i32) -> (i32, i32)) -> f64 {
     let mut largest: f64 = 0.0;
     for o in &a.orders {
         let (m, n) = map(o.m, o.n);
-        let p = order(b, m, n);
+        let Some(p) = b.orders.iter().find(|p| (p.m, p.n) == (m, n)) else {
+            assert!(!o.reflected_propagates && !o.transmitted_propagates, "order ({m}, {n}) is missing");
+            continue;
+        };
         largest = largest.max((o.reflected - p.reflected).norm());
         largest = largest.max((o.transmitted - p.transmitted).norm());
     }
