@@ -56,6 +56,26 @@ fn nothing_overlaps_and_the_share_is_met_to_one_grain() {
 }
 
 #[test]
+fn batches_and_empty_layers_are_packings_too() {
+    let mut asked = request(250.0, 0.45, MethodChoice::Relaxation);
+    asked.relaxation.batches = 5;
+    let packing = pack(&asked, &mut ()).unwrap();
+    assert!(smallest_gap(&packing) > 0.0);
+    assert_eq!(packing.grains().len(), (0.45 * 12.0 / packing.grains()[0].volume_um3).round() as usize);
+    for method in [MethodChoice::Auto, MethodChoice::Relaxation] {
+        assert!(pack(&request(250.0, 0.0, method), &mut ()).unwrap().grains().is_empty());
+    }
+}
+
+#[test]
+fn a_few_tiny_grains_in_a_wide_layer_need_no_memory() {
+    // 2 nm grains in 10 µm: a grid as fine as the grains would have 10¹¹ cells.
+    let mut asked = request(2.0, 4e-9, MethodChoice::Auto);
+    asked.period_um = [10.0, 10.0];
+    assert_eq!(pack(&asked, &mut ()).unwrap().grains().len(), 95);
+}
+
+#[test]
 fn a_seed_is_a_packing_and_a_stream_is_a_realisation() {
     let first = request(250.0, 0.40, MethodChoice::Relaxation);
     let again = pack(&first, &mut ()).unwrap();
@@ -83,12 +103,13 @@ fn the_limit_is_told_with_figures() {
 
 #[test]
 fn bad_numbers_name_field_value_range_and_remedy() {
-    let cases: [(&str, Box<dyn Fn(&mut PackingRequest)>); 5] = [
-        ("pigment[0].size", Box::new(|r| r.thickness_um = 0.2)),
-        ("pigment[0].size", Box::new(|r| r.period_um = [0.4, 4.0])),
-        ("pigment[0].size.value_nm", Box::new(|r| r.pigments[0] = PigmentGrains::spheres(-1.0, 0.1))),
-        ("pigment[0].volume_fraction", Box::new(|r| r.pigments[0].volume_fraction = 1.2)),
-        ("period_um and thickness_um", Box::new(|r| r.thickness_um = f64::NAN)),
+    type Spoil = fn(&mut PackingRequest);
+    let cases: [(&str, Spoil); 5] = [
+        ("pigment[0].size", |r| r.thickness_um = 0.2),
+        ("pigment[0].size", |r| r.period_um = [0.4, 4.0]),
+        ("pigment[0].size.value_nm", |r| r.pigments[0] = PigmentGrains::spheres(-1.0, 0.1)),
+        ("pigment[0].volume_fraction", |r| r.pigments[0].volume_fraction = 1.2),
+        ("period_um and thickness_um", |r| r.thickness_um = f64::NAN),
     ];
     for (name, spoil) in cases {
         let mut asked = request(250.0, 0.3, MethodChoice::Auto);

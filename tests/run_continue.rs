@@ -3,10 +3,11 @@
 mod run_support;
 
 use inkwave::report::folder::OutputFolder;
+use inkwave::report::record::PointRecord;
 use inkwave::study::checked::{Point, Study};
 use inkwave::study::load::load;
 use inkwave::study::publish::publish;
-use inkwave::study::runner::{RunSettings, run};
+use inkwave::study::runner::{self, RunSettings};
 use inkwave::study::watch::RunWatch;
 use run_support::{TINY, study, succeed};
 use std::path::Path;
@@ -55,7 +56,7 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
     for solves in [5, 11] {
         let watch = StopAfter { solves, done: AtomicUsize::new(0) };
         let output = OutputFolder::open(&parts).unwrap();
-        let collected = run(&checked, &output, RunSettings { jobs: Some(1) }, &watch).unwrap();
+        let collected = runner::run(&checked, &output, RunSettings { jobs: Some(1) }, &watch).unwrap();
         publish(&checked, &collected, &output).unwrap();
         assert!(parts.join("PARTIAL").exists());
         let page = std::fs::read_to_string(parts.join("report.html")).unwrap();
@@ -102,6 +103,37 @@ fn a_change_recomputes_what_depends_on_it() {
     let said = after("realisations = 2", "realisations = 3");
     assert!(said.contains("24 of 36 solves are there already"), "old realisations stay: {said}");
     assert!(!after("seed = 7", "seed = 8").contains("there already"), "another seed, other packings");
+}
+
+#[test]
+fn a_solve_that_fails_is_told_and_does_not_stop_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let four = TINY.replace("realisations = 2", "realisations = 4");
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), &four), &out, &[]);
+    let steps = |of_first: bool| {
+        let record = |path: &std::path::PathBuf| -> PointRecord {
+            serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+        };
+        let records = points(&out).iter().map(record).collect::<Vec<_>>();
+        let own = records.iter().filter(|r| (r.realisation == 0) == of_first);
+        own.map(|r| r.account.steps).max().unwrap()
+    };
+    let (first, others) = (steps(true), steps(false));
+    assert!(first < others, "another seed, so that the first realisation is not the hardest");
+
+    let limited = four.replace("[output]", &format!("[solver]\nmax_applications = {}\n[output]", others - 1));
+    let done = run_support::run(&study(folder.path(), &limited), &out, &[]);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert_eq!(done.status.code(), Some(1), "{said}");
+    assert!(said.contains("no result at 400 nm"), "{said}");
+    let results: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap();
+    let failures = results["failures"].as_array().unwrap();
+    assert!(!failures.is_empty() && failures[0]["reason"].as_str().unwrap().contains("residual"));
+    let [asked, finished] = ["asked", "finished"].map(|key| results["solves"][key].as_u64().unwrap());
+    assert_eq!(finished + failures.len() as u64, asked);
+    assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("Solves without a result"));
 }
 
 /// A study that takes long enough to be interrupted.

@@ -7,6 +7,7 @@ use clap::Args;
 use inkwave::ink::PackError;
 use inkwave::report::folder::{FolderError, OutputFolder};
 use inkwave::report::manifest::Status;
+use inkwave::solve::accuracy::AccuracyError;
 use inkwave::study::checked::Study;
 use inkwave::study::load::load;
 use inkwave::study::publish::{Published, publish};
@@ -89,6 +90,10 @@ fn run_report(error: RunError) -> miette::Report {
         RunError::Folder(error) => folder_report(error),
         RunError::Packing { source: PackError::NotReached { .. }, .. } => {
             let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
+            miette!(help = help, "{error}")
+        }
+        RunError::Resolution(AccuracyError::Solve(_)) => {
+            let help = "[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"";
             miette!(help = help, "{error}")
         }
         RunError::Resolution(_) | RunError::Wave(_) => {

@@ -24,11 +24,12 @@ impl Cell {
     }
 
     pub fn wrap(&self, mut p: V3) -> V3 {
-        for a in 0..3 {
-            if self.periodic(a) && !(p[a] >= 0.0 && p[a] < self.size[a]) {
-                p[a] -= self.size[a] * (p[a] / self.size[a]).floor();
-                if p[a] >= self.size[a] {
-                    p[a] = 0.0;
+        for (a, (x, size)) in p.iter_mut().zip(&self.size).enumerate() {
+            if self.periodic(a) && !(*x >= 0.0 && *x < *size) {
+                *x -= size * (*x / size).floor();
+                // A tiny negative number rounds up to the period itself.
+                if *x >= *size {
+                    *x = 0.0;
                 }
             }
         }

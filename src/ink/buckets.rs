@@ -13,9 +13,9 @@ pub(crate) struct Buckets {
 }
 
 impl Buckets {
-    /// A grid whose cells are at least `reach` wide.
-    pub fn new(cell: &Cell, reach: f64) -> Self {
-        let count = grid_count(cell, reach);
+    /// A grid for so many points whose cells are at least `reach` wide.
+    pub fn new(cell: &Cell, reach: f64, points: usize) -> Self {
+        let count = grid_count(cell, reach, points);
         let scale = std::array::from_fn(|a| count[a] as f64 / cell.size[a]);
         let cells = count.iter().product();
         let near = (0..cells).map(|c| neighbours(c, count, cell)).collect();
@@ -46,9 +46,13 @@ impl Buckets {
     }
 }
 
-/// Cells per side, at least `reach` wide, and no more of them than memory can bear.
-pub(crate) fn grid_count(cell: &Cell, reach: f64) -> [usize; 3] {
-    std::array::from_fn(|a| ((cell.size[a] / reach).floor() as usize).clamp(1, 512))
+/// Cells per side, at least `reach` wide, and no more of them than a few per point: small grains in a wide layer
+/// would fill the memory with empty cells.
+pub(crate) fn grid_count(cell: &Cell, reach: f64, points: usize) -> [usize; 3] {
+    let most = (4 * points + 64) as f64;
+    let volume: f64 = cell.size.iter().product();
+    let wide = reach.max((volume / most).cbrt());
+    std::array::from_fn(|a| (cell.size[a] / wide).floor().clamp(1.0, most) as usize)
 }
 
 /// The cells that touch cell `c`, itself included, without repetition, in a fixed order.

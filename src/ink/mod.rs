@@ -5,6 +5,7 @@ mod bodies;
 mod buckets;
 pub mod draws;
 pub mod error;
+mod fewer;
 mod monte_carlo;
 mod name_or_table;
 mod neighbours;

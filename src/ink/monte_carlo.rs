@@ -27,7 +27,7 @@ pub(crate) fn equilibrate(
     watch: &mut dyn PackWatch,
 ) -> Result<f64, PackError> {
     let widest = bodies.radius.iter().copied().fold(0.0, f64::max);
-    let mut grid = Buckets::new(&bodies.cell, 2.0 * widest * (1.0 + 1e-6));
+    let mut grid = Buckets::new(&bodies.cell, 2.0 * widest * (1.0 + 1e-6), bodies.radius.len());
     (0..bodies.spheres()).for_each(|s| grid.insert(s, grid.cell_of(bodies.at[s])));
     let mut walk = Walk { bodies, plan, grid, step: 0.2, old_cells: Vec::new() };
     let n = walk.bodies.placed;

@@ -34,11 +34,21 @@ impl Neighbours {
         dot(d, d) > 0.25 * self.skin * self.skin
     }
 
+    /// Shorter lists when they last long, wider ones when they do not (`steps` since they were made).
+    pub fn adapt(&mut self, steps: u64, mean_radius: f64) {
+        let factor = match steps {
+            0..=4 => 1.3,
+            5..=11 => 1.0,
+            _ => 0.7,
+        };
+        self.skin = (factor * self.skin).clamp(0.2 * mean_radius, mean_radius);
+    }
+
     pub fn remake(&mut self, bodies: &Bodies, inflation: f64) {
         let n = bodies.spheres();
         let widest = bodies.radius[..n].iter().copied().fold(0.0, f64::max);
         let reach = 2.0 * widest * (1.0 + inflation) + self.skin;
-        self.sorted.sort(bodies, grid_count(&bodies.cell, reach));
+        self.sorted.sort(bodies, grid_count(&bodies.cell, reach, n));
         let sorted = &self.sorted;
         self.origin.clear();
         self.origin.extend_from_slice(&bodies.at[..n]);

@@ -6,7 +6,9 @@ use super::error::PackError;
 use super::packing::{Grain, Sphere};
 
 struct Entry {
+    /// Place along x and y within the period.
     x: f64,
+    y: f64,
     grain: usize,
     sphere: Sphere,
 }
@@ -23,7 +25,7 @@ pub fn smallest_gap(
 ) -> Result<Option<f64>, PackError> {
     check_numbers(period, thickness, walls, grains)?;
     let mut worst = Worst { gap: f64::INFINITY, pair: (String::new(), String::new()) };
-    let entries = sorted(period[0], grains);
+    let entries = sorted(period, grains);
     let largest = entries.iter().map(|e| e.sphere.radius_um).fold(0.0, f64::max);
     for (i, a) in entries.iter().enumerate() {
         if walls {
@@ -37,10 +39,12 @@ pub fn smallest_gap(
             if b.x + if wrapped { period[0] } else { 0.0 } - a.x > window {
                 break;
             }
-            // Far in z: no smaller gap than the one known.
+            // Too far in y or z to be nearer than the nearest pair so far.
+            let reach = a.sphere.radius_um + b.sphere.radius_um + worst.gap;
+            let dy = (a.y - b.y).abs();
             let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
-            let far = walls && dz - a.sphere.radius_um - b.sphere.radius_um >= worst.gap;
-            if a.grain != b.grain && !far {
+            let far = dy.min(period[1] - dy) > reach || (walls && dz > reach);
+            if !far && a.grain != b.grain {
                 let gap = image_gap(&a.sphere, &b.sphere, period, thickness, walls);
                 worst.hear(gap, || (format!("grain {}", a.grain), format!("grain {}", b.grain)));
             }
@@ -81,10 +85,14 @@ fn image_gap(a: &Sphere, b: &Sphere, period: [f64; 2], thickness: f64, walls: bo
     (dx * dx + dy * dy + dz * dz).sqrt() - a.radius_um - b.radius_um
 }
 
-fn sorted(period: f64, grains: &[Grain]) -> Vec<Entry> {
+fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<Entry> {
     let spheres = grains.iter().enumerate().flat_map(|(grain, g)| g.spheres.iter().map(move |s| (grain, *s)));
-    let entry =
-        |(grain, sphere): (usize, Sphere)| Entry { x: sphere.center_um[0].rem_euclid(period), grain, sphere };
+    let entry = |(grain, sphere): (usize, Sphere)| Entry {
+        x: sphere.center_um[0].rem_euclid(period[0]),
+        y: sphere.center_um[1].rem_euclid(period[1]),
+        grain,
+        sphere,
+    };
     let mut entries: Vec<Entry> = spheres.map(entry).collect();
     entries.sort_by(|a, b| a.x.total_cmp(&b.x));
     entries
@@ -104,11 +112,11 @@ fn check_numbers(period: [f64; 2], thickness: f64, walls: bool, grains: &[Grain]
             return Err(PackError::input(format!("grain {k}"), found, allowed, "check the coordinates"));
         }
         let periodic = if walls { 2 } else { 3 };
-        for axis in 0..periodic {
+        for (axis, length) in lengths.iter().enumerate().take(periodic) {
             let end = |sign: f64| grain.spheres.iter().map(move |s| sign * s.center_um[axis] + s.radius_um);
             let extent = end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max);
-            if extent > lengths[axis] {
-                let allowed = format!("at most the period, {} µm", lengths[axis]);
+            if extent > *length {
+                let allowed = format!("at most the period, {length} µm");
                 return Err(PackError::input(
                     format!("extent of grain {k}"),
                     extent,

@@ -61,6 +61,9 @@ fn attempt(
     let cell = Cell::new(request.period_um, request.thickness_um, request.walls);
     let mut bodies = Bodies::new(cell, &plan.bodies);
     let mut account = Account::new(method, request.seed, request.stream);
+    if plan.bodies.is_empty() {
+        return finish(request, &plan, &bodies, account);
+    }
     account.steps = if method == Method::SequentialAddition {
         let limit = request.sequential.attempts_per_grain;
         sequential::add_all(&mut bodies, &plan, limit, &mut draws, watch)?

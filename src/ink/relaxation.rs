@@ -7,12 +7,13 @@
 use super::Draws;
 use super::bodies::Bodies;
 use super::error::PackError;
+use super::fewer;
 use super::neighbours::Neighbours;
 use super::orientation::Field;
 use super::plan::Plan;
 use super::request::RelaxationSettings;
 use super::sequential::{MARGIN, scatter};
-use super::vector::{Rotation, V3, add, cross, dot, norm, scale};
+use super::vector::{Rotation, V3, add, cross, dot, norm, scale, sub};
 use super::watch::{PackProgress, PackWatch};
 use std::ops::ControlFlow;
 
@@ -24,7 +25,7 @@ const PATIENCE: u64 = 400;
 /// Inflation below which a stalled relaxation is given up.
 const LEAST_INFLATION: f64 = 2e-4;
 /// Steps after which hooked clusters are looked for, the part of the bodies that counts as few, and how often.
-const TANGLE_PATIENCE: u64 = 100;
+const TANGLE_PATIENCE: u64 = 50;
 const FEW: f64 = 0.02;
 const MOST_THROWS: u64 = 100;
 const REPORT: u64 = 20;
@@ -54,31 +55,30 @@ pub(crate) fn relax_all(
     Ok(relaxation.steps)
 }
 
-struct Relaxation<'r, 'a> {
+pub(crate) struct Relaxation<'r, 'a> {
     bodies: &'r mut Bodies<'a>,
     plan: &'r Plan,
     settings: &'r RelaxationSettings,
     list: Neighbours,
     moving: Vec<u32>,
     moves: Vec<bool>,
-    touched: Vec<bool>,
-    joined: Vec<u32>,
-    force: Vec<V3>,
-    torque: Vec<V3>,
-    /// Largest step, and the squared arm that stands for J/μ; zero for single spheres.
+    loads: Loads,
+    /// Largest step of each body.
     limit: Vec<f64>,
-    inertia: Vec<f64>,
-    inflation: f64,
+    pub inflation: f64,
     step: f64,
     steps: u64,
     batch_start: u64,
     /// Whether any body has more than one sphere.
     clusters: bool,
     thrown_again: u64,
+    /// Step at which the neighbour lists were made last.
+    listed: u64,
+    mean_radius: f64,
 }
 
 impl<'r, 'a> Relaxation<'r, 'a> {
-    fn new(bodies: &'r mut Bodies<'a>, plan: &'r Plan, settings: &'r RelaxationSettings) -> Self {
+    pub fn new(bodies: &'r mut Bodies<'a>, plan: &'r Plan, settings: &'r RelaxationSettings) -> Self {
         let n = plan.bodies.len();
         let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
         let thinnest = |b: &super::plan::Body| b.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
@@ -94,23 +94,22 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             settings,
             moving: Vec::new(),
             moves: vec![false; n],
-            touched: vec![false; n],
-            joined: Vec::new(),
-            force: vec![[0.0; 3]; n],
-            torque: vec![[0.0; 3]; n],
+            loads: Loads::new(inertia),
             limit,
-            inertia,
             inflation: settings.inflation,
             step: settings.step,
             steps: 0,
             batch_start: 0,
             clusters: plan.bodies.iter().any(|b| !b.single_sphere()),
             thrown_again: 0,
+            listed: 0,
+            mean_radius: mean,
         }
     }
 
     /// Throws bodies in at random until `upto` of them are in the cell; all of them move.
     fn insert(&mut self, upto: usize, draws: &mut Draws) {
+        self.rest();
         let places = scattered(self.bodies, upto - self.bodies.placed, draws);
         for (b, place) in (self.bodies.placed..upto).zip(places) {
             let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
@@ -123,6 +122,16 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         self.inflation = self.settings.inflation;
         self.step = self.settings.step;
         self.list.remake(self.bodies, self.inflation);
+    }
+
+    /// Forgets the forces of the last look; bodies still in (inflated) contact stay on the moving list.
+    fn rest(&mut self) {
+        self.moves.fill(false);
+        for b in self.loads.joined.iter().map(|b| *b as usize) {
+            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
+            (self.loads.touched[b], self.moves[b]) = (false, true);
+        }
+        self.moving = std::mem::take(&mut self.loads.joined);
     }
 
     fn run(&mut self, draws: &mut Draws, watch: &mut dyn PackWatch) -> Result<(), PackError> {
@@ -147,19 +156,19 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             if found.overlap <= 0.0 {
                 return Ok(None);
             }
-            if self.steps % REPORT == 0 {
+            if self.steps.is_multiple_of(REPORT) {
                 self.report(&found, watch)?;
             }
             if self.steps - start >= limit {
                 return Ok(Some(found));
             }
-            if (self.steps - self.batch_start + 1) % PATIENCE == 0 {
+            if (self.steps - self.batch_start + 1).is_multiple_of(PATIENCE) {
                 if found.energy > 0.8 * milestone && !self.deflate() {
                     return Ok(Some(found));
                 }
                 milestone = found.energy;
             }
-            if self.clusters && (self.steps - self.batch_start + 1) % TANGLE_PATIENCE == 0 {
+            if self.clusters && (self.steps - self.batch_start + 1).is_multiple_of(TANGLE_PATIENCE) {
                 if found.energy > 0.5 * mark {
                     self.untangle(draws);
                 }
@@ -176,7 +185,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     /// Clusters can hook into each other, and no push parts them: when only a few bodies still overlap and do not
     /// come free, they are thrown in anew.
     fn untangle(&mut self, draws: &mut Draws) {
-        let strain = strain(self.bodies);
+        let strain = fewer::strain(self.bodies);
         let hooked: Vec<usize> = (0..strain.len()).filter(|b| strain[*b] > 0.0).collect();
         let few = (FEW * strain.len() as f64).max(4.0) as usize;
         if hooked.len() > few || self.thrown_again >= MOST_THROWS {
@@ -188,16 +197,16 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             let place = std::array::from_fn(|a| draws.between(0.0, size[a]));
             let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
             scatter(self.bodies, b, place, field, draws);
-            self.touch(b);
+            self.loads.touch(b);
             if !self.moves[b] {
                 self.moves[b] = true;
                 self.moving.push(b as u32);
             }
         }
         // Forces found for the old places must not move the bodies in their new ones.
-        for k in 0..self.joined.len() {
-            let b = self.joined[k] as usize;
-            (self.force[b], self.torque[b]) = ([0.0; 3], [0.0; 3]);
+        for k in 0..self.loads.joined.len() {
+            let b = self.loads.joined[k] as usize;
+            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
         }
         self.list.remake(self.bodies, self.inflation);
     }
@@ -222,20 +231,21 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     }
 
     fn pairs(&mut self, b: usize, s: usize, found: &mut Found, draws: &mut Draws) {
-        let (p, r) = (self.bodies.at[s], self.bodies.radius[s]);
+        let bodies = &*self.bodies;
+        let (p, r, wider) = (bodies.at[s], bodies.radius[s], 1.0 + self.inflation);
         let mut push = [0.0; 3];
-        for k in 0..self.list.of(s).len() {
-            let t = self.list.of(s)[k] as usize;
-            let other = self.bodies.owner[t] as usize;
-            if other < b && self.moves[other] {
-                continue; // met from the other side
-            }
-            let d = self.bodies.cell.delta(p, self.bodies.at[t]);
-            let sum = r + self.bodies.radius[t];
-            let reach = sum * (1.0 + self.inflation);
+        let mut pushed = false;
+        for t in self.list.of(s).iter().map(|t| *t as usize) {
+            let d = bodies.cell.delta(p, bodies.at[t]);
+            let sum = r + bodies.radius[t];
+            let reach = sum * wider;
             let d2 = dot(d, d);
             if d2 >= reach * reach {
                 continue;
+            }
+            let other = bodies.owner[t] as usize;
+            if other < b && self.moves[other] {
+                continue; // met from the other side
             }
             let distance = d2.sqrt();
             let depth = reach - distance;
@@ -245,29 +255,13 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             } else {
                 scale(draws.direction(), depth)
             };
-            push = add(push, scale(away, -1.0));
-            self.act(other, t, away);
-            self.touch(b);
+            push = sub(push, away);
+            pushed = true;
+            self.loads.act(other, bodies.arm[t], away);
             found.hear(0.5 * depth * depth, sum * (1.0 + MARGIN) - distance, sum);
         }
-        self.act(b, s, push);
-    }
-
-    /// Adds a force on sphere s of body b, with its torque about the body's centre.
-    #[inline(always)]
-    fn act(&mut self, b: usize, s: usize, force: V3) {
-        self.force[b] = add(self.force[b], force);
-        if self.inertia[b] > 0.0 {
-            self.torque[b] = add(self.torque[b], cross(self.bodies.arm[s], force));
-        }
-        self.touch(b);
-    }
-
-    #[inline(always)]
-    fn touch(&mut self, b: usize) {
-        if !self.touched[b] {
-            self.touched[b] = true;
-            self.joined.push(b as u32);
+        if pushed {
+            self.loads.act(b, bodies.arm[s], push);
         }
     }
 
@@ -280,7 +274,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         for (distance, sign) in [(z, 1.0), (top - z, -1.0)] {
             let depth = r * (1.0 + self.inflation) - distance;
             if depth > 0.0 {
-                self.act(b, s, [0.0, 0.0, sign * 2.0 * depth]);
+                self.loads.act(b, self.bodies.arm[s], [0.0, 0.0, sign * 2.0 * depth]);
                 let margin = MARGIN * (r + top);
                 found.hear(depth * depth, r + margin - distance, r);
             }
@@ -293,15 +287,15 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         let ramp = self.ramp();
         let aligning = self.aligning(ramp);
         let mut outrun = false;
-        for k in 0..self.joined.len() {
-            let b = self.joined[k] as usize;
-            self.touched[b] = false;
-            let force = std::mem::take(&mut self.force[b]);
-            let torque = std::mem::take(&mut self.torque[b]);
+        for k in 0..self.loads.joined.len() {
+            let b = self.loads.joined[k] as usize;
+            self.loads.touched[b] = false;
+            let force = std::mem::take(&mut self.loads.force[b]);
+            let torque = std::mem::take(&mut self.loads.torque[b]);
             let mut by = scale(force, h);
             let mut turn = [0.0; 3];
-            if self.inertia[b] > 0.0 {
-                turn = add(scale(torque, h / self.inertia[b]), self.alignment(b, ramp, &aligning));
+            if self.loads.inertia[b] > 0.0 {
+                turn = add(scale(torque, h / self.loads.inertia[b]), self.alignment(b, ramp, &aligning));
             }
             let reach = self.plan.bodies[b].reach;
             let length = norm(by) + norm(turn) * reach;
@@ -319,11 +313,13 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             outrun |= range.into_iter().any(|s| self.list.outrun(&self.bodies.cell, s, self.bodies.at[s]));
         }
         self.moving.iter().for_each(|b| self.moves[*b as usize] = false);
-        self.joined.iter().for_each(|b| self.moves[*b as usize] = true);
-        std::mem::swap(&mut self.moving, &mut self.joined);
-        self.joined.clear();
+        self.loads.joined.iter().for_each(|b| self.moves[*b as usize] = true);
+        std::mem::swap(&mut self.moving, &mut self.loads.joined);
+        self.loads.joined.clear();
         if outrun {
+            self.list.adapt(self.steps - self.listed, self.mean_radius);
             self.list.remake(self.bodies, self.inflation);
+            self.listed = self.steps;
         }
     }
 
@@ -376,7 +372,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     }
 
     fn not_reached(&self, found: &Found, draws: &mut Draws, watch: &mut dyn PackWatch) -> PackError {
-        let fewer = match fit_fewer(self.bodies, self.plan, self.settings, draws, watch) {
+        let fewer = match fewer::fit_fewer(self.bodies, self.plan, self.settings, draws, watch) {
             Ok(fewer) => fewer,
             Err(stopped) => return stopped,
         };
@@ -395,7 +391,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     }
 
     /// Bodies in place, all of them moving.
-    fn start_all(&mut self) {
+    pub fn start_all(&mut self) {
         self.moving = (0..self.bodies.placed as u32).collect();
         self.moves.fill(true);
         self.batch_start = self.steps;
@@ -414,6 +410,42 @@ fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
     places
 }
 
+/// Forces and torques of one step, and the bodies that feel any.
+struct Loads {
+    force: Vec<V3>,
+    torque: Vec<V3>,
+    touched: Vec<bool>,
+    joined: Vec<u32>,
+    /// The squared arm that stands for J/μ; zero for single spheres.
+    inertia: Vec<f64>,
+}
+
+impl Loads {
+    fn new(inertia: Vec<f64>) -> Self {
+        let n = inertia.len();
+        let (force, torque) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+        Self { force, torque, touched: vec![false; n], joined: Vec::new(), inertia }
+    }
+
+    /// Adds a force at an arm from the centre of body b.
+    #[inline(always)]
+    fn act(&mut self, b: usize, arm: V3, force: V3) {
+        self.force[b] = add(self.force[b], force);
+        if self.inertia[b] > 0.0 {
+            self.torque[b] = add(self.torque[b], cross(arm, force));
+        }
+        self.touch(b);
+    }
+
+    #[inline(always)]
+    fn touch(&mut self, b: usize) {
+        if !self.touched[b] {
+            self.touched[b] = true;
+            self.joined.push(b as u32);
+        }
+    }
+}
+
 impl Found {
     #[inline(always)]
     fn hear(&mut self, energy: f64, overlap: f64, sum: f64) {
@@ -421,62 +453,4 @@ impl Found {
         self.overlap = self.overlap.max(overlap);
         self.relative = self.relative.max(overlap / sum);
     }
-}
-
-/// Part of the bodies taken out at a time, and how often.
-const TAKEN_OUT: f64 = 0.01;
-const ROUNDS: usize = 60;
-
-/// The highest concentration these grains reach from where they are stuck: the bodies that overlap most are
-/// taken out, a hundredth at a time, and the rest relaxes again, until nothing overlaps.
-fn fit_fewer(
-    stuck: &Bodies,
-    plan: &Plan,
-    settings: &RelaxationSettings,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<Vec<usize>, PackError> {
-    let mut kept: Vec<usize> = (0..stuck.placed).collect();
-    let mut state: Vec<(V3, Rotation)> =
-        kept.iter().map(|b| (stuck.centre[*b], stuck.rotation[*b])).collect();
-    for _ in 0..ROUNDS {
-        let plan = plan.subset(&kept);
-        let mut bodies = Bodies::new(stuck.cell, &plan.bodies);
-        state.iter().enumerate().for_each(|(b, (centre, rotation))| bodies.put(b, *centre, *rotation));
-        bodies.placed = kept.len();
-        let mut relaxation = Relaxation::new(&mut bodies, &plan, settings);
-        relaxation.inflation = settings.inflation.min(1e-3);
-        relaxation.start_all();
-        if relaxation.settle(PATIENCE, draws, watch)?.is_none() {
-            return Ok(kept);
-        }
-        let strain = strain(&bodies);
-        let mut order: Vec<usize> = (0..kept.len()).collect();
-        order.sort_by(|a, b| strain[*b].total_cmp(&strain[*a]));
-        let mut out: Vec<usize> = order[..(TAKEN_OUT * kept.len() as f64).ceil() as usize].to_vec();
-        out.sort_unstable();
-        state = (0..kept.len()).map(|b| (bodies.centre[b], bodies.rotation[b])).collect();
-        for b in out.into_iter().rev() {
-            kept.remove(b);
-            state.remove(b);
-        }
-    }
-    Ok(Vec::new())
-}
-
-/// Overlap energy of each body.
-fn strain(bodies: &Bodies) -> Vec<f64> {
-    let list = Neighbours::new(bodies, 0.0, 0.0);
-    let mut strain = vec![0.0; bodies.placed];
-    for s in 0..bodies.spheres() {
-        let (p, r) = (bodies.at[s], bodies.radius[s]);
-        let mut push = |depth: f64| strain[bodies.owner[s] as usize] += depth.max(0.0).powi(2);
-        if bodies.cell.walls {
-            push(2.0 * (r - p[2].min(bodies.cell.size[2] - p[2])));
-        }
-        for t in list.of(s).iter().map(|t| *t as usize) {
-            push(r + bodies.radius[t] - norm(bodies.cell.delta(p, bodies.at[t])));
-        }
-    }
-    strain
 }

@@ -138,7 +138,7 @@ pub struct RelaxationSettings {
     pub max_steps: u64,
     /// Viscosity of translation, μ, relative to the time scale of `step`.
     pub translational_viscosity: f64,
-    /// Viscosity of rotation, J, relative to μ times the mean square arm of the grain.
+    /// Viscosity of rotation, J, relative to μ times the square of the grain's longest arm.
     pub rotational_viscosity: f64,
     /// Aligning torque at the start of a batch: degrees per step of a freely turning grain at 45° to the field.
     pub aligning_deg_per_step: f64,
@@ -151,11 +151,11 @@ impl Default for RelaxationSettings {
         Self {
             step: 0.5,
             step_limit_radii: 0.2,
-            inflation: 0.003,
+            inflation: 0.005,
             batches: 1,
             max_steps: 20_000,
             translational_viscosity: 1.0,
-            rotational_viscosity: 1.0,
+            rotational_viscosity: 2.0,
             aligning_deg_per_step: 3.0,
             aligning_steps: 100,
         }

@@ -24,7 +24,7 @@ pub(crate) fn add_all(
     watch: &mut dyn PackWatch,
 ) -> Result<u64, PackError> {
     let widest = bodies.radius.iter().copied().fold(0.0, f64::max);
-    let mut grid = Buckets::new(&bodies.cell, 2.0 * widest * (1.0 + 1e-6));
+    let mut grid = Buckets::new(&bodies.cell, 2.0 * widest * (1.0 + 1e-6), bodies.radius.len());
     let mut attempts = 0;
     let mut volume = 0.0;
     for b in 0..plan.bodies.len() {

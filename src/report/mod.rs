@@ -1,4 +1,8 @@
 //! What is kept: records, manifest, pages and figures.
+//!
+//! [`store`] keeps one small [`record`] for each finished solve; [`folder`] is the place for everything a run
+//! writes, [`safely`] the way it is written; [`manifest`] is `results.json`, [`tables`] the CSV files and [`page`]
+//! the report.
 
 pub mod folder;
 pub mod manifest;

@@ -8,7 +8,7 @@
 
 use super::ledger::{Ledger, flat};
 use super::solver::{Goal, Solution, SolveError, Solver, Watch};
-use super::vectors::dot;
+use super::vectors::{dot, norm};
 use crate::wave::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
 use faer::linalg::solvers::Solve;
@@ -55,15 +55,16 @@ impl Solver for Relaxation {
     ) -> Result<Solution, SolveError> {
         self.check(problem)?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
-        let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
+        let field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut scratch = Field::zeros(problem.shape());
         let first = ledger.measure(&field, &mut scratch);
         ledger.note(first)?;
         if ledger.reached() {
             return Ok(ledger.finish(field));
         }
-        let (mut tau, mut memory) = (self.tau, Vec::new());
+        let mut tau = self.tau;
         let mut march = March::new(problem, tau, &field);
+        let mut memory = vec![Candidate { state: march.state.clone(), field, residual: scratch.clone() }];
         ledger.account.bytes = march.bytes();
         loop {
             let before = ledger.account.residual;
@@ -74,26 +75,22 @@ impl Solver for Relaxation {
                 ledger.measure(&field, &mut residual);
                 memory.push(Candidate { state, field, residual });
             }
-            let grows = ledger.account.residual > GROWTH * before && tau > self.tau * SHORTEST;
-            let best = Candidate::blend(&memory);
-            let reached = super::vectors::norm(flat(&best.residual)) / ledger.scale();
-            if reached.is_finite() && reached <= before && !grows {
-                (field, march.state) = (best.field.clone(), best.state.clone());
-                memory.drain(..(memory.len() + 1).saturating_sub(self.memory.max(1)));
-                memory.push(best);
-                ledger.note(reached)?;
-            } else if tau <= self.tau * SHORTEST {
-                return Err(ledger.diverged(reached / before));
-            } else {
+            let grows = !(ledger.account.residual <= GROWTH * before) && tau > self.tau * SHORTEST;
+            let mut best = if grows { memory.swap_remove(0) } else { Candidate::blend(&memory) };
+            if grows {
                 // Ringing of the band-limited contrast gives gain in spots: shorter steps split it less.
                 tau *= 0.5;
                 memory.clear();
-                march = March::new(problem, tau, &field);
-                ledger.note(before)?;
+                march = March::new(problem, tau, &best.field);
+                best.state = march.state.clone();
             }
-            if ledger.reached() && ledger.measure(&field, &mut scratch) <= goal.tolerance {
-                return Ok(ledger.finish(field));
+            march.state.assign(&best.state);
+            ledger.note(norm(flat(&best.residual)) / ledger.scale())?;
+            if ledger.reached() && ledger.measure(&best.field, &mut scratch) <= goal.tolerance {
+                return Ok(ledger.finish(best.field));
             }
+            memory.drain(..(memory.len() + 1).saturating_sub(self.memory.max(1)));
+            memory.insert(0, best);
             ledger.judge("try another tau or window, or solver = \"krylov\"")?;
         }
     }
@@ -133,7 +130,7 @@ impl Candidate {
 /// Weights w that minimise ‖r + Σ w_i d_i‖, from normal equations scaled to unit diagonal.
 fn least_squares(differences: &[Field], residual: &Field) -> Vec<Complex64> {
     let n = differences.len();
-    let sizes: Vec<f64> = differences.iter().map(|d| super::vectors::norm(flat(d)).max(1e-300)).collect();
+    let sizes: Vec<f64> = differences.iter().map(|d| norm(flat(d)).max(1e-300)).collect();
     let gram = Mat::from_fn(n, n, |i, j| {
         let ridge = if i == j { 1e-12 } else { 0.0 };
         dot(flat(&differences[i]), flat(&differences[j])) / (sizes[i] * sizes[j]) + ridge

@@ -91,7 +91,7 @@ impl fmt::Display for Allowed {
             (_, true) => "to below",
             (false, false) => "to",
         };
-        let space = if self.unit.is_empty() { "" } else { " " };
+        let space = if self.unit.is_empty() || self.unit == "°" { "" } else { " " };
         write!(f, "{low} {} {high} {}{space}{}", self.low, self.high, self.unit)
     }
 }

@@ -1,4 +1,8 @@
 //! What was asked: the study file, checked, and the run that carries it out.
+//!
+//! The path of a study: [`file`](mod@file) (as written) → [`check`](mod@check) → [`checked`] (with its content hash, [`identity`]) →
+//! [`runner`] (packings, grid, solves side by side, every finished solve in the store at once) → [`seen`] (spectra,
+//! distributions, ink on paper) → [`publish`](mod@publish) (`results.json`, tables, picture, page).
 
 pub mod case;
 mod case_checks;
@@ -13,6 +17,7 @@ pub mod load;
 pub mod locate;
 pub mod optics;
 pub mod publish;
+mod realisation;
 pub mod resolve;
 pub mod runner;
 pub mod seen;

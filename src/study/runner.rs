@@ -5,20 +5,17 @@
 //! study, are not repeated.
 
 use super::checked::{Point, Study};
-use super::crew::work_through;
-use super::identity::Key;
-use super::optics::{PointError, pack_realisation, solve_point};
+use super::realisation::{Packings, RealisationRun, point_keys};
 use super::resolve::{self, Resolved, resolve};
 use super::watch::RunWatch;
-use crate::ink::{PackError, Packing};
+use crate::ink::PackError;
 use crate::report::folder::{FolderError, GRIDS, OutputFolder, PACKINGS, POINTS};
 use crate::report::packing_record::PackingRecord;
 use crate::report::record::PointRecord;
 use crate::report::store::Store;
 use crate::solve::accuracy::AccuracyError;
-use crate::wave::{Coverage, Mean, Scene, WaveError};
+use crate::wave::{Scene, WaveError};
 use std::io;
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// How to run, as opposed to what.
 #[derive(Clone, Copy, Debug, Default)]
@@ -126,10 +123,10 @@ fn stopped(error: RunError) -> RunError {
     }
 }
 
-struct Stores {
-    points: Store<PointRecord>,
-    packings: Store<PackingRecord>,
-    grids: Store<Resolved>,
+pub(super) struct Stores {
+    pub points: Store<PointRecord>,
+    pub packings: Store<PackingRecord>,
+    pub grids: Store<Resolved>,
 }
 
 impl Stores {
@@ -141,120 +138,4 @@ impl Stores {
             grids: Store::open(open(GRIDS))?,
         })
     }
-}
-
-/// Packings on demand; the first one serves the choice of the resolution too.
-struct Packings<'a> {
-    study: &'a Study,
-    watch: &'a dyn RunWatch,
-    first: Option<Packing>,
-}
-
-impl Packings<'_> {
-    fn get(&mut self, realisation: usize) -> Result<Packing, RunError> {
-        if let (0, Some(first)) = (realisation, &self.first) {
-            return Ok(first.clone());
-        }
-        self.watch.stage(&format!("packing realisation {}/{}", realisation + 1, self.study.realisations));
-        let packing = pack_realisation(self.study, realisation, self.watch)
-            .map_err(|source| RunError::Packing { realisation, source })?;
-        if realisation == 0 {
-            self.first = Some(packing.clone());
-        }
-        Ok(packing)
-    }
-}
-
-/// The solves of a realisation with the content hashes of all that they depend on.
-fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
-    let packing = Key::of("packing", &study.packing_request(realisation));
-    let key = |point: &Point| {
-        let method = (&resolved.resolution, Mean::default(), &study.solver, &study.goal);
-        Key::of("point", &(&packing, study.indices(point.wavelength), &point.incidence, method))
-    };
-    study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
-}
-
-struct RealisationRun<'a> {
-    study: &'a Study,
-    resolved: &'a Resolved,
-    stores: &'a Stores,
-    settings: RunSettings,
-    watch: &'a dyn RunWatch,
-    realisation: usize,
-}
-
-impl RealisationRun<'_> {
-    fn finish(&self, packings: &mut Packings) -> Result<Realisation, RunError> {
-        let keyed = point_keys(self.study, self.resolved, self.realisation);
-        let mut points: Vec<Option<PointRecord>> =
-            keyed.iter().map(|(_, key)| self.stores.points.get(key.as_str())).collect();
-        let missing: Vec<usize> = (0..points.len()).filter(|&i| points[i].is_none()).collect();
-        let packing_key = Key::of("packing", &self.study.packing_request(self.realisation));
-        let kept = self.stores.packings.get(packing_key.as_str());
-        if let (true, Some(packing)) = (missing.is_empty(), kept) {
-            return Ok(Realisation { packing, points, failures: Vec::new() });
-        }
-        let packing = packings.get(self.realisation)?;
-        let record = PackingRecord::new(self.realisation, &packing);
-        self.stores.packings.put(packing_key.as_str(), &record)?;
-        let todo: Vec<&(Point, Key)> = missing.iter().map(|&i| &keyed[i]).collect();
-        let mut failures = Vec::new();
-        for (&i, result) in missing.iter().zip(self.solve_all(&packing, &todo)?) {
-            match result {
-                Some(Ok(point)) => points[i] = Some(point),
-                Some(Err(reason)) => failures.push(Failure { point: keyed[i].0, reason }),
-                None => {}
-            }
-        }
-        Ok(Realisation { packing: record, points, failures })
-    }
-
-    /// Solves side by side; `None` for those that a stop left out.
-    fn solve_all(&self, packing: &Packing, todo: &[&(Point, Key)]) -> Result<Vec<Solved>, RunError> {
-        let coverage = Arc::new(Coverage::new(&Scene::from_packing(packing), self.resolved.resolution)?);
-        let results: Vec<Mutex<Solved>> = todo.iter().map(|_| Mutex::new(None)).collect();
-        let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
-        let jobs = self.settings.jobs.unwrap_or_else(rayon::current_num_threads);
-        let stop = || self.watch.stop() || lock(&trouble).is_some();
-        work_through(todo.len(), jobs, stop, |i| {
-            let (point, key) = todo[i];
-            match self.solve_one(&coverage, point, key) {
-                Ok(solved) => *lock(&results[i]) = solved,
-                Err(error) => *lock(&trouble) = Some(error),
-            }
-        })?;
-        match trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            Some(error) => Err(RunError::Store(error)),
-            None => Ok(results
-                .into_iter()
-                .map(|r| r.into_inner().unwrap_or_else(PoisonError::into_inner))
-                .collect()),
-        }
-    }
-
-    /// One solve, in the store when it returns. The error is the store's alone.
-    fn solve_one(&self, coverage: &Arc<Coverage>, point: &Point, key: &Key) -> io::Result<Solved> {
-        self.watch.solving(self.study, point);
-        match solve_point(self.study, coverage, point, key.as_str(), self.watch) {
-            Ok(record) => {
-                self.stores.points.put(key.as_str(), &record)?;
-                self.watch.solved(self.study, point, None);
-                Ok(Some(Ok(record)))
-            }
-            Err(error) if PointError::is_stop(&error) => Ok(None),
-            Err(error) => {
-                let reason = error.to_string();
-                self.watch.solved(self.study, point, Some(&reason));
-                Ok(Some(Err(reason)))
-            }
-        }
-    }
-}
-
-/// A record, the reason why there is none, or nothing when the run was stopped before.
-type Solved = Option<Result<PointRecord, String>>;
-
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -63,8 +63,8 @@ fn draw_curve<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, curve: &Curve) 
 
 fn span(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
     let (low, high) = values.fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
-    if !(high > low) {
-        return if low.is_finite() && low < f64::MAX { low - 0.5..low + 0.5 } else { 0.0..1.0 };
+    if high <= low {
+        return if low < f64::MAX { low - 0.5..low + 0.5 } else { 0.0..1.0 };
     }
     let extra = margin * (high - low);
     (if low == 0.0 { low } else { low - extra })..high + extra

@@ -61,7 +61,7 @@ fn count(cell: &Cell, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>, V
     let furthest = edges.last().copied().unwrap_or(0.0).max(width);
     let mut counts = vec![0.0; edges.len().saturating_sub(1)];
     let mut nearest = vec![f64::INFINITY; centres.len()];
-    let mut grid = Buckets::new(cell, furthest);
+    let mut grid = Buckets::new(cell, furthest, centres.len());
     for (i, p) in centres.iter().enumerate() {
         let home = grid.cell_of(*p);
         for j in grid.around(home) {

@@ -1,0 +1,296 @@
+//! Bad input: every fault is told with its field, what was found, what is allowed and what to try; the exit
+//! code is not zero and nothing is written.
+
+mod run_support;
+
+use run_support::{TINY, run, study};
+use std::path::Path;
+
+/// A slip in the tiny study: what is replaced by what, and what the message must say.
+struct Slip {
+    from: &'static str,
+    to: &'static str,
+    /// Field, value found, allowed range, remedy.
+    says: [&'static str; 4],
+}
+
+const fn slip(from: &'static str, to: &'static str, says: [&'static str; 4]) -> Slip {
+    Slip { from, to, says }
+}
+
+const K: &str = "index = { built_in = \"yellow\" }";
+const RANGE: &str = "from_nm = 400\nto_nm = 700\nstep_nm = 100";
+
+const SLIPS: &[Slip] = &[
+    // keys
+    slip(
+        "thickness_um",
+        "thicknes_um",
+        ["thicknes_um", "unknown field", "`period_um`, `thickness_um`", "did you mean thickness_um?"],
+    ),
+    slip("[run]", "[runn]", ["runn", "unknown field", "`run`", "did you mean run?"]),
+    slip("built_in", "builtin", ["builtin", "unknown field", "`built_in`", "did you mean built_in?"]),
+    slip("thickness_um = 0.5\n", "", ["thickness_um", "missing field", "[layer]", "add thickness_um"]),
+    slip("seed = 7", "seed = -7", ["seed", "-7", "expected u64", "form that was expected"]),
+    slip("seed = 7", "seed = \"7\"", ["seed", "string \"7\"", "expected u64", "form that was expected"]),
+    slip("[angles]", "[angles", ["[angles", "unclosed table", "expected `]`", "correct the TOML here"]),
+    // layer
+    slip(
+        "period_um = 0.8",
+        "period_um = [0.8, 0]",
+        ["layer.period_um", "found 0", "greater than 0", "larger cells"],
+    ),
+    slip(
+        "period_um = 0.8",
+        "period_um = [1, 2, 3]",
+        ["period_um", "length 3", "two numbers [x, y]", "form that was expected"],
+    ),
+    slip(
+        "thickness_um = 0.5",
+        "thickness_um = nan",
+        ["layer.thickness_um", "NaN", "at most 1000 µm", "about 1 µm"],
+    ),
+    slip(
+        "thickness_um = 0.5",
+        "thickness_um = inf",
+        ["layer.thickness_um", "inf", "at most 1000 µm", "about 1 µm"],
+    ),
+    slip(
+        "binder.index = 1.558",
+        "binder.index = -1.5",
+        ["layer.binder.index.n", "-1.5", "from 0.1 to 10", "refractive index"],
+    ),
+    slip(
+        "thickness_um = 0.5",
+        "thickness_um = 0.5\nindex_above = 1.5",
+        ["layer.index_above", "1.5", "1, air above", "angles.polar_deg"],
+    ),
+    // pigments
+    slip(
+        K,
+        "index = { n = 1.4, k = -0.1 }",
+        ["pigment[0].index.k", "-0.1", "from 0 to 10", "change the sign"],
+    ),
+    slip(K, "index = { n = nan }", ["pigment[0].index.n", "NaN", "from 0.1 to 10", "refractive index"]),
+    slip(K, "index = { k = 0.1 }", ["pigment[0].index", "mixture", "{ n = …, k = … }", "index = { n = 1.4"]),
+    slip(
+        K,
+        "index = { built_in = \"mauve\" }",
+        ["pigment[0].index.built_in", "mauve", "red, yellow, blue, green", "csv"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"none.csv\" }",
+        ["pigment[0].index.csv", "none.csv", "wavelength_nm,kappa", "relative to the study file"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"negative.csv\" }",
+        ["pigment[0].index.csv", "kappa = -0.2", "kappa ≥ 0", "correct the table"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"narrow.csv\" }",
+        ["pigment[0].index", "400 nm", "from 500 to 600 nm", "[light]"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = 1.5",
+        ["pigment[0].volume_fraction", "1.5", "at most 0.64", "0.3 for 30 %"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = 0.7",
+        ["pigment[0].volume_fraction", "0.7", "at most 0.64", "0.3 for 30 %"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = -0.1",
+        ["pigment[0].volume_fraction", "-0.1", "greater than 0", "0.3 for 30 %"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = -200",
+        ["pigment[0].diameter_nm", "-200", "above 0", "50 to 500 nm"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = 450",
+        ["pigment[0].diameter_nm", "450", "400 nm, half the layer's period", "larger cell"],
+    ),
+    slip(
+        "thickness_um = 0.5",
+        "thickness_um = 0.15",
+        ["pigment[0].diameter_nm", "200", "150 nm, the layer's thickness", "smaller grains"],
+    ),
+    slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
+    slip(
+        "name = \"yellow\"",
+        "name = \" \"",
+        ["pigment[0].name", "\" \"", "no other pigment", "another name"],
+    ),
+    slip(
+        "name = \"yellow\"",
+        "name = \"yellow\"\nshape = \"cube\"",
+        ["shape", "cube", "`sphere`", "write one of"],
+    ),
+    // paper, light, angles
+    slip(
+        "[light]",
+        "[paper]\nalbedo = 1.2\n[light]",
+        ["paper.albedo", "1.2", "from 0 to 1", "0.9 is good paper"],
+    ),
+    slip("[light]", "[paper]\ncoupling = \"glue\"\n[light]", ["coupling", "glue", "`gap`", "write one of"]),
+    slip(
+        RANGE,
+        "wavelengths_nm = []",
+        ["light.wavelengths_nm", "0 entries", "1 to 10000 entries", "400 to 700"],
+    ),
+    slip(
+        RANGE,
+        "wavelengths_nm = [400, 300]",
+        ["light.wavelengths_nm[1]", "300 after 400", "rising", "sort"],
+    ),
+    slip(
+        RANGE,
+        "wavelengths_nm = [450, nan]",
+        ["light.wavelengths_nm[1]", "NaN", "from 100 to 10000 nm", "nm"],
+    ),
+    slip(
+        RANGE,
+        "wavelengths_nm = [0.45]",
+        ["light.wavelengths_nm[0]", "0.45", "from 100 to 10000 nm", "in nm"],
+    ),
+    slip(RANGE, "", ["light", "mixture", "wavelengths_nm", "from_nm = 400"]),
+    slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
+    slip(
+        "step_nm = 100",
+        "step_nm = 1e-9",
+        ["light.step_nm", "0.000000001", "fewer than 10000", "20 is usual"],
+    ),
+    slip("to_nm = 700", "to_nm = 300", ["light.to_nm", "300", "from_nm = 400", "700 is usual"]),
+    slip("to_nm = 700", "to_nm = 900", ["pigment[0].index", "800 nm", "from 380 to 780 nm", "[light]"]),
+    slip("count = 3", "polar_deg = [0, 90]", ["angles.polar_deg[1]", "90", "below 90°", "89"]),
+    slip("count = 3", "polar_deg = [0, inf]", ["angles.polar_deg[1]", "inf", "below 90°", "89"]),
+    slip("count = 3", "count = 3\npolar_deg = [0]", ["angles", "both", "either", "remove one"]),
+    slip("count = 3", "count = 0", ["angles.count", "found 0", "2 to 64", "5 is usual"]),
+    slip(
+        "count = 3",
+        "count = 3\npicture_max_deg = 95",
+        ["angles.picture_max_deg", "95", "at most 89", "60 is usual"],
+    ),
+    // run, resolution, solver, output
+    slip(
+        "realisations = 2",
+        "realisations = 0",
+        ["run.realisations", "found 0", "from 1 to 100000", "4 is a fair start"],
+    ),
+    slip("points_per_um = 20\n", "", ["resolution", "mixture", "either accuracy", "accuracy = 1e-2"]),
+    slip(
+        "points_per_um = 20",
+        "points_per_um = nan",
+        ["resolution.points_per_um", "NaN", "from 2 to 400", "12 to 16"],
+    ),
+    slip(
+        "[output]",
+        "[solver]\ntolerance = 0\n[output]",
+        ["solver.tolerance", "found 0", "to 0.01", "1e-6 is ample"],
+    ),
+    slip(
+        "[output]",
+        "[solver]\nstrategy = \"magic\"\n[output]",
+        ["strategy", "magic", "`krylov`", "write one of"],
+    ),
+    slip(
+        "picture_pixels = 61",
+        "picture_pixels = 0",
+        ["output.picture_pixels", "found 0", "from 16", "360 is usual"],
+    ),
+];
+
+/// The message without the frame and the line breaks of the terminal.
+fn plain(text: &[u8]) -> String {
+    let text = String::from_utf8_lossy(text).replace('│', " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn refused(study: &Path, output: &Path) -> String {
+    let done = run(study, output, &[]);
+    let said = plain(&done.stderr);
+    assert!(!done.status.success(), "accepted");
+    assert!(!said.contains("panicked"), "{said}");
+    assert!(!output.exists(), "something was written: {said}");
+    said
+}
+
+#[test]
+fn every_slip_is_told_with_field_value_range_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = |name: &str, rows: &str| {
+        std::fs::write(folder.path().join(name), format!("wavelength_nm,kappa\n{rows}")).unwrap();
+    };
+    csv("negative.csv", "400,-0.2\n700,0.1\n");
+    csv("narrow.csv", "500,0.1\n600,0.1\n");
+    let mut missed = Vec::new();
+    for Slip { from, to, says } in SLIPS {
+        assert!(TINY.contains(from), "{from}");
+        let text = TINY.replacen(from, to, 1);
+        let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+        for part in says {
+            if !said.contains(part) {
+                missed.push(format!("{to:?} does not say {part:?}: {said}"));
+            }
+        }
+        let line = to.lines().last().unwrap_or_default();
+        if !line.is_empty() && !said.contains("study.toml:") {
+            missed.push(format!("{to:?} does not show its line: {said}"));
+        }
+    }
+    assert!(missed.is_empty(), "{}", missed.join("\n\n"));
+}
+
+#[test]
+fn all_faults_are_told_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("seed = 7", "seed = 7\n[paper]\nalbedo = 2").replace("count = 3", "count = 1000");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(
+        said.contains("2 fields") && said.contains("paper.albedo") && said.contains("angles.count"),
+        "{said}"
+    );
+}
+
+#[test]
+fn concentrations_that_cannot_be_packed_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("volume_fraction = 0.15", "volume_fraction = 0.64");
+    let text = text.replace("[output]", "[packing.relaxation]\nmax_steps = 200\n[output]");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    for part in ["volume fraction", "0.64", "not reached", "volume_fraction"] {
+        assert!(said.contains(part), "{said}");
+    }
+}
+
+#[test]
+fn paths_that_cannot_be_read_or_written_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let (good, out) = (study(folder.path(), TINY), folder.path().join("out"));
+    let said = refused(&folder.path().join("none.toml"), &out);
+    assert!(
+        said.contains("none.toml") && said.contains("cannot read") && said.contains("give the path"),
+        "{said}"
+    );
+
+    let below_a_file = good.join("out");
+    let said = refused(&good, &below_a_file);
+    assert!(said.contains("cannot write") && said.contains("--output DIR"), "{said}");
+
+    std::fs::write(folder.path().join("thesis.txt"), "years of work").unwrap();
+    let done = run(&good, folder.path(), &[]);
+    let said = plain(&done.stderr);
+    assert!(
+        !done.status.success() && said.contains("holds other files") && said.contains("--output DIR"),
+        "{said}"
+    );
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing was added");
+}
