@@ -73,15 +73,22 @@ fn numbers_out_of_range_name_field_value_range_and_remedy() {
         ("/L", json!(0), ["L is 0", "above 0", "give it in µm"]),
         ("/H", json!(-1), ["H is -1", "above 0", "give it in µm"]),
         ("/spheres/0/radius", json!(-0.1), ["spheres[0].radius is -0.1", "above 0", "µm"]),
-        ("/spheres/0/eta", json!([1.4, -0.1]), ["spheres[0].eta (absorption) is -0.1", "0 or above", "change the sign"]),
+        (
+            "/spheres/0/eta",
+            json!([1.4, -0.1]),
+            ["spheres[0].eta (absorption) is -0.1", "0 or above", "change the sign"],
+        ),
         ("/eta_binder", json!([0, 0]), ["eta_binder is 0", "other than 0", "[real part, absorption]"]),
         ("/n_below", json!(-1), ["n_below (real part) is -1", "0 or above", "positive"]),
         ("/spheres/0", sphere(0.2, 0.1, 0.15), ["spheres[0]", "from z = -0.05", "layer is 0 … 0.6"]),
         ("/spheres/0", sphere(0.2, 0.3, 0.28), ["own periodic image", "6.000e-2", "period larger"]),
-        ("/spheres", json!([sphere(0.1, 0.3, 0.1), sphere(0.2, 0.3, 0.1)]), ["bodies 0 and 1", "1.000e-1", "apart"]),
+        (
+            "/spheres",
+            json!([sphere(0.1, 0.3, 0.1), sphere(0.2, 0.3, 0.1)]),
+            ["bodies 0 and 1", "1.000e-1", "apart"],
+        ),
         ("/eta_below", json!([1, 0]), ["n_below", "twice", "one of them"]),
-    ]
-    {
+    ] {
         let mut text = with(pointer, value);
         if pointer == "/eta_below" {
             text = text.replacen('{', "{\"n_below\": 1.0, ", 1);
@@ -96,22 +103,38 @@ fn numbers_that_are_none_are_refused_in_json_and_toml() {
     refuses_text("case.json", &text, &[], &["NaN nor Infinity", "finite numbers"]);
     let toml = "wavelength = 0.55\nL = 0.5\nH = 0.6\neta_binder = [1.558, 0.0]\n\n[[spheres]]\n";
     let sphere = "center = [0.2, 0.2, 0.3]\nradius = nan\neta = [1.4, 0.1]\n";
-    refuses_text("case.toml", &format!("{toml}{sphere}"), &[], &["spheres[0].radius is NaN", "above 0 and finite"]);
+    refuses_text(
+        "case.toml",
+        &format!("{toml}{sphere}"),
+        &[],
+        &["spheres[0].radius is NaN", "above 0 and finite"],
+    );
     let center = sphere.replace("nan", "0.1").replace("[0.2,", "[inf,");
-    refuses_text("case.toml", &format!("{toml}{center}"), &[], &["spheres[0].center[0] is inf", "finite number"]);
+    refuses_text(
+        "case.toml",
+        &format!("{toml}{center}"),
+        &[],
+        &["spheres[0].center[0] is inf", "finite number"],
+    );
 }
 
 #[test]
 fn entries_that_do_not_fit_are_named_with_their_place() {
     for (text, words) in [
         (with("/colour", json!("red")), vec!["unknown field `colour`", "`wavelength`", "correct that entry"]),
-        (with("/spheres/0/radius", json!(null)), vec!["spheres[0].radius", "expected f64", "correct that entry"]),
+        (
+            with("/spheres/0/radius", json!(null)),
+            vec!["spheres[0].radius", "expected f64", "correct that entry"],
+        ),
         (with("/spheres/0/radius", json!("big")), vec!["spheres[0].radius", "\"big\"", "correct that entry"]),
         (with("/spheres/0/center", json!([1, 2])), vec!["spheres[0].center", "array of length 3"]),
         (with("/layers_from_z0", json!([])), vec!["eta_binder", "layers_from_z0", "in one way"]),
         (json!({ "wavelength": 0.5 }).to_string(), vec!["eta_binder", "layers_from_z0", "in one way"]),
         (json!({ "L": 0.5 }).to_string(), vec!["missing field `wavelength`"]),
-        (json!({ "wavelength": 0.5, "eta_binder": [1.5, 0] }).to_string(), vec!["H: missing", "thickness in µm"]),
+        (
+            json!({ "wavelength": 0.5, "eta_binder": [1.5, 0] }).to_string(),
+            vec!["H: missing", "thickness in µm"],
+        ),
         ("{ \"wavelength\": ".into(), vec!["is not a case", "EOF", "reference case"]),
         (String::new(), vec!["is not a case", "reference case"]),
     ] {
@@ -146,12 +169,16 @@ fn options_out_of_range_are_told_what_to_try() {
         (&["--memory-gb", "0"], &["--memory-gb is 0", "try 4"]),
         (&["--solver", "magic"], &["solver is magic", "krylov", "choose one"]),
         (&["--nxy", "12"], &["--nz"]),
+        (&["--nz", "12"], &["--nxy is missing", "--accuracy 1e-3"]),
         (&["--nxy", "0", "--nz", "9"], &["nx is 0", "1 … 100000"]),
         (&["--nxy", "12", "--nz", "0"], &["nz (cells) is 0", "1 … 100000"]),
         (&["--nxy", "12", "--nz", "2"], &["phase", "use at least 5 cells"]),
         (&["--nxy", "1", "--nz", "9"], &["too coarse", "use at least 3 points"]),
         (&["--scheme", "magic"], &["magic", "second-difference"]),
-        (&["--accuracy", "1e-8", "--memory-gb", "0.01"], &["is not reached", "0.01 GB", "ask for less accuracy"]),
+        (
+            &["--accuracy", "1e-8", "--memory-gb", "0.01"],
+            &["is not reached", "0.01 GB", "ask for less accuracy"],
+        ),
     ] {
         refuses_text("case.json", &text, options, words);
     }
@@ -160,7 +187,12 @@ fn options_out_of_range_are_told_what_to_try() {
 #[test]
 fn a_diverging_series_says_what_to_use_instead() {
     let strong = with("/spheres/0/eta", json!([4.0, 0]));
-    refuses_text("case.json", &strong, &["--solver", "born", "--nxy", "12", "--nz", "12"], &["born diverges", "krylov"]);
+    refuses_text(
+        "case.json",
+        &strong,
+        &["--solver", "born", "--nxy", "12", "--nz", "12"],
+        &["born diverges", "krylov"],
+    );
 }
 
 fn solved(text: &str, name: &str, options: &[&str]) -> Value {
@@ -172,9 +204,24 @@ fn solved(text: &str, name: &str, options: &[&str]) -> Value {
 }
 
 const KEYS: [&str; 18] = [
-    "orders", "R_total", "T_total", "A_total", "error_estimate", "error_estimate_parts", "energy_error", "solver",
-    "residual", "steps", "operator_applications", "seconds", "seconds_setup", "seconds_estimate", "unknowns", "bytes",
-    "resolution", "version",
+    "orders",
+    "R_total",
+    "T_total",
+    "A_total",
+    "error_estimate",
+    "error_estimate_parts",
+    "energy_error",
+    "solver",
+    "residual",
+    "steps",
+    "operator_applications",
+    "seconds",
+    "seconds_setup",
+    "seconds_estimate",
+    "unknowns",
+    "bytes",
+    "resolution",
+    "version",
 ];
 
 #[test]

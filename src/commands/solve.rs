@@ -72,6 +72,11 @@ impl From<SchemeName> for Scheme {
 pub fn run(args: &SolveArgs) -> Result<()> {
     check(args)?;
     let case = Case::read(&args.case).into_diagnostic()?;
+    if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
+        miette::bail!(
+            "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
+        );
+    }
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
         scene: &case.scene,

@@ -70,9 +70,11 @@ fn restarts_and_guesses_lead_to_the_same_field() {
     let problem = problem([7, 5, 3], Scheme::Cubic, Complex64::from(2.5), Side::Above);
     let goal = Goal { tolerance: 1e-12, ..Goal::default() };
     let whole = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges");
-    let short = Gmres { restart: 5, ..Gmres::default() }.solve(&problem, goal, &mut Silent).expect("converges");
+    let short =
+        Gmres { restart: 5, ..Gmres::default() }.solve(&problem, goal, &mut Silent).expect("converges");
     assert!(largest(&whole.field, &short.field) < 1e-10);
-    let again = Gmres::default().solve_from(&problem, Some(&whole.field), goal, &mut Silent).expect("converges");
+    let again =
+        Gmres::default().solve_from(&problem, Some(&whole.field), goal, &mut Silent).expect("converges");
     // A converged guess costs the one application that measures it.
     assert_eq!((again.account.steps, again.account.operator_applications), (0, 1));
 }

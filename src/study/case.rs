@@ -180,7 +180,10 @@ const SYNTAX: &str = "give the `inputs` of a reference case as JSON, or as TOML 
 fn misfit<E: std::fmt::Display>(error: serde_path_to_error::Error<E>) -> CaseError {
     let place = error.path().to_string();
     let message = if place == "." { String::new() } else { format!("at `{place}`: ") };
-    unreadable(format!("{message}{}", error.inner()), "correct that entry; lengths in µm, indices [real, imaginary]")
+    unreadable(
+        format!("{message}{}", error.inner()),
+        "correct that entry; lengths in µm, indices [real, imaginary]",
+    )
 }
 
 fn unreadable(message: String, remedy: &'static str) -> CaseError {

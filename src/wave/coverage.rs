@@ -32,6 +32,8 @@ pub struct Coverage {
     pub folded: Vec<Array2<f64>>,
     /// Per channel, mean of χ over each cell of the grid.
     pub fractions: Vec<Vec<f64>>,
+    /// Along which axes nothing changes, so that one point is enough.
+    pub uniform: [bool; 2],
     /// Seconds spent here.
     pub seconds: f64,
 }
@@ -72,6 +74,7 @@ impl Coverage {
             pairs,
             folded,
             fractions,
+            uniform: [scene.uniform_in_plane(), scene.uniform_in_y()],
             seconds: clock.elapsed().as_secs_f64(),
         })
     }

@@ -96,7 +96,9 @@ fn a_balls_fractions_are_its_segments_volumes() {
 #[test]
 fn a_balls_coefficients_are_bessel_functions() {
     let b = ball([0.1, 0.5, 0.31], 0.22);
-    for (scheme, cells) in [(Scheme::Tents, 6), (Scheme::Quadratic, 3), (Scheme::Cubic, 2), (Scheme::Quartic, 1)] {
+    for (scheme, cells) in
+        [(Scheme::Tents, 6), (Scheme::Quadratic, 3), (Scheme::Cubic, 2), (Scheme::Quartic, 1)]
+    {
         let c = coverage(Shape::Balls(vec![b]), 9, 8, cells, scheme);
         for plane in 0..c.grid.planes() {
             for order in [[0, 0], [1, 0], [0, -1], [-4, 3], [3, 2], [4, -3]] {
@@ -131,7 +133,8 @@ fn overlapping_balls_of_one_grain_count_once() {
 
 #[test]
 fn a_unions_coefficients_agree_with_a_fine_voxel_sum() {
-    let balls = vec![ball([0.75, 0.5, 0.2], 0.17), ball([0.88, 0.58, 0.3], 0.15), ball([0.7, 0.6, 0.35], 0.1)];
+    let balls =
+        vec![ball([0.75, 0.5, 0.2], 0.17), ball([0.88, 0.58, 0.3], 0.15), ball([0.7, 0.6, 0.35], 0.1)];
     let c = coverage(Shape::Balls(balls.clone()), 8, 9, 1, Scheme::Tents);
     let n = 160;
     let orders = [[0, 0], [1, 0], [0, 1], [-2, 3], [3, -4]];
@@ -140,8 +143,10 @@ fn a_unions_coefficients_agree_with_a_fine_voxel_sum() {
         let [x, y, z] = [i % n, i / n % n, i / n / n].map(|i| (i as f64 + 0.5) / n as f64);
         let nearest = |d: f64, period: f64| d - period * (d / period).round();
         let inside = |b: &Ball| {
-            let d = [x * PERIOD[0] - b.center_um[0], y * PERIOD[1] - b.center_um[1], z * HEIGHT - b.center_um[2]];
-            nearest(d[0], PERIOD[0]).powi(2) + nearest(d[1], PERIOD[1]).powi(2) + d[2] * d[2] < b.radius_um.powi(2)
+            let d =
+                [x * PERIOD[0] - b.center_um[0], y * PERIOD[1] - b.center_um[1], z * HEIGHT - b.center_um[2]];
+            nearest(d[0], PERIOD[0]).powi(2) + nearest(d[1], PERIOD[1]).powi(2) + d[2] * d[2]
+                < b.radius_um.powi(2)
         };
         if balls.iter().any(inside) {
             for (s, [m, k]) in orders.iter().enumerate() {
@@ -221,7 +226,8 @@ fn grains_of_different_media_and_strata_make_channels() {
         strata: vec![stratum(0), stratum(1)],
         bodies: vec![body(0.3, 1), body(0.12, 0)],
     };
-    let c = Coverage::new(&scene, Resolution { nx: 8, ny: 8, cells: 4, scheme: Scheme::Cubic }).expect("coverage");
+    let c = Coverage::new(&scene, Resolution { nx: 8, ny: 8, cells: 4, scheme: Scheme::Cubic })
+        .expect("coverage");
     let pairs: Vec<_> = c.channels.iter().map(|c| (c.background, c.inclusion)).collect();
     assert_eq!(pairs, [(0, 1), (1, 1), (0, 0)]);
     let half = 2.0 / 3.0 * PI * 1e-3 / (PERIOD[0] * PERIOD[1]);

@@ -74,8 +74,9 @@ fn bubbles_vanish_at_the_nodes_and_have_unit_stiffness() {
 fn bubbles_are_orthogonal_in_mass() {
     for degree in 2..=MAX_DEGREE {
         let (lambda, modes) = bubble_modes(degree - 1, &rule());
-        let value =
-            |k: usize, t: f64| modes[k].iter().enumerate().map(|(i, c)| c * integrated_legendre(i + 1, t)).sum::<f64>();
+        let value = |k: usize, t: f64| {
+            modes[k].iter().enumerate().map(|(i, c)| c * integrated_legendre(i + 1, t)).sum::<f64>()
+        };
         for a in 0..degree - 1 {
             for b in 0..degree - 1 {
                 let mass = rule().integrate(0.0, 1.0, |t| value(a, t) * value(b, t));

@@ -48,7 +48,8 @@ fn exact_scheme_annihilates_the_mean_mediums_solutions() {
             let rows = a.apply(&u, [&[Complex64::ONE], &[Complex64::ONE]]);
             let off = NodeCoefficients::new(kz2, grid.height_um(0), scheme).off.norm();
             for j in 1..grid.cells() {
-                let local = (j - 1..=j + 1).map(|i| u[[grid.element.degree * i, 0]].norm()).fold(0.0, f64::max);
+                let local =
+                    (j - 1..=j + 1).map(|i| u[[grid.element.degree * i, 0]].norm()).fold(0.0, f64::max);
                 let row = rows[[grid.element.degree * j, 0]].norm();
                 // Identity: three terms of size off·u, a few units of rounding each.
                 assert!(row <= 2e-14 * off * local, "{scheme:?}, kz² = {kz2}, row {j}: {row:e}");

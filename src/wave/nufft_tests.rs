@@ -17,8 +17,9 @@ fn transform(mmax: usize, nmax: usize, sources: &[([f64; 2], Complex64)]) -> (So
 }
 
 fn direct(m: i32, n: i32, sources: &[([f64; 2], Complex64)]) -> Complex64 {
-    let term =
-        |&([x, y], c): &([f64; 2], Complex64)| c * Complex64::cis(-TAU * (f64::from(m) * x + f64::from(n) * y));
+    let term = |&([x, y], c): &([f64; 2], Complex64)| {
+        c * Complex64::cis(-TAU * (f64::from(m) * x + f64::from(n) * y))
+    };
     sources.iter().map(term).sum()
 }
 

@@ -96,7 +96,13 @@ fn means_differ_but_the_layer_is_the_same() {
     // Whatever is taken into the mean is left out of the contrast: A + V differs only by discretisation.
     let build = |mean: Mean| {
         let resolution = Resolution { nx: 5, ny: 5, cells: 2, scheme: Scheme::Cubic };
-        Problem::from_scene(&scene(), &media(Complex64::new(1.4, 0.2)), &incidence(0.0, 0.0), resolution, mean)
+        Problem::from_scene(
+            &scene(),
+            &media(Complex64::new(1.4, 0.2)),
+            &incidence(0.0, 0.0),
+            resolution,
+            mean,
+        )
     };
     for depends_on_z in [false, true] {
         for absorbing in [false, true] {
@@ -111,7 +117,10 @@ fn means_differ_but_the_layer_is_the_same() {
 #[test]
 fn what_cannot_be_solved_is_refused_with_a_remedy() {
     let refusal = |media: Media, light: Incidence, resolution: Resolution| {
-        Problem::from_scene(&scene(), &media, &light, resolution, Mean::default()).err().expect("a refusal").to_string()
+        Problem::from_scene(&scene(), &media, &light, resolution, Mean::default())
+            .err()
+            .expect("a refusal")
+            .to_string()
     };
     let fine = Resolution { nx: 5, ny: 5, cells: 2, scheme: Scheme::Cubic };
     let pigment = Complex64::new(1.4, 0.1);

@@ -182,7 +182,11 @@ impl Scene {
                 // Touching grains may overlap by the rounding of their coordinates.
                 if overlap_um > 1e-9 * self.period_um[0] {
                     let between = WaveError::Overlap { first: i, second: j, overlap_um };
-                    return Err(if i == j { WaveError::OverlapsImage { body: i, overlap_um } } else { between });
+                    return Err(if i == j {
+                        WaveError::OverlapsImage { body: i, overlap_um }
+                    } else {
+                        between
+                    });
                 }
             }
         }

@@ -71,11 +71,9 @@ impl Reference {
             assert!(!expected.propagating, "{}: order ({}, {}) is missing", self.id, expected.m, expected.n);
             return 0.0;
         };
-        let difference = |a: Complex64, b: Option<[f64; 2]>| {
-            b.map_or(0.0, |[re, im]| (a - Complex64::new(re, im)).norm())
-        };
-        difference(own.reflected, expected.reflected)
-            .max(difference(own.transmitted, expected.transmitted))
+        let difference =
+            |a: Complex64, b: Option<[f64; 2]>| b.map_or(0.0, |[re, im]| (a - Complex64::new(re, im)).norm());
+        difference(own.reflected, expected.reflected).max(difference(own.transmitted, expected.transmitted))
     }
 
     pub fn is_uniform(&self) -> bool {

@@ -37,9 +37,8 @@ fn every_case_is_as_accurate_as_asked_and_the_estimates_are_honest() {
         let residual = row.solved.solution.account.residual;
         assert!(row.solved.far_field.energy_error().abs() <= 10.0 * residual, "{}", row.id);
     }
-    let share = |holds: &dyn Fn(&Row) -> bool| {
-        rows.iter().filter(|r| holds(r)).count() as f64 / rows.len() as f64
-    };
+    let share =
+        |holds: &dyn Fn(&Row) -> bool| rows.iter().filter(|r| holds(r)).count() as f64 / rows.len() as f64;
     // The stated promise: nine cases of ten either way.
     assert!(share(&|r| r.estimate >= r.error) >= 0.9);
     assert!(share(&|r| r.estimate <= 30.0 * r.error) >= 0.9);

@@ -34,7 +34,8 @@ fn every_scheme_has_its_order_across_an_ink_layer() {
     let cubic = errors(Scheme::Cubic);
     assert_slope("cubic", &cubic, 3.8, 5.2);
     let quartic = errors_across(ink, 57, &cells[..3], Scheme::Quartic);
-    for ((tents, quadratic), (cubic, quartic)) in tents.iter().zip(&quadratic).zip(cubic.iter().zip(&quartic)) {
+    for ((tents, quadratic), (cubic, quartic)) in tents.iter().zip(&quadratic).zip(cubic.iter().zip(&quartic))
+    {
         assert!(tents.1 > quadratic.1 && quadratic.1 > cubic.1 && cubic.1 > quartic.1, "higher is better");
     }
 }

@@ -205,7 +205,8 @@ fn moving_the_grains_turns_the_phases_of_the_orders() {
         let p = order(&moved.far, o.m, o.n);
         let turn = -TAU * (f64::from(o.m) * shift[0] / period[0] + f64::from(o.n) * shift[1] / period[1]);
         let phase = Complex64::cis(turn);
-        let error = (o.reflected * phase - p.reflected).norm().max((o.transmitted * phase - p.transmitted).norm());
+        let error =
+            (o.reflected * phase - p.reflected).norm().max((o.transmitted * phase - p.transmitted).norm());
         assert!(error < TWO_SOLVES, "({}, {}): {error:e}", o.m, o.n);
     }
 }

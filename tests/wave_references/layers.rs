@@ -158,7 +158,8 @@ fn half_spaces_of_different_index_follow_fresnel_and_airy() {
                     Media { above: ends[0], below: ends[1], backgrounds: vec![n[1]], inclusions: vec![] };
                 let incidence = Incidence { wavelength_um: 0.53, polar_deg, azimuth_deg: 117.0, from };
                 let case = Case { scene, media, incidence };
-                let solved = solve_at(&case, Resolution { nx: 3, ny: 2, cells: 2, scheme: Scheme::Cubic }, 1e-12);
+                let solved =
+                    solve_at(&case, Resolution { nx: 3, ny: 2, cells: 2, scheme: Scheme::Cubic }, 1e-12);
                 let own = solved.far.specular();
                 let [reflected, transmitted] = airy(n, 0.43, 0.53, polar_deg);
                 let error = (own.reflected - reflected).norm().max((own.transmitted - transmitted).norm());
@@ -214,7 +215,9 @@ fn films_of_zero_thickness_change_nothing() {
     let thin = amplitudes(&[(0.3, 1.4), (1e-7, 2.0), (0.2, 1.6)]);
     let difference = largest_difference(&plain, &thin, |m, n| (m, n));
     assert!(difference > 0.0 && difference < 1e-5, "{difference:e}");
-    for (layers, word) in [(vec![(0.0, 1.4)], "thickness"), (vec![], "layers_from_z0"), (vec![(-0.1, 1.4)], "thickness")] {
+    for (layers, word) in
+        [(vec![(0.0, 1.4)], "thickness"), (vec![], "layers_from_z0"), (vec![(-0.1, 1.4)], "thickness")]
+    {
         let error = parse(&layers).expect_err("nothing is left").to_string();
         assert!(error.contains(word), "{error}");
     }
