@@ -16,12 +16,14 @@ struct Cli {
 enum Command {
     /// Run a study: packings, wave solves, colour, picture and report.
     Run(commands::run::RunArgs),
+    Pack(commands::pack::PackArgs),
     Solve(commands::solve::SolveArgs),
 }
 
 fn main() -> miette::Result<()> {
     match Cli::parse().command {
         Command::Run(args) => commands::run::run(&args),
+        Command::Pack(args) => commands::pack::run(&args),
         Command::Solve(args) => commands::solve::run(&args),
     }
 }

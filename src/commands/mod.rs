@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 pub mod diagnostics;
+pub mod pack;
 pub mod progress;
 pub mod run;
 pub mod solve;

@@ -1,4 +1,9 @@
 //! What is there: materials, grain shapes, packings and their statistics (no grid, no wave).
+//!
+//! A [`PackingRequest`] is drawn into rigid bodies (`plan`), which [`pack`] places by random sequential addition
+//! (`sequential`) or relaxation of overlaps (`relaxation`) and, if asked, equilibrates (`monte_carlo`). The result
+//! passes an all-pairs check that shares no code with them (`overlap`) before it becomes a [`Packing`]; a
+//! [`Relief`] may then lower the binder. [`statistics`] and [`output`] only read packings.
 
 pub mod agglomeration;
 mod bodies;

@@ -99,6 +99,11 @@ impl Relief {
         (1.0 - v) * ((1.0 - u) * h(i0, j0) + u * h(i1, j0)) + v * ((1.0 - u) * h(i0, j1) + u * h(i1, j1))
     }
 
+    /// Points of the height grid along x and y.
+    pub fn count(&self) -> [usize; 2] {
+        self.count
+    }
+
     pub fn rule(&self) -> ReliefRule {
         self.rule
     }

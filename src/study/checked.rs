@@ -124,13 +124,14 @@ impl Study {
         PackingRequest { stream: realisation as u64, ..self.packing.clone() }
     }
 
-    /// Indices at one wavelength.
+    /// Indices at one wavelength; the inclusion after the last pigment is what lies above a relief.
     pub fn media(&self, wavelength: usize) -> Media {
+        let above = self.layer.index_above.into();
         Media {
-            above: self.layer.index_above.into(),
+            above,
             below: self.layer.index_below.into(),
             backgrounds: vec![self.layer.binder.index[wavelength]],
-            inclusions: self.pigments.iter().map(|p| p.material.index[wavelength]).collect(),
+            inclusions: self.pigments.iter().map(|p| p.material.index[wavelength]).chain([above]).collect(),
         }
     }
 

@@ -41,6 +41,15 @@ pub struct Coverage {
 /// Coefficients of one cell: channel → plane of the cell → harmonics.
 pub(super) type CellCoefficients = Vec<Vec<Vec<Complex64>>>;
 
+/// What the columns of one cell need to know.
+pub(super) struct CellColumns<'a> {
+    pub range_um: [f64; 2],
+    pub element: &'a super::element::Element,
+    pub orders: &'a [[i32; 2]],
+    /// Largest |m| and |n|.
+    pub widest: [usize; 2],
+}
+
 struct Builder<'a> {
     scene: &'a Scene,
     grid: &'a Grid,
@@ -121,6 +130,17 @@ impl<'a> Builder<'a> {
         Builder { scene, grid, channels, harmonics, transform: SourceTransform::new(mmax, nmax), kmax }
     }
 
+    fn columns(&self, cell: usize) -> CellColumns<'_> {
+        let largest =
+            |i: usize| self.harmonics.orders.iter().map(|o| o[i].unsigned_abs() as usize).max().unwrap_or(0);
+        CellColumns {
+            range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]],
+            element: &self.grid.element,
+            orders: &self.harmonics.orders,
+            widest: [largest(0), largest(1)],
+        }
+    }
+
     fn cell(&self, cell: usize) -> CellCoefficients {
         let here = |c: &Channel| c.background == self.grid.background[cell];
         let zero =
@@ -165,6 +185,10 @@ impl<'a> CellSum<'a> {
     }
 
     fn add_body(&mut self, body: &Body, range: [f64; 2]) {
+        if let super::Shape::Above { surface, balls } = &body.shape {
+            let columns = self.builder.columns(self.cell);
+            return super::relief::add_vacuum(surface, balls, &columns, &mut self.direct);
+        }
         let mut heights = std::mem::take(&mut self.heights);
         let degree = self.builder.grid.element.degree;
         section::heights(&body.shape, range, self.builder.kmax, degree, &mut heights);

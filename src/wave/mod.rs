@@ -16,6 +16,7 @@ pub mod mean;
 pub mod nufft;
 pub mod packed;
 pub mod problem;
+mod relief;
 pub mod scene;
 pub mod section;
 
@@ -25,4 +26,4 @@ pub use far_field::{FarField, Order};
 pub use grid::{Grid, Resolution, Scheme};
 pub use incidence::{Incidence, Side};
 pub use problem::{Field, Mean, Problem};
-pub use scene::{Ball, Body, Media, Scene, Shape, Stratum};
+pub use scene::{Ball, Body, HeightField, Media, Scene, Shape, Stratum};

@@ -1,19 +1,38 @@
 //! From a packing to the scene that the wave sees.
 
+use super::scene::HeightField;
 use super::{Ball, Body, Scene, Shape};
-use crate::ink::{Grain, Packing};
+use crate::ink::{Grain, Packing, Relief};
 
 impl Scene {
-    /// One stratum of binder (background 0) with one body per grain; pigment i is inclusion i.
+    /// One stratum of binder (background 0) with one body per grain; pigment i is inclusion i, and vacuum above a
+    /// relief is the inclusion after the last pigment.
     ///
     /// The packing has proven that no grains overlap, so the quadratic check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {
-        let bodies = packing.grains().iter().map(body).collect();
+        let mut bodies: Vec<Body> = packing.grains().iter().map(body).collect();
+        if let Some(relief) = packing.relief() {
+            let shape = vacuum(packing, relief);
+            bodies.push(Body { shape, inclusion: packing.shares().len() });
+        }
         Scene::layer(packing.period_um(), packing.thickness_um(), bodies)
     }
 }
 
+fn balls(grain: &Grain) -> Vec<Ball> {
+    grain.spheres.iter().map(|s| Ball { center_um: s.center_um, radius_um: s.radius_um }).collect()
+}
+
 fn body(grain: &Grain) -> Body {
-    let ball = |s: &crate::ink::Sphere| Ball { center_um: s.center_um, radius_um: s.radius_um };
-    Body { shape: Shape::Balls(grain.spheres.iter().map(ball).collect()), inclusion: grain.pigment }
+    Body { shape: Shape::Balls(balls(grain)), inclusion: grain.pigment }
+}
+
+/// The surface at the relief's own points, as z = H − height.
+fn vacuum(packing: &Packing, relief: &Relief) -> Shape {
+    let (period_um, count) = (packing.period_um(), relief.count());
+    let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
+    let z = |k: usize| packing.surface_z_um(at(k % count[0], 0), at(k / count[0], 1)).max(0.0);
+    let z_um = (0..count[0] * count[1]).map(z).collect();
+    let surface = HeightField { z_um, count, period_um };
+    Shape::Above { surface, balls: packing.grains().iter().flat_map(balls).collect() }
 }

@@ -19,8 +19,18 @@ pub enum Shape {
     CylinderY { x_um: f64, z_um: f64, radius_um: f64 },
     /// Infinite rectangular bar along y.
     BarY { x_um: [f64; 2], z_um: [f64; 2] },
+    /// Everything above a rough surface except the given balls: vacuum over a relief.
+    Above { surface: HeightField, balls: Vec<Ball> },
     /// Whole sheet between two heights (a stratum that the grid need not resolve).
     Sheet { z_um: [f64; 2] },
+}
+
+/// A periodic surface z(x, y) in µm on a grid of points (x fastest), bilinear between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    pub z_um: Vec<f64>,
+    pub count: [usize; 2],
+    pub period_um: [f64; 2],
 }
 
 /// A body of the material `inclusion` (an index into [`Media::inclusions`]).
@@ -69,7 +79,7 @@ impl Scene {
 
     /// True when nothing depends on y, so that only orders n = 0 exist.
     pub fn uniform_in_y(&self) -> bool {
-        !self.bodies.iter().any(|b| matches!(b.shape, Shape::Balls(_)))
+        !self.bodies.iter().any(|b| matches!(b.shape, Shape::Balls(_) | Shape::Above { .. }))
     }
 
     /// True when nothing depends on x either: a stack of homogeneous films.
@@ -99,6 +109,7 @@ impl Body {
                 [lo.min(b.center_um[2] - b.radius_um), hi.max(b.center_um[2] + b.radius_um)]
             }),
             Shape::CylinderY { z_um, radius_um, .. } => [z_um - radius_um, z_um + radius_um],
+            Shape::Above { surface, .. } => [0.0, surface.deepest_um()],
             Shape::BarY { z_um, .. } | Shape::Sheet { z_um } => *z_um,
         }
     }

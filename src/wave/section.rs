@@ -65,6 +65,7 @@ fn breakpoints(shape: &Shape, [lo, hi]: [f64; 2]) -> Vec<f64> {
         }
         Shape::CylinderY { z_um, radius_um, .. } => breaks.extend([z_um - radius_um, z_um + radius_um]),
         Shape::BarY { z_um, .. } | Shape::Sheet { z_um } => breaks.extend(z_um),
+        Shape::Above { .. } => {}
     }
     let (first, last) = body_range(shape);
     breaks.retain(|&z| z >= lo.max(first) && z <= hi.min(last));
@@ -101,7 +102,8 @@ pub fn cut<'a>(shape: &Shape, z: f64, kmax: f64, buffer: &'a mut Vec<EdgePoint>)
             Cut::Strip([x_um - half, x_um + half])
         }
         Shape::BarY { x_um, .. } => Cut::Strip(*x_um),
-        Shape::Sheet { .. } => Cut::Everything,
+        // What lies above a rough surface is summed in columns, not in cuts.
+        Shape::Sheet { .. } | Shape::Above { .. } => Cut::Everything,
     }
 }
 
