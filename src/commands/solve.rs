@@ -19,7 +19,7 @@ pub struct SolveArgs {
     /// Case file; an object that holds the case as `inputs` is accepted too
     case: PathBuf,
     /// Largest amplitude error accepted: chooses the resolution (default 1e-3 unless --nxy and --nz are given)
-    #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"])]
+    #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"], allow_negative_numbers = true)]
     accuracy: Option<f64>,
     /// Strategy: krylov, born
     #[arg(long, default_value = "krylov")]
@@ -31,7 +31,7 @@ pub struct SolveArgs {
     #[arg(long, value_name = "CELLS")]
     nz: Option<usize>,
     /// Relative residual to reach
-    #[arg(long, default_value_t = 1e-6)]
+    #[arg(long, default_value_t = 1e-6, allow_negative_numbers = true)]
     tolerance: f64,
     /// Discretisation in z
     #[arg(long, value_enum, default_value_t = SchemeName::Cubic)]
@@ -72,6 +72,11 @@ impl From<SchemeName> for Scheme {
 pub fn run(args: &SolveArgs) -> Result<()> {
     check(args)?;
     let case = Case::read(&args.case).into_diagnostic()?;
+    if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
+        miette::bail!(
+            "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
+        );
+    }
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
         scene: &case.scene,

@@ -59,7 +59,7 @@ pub enum AccuracyError {
     Solve(#[from] SolveError),
     #[error(
         "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
-         and the next finer grid would need {need_gb:.1} GB of the {allowed_gb:.1} GB allowed; ask for less accuracy, \
+         and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
          a smaller cell, or more memory"
     )]
     NotReached { asked: f64, reached: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
@@ -93,7 +93,8 @@ impl Task<'_> {
         let clock = std::time::Instant::now();
         let mut parts = [0.0; 2];
         if problem.has_contrast() {
-            let plane = [scaled_plane(resolution, COMPANION), scaled_plane(resolution, 1.0 / COMPANION)];
+            let uniform = problem.coverage.uniform;
+            let plane = [COMPANION, 1.0 / COMPANION].map(|factor| scaled_plane(resolution, factor, uniform));
             let across = [scaled_cells(resolution, COMPANION), scaled_cells(resolution, 1.0 / COMPANION)];
             parts[0] = if self.scene.uniform_in_plane() {
                 0.0
@@ -235,16 +236,17 @@ pub fn smooth_size(n: usize) -> usize {
     (n.max(2)..).find(|&n| crate::wave::nufft::is_smooth(n)).expect("smooth numbers are unbounded")
 }
 
-fn scaled_plane(r: Resolution, factor: f64) -> Resolution {
-    let scale = |n: usize| match n {
-        1 => 1,
+fn scaled_plane(r: Resolution, factor: f64, uniform: [bool; 2]) -> Resolution {
+    let scale = |n: usize, uniform: bool| match n {
+        n if uniform => n,
+        1 if factor > 1.0 => 3,
         n if factor > 1.0 => smooth_size((n as f64 * factor).ceil() as usize),
         n => (2..n)
             .rev()
             .find(|&k| (k as f64) <= n as f64 * factor && crate::wave::nufft::is_smooth(k))
             .unwrap_or(n),
     };
-    Resolution { nx: scale(r.nx), ny: scale(r.ny), ..r }
+    Resolution { nx: scale(r.nx, uniform[0]), ny: scale(r.ny, uniform[1]), ..r }
 }
 
 fn scaled_cells(r: Resolution, factor: f64) -> Resolution {

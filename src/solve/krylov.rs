@@ -145,3 +145,7 @@ fn subtract(w: &mut [Complex64], column: &[Complex64], basis: &[Vec<Complex64>])
     let negative: Vec<Complex64> = column.iter().map(|c| -c).collect();
     add_combination(w, &negative, basis)
 }
+
+#[cfg(test)]
+#[path = "krylov_tests.rs"]
+mod tests;

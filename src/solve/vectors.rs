@@ -111,3 +111,7 @@ fn square_chunk(v: &[Complex64]) -> f64 {
 fn doubles(v: &[Complex64]) -> &[f64] {
     bytemuck::cast_slice(v)
 }
+
+#[cfg(test)]
+#[path = "vectors_tests.rs"]
+mod tests;

@@ -91,8 +91,10 @@ pub struct BarInput {
 pub enum CaseError {
     #[error("cannot read {path}: {source}; check the path and its permissions")]
     Read { path: String, source: std::io::Error },
-    #[error("{path} is not a case: {message}")]
-    Parse { path: String, message: String },
+    #[error("{path} is not a case: {message}; {remedy}")]
+    Parse { path: String, message: String, remedy: &'static str },
+    #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
+    Range { field: String, value: f64, allowed: String, remedy: String },
     #[error("{field}: {found}; {remedy}")]
     Field { field: String, found: String, remedy: String },
     #[error(transparent)]
@@ -115,25 +117,20 @@ impl Case {
             std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: name.clone(), source })?;
         let toml = path.extension().is_some_and(|e| e == "toml");
         Case::parse(&text, toml).map_err(|error| match error {
-            CaseError::Parse { message, .. } => CaseError::Parse { path: name, message },
+            CaseError::Parse { message, remedy, .. } => CaseError::Parse { path: name, message, remedy },
             other => other,
         })
     }
 
     /// Parses JSON, or TOML when `toml` is set.
     pub fn parse(text: &str, toml: bool) -> Result<Case, CaseError> {
-        let fail = |message: String| CaseError::Parse { path: "the text".into(), message };
-        let value: serde_json::Value = if toml {
-            toml::from_str(text).map_err(|e| fail(e.to_string()))?
-        } else {
-            serde_json::from_str(text).map_err(|e| fail(e.to_string()))?
-        };
-        let inputs = value.get("inputs").cloned().unwrap_or(value);
-        Case::from_inputs(&serde_json::from_value(inputs).map_err(|e| fail(e.to_string()))?)
+        let inputs = if toml { from_toml(text)? } else { from_json(text)? };
+        Case::from_inputs(&inputs)
     }
 
     /// Checks the inputs and builds the scene.
     pub fn from_inputs(inputs: &CaseInputs) -> Result<Case, CaseError> {
+        super::case_checks::check(inputs)?;
         let mut builder = Builder::default();
         let strata = builder.strata(inputs)?;
         let scene = Scene {
@@ -159,6 +156,38 @@ impl Case {
         scene.check_overlaps()?;
         Ok(Case { scene, media, incidence })
     }
+}
+
+fn from_toml(text: &str) -> Result<CaseInputs, CaseError> {
+    let fail = |error: toml::de::Error| unreadable(error.to_string(), SYNTAX);
+    let table: toml::Table = toml::from_str(text).map_err(fail)?;
+    let inputs = table.get("inputs").cloned().unwrap_or(toml::Value::Table(table));
+    serde_path_to_error::deserialize(inputs).map_err(misfit)
+}
+
+fn from_json(text: &str) -> Result<CaseInputs, CaseError> {
+    let numbers = ["NaN", "Infinity"].iter().any(|word| text.contains(word));
+    let remedy = if numbers { "JSON knows neither NaN nor Infinity: give finite numbers" } else { SYNTAX };
+    let value: serde_json::Value =
+        serde_json::from_str(text).map_err(|e| unreadable(e.to_string(), remedy))?;
+    let inputs = value.get("inputs").cloned().unwrap_or(value);
+    serde_path_to_error::deserialize(inputs).map_err(misfit)
+}
+
+const SYNTAX: &str = "give the `inputs` of a reference case as JSON, or as TOML in a file that ends in .toml";
+
+/// A value of the wrong type or an unknown key, with its place.
+fn misfit<E: std::fmt::Display>(error: serde_path_to_error::Error<E>) -> CaseError {
+    let place = error.path().to_string();
+    let message = if place == "." { String::new() } else { format!("at `{place}`: ") };
+    unreadable(
+        format!("{message}{}", error.inner()),
+        "correct that entry; lengths in µm, indices [real, imaginary]",
+    )
+}
+
+fn unreadable(message: String, remedy: &'static str) -> CaseError {
+    CaseError::Parse { path: "the text".into(), message, remedy }
 }
 
 /// Collects distinct indices while bodies and strata are read.
@@ -208,11 +237,9 @@ impl Builder {
         let mut bodies = Vec::new();
         for s in inputs.spheres.iter().flatten() {
             let ball = Ball { center_um: s.center, radius_um: s.radius };
-            finite("spheres.center", &s.center)?;
             bodies.push(self.body(Shape::Balls(vec![ball]), s.eta));
         }
         for c in inputs.cylinders.iter().flatten() {
-            finite("cylinders.x", &[c.x, c.z])?;
             bodies.push(self.body(Shape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius }, c.eta));
         }
         let mut bottom = 0.0;
@@ -261,13 +288,6 @@ fn check_bar(bar: &BarInput, period: f64) -> Result<(), CaseError> {
         &found,
         &format!("x0 < x1 and a width of at most the period, {period} µm, are allowed"),
     ))
-}
-
-fn finite(name: &str, values: &[f64]) -> Result<(), CaseError> {
-    if values.iter().all(|v| v.is_finite()) {
-        return Ok(());
-    }
-    Err(field(name, &format!("{values:?}"), "give finite numbers in µm"))
 }
 
 /// The stated H must be the sum of the layers.

@@ -5,6 +5,7 @@
 //! distributions, ink on paper) → [`publish`](mod@publish) (`results.json`, tables, picture, page).
 
 pub mod case;
+mod case_checks;
 pub mod check;
 pub mod checked;
 pub mod crew;

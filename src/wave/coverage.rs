@@ -32,6 +32,8 @@ pub struct Coverage {
     pub folded: Vec<Array2<f64>>,
     /// Per channel, mean of χ over each cell of the grid.
     pub fractions: Vec<Vec<f64>>,
+    /// Along which axes nothing changes, so that one point is enough.
+    pub uniform: [bool; 2],
     /// Seconds spent here.
     pub seconds: f64,
 }
@@ -81,6 +83,7 @@ impl Coverage {
             pairs,
             folded,
             fractions,
+            uniform: [scene.uniform_in_plane(), scene.uniform_in_y()],
             seconds: clock.elapsed().as_secs_f64(),
         })
     }
@@ -265,3 +268,7 @@ fn add_edges(builder: &Builder, scratch: &super::fourier::PlaneScratch, plane: &
         *value += Complex64::I * (kx * normal_x + ky * normal_y) / ((kx * kx + ky * ky) * lx * ly);
     }
 }
+
+#[cfg(test)]
+#[path = "coverage_tests.rs"]
+mod tests;

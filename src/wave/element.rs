@@ -107,3 +107,7 @@ fn bubble_modes(count: usize, rule: &GaussLegendre) -> (Vec<f64>, Vec<Vec<f64>>)
     let modes = (0..count).map(|i| (0..count).map(|r| eigen.U()[(r, i)]).collect()).collect();
     (lambda, modes)
 }
+
+#[cfg(test)]
+#[path = "element_tests.rs"]
+mod tests;

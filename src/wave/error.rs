@@ -7,6 +7,8 @@ use thiserror::Error;
 pub enum WaveError {
     #[error("{field} is {value}; it must be finite and above 0")]
     NotPositive { field: String, value: f64 },
+    #[error("{field} is {value}; it must be a finite number")]
+    NotFinite { field: String, value: f64 },
     #[error(
         "body {body} reaches from z = {low_um} to {high_um} µm; it must lie within 0 … {thickness_um} µm: \
          move it or make the layer thicker"
@@ -34,6 +36,9 @@ pub enum WaveError {
         "bodies {first} and {second} overlap by {overlap_um:.3e} µm; grains must not overlap: move them apart"
     )]
     Overlap { first: usize, second: usize, overlap_um: f64 },
-    #[error("{0}")]
-    Unsupported(String),
+    #[error(
+        "body {body} overlaps its own periodic image by {overlap_um:.3e} µm; grains must not overlap: \
+         make the period larger or the grain smaller"
+    )]
+    OverlapsImage { body: usize, overlap_um: f64 },
 }

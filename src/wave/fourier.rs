@@ -121,3 +121,7 @@ fn used_rows(nx: usize, mmax: i32) -> Vec<std::ops::Range<usize>> {
     let m = mmax as usize;
     if m == 0 { vec![0..1] } else { vec![0..m + 1, nx - m..nx] }
 }
+
+#[cfg(test)]
+#[path = "fourier_tests.rs"]
+mod tests;

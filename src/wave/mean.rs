@@ -330,3 +330,7 @@ fn guarded_inverse(pivot: Complex64, scale: Complex64) -> Complex64 {
     let least = 1e-12 * scale.norm().max(1e-300);
     if pivot.norm() < least { Complex64::from(1.0 / least) } else { 1.0 / pivot }
 }
+
+#[cfg(test)]
+#[path = "mean_tests.rs"]
+mod tests;

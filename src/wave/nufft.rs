@@ -113,3 +113,7 @@ fn kernel_correction(mmax: usize, size: usize) -> Vec<f64> {
     };
     (0..=mmax).map(|m| 1.0 / transform(m)).collect()
 }
+
+#[cfg(test)]
+#[path = "nufft_tests.rs"]
+mod tests;

@@ -371,10 +371,12 @@ fn check_orders(coverage: &Coverage, media: &Media, lateral: &[[f64; 2]], k0: f6
     let sizes = [grid.resolution.nx, grid.resolution.ny];
     for axis in 0..2 {
         let step = TAU / grid.period_um[axis];
-        // Two-dimensional scenes have a single point along y on purpose.
-        let reach = lateral[0][axis].abs() + if sizes[axis] == 1 { 0.0 } else { k };
-        let order = (reach / step).floor() as i32;
-        if sizes[axis] > 1 && order > (sizes[axis] as i32 - 1) / 2 {
+        // Where nothing changes along an axis no light goes into its orders.
+        if coverage.uniform[axis] {
+            continue;
+        }
+        let order = ((lateral[0][axis].abs() + k) / step).floor() as i32;
+        if order > (sizes[axis] as i32 - 1) / 2 {
             let (m, n) = if axis == 0 { (order, 0) } else { (0, order) };
             let need = 2 * order as usize + 1;
             return Err(WaveError::GridTooCoarse { nx: sizes[0], ny: sizes[1], m, n, need });
@@ -382,3 +384,7 @@ fn check_orders(coverage: &Coverage, media: &Media, lateral: &[[f64; 2]], k0: f6
     }
     Ok(())
 }
+
+#[cfg(test)]
+#[path = "problem_tests.rs"]
+mod tests;

@@ -117,6 +117,7 @@ impl Body {
     fn check(&self, index: usize, height: f64) -> Result<(), WaveError> {
         let [lo, hi] = self.extent_um();
         let size = hi - lo;
+        self.check_lateral(index)?;
         positive(&format!("height of body {index} (µm)"), size)?;
         // A grain that touches a wall may stand out of it by the rounding of its coordinates.
         let slack = 1e-9 * height;
@@ -129,6 +130,22 @@ impl Body {
             });
         }
         Ok(())
+    }
+}
+
+impl Body {
+    /// Refuses lateral positions that are no numbers; they would only show as NaN in every amplitude.
+    fn check_lateral(&self, index: usize) -> Result<(), WaveError> {
+        let lateral: Vec<f64> = match &self.shape {
+            Shape::Balls(balls) => balls.iter().flat_map(|b| [b.center_um[0], b.center_um[1]]).collect(),
+            Shape::CylinderY { x_um, .. } => vec![*x_um],
+            Shape::BarY { x_um, .. } => x_um.to_vec(),
+            Shape::Sheet { .. } => Vec::new(),
+        };
+        lateral.into_iter().find(|x| !x.is_finite()).map_or(Ok(()), |value| {
+            let field = format!("lateral position of body {index} (µm)");
+            Err(WaveError::NotFinite { field, value })
+        })
     }
 }
 
@@ -175,7 +192,12 @@ impl Scene {
                 let overlap_um = self.overlap_um(a, b, i == j);
                 // Touching grains may overlap by the rounding of their coordinates.
                 if overlap_um > 1e-9 * self.period_um[0] {
-                    return Err(WaveError::Overlap { first: i, second: j, overlap_um });
+                    let between = WaveError::Overlap { first: i, second: j, overlap_um };
+                    return Err(if i == j {
+                        WaveError::OverlapsImage { body: i, overlap_um }
+                    } else {
+                        between
+                    });
                 }
             }
         }

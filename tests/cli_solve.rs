@@ -1,0 +1,275 @@
+//! `inkwave solve` from outside: what a good run prints, and what bad input is told.
+
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Folder {
+        Folder(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn file(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.path().join(name);
+        std::fs::write(&path, text).expect("a writable folder");
+        path
+    }
+}
+
+fn inkwave(path: &Path, options: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_inkwave"));
+    command.arg("solve").arg(path).args(options).output().expect("the program starts")
+}
+
+/// Standard error without the frame that the terminal report draws around it.
+fn message(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).replace(['│', '×', '╰', '─', '▶'], " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A good case: one absorbing sphere in a binder.
+fn good() -> Value {
+    json!({
+        "wavelength": 0.55, "sigma_deg": 20, "L": 0.5, "H": 0.6, "eta_binder": [1.558, 0],
+        "spheres": [{ "center": [0.2, 0.2, 0.3], "radius": 0.15, "eta": [1.4, 0.1] }]
+    })
+}
+
+/// The good case with one value changed (at a JSON pointer) or added (a key at the top).
+fn with(pointer: &str, value: Value) -> String {
+    let mut case = good();
+    match case.pointer_mut(pointer) {
+        Some(place) => *place = value,
+        None => case[&pointer[1..]] = value,
+    }
+    case.to_string()
+}
+
+/// The program refuses the text, and its message holds every word.
+fn refuses_text(name: &str, text: &str, options: &[&str], words: &[&str]) {
+    let folder = Folder::new();
+    refuses(&folder.file(name, text), options, words);
+}
+
+fn refuses(path: &Path, options: &[&str], words: &[&str]) {
+    let output = inkwave(path, options);
+    let message = message(&output);
+    assert!(!output.status.success(), "accepted, but {words:?} was expected: {message}");
+    assert!(output.stdout.is_empty(), "a refusal prints no result");
+    for word in words {
+        assert!(message.contains(word), "“{word}” is missing in: {message}");
+    }
+}
+
+#[test]
+fn numbers_out_of_range_name_field_value_range_and_remedy() {
+    let sphere = |x: f64, z: f64, r: f64| json!({ "center": [x, 0.2, z], "radius": r, "eta": [1.4, 0.1] });
+    for (pointer, value, words) in [
+        ("/wavelength", json!(0), ["wavelength is 0", "above 0", "give it in µm"]),
+        ("/wavelength", json!(-0.5), ["wavelength is -0.5", "above 0", "give it in µm"]),
+        ("/sigma_deg", json!(90), ["sigma_deg is 90", "0 ≤ sigma_deg < 90", "use 89 or less"]),
+        ("/L", json!(0), ["L is 0", "above 0", "give it in µm"]),
+        ("/H", json!(-1), ["H is -1", "above 0", "give it in µm"]),
+        ("/spheres/0/radius", json!(-0.1), ["spheres[0].radius is -0.1", "above 0", "µm"]),
+        (
+            "/spheres/0/eta",
+            json!([1.4, -0.1]),
+            ["spheres[0].eta (absorption) is -0.1", "0 or above", "change the sign"],
+        ),
+        ("/eta_binder", json!([0, 0]), ["eta_binder is 0", "other than 0", "[real part, absorption]"]),
+        ("/n_below", json!(-1), ["n_below (real part) is -1", "0 or above", "positive"]),
+        ("/spheres/0", sphere(0.2, 0.1, 0.15), ["spheres[0]", "from z = -0.05", "layer is 0 … 0.6"]),
+        ("/spheres/0", sphere(0.2, 0.3, 0.28), ["own periodic image", "6.000e-2", "period larger"]),
+        (
+            "/spheres",
+            json!([sphere(0.1, 0.3, 0.1), sphere(0.2, 0.3, 0.1)]),
+            ["bodies 0 and 1", "1.000e-1", "apart"],
+        ),
+        ("/eta_below", json!([1, 0]), ["n_below", "twice", "one of them"]),
+    ] {
+        let mut text = with(pointer, value);
+        if pointer == "/eta_below" {
+            text = text.replacen('{', "{\"n_below\": 1.0, ", 1);
+        }
+        refuses_text("case.json", &text, &[], &words);
+    }
+}
+
+#[test]
+fn numbers_that_are_none_are_refused_in_json_and_toml() {
+    let text = good().to_string().replace("0.15", "NaN");
+    refuses_text("case.json", &text, &[], &["NaN nor Infinity", "finite numbers"]);
+    let toml = "wavelength = 0.55\nL = 0.5\nH = 0.6\neta_binder = [1.558, 0.0]\n\n[[spheres]]\n";
+    let sphere = "center = [0.2, 0.2, 0.3]\nradius = nan\neta = [1.4, 0.1]\n";
+    refuses_text(
+        "case.toml",
+        &format!("{toml}{sphere}"),
+        &[],
+        &["spheres[0].radius is NaN", "above 0 and finite"],
+    );
+    let center = sphere.replace("nan", "0.1").replace("[0.2,", "[inf,");
+    refuses_text(
+        "case.toml",
+        &format!("{toml}{center}"),
+        &[],
+        &["spheres[0].center[0] is inf", "finite number"],
+    );
+}
+
+#[test]
+fn entries_that_do_not_fit_are_named_with_their_place() {
+    for (text, words) in [
+        (with("/colour", json!("red")), vec!["unknown field `colour`", "`wavelength`", "correct that entry"]),
+        (
+            with("/spheres/0/radius", json!(null)),
+            vec!["spheres[0].radius", "expected f64", "correct that entry"],
+        ),
+        (with("/spheres/0/radius", json!("big")), vec!["spheres[0].radius", "\"big\"", "correct that entry"]),
+        (with("/spheres/0/center", json!([1, 2])), vec!["spheres[0].center", "array of length 3"]),
+        (with("/layers_from_z0", json!([])), vec!["eta_binder", "layers_from_z0", "in one way"]),
+        (json!({ "wavelength": 0.5 }).to_string(), vec!["eta_binder", "layers_from_z0", "in one way"]),
+        (json!({ "L": 0.5 }).to_string(), vec!["missing field `wavelength`"]),
+        (
+            json!({ "wavelength": 0.5, "eta_binder": [1.5, 0] }).to_string(),
+            vec!["H: missing", "thickness in µm"],
+        ),
+        ("{ \"wavelength\": ".into(), vec!["is not a case", "EOF", "reference case"]),
+        (String::new(), vec!["is not a case", "reference case"]),
+    ] {
+        refuses_text("case.json", &text, &[], &words);
+    }
+}
+
+#[test]
+fn both_a_binder_and_layers_are_one_too_many() {
+    let text = with("/layers_from_z0", json!([{ "thickness": 0.6, "eta": [1.5, 0] }]));
+    refuses_text("case.json", &text, &[], &["exactly one of `eta_binder`, `layers_from_z0`", "in one way"]);
+}
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    let folder = Folder::new();
+    let absent = folder.0.path().join("absent.json");
+    refuses(&absent, &[], &["cannot read", "absent.json", "check the path"]);
+    refuses(folder.0.path(), &[], &["cannot read", "check the path"]);
+}
+
+#[test]
+fn options_out_of_range_are_told_what_to_try() {
+    let text = good().to_string();
+    for (options, words) in [
+        (&["--accuracy", "0"][..], &["accuracy is 0", "1e-9 … 0.5"][..]),
+        (&["--accuracy", "-1"], &["accuracy is -1", "1e-9 … 0.5"]),
+        (&["--accuracy", "nan"], &["accuracy is NaN", "1e-9 … 0.5"]),
+        (&["--accuracy", "1e-3", "--nz", "9"], &["--accuracy", "cannot be used with", "--nz"]),
+        (&["--tolerance", "0"], &["--tolerance is 0", "try 1e-6"]),
+        (&["--tolerance", "-1"], &["--tolerance is -1", "try 1e-6"]),
+        (&["--memory-gb", "0"], &["--memory-gb is 0", "try 4"]),
+        (&["--solver", "magic"], &["solver is magic", "krylov", "choose one"]),
+        (&["--nxy", "12"], &["--nz"]),
+        (&["--nz", "12"], &["--nxy is missing", "--accuracy 1e-3"]),
+        (&["--nxy", "0", "--nz", "9"], &["nx is 0", "1 … 100000"]),
+        (&["--nxy", "12", "--nz", "0"], &["nz (cells) is 0", "1 … 100000"]),
+        (&["--nxy", "12", "--nz", "2"], &["phase", "use at least 5 cells"]),
+        (&["--nxy", "1", "--nz", "9"], &["too coarse", "use at least 3 points"]),
+        (&["--scheme", "magic"], &["magic", "second-difference"]),
+        (
+            &["--accuracy", "1e-8", "--memory-gb", "0.01"],
+            &["is not reached", "0.01 GB", "ask for less accuracy"],
+        ),
+    ] {
+        refuses_text("case.json", &text, options, words);
+    }
+}
+
+#[test]
+fn a_diverging_series_says_what_to_use_instead() {
+    let strong = with("/spheres/0/eta", json!([4.0, 0]));
+    refuses_text(
+        "case.json",
+        &strong,
+        &["--solver", "born", "--nxy", "12", "--nz", "12"],
+        &["born diverges", "krylov"],
+    );
+}
+
+fn solved(text: &str, name: &str, options: &[&str]) -> Value {
+    let folder = Folder::new();
+    let output = inkwave(&folder.file(name, text), options);
+    assert!(output.status.success(), "{}", message(&output));
+    assert!(output.stderr.is_empty(), "nothing but the result when nobody watches: {}", message(&output));
+    serde_json::from_slice(&output.stdout).expect("standard output is JSON")
+}
+
+const KEYS: [&str; 18] = [
+    "orders",
+    "R_total",
+    "T_total",
+    "A_total",
+    "error_estimate",
+    "error_estimate_parts",
+    "energy_error",
+    "solver",
+    "residual",
+    "steps",
+    "operator_applications",
+    "seconds",
+    "seconds_setup",
+    "seconds_estimate",
+    "unknowns",
+    "bytes",
+    "resolution",
+    "version",
+];
+
+#[test]
+fn a_good_run_prints_every_documented_key() {
+    let result = solved(&good().to_string(), "case.json", &["--accuracy", "1e-2"]);
+    for key in KEYS {
+        assert!(!result[key].is_null(), "{key} is missing");
+    }
+    let number = |value: &Value| value.as_f64().expect("a number");
+    // Identity: the printed totals balance to ten residuals.
+    let total: f64 = ["R_total", "T_total", "A_total"].iter().map(|k| number(&result[*k])).sum();
+    assert!((total - 1.0).abs() <= 10.0 * number(&result["residual"]), "{total}");
+    assert!(number(&result["error_estimate"]) <= 1e-2);
+    let orders = result["orders"].as_array().expect("a list of orders");
+    for order in orders {
+        for key in ["m", "n", "propagating", "R", "T", "eff_R", "eff_T"] {
+            assert!(!order[key].is_null(), "{key} is missing in {order}");
+        }
+        assert_eq!(order["R"].as_array().map(Vec::len), Some(2), "amplitudes are [re, im]");
+    }
+    let sum = |key: &str| orders.iter().map(|o| number(&o[key])).sum::<f64>();
+    assert!((sum("eff_R") - number(&result["R_total"])).abs() < 1e-14, "totals are sums over orders");
+    for key in ["nx", "ny", "cells", "planes", "scheme", "points_per_um", "planes_per_um"] {
+        assert!(!result["resolution"][key].is_null(), "{key} is missing in the resolution");
+    }
+}
+
+#[test]
+fn whole_cases_and_toml_are_accepted_and_give_the_same() {
+    let options = ["--nxy", "12", "--nz", "10"];
+    let whole = json!({ "id": "x", "kind": "spheres3d", "inputs": good(), "outputs": { "orders": [] } });
+    let toml = "wavelength = 0.55\nsigma_deg = 20.0\nL = 0.5\nH = 0.6\neta_binder = [1.558, 0.0]\n\n[[spheres]]\n\
+                center = [0.2, 0.2, 0.3]\nradius = 0.15\neta = [1.4, 0.1]\n";
+    let plain = solved(&good().to_string(), "case.json", &options);
+    assert_eq!(plain["resolution"]["nx"], 12);
+    assert_eq!(plain["orders"], solved(&whole.to_string(), "case.json", &options)["orders"]);
+    assert_eq!(plain["orders"], solved(toml, "case.toml", &options)["orders"]);
+}
+
+#[test]
+fn light_from_below_sees_less_of_an_asymmetric_layer() {
+    let case = |from: &str| {
+        json!({ "wavelength": 0.55, "from": from, "layers_from_z0":
+                [{ "thickness": 0.2, "eta": [1.5, 0] }, { "thickness": 0.2, "eta": [1.5, 0.3] }] })
+    };
+    let [above, below] = ["above", "below"].map(|from| solved(&case(from).to_string(), "case.json", &[]));
+    let number = |value: &Value| value.as_f64().expect("a number");
+    // Reciprocity makes the transmittance the same; absorption makes the reflectance differ.
+    assert!((number(&above["T_total"]) - number(&below["T_total"])).abs() < 1e-13);
+    assert!((number(&above["R_total"]) - number(&below["R_total"])).abs() > 1e-3);
+}
