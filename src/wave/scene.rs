@@ -137,7 +137,9 @@ impl Body {
     /// Refuses lateral positions that are no numbers; they would only show as NaN in every amplitude.
     fn check_lateral(&self, index: usize) -> Result<(), WaveError> {
         let lateral: Vec<f64> = match &self.shape {
-            Shape::Balls(balls) => balls.iter().flat_map(|b| [b.center_um[0], b.center_um[1]]).collect(),
+            Shape::Balls(balls) | Shape::Above { balls, .. } => {
+                balls.iter().flat_map(|b| [b.center_um[0], b.center_um[1]]).collect()
+            }
             Shape::CylinderY { x_um, .. } => vec![*x_um],
             Shape::BarY { x_um, .. } => x_um.to_vec(),
             Shape::Sheet { .. } => Vec::new(),
