@@ -20,8 +20,8 @@
 use super::forms::{IndexWritten, Pair, Strategy};
 use crate::appearance::paper::MirroredSky;
 use crate::ink::{
-    Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, SequentialSettings,
-    Shape, ShareRule, SizeDistribution,
+    Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
+    SequentialSettings, Shape, ShareRule, SizeDistribution,
 };
 use crate::solve::Goal;
 use crate::wave::Scheme;
@@ -67,6 +67,8 @@ pub struct LayerTable {
     /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
     #[serde(default = "vacuum")]
     pub index_below: f64,
+    /// A binder surface below the tops of the grains, with `index_above` between them.
+    pub relief: Option<ReliefRequest>,
 }
 
 /// `[layer.binder]`

@@ -42,13 +42,8 @@ pub fn sheet(
 
 fn summary(study: &Study) -> String {
     let shares = study.pigments.iter().map(|p| {
-        format!(
-            "{} % {} ({} {})",
-            percent(p.grains.volume_fraction),
-            p.name,
-            p.grains.shape.name(),
-            size(&p.grains)
-        )
+        let share = percent(p.grains.volume_fraction);
+        format!("{share} % {} ({}s of {})", p.name, p.grains.shape.name(), size(&p.grains))
     });
     let shares: Vec<String> = shares.collect();
     let pigments = if shares.is_empty() { "A clear layer".to_owned() } else { shares.join(" and ") };

@@ -40,6 +40,7 @@ pub(super) fn packing(file: &StudyFile, pigments: &[Pigment], faults: &mut Fault
         sequential: file.packing.sequential,
         relaxation: file.packing.relaxation,
         equilibration: file.packing.equilibration,
+        relief: file.layer.relief,
         ..PackingRequest::default()
     };
     if let (true, Err(PackError::BadInput { field, found, allowed, advice })) =
