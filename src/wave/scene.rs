@@ -142,9 +142,6 @@ impl Body {
             }
             Shape::CylinderY { x_um, .. } => vec![*x_um],
             Shape::BarY { x_um, .. } => x_um.to_vec(),
-            Shape::Above { balls, .. } => {
-                balls.iter().flat_map(|b| [b.center_um[0], b.center_um[1]]).collect()
-            }
             Shape::Sheet { .. } => Vec::new(),
         };
         lateral.into_iter().find(|x| !x.is_finite()).map_or(Ok(()), |value| {
