@@ -138,7 +138,7 @@ impl Body {
     fn check_lateral(&self, index: usize) -> Result<(), WaveError> {
         let lateral: Vec<f64> = match &self.shape {
             Shape::Balls(balls) | Shape::Above { balls, .. } => {
-                balls.iter().flat_map(|b| [b.center_um[0], b.center_um[1]]).collect()
+                balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect()
             }
             Shape::CylinderY { x_um, .. } => vec![*x_um],
             Shape::BarY { x_um, .. } => x_um.to_vec(),
