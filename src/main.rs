@@ -18,12 +18,14 @@ enum Command {
     Run(commands::run::RunArgs),
     Pack(commands::pack::PackArgs),
     Solve(commands::solve::SolveArgs),
+    Compare(commands::compare::CompareArgs),
 }
 
 fn main() -> miette::Result<()> {
     match Cli::parse().command {
         Command::Run(args) => commands::run::run(&args),
         Command::Pack(args) => commands::pack::run(&args),
+        Command::Compare(args) => commands::compare::run(&args),
         Command::Solve(args) => commands::solve::run(&args),
     }
 }
