@@ -1,8 +1,11 @@
 //! The commands, one file each.
 
 pub mod diagnostics;
+pub mod merge;
 pub mod pack;
 pub mod progress;
+pub mod report;
 pub mod run;
 pub mod solve;
 pub mod stop;
+pub mod sweep;

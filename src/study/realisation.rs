@@ -109,7 +109,10 @@ impl RealisationRun<'_> {
         if let Some(store) = &self.stores.failures {
             let (variant, realisation) = (self.study.title.clone(), point.realisation);
             let incidence = Some(point.incidence);
-            store.put(key.as_str(), &FailureRecord { variant, realisation, incidence, reason: reason.clone() })?;
+            store.put(
+                key.as_str(),
+                &FailureRecord { variant, realisation, incidence, reason: reason.clone() },
+            )?;
         }
         Ok(Failure { point: *point, reason })
     }

@@ -1,8 +1,8 @@
 //! Pigments: names, shares, shapes and sizes that fit the layer, and the packing they ask for.
 
 use super::index;
-use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
 use crate::ink::spectra::molecular_mixture;
+use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
 use crate::study::checked::{Dissolved, Material, Pigment};
 use crate::study::fault::{Allowed, Fault, Faults};
 use crate::study::file::{LayerTable, PigmentTable, StudyFile};

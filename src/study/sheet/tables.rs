@@ -79,7 +79,8 @@ pub(super) fn asked(study: &Study) -> Vec<Named> {
     }));
     rows.extend(study.dissolved.iter().map(|d| {
         let share = percent(d.volume_fraction);
-        let value = format!("{share} %, dissolved in the binder (grain size → 0); index {}", d.material.source);
+        let value =
+            format!("{share} %, dissolved in the binder (grain size → 0); index {}", d.material.source);
         Named::new(format!("pigment {}", d.name), value)
     }));
     if study.angles.rule.is_some() {
