@@ -17,6 +17,9 @@ enum Command {
     /// Run a study: packings, wave solves, colour, picture and report.
     Run(commands::run::RunArgs),
     Pack(commands::pack::PackArgs),
+    Sweep(commands::sweep::SweepArgs),
+    Merge(commands::merge::MergeArgs),
+    Report(commands::report::ReportArgs),
     Solve(commands::solve::SolveArgs),
     Compare(commands::compare::CompareArgs),
 }
@@ -26,6 +29,9 @@ fn main() -> miette::Result<()> {
         Command::Run(args) => commands::run::run(&args),
         Command::Pack(args) => commands::pack::run(&args),
         Command::Compare(args) => commands::compare::run(&args),
+        Command::Sweep(args) => commands::sweep::run(&args),
+        Command::Merge(args) => commands::merge::run(&args),
+        Command::Report(args) => commands::report::run(&args),
         Command::Solve(args) => commands::solve::run(&args),
     }
 }

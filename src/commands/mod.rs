@@ -2,8 +2,11 @@
 
 pub mod compare;
 pub mod diagnostics;
+pub mod merge;
 pub mod pack;
 pub mod progress;
+pub mod report;
 pub mod run;
 pub mod solve;
 pub mod stop;
+pub mod sweep;

@@ -7,7 +7,7 @@ use inkwave::study::watch::RunWatch;
 use inkwave::wave::Side;
 use std::io::IsTerminal;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
@@ -21,6 +21,8 @@ pub struct Progress {
     started: Mutex<Instant>,
     solved: AtomicUsize,
     left: AtomicUsize,
+    /// A whole sweep is counted, not one study.
+    whole: AtomicBool,
 }
 
 impl Progress {
@@ -41,7 +43,18 @@ impl Progress {
             started: Mutex::new(Instant::now()),
             solved: AtomicUsize::new(0),
             left: AtomicUsize::new(0),
+            whole: AtomicBool::new(false),
         }
+    }
+
+    /// So many solves are to come.
+    pub fn expect(&self, solves: usize) {
+        if let Ok(mut started) = self.started.lock() {
+            *started = Instant::now();
+        }
+        self.whole.store(true, Ordering::Relaxed);
+        self.bar.set_length(solves as u64);
+        self.left.store(solves, Ordering::Relaxed);
     }
 
     /// Takes the bar away.
@@ -98,6 +111,13 @@ impl RunWatch for Progress {
         self.left.store(all.saturating_sub(kept), Ordering::Relaxed);
         if kept > 0 {
             self.say(&format!("{kept} of {all} solves are there already"));
+        }
+    }
+
+    fn kept(&self, _study: &Study, solves: usize) {
+        if self.whole.load(Ordering::Relaxed) {
+            self.bar.inc(solves as u64);
+            self.left.fetch_sub(solves, Ordering::Relaxed);
         }
     }
 

@@ -81,11 +81,11 @@ fn output_path(args: &RunArgs, study: &Study) -> PathBuf {
     args.output.clone().or_else(own).unwrap_or_else(|| Path::new("out").join(name()))
 }
 
-fn folder_report(error: FolderError) -> miette::Report {
+pub(super) fn folder_report(error: FolderError) -> miette::Report {
     miette!(help = error.remedy(), "{error}")
 }
 
-fn run_report(error: RunError) -> miette::Report {
+pub(super) fn run_report(error: RunError) -> miette::Report {
     match error {
         RunError::Folder(error) => folder_report(error),
         RunError::Packing { source: PackError::NotReached { .. }, .. } => {

@@ -112,7 +112,9 @@ impl Comparison {
     fn plots(&self) -> Vec<(&'static str, String, &'static str, &'static str, Vec<Curve>)> {
         let finest = self.rows.iter().map(|r| (r.unknowns, r.nx)).max().unwrap_or_default();
         let last = self.rows.iter().filter(|r| (r.unknowns, r.nx) == finest);
-        let histories = last.map(|r| (r.label(), r.looks())).collect();
+        // The start, before any application, would not show on a logarithmic axis.
+        let shown = |r: &Row| r.looks().into_iter().filter(|l| l.0 > 0.0).collect();
+        let histories = last.map(|r| (r.label(), shown(r))).collect();
         vec![
             (
                 "residuals.png",
@@ -314,9 +316,9 @@ fn short(v: f64) -> String {
     }
 }
 
-/// The palette, then the same colours darker.
+/// The palette, then the same colours lighter.
 fn colour(i: usize) -> RGBColor {
     let base = COLOURS[i % COLOURS.len()];
     let RGBColor(r, g, b) = base;
-    if i < COLOURS.len() { base } else { RGBColor(r / 2, g / 2, b / 2) }
+    if i < COLOURS.len() { base } else { RGBColor(r / 2 + 110, g / 2 + 110, b / 2 + 110) }
 }

@@ -66,6 +66,15 @@ impl OutputFolder {
         Ok(folder)
     }
 
+    /// A folder of results inside this one, such as that of a variant.
+    pub fn inside(&self, name: &str) -> Result<Self, FolderError> {
+        let path = self.path.join(name);
+        match std::fs::create_dir_all(&path) {
+            Ok(()) => Ok(Self { path, made: Vec::new() }),
+            Err(source) => Err(FolderError::NotWritable { path, source }),
+        }
+    }
+
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -11,6 +11,7 @@ pub mod page;
 pub mod record;
 pub mod safely;
 pub mod store;
+pub mod sweep_page;
 pub mod tables;
 
 pub use packing_record::PackingRecord;

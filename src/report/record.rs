@@ -22,6 +22,16 @@ pub struct PointRecord {
     pub orders: Vec<OrderRow>,
 }
 
+/// What is kept of a solve, packing or grid that ended without a result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FailureRecord {
+    pub variant: String,
+    pub realisation: usize,
+    /// The solve; `None` where the packing or the grid failed before any solve.
+    pub incidence: Option<Incidence>,
+    pub reason: String,
+}
+
 /// What the solve took and how well it ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolveAccount {

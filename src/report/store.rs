@@ -40,6 +40,14 @@ impl<R: Serialize + DeserializeOwned> Store<R> {
         safely::write(&self.path(key), &serde_json::to_vec(record)?)
     }
 
+    /// Forgets a record, if it is there.
+    pub fn remove(&self, key: &str) -> io::Result<()> {
+        match std::fs::remove_file(self.path(key)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
+    }
+
     pub fn folder(&self) -> &Path {
         &self.folder
     }

@@ -23,24 +23,28 @@ const LONGEST_LIST: usize = 10_000;
 pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
     let mut faults = Faults::default();
     let wavelengths_nm = wavelengths(&file.light, &mut faults);
-    let layer = layer(&file.layer, &wavelengths_nm, folder, &mut faults);
+    let mut layer = layer(&file.layer, &wavelengths_nm, folder, &mut faults);
     let pigments = pigments::pigments(file, &wavelengths_nm, folder, &mut faults);
+    let dissolved = pigments::dissolved(file, &wavelengths_nm, folder, &mut faults);
+    layer.binder = pigments::solution(layer.binder, &dissolved, &pigments);
     let packing = pigments::packing(file, &pigments, &mut faults);
     let paper = paper(file, &mut faults);
     let angles = angles::angles(file, paper.coupling, &mut faults);
     let resolution = resolution(&file.resolution, &mut faults);
     let goal = goal(&file.solver, &mut faults);
     counts(file, &mut faults);
+    // Without grains all realisations are the same.
+    let realisations = if pigments.is_empty() { 1 } else { file.run.realisations };
     let study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
         pigments,
+        dissolved,
         packing,
         paper,
         wavelengths_nm,
         angles,
-        // Without grains all realisations are the same.
-        realisations: if file.pigments.is_empty() { 1 } else { file.run.realisations },
+        realisations,
         resolution,
         solver: file.solver.strategy.0,
         goal,

@@ -15,6 +15,8 @@ pub struct Study {
     pub title: String,
     pub layer: Layer,
     pub pigments: Vec<Pigment>,
+    /// Pigments without grains (`diameter_nm = "molecular"`); they are part of `layer.binder`'s index.
+    pub dissolved: Vec<Dissolved>,
     /// The packing of realisation 0; the others differ in their random stream.
     pub packing: PackingRequest,
     pub paper: Paper,
@@ -43,6 +45,15 @@ pub struct Layer {
 pub struct Pigment {
     pub name: String,
     pub grains: PigmentGrains,
+    pub material: Material,
+}
+
+/// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
+#[derive(Clone, Debug, Serialize)]
+pub struct Dissolved {
+    pub name: String,
+    /// Share of the layer's volume.
+    pub volume_fraction: f64,
     pub material: Material,
 }
 

@@ -17,7 +17,7 @@
 //! step_nm = 30
 //! ```
 
-use super::forms::{IndexWritten, Pair, Strategy};
+use super::forms::{Diameter, IndexWritten, Pair, Strategy};
 use crate::appearance::paper::MirroredSky;
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
@@ -85,8 +85,9 @@ pub struct PigmentTable {
     pub name: String,
     #[serde(default)]
     pub shape: Shape,
-    /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead.
-    pub diameter_nm: Option<f64>,
+    /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead. `"molecular"` is the
+    /// limit of vanishing grains: nothing is packed, the pigment is dissolved in the binder.
+    pub diameter_nm: Option<Diameter>,
     /// Size distribution.
     pub size: Option<SizeDistribution>,
     /// Share of the layer's volume, 0–1.

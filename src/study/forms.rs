@@ -18,6 +18,38 @@ pub struct IndexWritten {
     pub csv: Option<String>,
 }
 
+/// Grain size as written: a diameter in nm, or `"molecular"` for the limit of vanishing grains.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub enum Diameter {
+    Nm(f64),
+    Molecular,
+}
+
+impl<'de> Deserialize<'de> for Diameter {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct DiameterVisitor;
+        impl Visitor<'_> for DiameterVisitor {
+            type Value = Diameter;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a diameter in nm, or \"molecular\"")
+            }
+            fn visit_f64<E: de::Error>(self, v: f64) -> Result<Diameter, E> {
+                Ok(Diameter::Nm(v))
+            }
+            fn visit_i64<E: de::Error>(self, v: i64) -> Result<Diameter, E> {
+                self.visit_f64(v as f64)
+            }
+            fn visit_str<E: de::Error>(self, name: &str) -> Result<Diameter, E> {
+                match name {
+                    "molecular" => Ok(Diameter::Molecular),
+                    _ => Err(de::Error::unknown_variant(name, &["molecular"])),
+                }
+            }
+        }
+        deserializer.deserialize_any(DiameterVisitor)
+    }
+}
+
 /// One number for both directions, or two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pair(pub [f64; 2]);

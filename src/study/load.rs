@@ -20,14 +20,14 @@ pub fn load(path: &Path) -> Result<Study, StudyError> {
     check(&file, folder, &name).map_err(values)
 }
 
-fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> StudyError {
+pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> StudyError {
     let message = error.message().trim().to_owned();
     let remedy = remedy(&message);
     StudyError::Syntax { path: path.to_owned(), text: text.to_owned(), span: error.span(), message, remedy }
 }
 
 /// What to try, from the wording of serde's messages.
-fn remedy(message: &str) -> String {
+pub(super) fn remedy(message: &str) -> String {
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     if message.starts_with("unknown") && !quoted.is_empty() {
         let (found, known) = (quoted[0], &quoted[1..]);

@@ -10,7 +10,7 @@ use crate::appearance::figure::{Bitmap, FigureError};
 use crate::appearance::ink_on_paper::InkError;
 use crate::appearance::picture::{InkPicture, PictureStyle};
 use crate::report::folder::{FolderError, OutputFolder};
-use crate::report::manifest::Status;
+use crate::report::manifest::{Manifest, Status};
 use crate::report::tables;
 
 /// Rows and columns of the picture.
@@ -54,9 +54,18 @@ pub fn publish(
     folder: &OutputFolder,
 ) -> Result<Published, PublishError> {
     let seen = see(study, collected)?;
-    let manifest = summarise(study, collected, &seen);
-    let pictures = pictures(study, &seen)?;
-    let page = sheet(study, &manifest, &seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
+    publish_seen(study, &summarise(study, collected, &seen), &seen, folder)
+}
+
+/// Writes what has been seen already.
+pub(super) fn publish_seen(
+    study: &Study,
+    manifest: &Manifest<&Study>,
+    seen: &Seen,
+    folder: &OutputFolder,
+) -> Result<Published, PublishError> {
+    let pictures = pictures(study, seen)?;
+    let page = sheet(study, manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
     folder.begin()?;
     if let Some(pictures) = &pictures {
         folder.write("picture.png", &pictures.plain)?;
@@ -64,7 +73,7 @@ pub fn publish(
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
     let bdfs = seen.layer.iter().flat_map(|layer| &layer.bdfs);
     folder.write("bdf.csv", &tables::distributions(bdfs)?)?;
-    folder.write("results.json", &serde_json::to_vec_pretty(&manifest)?)?;
+    folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
     folder.write("report.html", page.html()?.as_bytes())?;
     if manifest.status == Status::Complete {
         folder.complete()?;

@@ -9,28 +9,38 @@ use super::runner::{Failure, Realisation, RunError, RunSettings, Stores};
 use super::watch::RunWatch;
 use crate::ink::Packing;
 use crate::report::packing_record::PackingRecord;
-use crate::report::record::PointRecord;
+use crate::report::record::{FailureRecord, PointRecord};
 use crate::wave::{Coverage, Mean, Scene};
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Packings on demand; the first one serves the choice of the resolution too.
+/// Packings on demand; the first one serves the choice of the resolution too, and the latest one all studies
+/// that share it.
 pub(super) struct Packings<'a> {
-    pub study: &'a Study,
-    pub watch: &'a dyn RunWatch,
-    pub first: Option<Packing>,
+    study: &'a Study,
+    watch: &'a dyn RunWatch,
+    first: Option<Packing>,
+    latest: Option<(usize, Packing)>,
 }
 
-impl Packings<'_> {
+impl<'a> Packings<'a> {
+    pub fn new(study: &'a Study, watch: &'a dyn RunWatch) -> Self {
+        Self { study, watch, first: None, latest: None }
+    }
+
     pub fn get(&mut self, realisation: usize) -> Result<Packing, RunError> {
-        if let (0, Some(first)) = (realisation, &self.first) {
-            return Ok(first.clone());
+        match (&self.first, &self.latest) {
+            (Some(first), _) if realisation == 0 => return Ok(first.clone()),
+            (_, Some((latest, packing))) if *latest == realisation => return Ok(packing.clone()),
+            _ => {}
         }
         self.watch.stage(&format!("packing realisation {}/{}", realisation + 1, self.study.realisations));
         let packing = pack_realisation(self.study, realisation, self.watch)
             .map_err(|source| RunError::Packing { realisation, source })?;
         if realisation == 0 {
             self.first = Some(packing.clone());
+        } else {
+            self.latest = Some((realisation, packing.clone()));
         }
         Ok(packing)
     }
@@ -62,25 +72,49 @@ impl RealisationRun<'_> {
         let keyed = point_keys(self.study, self.resolved, self.realisation);
         let mut points: Vec<Option<PointRecord>> =
             keyed.iter().map(|(_, key)| self.stores.points.get(key.as_str())).collect();
-        let missing: Vec<usize> = (0..points.len()).filter(|&i| points[i].is_none()).collect();
+        let mut failures = Vec::new();
+        let mut missing: Vec<usize> = (0..points.len()).filter(|&i| points[i].is_none()).collect();
+        missing.retain(|&i| match self.failed_before(&keyed[i].1) {
+            Some(reason) => {
+                failures.push(Failure { point: keyed[i].0, reason });
+                false
+            }
+            None => true,
+        });
+        self.watch.kept(self.study, points.len() - missing.len());
         let packing_key = Key::of("packing", &self.study.packing_request(self.realisation));
         let kept = self.stores.packings.get(packing_key.as_str());
         if let (true, Some(packing)) = (missing.is_empty(), kept) {
-            return Ok(Realisation { packing, points, failures: Vec::new() });
+            return Ok(Realisation { packing, points, failures });
         }
         let packing = packings.get(self.realisation)?;
         let record = PackingRecord::new(self.realisation, &packing);
         self.stores.packings.put(packing_key.as_str(), &record)?;
         let todo: Vec<&(Point, Key)> = missing.iter().map(|&i| &keyed[i]).collect();
-        let mut failures = Vec::new();
         for (&i, result) in missing.iter().zip(self.solve_all(&packing, &todo)?) {
             match result {
                 Some(Ok(point)) => points[i] = Some(point),
-                Some(Err(reason)) => failures.push(Failure { point: keyed[i].0, reason }),
+                Some(Err(reason)) => failures.push(self.note_failure(&keyed[i], reason)?),
                 None => {}
             }
         }
         Ok(Realisation { packing: record, points, failures })
+    }
+
+    fn failed_before(&self, key: &Key) -> Option<String> {
+        Some(self.stores.failures.as_ref()?.get(key.as_str())?.reason)
+    }
+
+    fn note_failure(&self, (point, key): &(Point, Key), reason: String) -> io::Result<Failure> {
+        if let Some(store) = &self.stores.failures {
+            let (variant, realisation) = (self.study.title.clone(), point.realisation);
+            let incidence = Some(point.incidence);
+            store.put(
+                key.as_str(),
+                &FailureRecord { variant, realisation, incidence, reason: reason.clone() },
+            )?;
+        }
+        Ok(Failure { point: *point, reason })
     }
 
     /// Solves side by side; `None` for those that a stop left out.

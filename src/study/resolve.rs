@@ -36,10 +36,7 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     scene: impl FnOnce() -> Result<Scene, E>,
 ) -> Result<Resolved, E> {
     let probes = probes(study);
-    let packing = Key::of("packing", &study.packing_request(0));
-    let media: Vec<_> = probes.iter().map(|(wavelength, _)| study.indices(*wavelength)).collect();
-    let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
-    let key = Key::of("resolution", &(packing, media, &probes, method));
+    let key = key(study, &probes);
     if let Some(resolved) = store.get(key.as_str()) {
         return Ok(resolved);
     }
@@ -48,6 +45,19 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     let resolved = settle(study, &scene, &probes, watch)?;
     store.put(key.as_str(), &resolved)?;
     Ok(resolved)
+}
+
+/// The study's grid if the store has it.
+pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
+    store.get(key(study, &probes(study)).as_str())
+}
+
+/// Content hash of all that the choice of the grid depends on.
+fn key(study: &Study, probes: &[Probe]) -> Key {
+    let packing = Key::of("packing", &study.packing_request(0));
+    let media: Vec<_> = probes.iter().map(|(wavelength, _)| study.indices(*wavelength)).collect();
+    let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
+    Key::of("resolution", &(packing, media, probes, method))
 }
 
 /// True when the user stopped the search, which is no failure.

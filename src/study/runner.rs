@@ -11,7 +11,7 @@ use super::watch::RunWatch;
 use crate::ink::PackError;
 use crate::report::folder::{FolderError, GRIDS, OutputFolder, PACKINGS, POINTS};
 use crate::report::packing_record::PackingRecord;
-use crate::report::record::PointRecord;
+use crate::report::record::{FailureRecord, PointRecord};
 use crate::report::store::Store;
 use crate::solve::accuracy::AccuracyError;
 use crate::wave::{Scene, WaveError};
@@ -93,7 +93,7 @@ pub fn run(
     watch: &dyn RunWatch,
 ) -> Result<Collected, RunError> {
     let stores = Stores::open(folder)?;
-    let mut packings = Packings { study, watch, first: None };
+    let mut packings = Packings::new(study, watch);
     let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
     let resolved = resolve(study, &stores.grids, watch, scene).map_err(stopped)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
@@ -119,7 +119,7 @@ pub fn run(
 }
 
 /// A stop is no failure of packing or grid.
-fn stopped(error: RunError) -> RunError {
+pub(super) fn stopped(error: RunError) -> RunError {
     match error {
         RunError::Packing { source: PackError::Stopped { .. }, .. } => RunError::Stopped,
         RunError::Resolution(error) if resolve::is_stop(&error) => RunError::Stopped,
@@ -131,15 +131,18 @@ pub(super) struct Stores {
     pub points: Store<PointRecord>,
     pub packings: Store<PackingRecord>,
     pub grids: Store<Resolved>,
+    /// Solves that have failed before and are not tried again; a study of its own tries them anew.
+    pub failures: Option<Store<FailureRecord>>,
 }
 
 impl Stores {
-    fn open(folder: &OutputFolder) -> io::Result<Self> {
+    pub fn open(folder: &OutputFolder) -> io::Result<Self> {
         let open = |name| folder.path().join(name);
         Ok(Self {
             points: Store::open(open(POINTS))?,
             packings: Store::open(open(PACKINGS))?,
             grids: Store::open(open(GRIDS))?,
+            failures: None,
         })
     }
 }

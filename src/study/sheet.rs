@@ -45,7 +45,11 @@ fn summary(study: &Study) -> String {
         let share = percent(p.grains.volume_fraction);
         format!("{share} % {} ({}s of {})", p.name, p.grains.shape.name(), size(&p.grains))
     });
-    let shares: Vec<String> = shares.collect();
+    let dissolved = study
+        .dissolved
+        .iter()
+        .map(|d| format!("{} % {} (molecular mixture)", percent(d.volume_fraction), d.name));
+    let shares: Vec<String> = shares.chain(dissolved).collect();
     let pigments = if shares.is_empty() { "A clear layer".to_owned() } else { shares.join(" and ") };
     let paper = match (&study.angles.rule, study.paper.coupling) {
         (None, _) => String::new(),

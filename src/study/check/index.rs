@@ -32,6 +32,10 @@ pub(super) fn tabulate(
 fn source(spectrum: &Spectrum) -> String {
     match spectrum {
         Spectrum::Constant { n, kappa: 0.0 } => n.to_string(),
+        // The file's name alone: the same table is the same material wherever it lies.
+        Spectrum::Tabulated(_) => Path::new(&spectrum.name())
+            .file_name()
+            .map_or_else(|| spectrum.name(), |name| name.to_string_lossy().into_owned()),
         other => other.name(),
     }
 }

@@ -1,10 +1,13 @@
 //! Pigments: names, shares, shapes and sizes that fit the layer, and the packing they ask for.
 
 use super::index;
+use crate::ink::spectra::molecular_mixture;
 use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
-use crate::study::checked::Pigment;
+use crate::study::checked::{Dissolved, Material, Pigment};
 use crate::study::fault::{Allowed, Fault, Faults};
 use crate::study::file::{LayerTable, PigmentTable, StudyFile};
+use crate::study::forms::Diameter;
+use num_complex::Complex64;
 use std::path::Path;
 
 /// Concentration that no random packing exceeds; thin layers reach less and say so when packed.
@@ -16,7 +19,7 @@ pub(super) fn pigments(
     folder: &Path,
     faults: &mut Faults,
 ) -> Vec<Pigment> {
-    let tables = file.pigments.iter().enumerate();
+    let tables = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
     let pigments: Vec<Pigment> = tables
         .map(|(i, table)| Pigment {
             name: table.name.clone(),
@@ -24,9 +27,43 @@ pub(super) fn pigments(
             material: index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults),
         })
         .collect();
-    names(&pigments, faults);
-    total_fraction(&pigments, faults);
+    names(file, faults);
+    total_fraction(file, faults);
     pigments
+}
+
+/// The pigments without grains.
+pub(super) fn dissolved(
+    file: &StudyFile,
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    faults: &mut Faults,
+) -> Vec<Dissolved> {
+    let tables = file.pigments.iter().enumerate().filter(|(_, table)| is_molecular(table));
+    tables
+        .map(|(i, table)| {
+            fraction(i, table, faults);
+            let material = index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults);
+            Dissolved { name: table.name.clone(), volume_fraction: table.volume_fraction, material }
+        })
+        .collect()
+}
+
+/// The binder with what is dissolved in it: ⟨η²⟩ over the volume that the grains leave.
+pub(super) fn solution(binder: Material, dissolved: &[Dissolved], grains: &[Pigment]) -> Material {
+    if dissolved.is_empty() {
+        return binder;
+    }
+    let room = 1.0 - grains.iter().map(|pigment| pigment.grains.volume_fraction).sum::<f64>();
+    let mixed = |(w, &eta): (usize, &Complex64)| {
+        let share = |d: &Dissolved| (d.volume_fraction / room, d.material.index[w]);
+        molecular_mixture(eta, &dissolved.iter().map(share).collect::<Vec<_>>())
+    };
+    Material { source: binder.source, index: binder.index.iter().enumerate().map(mixed).collect() }
+}
+
+fn is_molecular(table: &PigmentTable) -> bool {
+    table.diameter_nm == Some(Diameter::Molecular)
 }
 
 /// The packing of the first realisation; a fault of its own check is added unless there are others.
@@ -57,9 +94,7 @@ fn of(pigment: usize, key: &str) -> String {
 }
 
 fn grains(i: usize, table: &PigmentTable, layer: &LayerTable, faults: &mut Faults) -> PigmentGrains {
-    let allowed = Allowed::above(0.0, HIGHEST_FRACTION, "");
-    let remedy = "a share of the layer's volume, such as 0.3 for 30 %";
-    faults.number(&of(i, "volume_fraction"), table.volume_fraction, allowed, remedy);
+    fraction(i, table, faults);
     let grains = PigmentGrains {
         shape: table.shape.clone(),
         size: size(i, table, faults),
@@ -72,9 +107,15 @@ fn grains(i: usize, table: &PigmentTable, layer: &LayerTable, faults: &mut Fault
     grains
 }
 
+fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
+    let allowed = Allowed::above(0.0, HIGHEST_FRACTION, "");
+    let remedy = "a share of the layer's volume, such as 0.3 for 30 %";
+    faults.number(&of(i, "volume_fraction"), table.volume_fraction, allowed, remedy);
+}
+
 fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution {
     match (table.diameter_nm, &table.size) {
-        (Some(diameter), None) => SizeDistribution::diameter_nm(diameter),
+        (Some(Diameter::Nm(diameter)), None) => SizeDistribution::diameter_nm(diameter),
         (None, Some(size)) => size.clone(),
         _ => {
             let allowed = "either diameter_nm or size";
@@ -123,9 +164,9 @@ fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
     (2.0 * radius, template.length * radius)
 }
 
-fn names(pigments: &[Pigment], faults: &mut Faults) {
-    for (i, pigment) in pigments.iter().enumerate() {
-        let repeated = pigments[..i].iter().any(|earlier| earlier.name == pigment.name);
+fn names(file: &StudyFile, faults: &mut Faults) {
+    for (i, pigment) in file.pigments.iter().enumerate() {
+        let repeated = file.pigments[..i].iter().any(|earlier| earlier.name == pigment.name);
         if repeated || pigment.name.trim().is_empty() {
             let found = format!("{:?}", pigment.name);
             let allowed = "a name that no other pigment has";
@@ -134,12 +175,12 @@ fn names(pigments: &[Pigment], faults: &mut Faults) {
     }
 }
 
-fn total_fraction(pigments: &[Pigment], faults: &mut Faults) {
-    let total: f64 = pigments.iter().map(|pigment| pigment.grains.volume_fraction).sum();
-    if pigments.len() > 1 && total > HIGHEST_FRACTION {
+fn total_fraction(file: &StudyFile, faults: &mut Faults) {
+    let total: f64 = file.pigments.iter().map(|pigment| pigment.volume_fraction).sum();
+    if file.pigments.len() > 1 && total > HIGHEST_FRACTION {
         let allowed = format!("a sum of at most {HIGHEST_FRACTION} over all pigments");
         let found = format!("{total} in all");
         let remedy = "lower the volume fractions";
-        faults.push(Fault::new(of(pigments.len() - 1, "volume_fraction"), found, allowed, remedy));
+        faults.push(Fault::new(of(file.pigments.len() - 1, "volume_fraction"), found, allowed, remedy));
     }
 }

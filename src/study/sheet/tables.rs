@@ -77,6 +77,12 @@ pub(super) fn asked(study: &Study) -> Vec<Named> {
             format!("{share} %, {size}; index {}", pigment.material.source),
         )
     }));
+    rows.extend(study.dissolved.iter().map(|d| {
+        let share = percent(d.volume_fraction);
+        let value =
+            format!("{share} %, dissolved in the binder (grain size → 0); index {}", d.material.source);
+        Named::new(format!("pigment {}", d.name), value)
+    }));
     if study.angles.rule.is_some() {
         rows.push(Named::new("paper", paper(study)));
     }

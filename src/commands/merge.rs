@@ -1,0 +1,53 @@
+//! `inkwave merge SHARDS… --output DIR`: joins what several machines have computed.
+
+use super::diagnostics::study_report;
+use super::run::folder_report;
+use super::sweep::tell;
+use clap::Args;
+use inkwave::report::folder::OutputFolder;
+use inkwave::study::sweep::folder::OpenError;
+use inkwave::study::sweep::merge::{MergeError, merge};
+use inkwave::study::sweep::publish::publish;
+use miette::{IntoDiagnostic, miette};
+use std::path::PathBuf;
+
+/// Join the shards of a sweep into one folder, and report on it.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Folders of the shards.
+    #[arg(required = true)]
+    pub shards: Vec<PathBuf>,
+    /// Folder for the whole sweep.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+/// Merges and reports.
+pub fn run(args: &MergeArgs) -> miette::Result<()> {
+    let folder = OutputFolder::open(&args.output).map_err(folder_report)?;
+    let sweep = merge(&args.shards, &folder).map_err(merge_report)?;
+    let reported = publish(&sweep, &folder).into_diagnostic()?;
+    tell(&reported, &folder, false)
+}
+
+pub(super) fn open_report(error: OpenError) -> miette::Report {
+    match error {
+        OpenError::Variant(error) => study_report(error),
+        other => miette!(help = "give a folder that inkwave sweep or merge has written", "{other}"),
+    }
+}
+
+fn merge_report(error: MergeError) -> miette::Report {
+    match error {
+        MergeError::Open(error) => open_report(error),
+        MergeError::Folder(error) => folder_report(error),
+        MergeError::OtherSweep { .. } => {
+            miette!(help = "merge shards of the same sweep file only; run the others again", "{error}")
+        }
+        MergeError::Contradiction { .. } => {
+            let help = "the shards were run by different builds or a disk is damaged; run one of them again";
+            miette!(help = help, "{error}")
+        }
+        MergeError::Copy { .. } => miette!(help = "check the disk and the permissions", "{error}"),
+    }
+}

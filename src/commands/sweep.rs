@@ -1,0 +1,162 @@
+//! `inkwave sweep SWEEP.toml`: a study of many variants, on one machine or many.
+
+use super::diagnostics::study_report;
+use super::progress::Progress;
+use super::run::{folder_report, run_report};
+use super::stop::StopFlag;
+use clap::Args;
+use indicatif::HumanDuration;
+use inkwave::report::folder::OutputFolder;
+use inkwave::study::runner::RunSettings;
+use inkwave::study::sweep::publish::{Reported, publish};
+use inkwave::study::sweep::units::Shard;
+use inkwave::study::sweep::{Sweep, folder, load, plan, run as runner};
+use miette::{IntoDiagnostic, miette};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Variables in which array schedulers tell a task its number, counted from 1.
+const TASK_NUMBER: [&str; 3] = ["SLURM_ARRAY_TASK_ID", "PBS_ARRAYID", "PBS_ARRAY_INDEX"];
+
+/// Run a study of many variants; stop and continue at any time, or divide it among machines.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// Sweep file (TOML); examples/paper-study-small.toml shows all of it.
+    pub sweep: PathBuf,
+    /// Folder for the results; made when it is not there, continued when it holds part of the sweep.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Solves at a time; the number of processors when left out. Fewer take less memory.
+    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: Option<u16>,
+    /// Only say what the sweep costs, after a short trial.
+    #[arg(long)]
+    pub plan: bool,
+    /// With --plan: as JSON.
+    #[arg(long, requires = "plan")]
+    pub json: bool,
+    /// Part I of N, from 1; with N alone the part is SLURM_ARRAY_TASK_ID, PBS_ARRAYID or PBS_ARRAY_INDEX.
+    #[arg(long, value_name = "I/N", conflicts_with = "plan")]
+    pub shard: Option<String>,
+    /// Try again what has failed.
+    #[arg(long)]
+    pub retry_failed: bool,
+}
+
+/// Reads, checks and runs a sweep, or plans it.
+pub fn run(args: &SweepArgs) -> miette::Result<()> {
+    let sweep = load::load(&args.sweep).map_err(study_report)?;
+    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+    if args.plan {
+        return tell_plan(&sweep, args.json, settings);
+    }
+    let shard = args.shard.as_deref().map(parse_shard).transpose()?;
+    let path = output_path(args, shard);
+    let folder = OutputFolder::open(&path).map_err(folder_report)?;
+    folder.begin().map_err(folder_report)?;
+    folder::write(&sweep, &folder).map_err(folder_report)?;
+    if args.retry_failed {
+        runner::forget_failures(&folder).into_diagnostic()?;
+    }
+    let progress = Progress::new(StopFlag::listen());
+    let part = shard.unwrap_or(Shard::ALL);
+    progress.expect(runner::solves(&sweep, part));
+    let tally = runner::run(&sweep, &folder, part, settings, &progress);
+    progress.finish();
+    let tally = tally.map_err(run_report)?;
+    if shard.is_some() {
+        return tell_shard(&tally, part, &folder, progress.stopped());
+    }
+    let reported = publish(&sweep, &folder).into_diagnostic()?;
+    tell(&reported, &folder, progress.stopped())
+}
+
+/// Says where the results are; anything less than all of them is an error, so that scripts notice.
+pub(super) fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
+    for judged in &reported.conclusions {
+        println!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality);
+    }
+    println!("Report: {}", folder.path().join("report.html").display());
+    let (complete, all, failures) = (reported.complete(), reported.outcomes.len(), reported.failures());
+    if complete == all {
+        return Ok(());
+    }
+    let help = if failures > 0 && !stopped {
+        "the report lists the reasons; change the sweep, or try again with --retry-failed"
+    } else {
+        "run the same sweep again to continue"
+    };
+    Err(miette!(help = help, "{complete} of {all} variants are finished, {failures} failures are recorded"))
+}
+
+fn tell_shard(
+    tally: &runner::Tally,
+    shard: Shard,
+    folder: &OutputFolder,
+    stopped: bool,
+) -> miette::Result<()> {
+    let runner::Tally { asked, finished, failed } = *tally;
+    let Shard { index, count } = shard;
+    println!("Shard {index}/{count} in {}: {finished} of {asked} solves finished", folder.path().display());
+    if stopped || finished + failed < asked {
+        return Err(miette!(
+            help = "run the same shard again to continue",
+            "stopped: {finished} of {asked} solves"
+        ));
+    }
+    if failed > 0 {
+        let help = "inkwave merge and the report list the reasons; --retry-failed tries again";
+        return Err(miette!(help = help, "{failed} of {asked} solves have no result"));
+    }
+    Ok(())
+}
+
+fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let jobs = settings.jobs.unwrap_or(cores);
+    let progress = Progress::new(StopFlag::listen());
+    let plan = plan::plan(sweep, jobs, &progress);
+    progress.finish();
+    let plan = plan.map_err(run_report)?;
+    if json {
+        println!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
+        return Ok(());
+    }
+    let time = |cores: f64| HumanDuration(Duration::from_secs_f64(plan.core_seconds / cores));
+    println!("variants          {}", plan.variants);
+    println!("packings          {}", plan.packings);
+    println!("solves            {}", plan.solves);
+    println!("unknowns          {} in the largest solve tried", plan.unknowns);
+    println!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs);
+    println!("time              about {} on {jobs} cores, {} on 100", time(jobs as f64), time(100.0));
+    println!("largest division  {} shards", plan.units);
+    Ok(())
+}
+
+/// `I/N`, or `N` with the part from the scheduler's variable.
+fn parse_shard(text: &str) -> miette::Result<Shard> {
+    let number = |text: &str| text.trim().parse::<usize>().ok();
+    let from_variable = || {
+        let value = TASK_NUMBER.iter().find_map(|name| std::env::var(name).ok());
+        value.and_then(|value| number(&value))
+    };
+    let parts = match text.split_once('/') {
+        Some((index, count)) => (number(index), number(count)),
+        None => (from_variable(), number(text)),
+    };
+    match parts {
+        (Some(index), Some(count)) if index >= 1 && index <= count => Ok(Shard { index, count }),
+        (index, _) => {
+            let found = index.map_or_else(|| text.to_owned(), |i| format!("{text} (part {i})"));
+            let help = "write --shard 3/8 for the third of eight parts; or --shard 8 in an array job numbered from 1 to 8";
+            Err(miette!(help = help, "--shard: found {found}; allowed: I/N with whole numbers 1 ≤ I ≤ N"))
+        }
+    }
+}
+
+/// `--output`, else `out/<sweep name>`, with the shard's number where there is one.
+fn output_path(args: &SweepArgs, shard: Option<Shard>) -> PathBuf {
+    let name = args.sweep.file_stem().map_or_else(|| "sweep".into(), |s| s.to_string_lossy().into_owned());
+    let part = shard.map_or_else(String::new, |s| format!(".shard-{}-of-{}", s.index, s.count));
+    args.output.clone().unwrap_or_else(|| Path::new("out").join(name + &part))
+}

@@ -1,0 +1,74 @@
+//! Fields of a study by their dotted names: `layer.thickness_um`, `pigment[0].index`, `pigment.yellow.index`, `pigment[*].index`.
+
+use toml::{Table, Value};
+
+/// Sets `field`, making tables on the way where there are none.
+///
+/// # Errors
+/// Why there is no such place, in words.
+pub fn set(study: &mut Table, field: &str, value: &Value) -> Result<(), String> {
+    let steps: Vec<&str> = field.split(['.', '[', ']']).filter(|step| !step.is_empty()).collect();
+    if steps.is_empty() { Err("the field has no name".into()) } else { in_table(study, &steps, value) }
+}
+
+fn in_table(table: &mut Table, steps: &[&str], value: &Value) -> Result<(), String> {
+    let key = steps[0].to_owned();
+    if steps.len() == 1 {
+        table.insert(key, value.clone());
+        return Ok(());
+    }
+    let next = table.entry(key).or_insert_with(|| Value::Table(Table::new()));
+    in_value(next, steps[0], &steps[1..], value)
+}
+
+fn in_value(here: &mut Value, name: &str, steps: &[&str], value: &Value) -> Result<(), String> {
+    match here {
+        Value::Table(table) => in_table(table, steps, value),
+        Value::Array(items) => in_items(items, name, steps, value),
+        other => Err(format!("{name} is a {}, not a table", other.type_str())),
+    }
+}
+
+fn in_items(items: &mut [Value], name: &str, steps: &[&str], value: &Value) -> Result<(), String> {
+    let chosen: Vec<usize> = match (steps[0], steps[0].parse::<usize>()) {
+        ("*", _) => (0..items.len()).collect(),
+        (_, Ok(i)) => (i..items.len()).take(1).collect(),
+        (wanted, _) => items.iter().position(|item| item_name(item) == Some(wanted)).into_iter().collect(),
+    };
+    if chosen.is_empty() {
+        let names: Vec<&str> = items.iter().filter_map(item_name).collect();
+        let (count, names) = (items.len(), names.join(", "));
+        return Err(format!("{name} has {count} entries ({names}), none of them is {}", steps[0]));
+    }
+    for i in chosen {
+        match steps.len() {
+            1 => items[i] = value.clone(),
+            _ => in_value(&mut items[i], name, &steps[1..], value)?,
+        }
+    }
+    Ok(())
+}
+
+fn item_name(item: &Value) -> Option<&str> {
+    item.get("name")?.as_str()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_found_by_place_by_name_and_all_at_once() {
+        let mut study: Table =
+            toml::from_str("[[pigment]]\nname = 'a'\nd = 1\n[[pigment]]\nname = 'b'\nd = 2").unwrap();
+        set(&mut study, "pigment[1].d", &Value::Integer(5)).unwrap();
+        set(&mut study, "pigment.a.index.k", &Value::Float(0.5)).unwrap();
+        set(&mut study, "pigment[*].share", &Value::Float(0.25)).unwrap();
+        assert_eq!(study["pigment"][1]["d"].as_integer(), Some(5));
+        assert_eq!(study["pigment"][0]["index"]["k"].as_float(), Some(0.5));
+        assert!((0..2).all(|i| study["pigment"][i]["share"].as_float() == Some(0.25)));
+        let error = set(&mut study, "pigment.c.d", &Value::Integer(5)).unwrap_err();
+        assert_eq!(error, "pigment has 2 entries (a, b), none of them is c");
+        assert!(set(&mut study, "pigment.a.d.x", &Value::Integer(5)).unwrap_err().contains("not a table"));
+    }
+}

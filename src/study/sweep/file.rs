@@ -1,0 +1,146 @@
+//! The sweep file as written.
+//!
+//! ```toml
+//! title = "Yellow: size and share"
+//! base = "yellow.toml"                 # a study file beside this one, or a table [base] with a whole study
+//! [[axis]]
+//! name = "size"
+//! field = "pigment[0].diameter_nm"     # or pigment.yellow.diameter_nm; pigment[*] means all pigments
+//! values = ["molecular", 100, 300]
+//! [[axis]]
+//! name = "share"
+//! field = "pigment[0].volume_fraction"
+//! from = 0.15
+//! to = 0.45
+//! step = 0.15
+//! [[exclude]]
+//! where = { size = 300, share = [0.30, 0.45] }
+//! ```
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use toml::{Table, Value};
+
+/// A whole sweep file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SweepFile {
+    /// Heading of the report; the file's name when left out.
+    pub title: Option<String>,
+    pub base: Base,
+    #[serde(default)]
+    pub axis: Vec<AxisTable>,
+    #[serde(default)]
+    pub exclude: Vec<ExcludeTable>,
+    #[serde(default, rename = "override")]
+    pub overrides: Vec<OverrideTable>,
+    #[serde(default)]
+    pub sheet: SheetTable,
+    /// The variant that colour differences refer to; the first one when left out.
+    pub reference: Option<Where>,
+    #[serde(default)]
+    pub conclusion: Vec<ConclusionTable>,
+}
+
+/// The study that all variants start from.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum Base {
+    Path(String),
+    Table(Table),
+}
+
+/// `[[axis]]`: a field with its values, or named cases that set several fields at once.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisTable {
+    /// Short name for captions and conditions; the field's last part when left out.
+    pub name: Option<String>,
+    pub field: Option<String>,
+    pub values: Option<Vec<Value>>,
+    /// Captions of the values.
+    pub labels: Option<Vec<String>>,
+    pub from: Option<f64>,
+    pub to: Option<f64>,
+    pub step: Option<f64>,
+    /// Number of values from `from` to `to`, both included; instead of `step`.
+    pub count: Option<usize>,
+    /// Axes with the same word here advance together instead of forming a product.
+    pub zip: Option<String>,
+    #[serde(default)]
+    pub case: Vec<CaseTable>,
+}
+
+/// `[[axis.case]]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseTable {
+    pub label: String,
+    /// Dotted field (in quotes) → value.
+    #[serde(default)]
+    pub set: Table,
+}
+
+/// Axis name → label, value, or list of them. Axes that are not named match anything.
+pub type Where = BTreeMap<String, Value>;
+
+/// `[[exclude]]`: variants that are left out.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExcludeTable {
+    #[serde(rename = "where")]
+    pub condition: Where,
+}
+
+/// `[[override]]`: fields of some variants, set after the axes.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OverrideTable {
+    #[serde(rename = "where")]
+    pub condition: Where,
+    pub set: Table,
+}
+
+/// `[sheet]`: the axes of the contact sheets; the others give one sheet for each of their values.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SheetTable {
+    pub rows: Option<String>,
+    pub columns: Option<String>,
+}
+
+/// `[[conclusion]]`: an inequality about the variants.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConclusionTable {
+    pub id: String,
+    pub statement: String,
+    pub quantity: Quantity,
+    /// For `transmittance` and `reflectance`.
+    pub wavelength_nm: Option<f64>,
+    /// Variants whose quantity is added.
+    pub plus: Vec<Where>,
+    /// Variants whose quantity is subtracted; for `delta_e` the other colour.
+    #[serde(default)]
+    pub minus: Vec<Where>,
+    pub at_least: Option<f64>,
+    pub at_most: Option<f64>,
+}
+
+/// What a conclusion compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// C* under natural light.
+    Chroma,
+    /// L* under natural light.
+    Lightness,
+    /// Hue angle under natural light, degrees.
+    Hue,
+    /// T of the layer alone at the smallest angle.
+    Transmittance,
+    /// R of the layer alone at the smallest angle.
+    Reflectance,
+    /// CIEDE2000 between one `plus` and one `minus`.
+    DeltaE,
+}
