@@ -51,7 +51,8 @@ pub struct Comparison {
     pub rows: Vec<Row>,
 }
 
-type Curve = (String, Vec<(f64, f64)>);
+/// A name and its points.
+pub type Curve = (String, Vec<(f64, f64)>);
 
 impl Comparison {
     /// Writes `comparison.csv`, `residuals.csv`, three PNG plots, `comparison.md` and a self-contained
@@ -240,7 +241,7 @@ fn escape(text: &str) -> String {
 }
 
 /// Curves on a logarithmic y axis; x is logarithmic too unless a curve starts at 0.
-fn log_plot(title: &str, x_label: &str, y_label: &str, curves: &[Curve]) -> Result<Bitmap, FigureError> {
+pub fn log_plot(title: &str, x_label: &str, y_label: &str, curves: &[Curve]) -> Result<Bitmap, FigureError> {
     register_fonts();
     let mut bitmap = Bitmap::white(900, 560)?;
     let all = || {

@@ -1,0 +1,69 @@
+//! The comparison from its file to its folder.
+
+use inkwave::solve::Silent;
+use inkwave::study::compare::ComparisonFile;
+
+const TINY: &str = r#"
+title = "tiny"
+strategies = ["krylov", "born", "relaxation", "direct"]
+schemes = ["cubic", "second_difference"]
+resolutions = [{ points = 5, cells = 6 }]
+repeats = 1
+
+[layer]
+period_um = 0.5
+thickness_um = 0.5
+diameter_nm = 250
+volume_fraction = 0.12
+pigment = [2.5, 0.0]
+binder = [1.558, 0.0]
+wavelength_um = 0.6
+"#;
+
+#[test]
+fn every_strategy_is_a_row_and_every_file_is_whole() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tiny.toml");
+    std::fs::write(&path, TINY).expect("written");
+    let file = ComparisonFile::read(&path).expect("parsed");
+    let comparison = file.run(folder.path(), &mut Silent, |_| ()).expect("compared");
+    assert_eq!(comparison.rows.len(), 8);
+    let find = |name: &str| comparison.rows.iter().find(|r| r.strategy == name).expect("a row");
+    // One discrete system: krylov and the dense solve have the same error, to the residual asked for (1e-6, amplified).
+    let [krylov, direct] = ["krylov", "direct"].map(|n| find(n).error.expect("converged"));
+    assert!((krylov - direct).abs() < 1e-4, "{krylov:.3e} and {direct:.3e}");
+    // Index 2.5 is beyond the Born series: a row that says why, not a crash.
+    assert!(
+        !find("born").converged() && find("born").outcome.contains("diverges"),
+        "{}",
+        find("born").outcome
+    );
+    comparison.write(&folder.path().join("out")).expect("written");
+    for name in
+        ["comparison.csv", "residuals.csv", "residuals.png", "error_against_work.png", "comparison.html"]
+    {
+        let size = std::fs::metadata(folder.path().join("out").join(name)).map_or(0, |m| m.len());
+        assert!(size > 100, "{name}: {size} bytes");
+    }
+}
+
+#[test]
+fn slips_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (from, to, told) in [
+        ("\"krylov\"", "\"krilov\"", "krylov"),
+        ("repeats = 1", "repeats = 0", "repeats"),
+        ("points = 5", "pionts = 5", "pionts"),
+        ("volume_fraction = 0.12", "volume_fraction = 1.2", "volume_fraction"),
+        ("[layer]", "case = \"x.json\"\n[layer]", "exactly one"),
+    ] {
+        let path = folder.path().join("slip.toml");
+        std::fs::write(&path, TINY.replace(from, to)).expect("written");
+        let read = ComparisonFile::read(&path);
+        let message = match read.and_then(|f| f.run(folder.path(), &mut Silent, |_| ())) {
+            Err(error) => error.to_string(),
+            Ok(_) => panic!("{to} was accepted"),
+        };
+        assert!(message.contains(told), "{to}: {message}");
+    }
+}
