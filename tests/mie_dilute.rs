@@ -1,0 +1,76 @@
+//! One sphere alone: a periodic array in a matched host tends to scalar Mie theory as the cell grows.
+//!
+//! The array's specular amplitude is T₀₀ e^{−ikH} = 1 + 2πi f(0)/(k L²) + (waves between the spheres); those are of
+//! relative size |f|·|S|, S the lattice sum of e^{ikr}/r without the plane waves it radiates. In the static limit
+//! S = −3.900/L for a square lattice; the wave's phase turns it with L, so that cells of several sides are averaged
+//! and the bound is |f| times the mean of 3.9/L.
+
+use inkwave::solve::{Gmres, Goal, Silent, Solver};
+use inkwave::wave::{Ball, Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+struct Mie {
+    id: String,
+    wavelength: f64,
+    radius: f64,
+    eta: Complex64,
+    host: f64,
+    forward: Complex64,
+}
+
+fn cases() -> Vec<Mie> {
+    let text = include_str!("../validation/data/waves.json");
+    let file: serde_json::Value = serde_json::from_str(text).expect("waves.json is JSON");
+    let all = file["cases"].as_array().expect("cases").iter().filter(|c| c["kind"] == "mie_isolated_sphere");
+    let pair = |v: &serde_json::Value| Complex64::new(v[0].as_f64().expect("re"), v[1].as_f64().expect("im"));
+    let read = |c: &serde_json::Value| Mie {
+        id: c["id"].as_str().expect("an id").into(),
+        wavelength: c["inputs"]["wavelength"].as_f64().expect("a wavelength"),
+        radius: c["inputs"]["radius"].as_f64().expect("a radius"),
+        eta: pair(&c["inputs"]["eta"]),
+        host: c["inputs"]["eta_host"].as_f64().expect("a host"),
+        forward: pair(&c["outputs"]["amplitude_f"][0]["f"]),
+    };
+    all.map(read).collect()
+}
+
+/// f(0) as the array of period `side` shows it.
+fn forward_amplitude(mie: &Mie, side: f64) -> Complex64 {
+    let height = 2.2 * mie.radius;
+    let ball = Ball { center_um: [0.5 * side, 0.5 * side, 0.5 * height], radius_um: mie.radius };
+    let scene = Scene::layer([side; 2], height, vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }]);
+    let host = Complex64::from(mie.host);
+    let media = Media { above: host, below: host, backgrounds: vec![host], inclusions: vec![mie.eta] };
+    let incidence =
+        Incidence { wavelength_um: mie.wavelength, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
+    // Six points a wavelength, and two points a radius where the sphere is smaller than that.
+    let finest = (6.0 * mie.host.max(mie.eta.norm()) / mie.wavelength).max(2.0 / mie.radius);
+    let points = inkwave::solve::accuracy::smooth_size((finest * side) as usize);
+    let cells = (8.0 * height / mie.wavelength * mie.eta.norm().max(mie.host)).ceil() as usize + 2;
+    let resolution = Resolution { nx: points, ny: points, cells, scheme: Scheme::Cubic };
+    let problem =
+        Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("problem");
+    let goal = Goal { tolerance: 1e-9, ..Goal::default() };
+    let solution = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges");
+    let k = TAU / mie.wavelength * mie.host;
+    let transmitted = problem.far_field(&solution.field).specular().transmitted * Complex64::cis(-k * height);
+    (transmitted - 1.0) * (k * side * side) / (TAU * Complex64::I)
+}
+
+#[test]
+fn dilute_arrays_scatter_like_isolated_spheres() {
+    for mie in cases() {
+        let sides: Vec<f64> = (0..6).map(|i| (3.3 + 0.37 * i as f64) * mie.wavelength).collect();
+        let mean = sides.iter().map(|&s| forward_amplitude(&mie, s)).sum::<Complex64>() / sides.len() as f64;
+        let error = (mean - mie.forward).norm() / mie.forward.norm();
+        let bound = mie.forward.norm() * sides.iter().map(|s| 3.9 / s).sum::<f64>() / sides.len() as f64;
+        eprintln!("{}: relative error {error:.2e}, bound {bound:.2e}", mie.id);
+        assert!(
+            error < bound,
+            "{}: {mean} instead of {}: {error:.2e} above {bound:.2e}",
+            mie.id,
+            mie.forward
+        );
+    }
+}
