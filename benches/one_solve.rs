@@ -1,6 +1,6 @@
 //! Where the time of one production solve goes: 10 × 10 × 1 µm, 30 % spheres of 250 nm, κ = 0.1, λ = 0.55 µm.
 //!
-//! `cargo bench --bench one_solve [-- POINTS_PER_UM CELLS TOLERANCE]` prints medians of each part measured in the
+//! `cargo bench --bench one_solve [-- POINTS_PER_UM CELLS TOLERANCE PERIOD_UM KAPPA]` prints medians of each part measured in the
 //! same run, and the ratio of the solve to its floor: one forward and one inverse transform of every plane a step.
 
 use inkwave::ink::{PackingRequest, PigmentGrains, pack};
@@ -51,6 +51,14 @@ fn main() {
     rows.iter().for_each(|(name, seconds)| println!("{name:48} {:8.1} ms", seconds * 1e3));
     let bytes = solution.account.bytes + problem.bytes();
     println!("{applications} operator applications, residual {:.1e}", solution.account.residual);
+    let finer = Resolution { nx: n * 4 / 3, ny: n * 4 / 3, cells: resolution.cells * 4 / 3, ..resolution };
+    let finer = self::problem(&Arc::new(Coverage::new(&scene, finer).expect("coverage")), number(4, 0.1));
+    let reference = Gmres::default().solve(&finer, Goal::default(), &mut Silent).expect("solve");
+    let error = inkwave::solve::accuracy::largest_difference(
+        &problem.far_field(&solution.field),
+        &finer.far_field(&reference.field),
+    );
+    println!("largest difference of any amplitude to a grid 4/3 as fine: {error:.1e}");
     println!("solve / floor = {:.2}", solve_s / floor_s);
     println!(
         "{:.0} bytes per unknown, {:.2} GB in all",

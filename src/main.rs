@@ -21,12 +21,14 @@ enum Command {
     Merge(commands::merge::MergeArgs),
     Report(commands::report::ReportArgs),
     Solve(commands::solve::SolveArgs),
+    Compare(commands::compare::CompareArgs),
 }
 
 fn main() -> miette::Result<()> {
     match Cli::parse().command {
         Command::Run(args) => commands::run::run(&args),
         Command::Pack(args) => commands::pack::run(&args),
+        Command::Compare(args) => commands::compare::run(&args),
         Command::Sweep(args) => commands::sweep::run(&args),
         Command::Merge(args) => commands::merge::run(&args),
         Command::Report(args) => commands::report::run(&args),

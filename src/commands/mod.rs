@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+pub mod compare;
 pub mod diagnostics;
 pub mod merge;
 pub mod pack;

@@ -17,3 +17,5 @@ pub mod tables;
 pub use packing_record::PackingRecord;
 pub use record::{PointRecord, SolveAccount};
 pub use store::Store;
+
+pub mod comparison;

@@ -1,7 +1,7 @@
 //! GMRES and Born against a dense solve of the same, assembled system on tiny awkward grids.
 
 use super::*;
-use crate::solve::{Born, Silent, Step};
+use crate::solve::{Born, Direct, Silent, Step};
 use crate::wave::{Ball, Body, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side};
 use faer::linalg::solvers::Solve;
 use std::ops::ControlFlow;
@@ -63,6 +63,25 @@ fn gmres_agrees_with_the_dense_solve() {
             }
         }
     }
+}
+
+#[test]
+fn the_direct_referee_agrees_with_another_factorisation() {
+    // With the feature `lapack` this sets LAPACK against faer; without it, two assemblies of the same matrix.
+    for size in awkward() {
+        for scheme in SCHEMES {
+            let problem = problem(size, scheme, Complex64::new(1.4, 0.2), Side::Below);
+            let goal = Goal { tolerance: 1e-12, ..Goal::default() };
+            let direct = Direct::default().solve(&problem, goal, &mut Silent).expect("a regular matrix");
+            let error = largest(&direct.field, &dense_solution(&problem));
+            // Identity: rounding times a condition number below 100.
+            assert!(error < 1e-12, "{size:?} {scheme:?}: {error:e}");
+        }
+    }
+    let problem = problem([7, 7, 4], Scheme::Cubic, Complex64::from(1.4), Side::Above);
+    let refused = Direct { max_unknowns: 100 }.solve(&problem, Goal::default(), &mut Silent);
+    let message = refused.expect_err("too large").to_string();
+    assert!(message.contains("at most 100"), "{message}");
 }
 
 #[test]

@@ -75,7 +75,9 @@ impl Solver for Relaxation {
                 ledger.measure(&field, &mut residual);
                 memory.push(Candidate { state, field, residual });
             }
-            let grows = !(ledger.account.residual <= GROWTH * before) && tau > self.tau * SHORTEST;
+            // A residual that is not a number counts as grown.
+            let after = ledger.account.residual;
+            let grows = (after.is_nan() || after > GROWTH * before) && tau > self.tau * SHORTEST;
             let mut best = if grows { memory.swap_remove(0) } else { Candidate::blend(&memory) };
             if grows {
                 // Ringing of the band-limited contrast gives gain in spots: shorter steps split it less.

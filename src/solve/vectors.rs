@@ -10,7 +10,7 @@ const CHUNK: usize = 4096;
 
 /// ‖v‖₂.
 pub fn norm(v: &[Complex64]) -> f64 {
-    let parts: Vec<f64> = v.par_chunks(CHUNK).map(|c| square_chunk(c)).collect();
+    let parts: Vec<f64> = v.par_chunks(CHUNK).map(square_chunk).collect();
     parts.iter().sum::<f64>().sqrt()
 }
 

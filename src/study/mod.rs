@@ -8,6 +8,7 @@ pub mod case;
 mod case_checks;
 pub mod check;
 pub mod checked;
+pub mod compare;
 pub mod crew;
 pub mod fault;
 pub mod file;

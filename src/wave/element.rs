@@ -54,7 +54,7 @@ fn lobatto_points(degree: usize) -> Vec<f64> {
     let inner: &[f64] = match degree {
         1 => &[],
         2 => &[0.0],
-        3 => &[0.447_213_595_499_957_94],     // 1/√5
+        3 => &[0.447_213_595_499_957_9],      // 1/√5
         4 => &[0.0, 0.654_653_670_707_977_1], // √(3/7)
         _ => unreachable!("degrees are 1 to MAX_DEGREE"),
     };

@@ -119,7 +119,7 @@ impl Harmonics {
 
 fn used_rows(nx: usize, mmax: i32) -> Vec<std::ops::Range<usize>> {
     let m = mmax as usize;
-    if m == 0 { vec![0..1] } else { vec![0..m + 1, nx - m..nx] }
+    std::iter::once(0..m + 1).chain((m > 0).then(|| nx - m..nx)).collect()
 }
 
 #[cfg(test)]

@@ -137,12 +137,11 @@ impl Body {
     /// Refuses lateral positions that are no numbers; they would only show as NaN in every amplitude.
     fn check_lateral(&self, index: usize) -> Result<(), WaveError> {
         let lateral: Vec<f64> = match &self.shape {
-            Shape::Balls(balls) => balls.iter().flat_map(|b| [b.center_um[0], b.center_um[1]]).collect(),
+            Shape::Balls(balls) | Shape::Above { balls, .. } => {
+                balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect()
+            }
             Shape::CylinderY { x_um, .. } => vec![*x_um],
             Shape::BarY { x_um, .. } => x_um.to_vec(),
-            Shape::Above { balls, .. } => {
-                balls.iter().flat_map(|b| [b.center_um[0], b.center_um[1]]).collect()
-            }
             Shape::Sheet { .. } => Vec::new(),
         };
         lateral.into_iter().find(|x| !x.is_finite()).map_or(Ok(()), |value| {

@@ -102,6 +102,7 @@ fn upside_down(case: &Case) -> Case {
             Shape::Balls(balls) => balls.iter_mut().for_each(|b| b.center_um[2] = height - b.center_um[2]),
             Shape::CylinderY { z_um, .. } => *z_um = height - *z_um,
             Shape::BarY { z_um, .. } | Shape::Sheet { z_um } => *z_um = flip(*z_um),
+            Shape::Above { .. } => unreachable!("no reference has a relief"),
         }
     }
     std::mem::swap(&mut flipped.media.above, &mut flipped.media.below);

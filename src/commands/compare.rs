@@ -1,0 +1,45 @@
+//! `inkwave compare FILE`: strategies side by side on one geometry.
+
+use clap::Args;
+use inkwave::solve::{Step, Watch};
+use inkwave::study::compare::ComparisonFile;
+use miette::{IntoDiagnostic, Result};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+/// Compares strategies, resolutions and discretisations on one geometry.
+#[derive(Args)]
+pub struct CompareArgs {
+    /// Comparison (TOML), or a case file (JSON) to compare with the default lists
+    file: PathBuf,
+    /// Folder for tables, plots and the page
+    #[arg(short, long, default_value = "out/comparison")]
+    output: PathBuf,
+}
+
+/// Runs the command.
+pub fn run(args: &CompareArgs) -> Result<()> {
+    let file = ComparisonFile::read(&args.file).into_diagnostic()?;
+    let folder = args.file.parent().unwrap_or(Path::new("."));
+    let mut stop = Stop(super::stop::StopFlag::listen());
+    let told = |row: &inkwave::report::comparison::Row| {
+        let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
+        eprintln!(
+            "{:16} {:?} {} × {} × {}: {error}, {} applications, {:.2} s",
+            row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
+        );
+    };
+    let comparison = file.run(folder, &mut stop, told).into_diagnostic()?;
+    comparison.write(&args.output).into_diagnostic()?;
+    println!("Comparison: {}", args.output.join("comparison.html").display());
+    Ok(())
+}
+
+/// Stops a solve on Ctrl-C.
+struct Stop(super::stop::StopFlag);
+
+impl Watch for Stop {
+    fn step(&mut self, _: &Step) -> ControlFlow<()> {
+        if self.0.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
