@@ -272,3 +272,12 @@ fn folders_and_shards_that_are_none_are_refused() {
     fail(&["report", &place.path("nowhere")], "holds no sweep");
     fail(&["merge", &place.path("nowhere"), "--output", &place.path("m")], "holds no sweep");
 }
+
+#[test]
+fn the_example_studies_are_sound() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    for (name, variants) in [("paper-study.toml", 260), ("paper-study-small.toml", 12)] {
+        let sweep = inkwave::study::sweep::load::load(&examples.join(name)).unwrap();
+        assert_eq!(sweep.variants.len(), variants, "{name}");
+    }
+}
