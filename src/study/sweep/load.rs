@@ -192,8 +192,9 @@ impl Reading<'_> {
 
     /// A variant's fault, said once: at the axis that set the field, else at the base.
     fn fault(&self, draft: &Draft, fault: Fault, faults: &mut Faults) {
-        let sets =
-            |axis: &Axis, k: usize| axis.settings[k].set.keys().any(|name| same_field(name, &fault.field));
+        let sets = |axis: &Axis, k: usize| {
+            axis.settings[k].set.keys().any(|name| same_field(&draft.study, name, &fault.field))
+        };
         let axis = self.axes.iter().zip(&draft.place).position(|(axis, &k)| sets(axis, k));
         let field = axis.map_or(format!("base.{}", fault.field), |a| format!("axis[{a}].values"));
         let end = format!("for {}", fault.field);
@@ -225,13 +226,21 @@ impl Reading<'_> {
     }
 }
 
-/// `pigment.0.index` and `pigment[0].index.k` speak of the same field, as far as the shorter one goes.
-fn same_field(one: &str, other: &str) -> bool {
+/// `pigment.0.index`, `pigment.yellow.index` and `pigment[0].index.k` speak of the same field of `study`, as far
+/// as the shorter one goes.
+fn same_field(study: &Table, one: &str, other: &str) -> bool {
     let steps = |name: &str| -> Vec<String> {
         name.split(['.', '[', ']']).filter(|step| !step.is_empty()).map(str::to_owned).collect()
     };
-    let same = |(a, b): (&String, &String)| a == b || [a, b].iter().any(|s| *s == "*");
-    steps(one).iter().zip(&steps(other)).all(same)
+    let (one, other) = (steps(one), steps(other));
+    let name_of = |array: &str, i: &str| -> Option<String> {
+        Some(study.get(array)?.get(i.parse::<usize>().ok()?)?.get("name")?.as_str()?.to_owned())
+    };
+    let same = |k: usize| {
+        let named = || k == 1 && name_of(&other[0], &other[1]).is_some_and(|name| name == one[1]);
+        one[k] == other[k] || one[k] == "*" || named()
+    };
+    (0..one.len().min(other.len())).all(same)
 }
 
 /// Every `csv` of an index in a study.

@@ -96,6 +96,6 @@ fn same_point(one: &[u8], other: &[u8]) -> bool {
 fn drop_settled_failures(folder: &OutputFolder) -> Result<(), MergeError> {
     let failures = folder.path().join(FAILURES);
     let names = names(&failures).map_err(|source| MergeError::Copy { path: failures, source })?;
-    let settled = names.iter().filter(|name| folder.path().join(POINTS).join(name).exists());
-    settled.map(|name| folder.remove(&format!("{FAILURES}/{name}")).map_err(MergeError::from)).collect()
+    let mut settled = names.iter().filter(|name| folder.path().join(POINTS).join(name).exists());
+    settled.try_for_each(|name| folder.remove(&format!("{FAILURES}/{name}")).map_err(MergeError::from))
 }

@@ -1,0 +1,283 @@
+//! Sweeps: stopped, killed, divided among machines and joined again; wrong sweep files.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// 2 shares × 2 papers × 2 sizes (one molecular): 4 wavelengths, 3 angles, 2 realisations; milliseconds a solve.
+const TINY: &str = r#"
+title = "Tiny sweep"
+[base.layer]
+period_um = 0.8
+thickness_um = 0.5
+binder.index = 1.558
+[[base.pigment]]
+name = "yellow"
+diameter_nm = 200
+volume_fraction = 0.15
+index = { built_in = "yellow" }
+[base.light]
+from_nm = 400
+to_nm = 700
+step_nm = 100
+[base.angles]
+count = 3
+[base.run]
+realisations = 2
+seed = 7
+[base.resolution]
+points_per_um = 20
+planes_per_um = 40
+[base.output]
+picture_pixels = 61
+[[axis]]
+name = "share"
+field = "pigment.yellow.volume_fraction"
+values = [0.10, 0.15]
+labels = ["10 %", "15 %"]
+[[axis]]
+name = "size"
+field = "pigment[0].diameter_nm"
+values = ["molecular", 200]
+[[axis]]
+name = "paper"
+field = "paper.albedo"
+values = [0.9, 0.5]
+[[conclusion]]
+id = "dark paper"
+statement = "White paper is lighter"
+quantity = "lightness"
+plus = [{ share = "10 %", size = 200, paper = 0.9 }]
+minus = [{ share = "10 %", size = 200, paper = 0.5 }]
+at_least = 5
+[[conclusion]]
+id = "size"
+statement = "Grains transmit more than the molecular mixture"
+quantity = "transmittance"
+wavelength_nm = 400
+plus = [{ share = "15 %", size = 200, paper = 0.9 }]
+minus = [{ share = "15 %", size = "molecular", paper = 0.9 }]
+at_least = 0.0
+"#;
+
+fn inkwave(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_inkwave"));
+    command.args(arguments).env_remove("SLURM_ARRAY_TASK_ID");
+    command
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+fn succeed(arguments: &[&str]) -> String {
+    let output = inkwave(arguments).output().unwrap();
+    assert!(output.status.success(), "{arguments:?}: {}", said(&output));
+    said(&output)
+}
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new(text: &str) -> Self {
+        let place = Self(tempfile::tempdir().unwrap());
+        std::fs::write(place.0.path().join("tiny.toml"), text).unwrap();
+        place
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.path().join(name).display().to_string()
+    }
+
+    fn sweep(&self, output: &str, more: &[&str]) -> String {
+        let (file, output) = (self.path("tiny.toml"), self.path(output));
+        succeed(&[&["sweep", &file, "--output", &output], more].concat())
+    }
+}
+
+fn points(folder: &str) -> usize {
+    let files = std::fs::read_dir(Path::new(folder).join("points")).into_iter().flatten();
+    files.filter(|f| f.as_ref().unwrap().path().extension().is_some_and(|e| e == "json")).count()
+}
+
+/// All result files that hold no times.
+fn results(folder: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    let root = Path::new(folder);
+    let mut files: Vec<PathBuf> =
+        ["sweep.csv", "conclusions.csv", "report.html"].iter().map(|n| root.join(n)).collect();
+    let entries = std::fs::read_dir(root).unwrap().map(|f| f.unwrap().path());
+    files.extend(entries.filter(|p| p.extension().is_some_and(|e| e == "png")));
+    for variant in std::fs::read_dir(root.join("variants")).unwrap() {
+        let variant = variant.unwrap().path();
+        files.extend(["spectra.csv", "bdf.csv", "picture.png", "study.toml"].map(|name| variant.join(name)));
+    }
+    files.sort();
+    files
+        .into_iter()
+        .map(|f| (f.strip_prefix(root).unwrap().to_owned(), std::fs::read(&f).unwrap()))
+        .collect()
+}
+
+#[test]
+fn shards_merged_are_the_local_run_bit_for_bit_and_shared_solves_are_made_once() {
+    let place = Place::new(TINY);
+    let told = place.sweep("local", &[]);
+    assert!(told.contains("dark paper: confirmed"), "{told}");
+    // 2 shares × (24 of grains + 12 without), each once for both papers
+    assert_eq!(points(&place.path("local")), 72);
+    assert!(!Path::new(&place.path("local/PARTIAL")).exists());
+
+    place.sweep("one", &["--shard", "1/3", "--jobs", "1"]);
+    place.sweep("two", &["--shard", "2/3"]);
+    let mut third =
+        inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("three"), "--shard", "3"]);
+    assert!(third.env("SLURM_ARRAY_TASK_ID", "3").status().unwrap().success());
+    let shards = ["one", "two", "three"].map(|name| place.path(name));
+    let partly =
+        inkwave(&["merge", &shards[0], &shards[2], "--output", &place.path("partly")]).output().unwrap();
+    assert!(!partly.status.success() && said(&partly).contains("variants are finished"), "{}", said(&partly));
+    assert!(std::fs::read_to_string(place.path("partly/report.html")).unwrap().contains("Partial results"));
+    succeed(&["merge", &shards[2], &shards[0], &shards[1], "--output", &place.path("merged")]);
+    for (local, merged) in results(&place.path("local")).iter().zip(&results(&place.path("merged"))) {
+        assert!(local == merged, "{} differs", local.0.display());
+    }
+
+    let before = results(&place.path("merged"));
+    std::fs::remove_file(place.path("merged/sweep.csv")).unwrap();
+    succeed(&["report", &place.path("merged")]);
+    assert!(before == results(&place.path("merged")));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_kill_loses_at_most_the_points_in_flight() {
+    let place = Place::new(&TINY.replace("step_nm = 100", "step_nm = 5"));
+    let (file, out) = (place.path("tiny.toml"), place.path("out"));
+    let mut child = inkwave(&["sweep", &file, "--output", &out])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let since = Instant::now();
+    while points(&out) < 20 {
+        assert!(since.elapsed() < Duration::from_secs(60), "no points");
+        std::thread::sleep(Duration::from_millis(3));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let survived: Vec<_> =
+        std::fs::read_dir(Path::new(&out).join("points")).unwrap().map(|f| f.unwrap().path()).collect();
+    let whole = survived.iter().filter(|p| p.extension().is_some_and(|e| e == "json"));
+    for point in whole.clone() {
+        let record: serde_json::Value = serde_json::from_slice(&std::fs::read(point).unwrap()).unwrap();
+        assert!(record["orders"].is_array());
+    }
+    let before: Vec<_> =
+        whole.map(|p| (p.clone(), std::fs::metadata(p).unwrap().modified().unwrap())).collect();
+    assert!(before.len() >= 20 && Path::new(&out).join("PARTIAL").exists());
+    let unfinished = inkwave(&["report", &out]).output().unwrap();
+    assert!(said(&unfinished).contains("variants are finished"), "{}", said(&unfinished));
+    place.sweep("out", &[]);
+    for (path, time) in before {
+        assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), time, "computed twice");
+    }
+}
+
+#[test]
+fn a_variant_that_fails_is_recorded_and_tried_again_when_asked() {
+    let hard = TINY.replace("[[axis]]\nname = \"paper\"", "[[override]]\nwhere = { share = \"15 %\" }\nset = { \"solver.max_applications\" = 2 }\n[[axis]]\nname = \"paper\"");
+    let place = Place::new(&hard);
+    let (file, out) = (place.path("tiny.toml"), place.path("out"));
+    let run =
+        |more: &[&str]| inkwave(&[&["sweep", &file, "--output", &out], more].concat()).output().unwrap();
+    let first = run(&[]);
+    assert_eq!(first.status.code(), Some(1));
+    assert!(said(&first).contains("--retry-failed"), "{}", said(&first));
+    let finished = points(&out);
+    assert!(finished >= 36, "the others are finished: {finished}");
+    let table = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
+    assert!(table.lines().nth(3).unwrap().starts_with("10-200-0.9,10 %,200,0.9,24,24,0,2,"), "{table}");
+    assert!(!said(&run(&[])).contains("no result at"), "known failures are not tried again");
+    assert!(said(&run(&["--retry-failed"])).contains("no result"), "{}", said(&run(&["--retry-failed"])));
+}
+
+#[test]
+fn a_plan_counts_what_is_shared_and_computes_nothing_for_good() {
+    let place = Place::new(TINY);
+    let told = succeed(&["sweep", &place.path("tiny.toml"), "--plan"]);
+    let line = |name: &str| {
+        told.lines().find(|l| l.starts_with(name)).unwrap_or_else(|| panic!("{told}")).to_owned()
+    };
+    assert!(line("variants").ends_with(" 8") && line("solves").ends_with(" 72"), "{told}");
+    assert!(line("packings").ends_with(" 5"), "{told}");
+    let json = succeed(&["sweep", &place.path("tiny.toml"), "--plan", "--json"]);
+    assert!(json.contains("\"memory_mb\"") && json.contains("\"core_seconds\""), "{json}");
+    assert_eq!(std::fs::read_dir(place.0.path()).unwrap().count(), 1);
+}
+
+/// A slip, and words that its message must have: field, value, allowed, remedy.
+fn slip(from: &str, to: &str, words: &[&str]) {
+    assert!(TINY.contains(from), "{from}");
+    let place = Place::new(&TINY.replacen(from, to, 1));
+    let output =
+        inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("out")]).output().unwrap();
+    let told = said(&output).split_whitespace().filter(|w| *w != "│").collect::<Vec<_>>().join(" ");
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(!told.contains("panicked") && !Path::new(&place.path("out")).exists(), "{told}");
+    words.iter().for_each(|word| assert!(told.contains(word), "{to}: no {word} in\n{told}"));
+}
+
+#[test]
+fn slips_are_told_with_field_value_range_and_remedy() {
+    slip(
+        "values = [0.10, 0.15]",
+        "values = [0.10, 1.15]",
+        &["axis[0].values", "1.15", "0.64", "volume_fraction"],
+    );
+    slip("values = [0.10, 0.15]", "values = []", &["axis[0].values", "no values", "from, to"]);
+    slip("[\"10 %\", \"15 %\"]", "[\"10 %\"]", &["axis[0].labels", "1 labels", "2 labels"]);
+    slip(
+        "pigment.yellow.volume",
+        "pigment.blue.volume",
+        &["axis[0].field", "yellow", "none of them is blue"],
+    );
+    slip("paper.albedo", "paper.albdo", &["unknown field", "albedo", "did you mean"]);
+    slip(
+        "size = 200, paper = 0.9",
+        "size = 250, paper = 0.9",
+        &["conclusion[0].plus[0].size", "250", "molecular, 200"],
+    );
+    slip("size = 200, paper = 0.9", "size = 200", &["conclusion[0].plus[0]", "2 variants", "exactly one"]);
+    slip(
+        "[[axis]]",
+        "[[exclude]]\nwhere = { colour = 1 }\n[[axis]]",
+        &["exclude[0].where", "share, size, paper"],
+    );
+    slip("\"molecular\", 200]", "\"molecular\", 200]\nzip = \"a\"\nfrom = 3", &["axis[1].values"]);
+    slip("\"molecular\", 200]", "\"atomic\", 200]", &["atomic", "molecular"]);
+    slip("period_um = 0.8", "period_um = -0.8", &["base.layer.period_um", "-0.8", "µm is usual"]);
+}
+
+#[test]
+fn folders_and_shards_that_are_none_are_refused() {
+    let place = Place::new(TINY);
+    let fail = |arguments: &[&str], word: &str| {
+        let output = inkwave(arguments).output().unwrap();
+        assert!(output.status.code() == Some(1) && said(&output).contains(word), "{}", said(&output));
+    };
+    let file = place.path("tiny.toml");
+    for shard in ["4/3", "0/3", "x", "3"] {
+        fail(&["sweep", &file, "--shard", shard], "--shard: found");
+    }
+    fail(&["report", &place.path("nowhere")], "holds no sweep");
+    fail(&["merge", &place.path("nowhere"), "--output", &place.path("m")], "holds no sweep");
+}
+
+#[test]
+fn the_example_studies_are_sound() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    for (name, variants) in [("paper-study.toml", 260), ("paper-study-small.toml", 12)] {
+        let sweep = inkwave::study::sweep::load::load(&examples.join(name)).unwrap();
+        assert_eq!(sweep.variants.len(), variants, "{name}");
+    }
+}
