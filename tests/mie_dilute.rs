@@ -64,7 +64,9 @@ fn dilute_arrays_scatter_like_isolated_spheres() {
         let sides: Vec<f64> = (0..6).map(|i| (3.3 + 0.37 * i as f64) * mie.wavelength).collect();
         let mean = sides.iter().map(|&s| forward_amplitude(&mie, s)).sum::<Complex64>() / sides.len() as f64;
         let error = (mean - mie.forward).norm() / mie.forward.norm();
-        let bound = mie.forward.norm() * sides.iter().map(|s| 3.9 / s).sum::<f64>() / sides.len() as f64;
+        let lattice = mie.forward.norm() * sides.iter().map(|s| 3.9 / s).sum::<f64>() / sides.len() as f64;
+        // Never looser than 5 %: a lost factor or sign must show with strong scatterers, too.
+        let bound = lattice.min(0.05);
         eprintln!("{}: relative error {error:.2e}, bound {bound:.2e}", mie.id);
         assert!(
             error < bound,
