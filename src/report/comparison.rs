@@ -254,7 +254,7 @@ pub fn log_plot(title: &str, x_label: &str, y_label: &str, curves: &[Curve]) -> 
         all().map(pick).fold((f64::INFINITY, 0.0f64), |(a, b), v| (a.min(v), b.max(v)))
     };
     let ((x0, x1), (y0, y1)) = (range(|p| p.0), range(|p| p.1));
-    if !(y1 > 0.0) {
+    if y1 <= 0.0 {
         return Ok(bitmap);
     }
     let (y0, y1) = (0.5 * y0, 2.0 * y1.min(1e4 * y0.max(1e-12) * 1e12));
