@@ -172,8 +172,8 @@ struct March<'a> {
     mass: Vec<f64>,
     /// (1 + cV/D) and 1/(1 − cV/D) at the points.
     factors: [Array2<Complex64>; 2],
-    /// 2c b/D of the face the light enters by, uniform in the plane.
-    source: (usize, Complex64),
+    /// Row of the face the light enters by, and 2c b/D/(1 − cV/D) at its points.
+    source: (usize, Vec<Complex64>),
     state: Array2<Complex64>,
     harmonics: Field,
     values: Array2<Complex64>,
@@ -187,8 +187,9 @@ impl<'a> March<'a> {
         let c = Complex64::new(0.0, 0.5 * tau / largest);
         let factors = [contrast.mapv(|v| 1.0 + c * v), contrast.mapv(|v| 1.0 / (1.0 - c * v))];
         let shifted = ShiftedMean::new(problem, 1.0.into(), -c);
-        let (row, amplitude) = super::ledger::source_entry(problem);
-        let source = (row, 2.0 * c * amplitude / mass[row]);
+        let (row, b) = problem.source_at_points();
+        let weighted = b.iter().zip(factors[1].row(row)).map(|(b, f)| 2.0 * c * b / mass[row] * f);
+        let source = (row, weighted.collect());
         let values = Array2::zeros(contrast.dim());
         let harmonics = Field::zeros(problem.shape());
         let mut march =
@@ -248,14 +249,14 @@ impl<'a> March<'a> {
     fn step(&mut self) {
         self.solve_mean();
         self.problem.planes_to_points(&self.harmonics, &mut self.values);
-        let (row, source) = self.source;
         let [explicit, implicit] = &self.factors;
         let planes = self.state.outer_iter_mut().into_par_iter().zip(self.values.outer_iter());
         planes.enumerate().for_each(|(p, (state, values))| {
-            let b = if p == row { source } else { Complex64::default() };
             let step = ndarray::Zip::from(state).and(values).and(explicit.row(p)).and(implicit.row(p));
-            step.for_each(|s, &u, &e, &i| *s = ((2.0 * u - *s) * e - b) * i);
+            step.for_each(|s, &u, &e, &i| *s = (2.0 * u - *s) * e * i);
         });
+        let (row, source) = &self.source;
+        self.state.row_mut(*row).iter_mut().zip(source).for_each(|(s, b)| *s -= b);
     }
 
     /// Marches a window and returns the mean of its states.
@@ -282,3 +283,7 @@ pub(super) fn contrasts(problem: &Problem, mass: &[f64]) -> Array2<Complex64> {
     });
     all
 }
+
+#[cfg(test)]
+#[path = "relaxation_tests.rs"]
+mod tests;
