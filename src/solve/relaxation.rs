@@ -64,17 +64,13 @@ impl Solver for Relaxation {
         }
         let mut tau = self.tau;
         let mut march = March::new(problem, tau, &field);
-        let mut memory = vec![Candidate { state: march.state.clone(), field, residual: scratch.clone() }];
+        let mut memory = vec![march.candidate(&mut ledger)];
         ledger.account.bytes = march.bytes();
         loop {
             let before = ledger.account.residual;
             let mean = march.window(self.window, &mut ledger);
-            for state in [mean, march.state.clone()] {
-                let field = march.unknowns(&state);
-                let mut residual = Field::zeros(problem.shape());
-                ledger.measure(&field, &mut residual);
-                memory.push(Candidate { state, field, residual });
-            }
+            memory.push(march.candidate_of(mean, &mut ledger));
+            memory.push(march.candidate(&mut ledger));
             // A residual that is not a number counts as grown.
             let after = ledger.account.residual;
             let grows = (after.is_nan() || after > GROWTH * before) && tau > self.tau * SHORTEST;
@@ -84,12 +80,18 @@ impl Solver for Relaxation {
                 tau *= 0.5;
                 memory.clear();
                 march = March::new(problem, tau, &best.field);
-                best.state = march.state.clone();
+                best = march.candidate(&mut ledger);
             }
             march.state.assign(&best.state);
             ledger.note(norm(flat(&best.residual)) / ledger.scale())?;
-            if ledger.reached() && ledger.measure(&best.field, &mut scratch) <= goal.tolerance {
-                return Ok(ledger.finish(best.field));
+            if ledger.reached() {
+                if ledger.measure(&best.field, &mut scratch) <= goal.tolerance {
+                    return Ok(ledger.finish(best.field));
+                }
+                // Rounding has carried the blend's residual away from the field's: go on from the field.
+                march = March::new(problem, tau, &best.field);
+                best = march.candidate(&mut ledger);
+                memory.clear();
             }
             memory.drain(..(memory.len() + 1).saturating_sub(self.memory.max(1)));
             memory.insert(0, best);
@@ -194,7 +196,7 @@ impl<'a> March<'a> {
         let harmonics = Field::zeros(problem.shape());
         let mut march =
             March { problem, shifted, mass, factors, source, state: values.clone(), harmonics, values };
-        march.state = march.state_of(field, c);
+        march.take_up(field);
         march
     }
 
@@ -203,26 +205,17 @@ impl<'a> March<'a> {
         points * size_of::<Complex64>() + self.shifted.bytes()
     }
 
-    /// D⁻¹(D − cÃ)u at the points: u − cD⁻¹Ãu.
-    fn state_of(&mut self, field: &Field, c: Complex64) -> Array2<Complex64> {
+    /// The state whose fixed point a solution u is: s = (1 + cV/D)u − cD⁻¹b at the points, with all that V scatters
+    /// beyond the harmonics.
+    fn take_up(&mut self, field: &Field) {
         let planes = self.problem.mean.to_planes(field);
-        let mut applied = Field::zeros(planes.dim());
-        for (i, (u, mut out)) in planes.columns().into_iter().zip(applied.columns_mut()).enumerate() {
-            let band = self.problem.mean.plane_band(i, self.problem.end_conditions(i));
-            for r in 0..u.len() {
-                out[r] += band[[r, 0]] * u[r];
-                for k in 1..band.ncols().min(r + 1) {
-                    out[r] += band[[r, k]] * u[r - k];
-                    out[r - k] += band[[r, k]] * u[r];
-                }
-            }
-        }
-        for (r, mut row) in applied.outer_iter_mut().enumerate() {
-            row.iter_mut().zip(planes.row(r)).for_each(|(a, u)| *a = u - c / self.mass[r] * *a);
-        }
-        let mut state = Array2::zeros(self.state.dim());
-        self.problem.planes_to_points(&applied, &mut state);
-        state
+        self.problem.planes_to_points(&planes, &mut self.state);
+        self.state *= &self.factors[0];
+        let (row, source) = &self.source;
+        // The source is kept divided by 1 − cV/D and doubled.
+        let state = self.state.row_mut(*row);
+        let terms = state.into_iter().zip(source).zip(self.factors[1].row(*row));
+        terms.for_each(|((s, b), f)| *s -= 0.5 * b / f);
     }
 
     /// Plane values of u from a state, as harmonics.
@@ -244,6 +237,19 @@ impl<'a> March<'a> {
         self.shifted.solve(&mut planes);
         self.problem.mean.to_unknowns(&mut planes);
         planes
+    }
+
+    /// The present state with its field and residual.
+    fn candidate(&mut self, ledger: &mut Ledger) -> Candidate {
+        let state = self.state.clone();
+        self.candidate_of(state, ledger)
+    }
+
+    fn candidate_of(&mut self, state: Array2<Complex64>, ledger: &mut Ledger) -> Candidate {
+        let field = self.unknowns(&state);
+        let mut residual = Field::zeros(self.problem.shape());
+        ledger.measure(&field, &mut residual);
+        Candidate { state, field, residual }
     }
 
     fn step(&mut self) {
