@@ -15,8 +15,14 @@ use thiserror::Error;
 const COMPANION: f64 = 0.8;
 /// Amplitude error per unit of residual: trapped waves amplify it a little.
 const RESIDUAL_WEIGHT: f64 = 3.0;
+/// The two differences scatter; with this factor the estimate covers nine cases of ten.
+const SAFETY: f64 = 1.4;
+/// However much coarser the companion is, the finer result may be this share of the difference wrong.
+const LEAST_SHARE: f64 = 0.3;
+/// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
+const FINE: [f64; 2] = [8.0, 3.3];
 /// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
-const START: [f64; 2] = [3.0, 5.8];
+const START: [f64; 2] = [3.0, 5.4];
 /// Resolutions tried before giving up.
 const LEVELS: usize = 12;
 
@@ -104,7 +110,7 @@ impl Task<'_> {
         }
         let floor = 1e-13 + RESIDUAL_WEIGHT * solution.account.residual;
         Ok(Estimated {
-            error_estimate: parts[0] + parts[1] + floor,
+            error_estimate: SAFETY * (parts[0] + parts[1]) + floor,
             seconds_estimate: clock.elapsed().as_secs_f64(),
             problem,
             solution,
@@ -129,8 +135,24 @@ impl Task<'_> {
         };
         let difference = largest_difference(far, &problem.far_field(&solution.field));
         let used = problem.coverage.grid.resolution;
-        let sharp = self.scene.uniform_in_y() || self.is_strong();
-        Ok(difference * error_share(own, used, sharp))
+        Ok(difference * error_share(own, used, self.orders(own)))
+    }
+
+    /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
+    ///
+    /// For grains 4 and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
+    /// and walls or cylinders, whose edges average out in two dimensions instead of three.
+    fn orders(&self, own: Resolution) -> [i32; 2] {
+        let sharp = i32::from(self.scene.uniform_in_y()) + i32::from(self.is_strong());
+        let waves = [self.scene.period_um[0], self.scene.thickness_um()].map(|l| l * self.waves_per_um());
+        let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
+        [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
+    }
+
+    /// Wavelengths per µm in the densest medium.
+    fn waves_per_um(&self) -> f64 {
+        let all = self.media.backgrounds.iter().chain(&self.media.inclusions);
+        all.map(|eta| eta.norm()).fold(1.0, f64::max) / self.incidence.wavelength_um
     }
 
     /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.
@@ -199,10 +221,8 @@ impl Task<'_> {
 
     /// First resolution of the search.
     fn start(&self, accuracy: f64) -> Resolution {
-        let all = self.media.backgrounds.iter().chain(&self.media.inclusions);
-        let densest = all.map(|eta| eta.norm()).fold(1.0, f64::max);
         let finer = (1e-2 / accuracy).max(1.0);
-        let waves = densest / self.incidence.wavelength_um;
+        let waves = self.waves_per_um();
         let points = |period: f64| {
             let orders = 2.0
                 * (period / self.incidence.wavelength_um
@@ -243,17 +263,13 @@ pub fn suited_scheme(accuracy: f64) -> Scheme {
 }
 
 /// Share of the difference between two resolutions that is the finer one's error; 1.5 for a finer companion.
-///
-/// From orders of convergence at the lower end of what is seen: 4 in the plane and 5 across z for grains, one less for
-/// sharp fields: strong contrast, and walls and cylinders, whose edges average out in two dimensions instead of three.
-fn error_share(own: Resolution, companion: Resolution, sharp: bool) -> f64 {
+fn error_share(own: Resolution, companion: Resolution, [in_plane, in_z]: [i32; 2]) -> f64 {
     let plane = own.nx as f64 / companion.nx as f64;
     let across = own.cells as f64 / companion.cells as f64;
     if plane < 1.0 || across < 1.0 {
         return 1.5;
     }
-    let [in_plane, in_z] = if sharp { [3, 4] } else { [4, 5] };
-    1.0 / (plane.powi(in_plane) * across.powi(in_z) - 1.0)
+    (1.0 / (plane.powi(in_plane) * across.powi(in_z) - 1.0)).max(LEAST_SHARE)
 }
 
 /// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
@@ -295,9 +311,9 @@ fn scaled_cells(r: Resolution, factor: f64) -> Resolution {
     Resolution { cells: (cells as usize).max(1), ..r }
 }
 
-/// Refines whatever exceeds its half of the accuracy, as far as fifth-order convergence suggests.
+/// Refines whatever exceeds its half of the accuracy, as far as the fast convergence of coarse grids suggests.
 fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolution {
-    let factor = |part: f64| (part / (0.4 * accuracy)).powf(0.2).clamp(1.1, 1.7);
+    let factor = |part: f64| (part / (0.4 * accuracy)).powf(1.0 / 6.0).clamp(1.1, 1.7);
     let mut next = r;
     if parts[0] > 0.45 * accuracy {
         let grow =
@@ -305,7 +321,7 @@ fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolution {
         (next.nx, next.ny) = (grow(r.nx), grow(r.ny));
     }
     if parts[1] > 0.45 * accuracy {
-        next.cells = (r.cells as f64 * factor(parts[1])).ceil() as usize;
+        next.cells = ((r.cells as f64 * factor(parts[1])).round() as usize).max(r.cells + 1);
     }
     if next == r {
         next.cells += 1;
