@@ -13,6 +13,10 @@ pub enum Level {
 }
 
 impl Level {
+    pub fn name(self) -> &'static str {
+        self.pick("quick", "full")
+    }
+
     /// One of two sizes.
     pub fn pick<T>(self, quick: T, full: T) -> T {
         if self == Self::Quick { quick } else { full }
@@ -136,7 +140,14 @@ pub struct Findings {
 }
 
 impl Findings {
-    pub fn check(&mut self, what: impl Into<String>, measured: f64, bound: Bound, reason: Reason, because: &str) {
+    pub fn check(
+        &mut self,
+        what: impl Into<String>,
+        measured: f64,
+        bound: Bound,
+        reason: Reason,
+        because: &str,
+    ) {
         let because = because.into();
         self.checks.push(Check { what: what.into(), measured, bound, reason, because });
     }

@@ -30,7 +30,11 @@ impl Curve {
         Self::with_bars(name, style, points.into_iter().map(|(x, y)| [x, y, 0.0]))
     }
 
-    pub fn with_bars(name: impl Into<String>, style: Style, points: impl IntoIterator<Item = [f64; 3]>) -> Self {
+    pub fn with_bars(
+        name: impl Into<String>,
+        style: Style,
+        points: impl IntoIterator<Item = [f64; 3]>,
+    ) -> Self {
         Self { name: name.into(), style, points: points.into_iter().collect() }
     }
 
@@ -52,6 +56,8 @@ pub struct LogPlot {
     pub curves: Vec<Curve>,
 }
 
+/// Curves of more points are drawn without markers.
+const MARKED: usize = 60;
 const SIZE: (u32, u32) = (820, 460);
 const LEGEND: i32 = 230;
 const DASHES: (i32, i32) = (7, 5);
@@ -137,7 +143,8 @@ impl LogPlot {
             .y_desc(&self.y_label)
             .label_style((FONT, 13))
             .axis_desc_style((FONT, 15))
-            .x_labels(7)
+            .x_labels(if self.log[0] { 20 } else { 7 })
+            .y_labels(if self.log[1] { 12 } else { 8 })
             .x_label_formatter(&|v| tick(*v))
             .y_label_formatter(&|v| tick(*v))
             .light_line_style(WHITE)
@@ -157,10 +164,10 @@ impl LogPlot {
                 }
                 Style::Points => {}
             }
-            if curve.style != Style::Guide {
-                let marks = points.iter().map(|p| {
-                    EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled())
-                });
+            if curve.style != Style::Guide && points.len() <= MARKED {
+                let marks = points
+                    .iter()
+                    .map(|p| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled()));
                 chart.draw_series(marks).map_err(|e| fail(&e))?;
             }
             let bars = points.iter().filter(|p| p[2] > 0.0 && (!self.log[1] || p[1] > p[2])).map(|p| {
