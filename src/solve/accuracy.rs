@@ -6,7 +6,7 @@
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
 use super::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::{
-    Coverage, FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scene, Scheme, WaveError,
+    Coverage, FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scene, Scheme, Shape, WaveError,
 };
 use num_complex::Complex64;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ const FINE: [f64; 2] = [8.0, 3.3];
 /// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
 const START: [f64; 2] = [3.0, 5.4];
 /// Resolutions tried before giving up.
-const LEVELS: usize = 12;
+const LEVELS: usize = 24;
 
 /// One solve to be made: everything but the resolution.
 #[derive(Clone, Copy)]
@@ -142,9 +142,11 @@ impl Task<'_> {
     /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
     ///
     /// For grains 4 and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
-    /// and walls or cylinders, whose edges average out in two dimensions instead of three.
+    /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
+    /// do so in one.
     fn orders(&self, own: Resolution) -> [i32; 2] {
-        let sharp = i32::from(self.scene.uniform_in_y()) + i32::from(self.is_strong());
+        let upright = self.scene.bodies.iter().any(|b| matches!(b.shape, Shape::BarY { .. }));
+        let sharp = i32::from(self.scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
         let waves = [self.scene.period_um[0], self.scene.thickness_um()].map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
         [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
