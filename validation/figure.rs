@@ -106,7 +106,7 @@ impl LogPlot {
         let bar = |p: &[f64; 3]| if axis == 1 && !self.log[1] { p[2] } else { 0.0 };
         let low = points().map(|p| p[axis] - bar(p)).fold(f64::INFINITY, f64::min);
         let high = points().map(|p| p[axis] + bar(p)).fold(f64::NEG_INFINITY, f64::max);
-        if !(low <= high) {
+        if low > high {
             return Err(format!("plot \"{}\" has nothing to show", self.title));
         }
         if self.log[axis] {
