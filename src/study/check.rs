@@ -2,14 +2,12 @@
 
 mod angles;
 mod index;
+mod paper;
 mod pigments;
 
-use super::checked::{Layer, Output, Paper, Study, WantedResolution};
+use super::checked::{Layer, Output, Study, WantedResolution};
 use super::fault::{Allowed, Fault, Faults};
-use super::file::{
-    CouplingName, LayerTable, LightTable, OutputTable, ResolutionTable, SolverTable, StudyFile,
-};
-use crate::appearance::paper::Coupling;
+use super::file::{LayerTable, LightTable, OutputTable, ResolutionTable, SolverTable, StudyFile};
 use crate::solve::Goal;
 use std::path::Path;
 
@@ -28,7 +26,7 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
     let dissolved = pigments::dissolved(file, &wavelengths_nm, folder, &mut faults);
     layer.binder = pigments::solution(layer.binder, &dissolved, &pigments);
     let packing = pigments::packing(file, &pigments, &mut faults);
-    let paper = paper(file, &mut faults);
+    let paper = paper::paper(file, &wavelengths_nm, folder, &mut faults);
     let angles = angles::angles(file, paper.coupling, &mut faults);
     let resolution = resolution(&file.resolution, &mut faults);
     let goal = goal(&file.solver, &mut faults);
@@ -128,16 +126,6 @@ fn layer(table: &LayerTable, wavelengths_nm: &[f64], folder: &Path, faults: &mut
         index_below: table.index_below,
         binder: index::tabulate("layer.binder.index", &table.binder.index, wavelengths_nm, folder, faults),
     }
-}
-
-fn paper(file: &StudyFile, faults: &mut Faults) -> Paper {
-    let remedy = "0 is black, 1 is a perfect white, 0.9 is good paper";
-    faults.number("paper.albedo", file.paper.albedo, Allowed::between(0.0, 1.0, ""), remedy);
-    let coupling = match file.paper.coupling {
-        CouplingName::Gap => Coupling::Gap,
-        CouplingName::OpticalContact => Coupling::OpticalContact { index: file.layer.index_below },
-    };
-    Paper { albedo: file.paper.albedo, coupling }
 }
 
 fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution {

@@ -142,9 +142,9 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Estimate, usize), Str
     let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
     let several = all().map(|o| o.realisations).filter(|&n| n > 1).min().unwrap_or(0);
     if claim.quantity == Quantity::DeltaE {
-        let colour = |v: usize| outcomes[v].colour.as_ref().ok_or(outcomes[v].name.clone());
-        let (a, b) = (colour(claim.plus[0])?, colour(claim.minus[0])?);
-        return Ok((a.delta_e_2000(b), several));
+        let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
+        let missing = || if a.colour.is_none() { a.name.clone() } else { b.name.clone() };
+        return a.delta_e_2000(b).map(|difference| (difference, several)).ok_or_else(missing);
     }
     let (mut value, mut variance, mut known) = (0.0, 0.0, true);
     for (sign, &v) in claim.plus.iter().map(|v| (1.0, v)).chain(claim.minus.iter().map(|v| (-1.0, v))) {
