@@ -126,10 +126,11 @@ fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result
     println!("variants          {}", plan.variants);
     println!("packings          {}", plan.packings);
     println!("solves            {}", plan.solves);
-    println!("unknowns          {} in the largest solve tried", plan.unknowns);
+    println!("unknowns          {} in the largest solve", plan.unknowns);
     println!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs);
     println!("time              about {} on {jobs} cores, {} on 100", time(jobs as f64), time(100.0));
     println!("largest division  {} shards", plan.units);
+    println!("calibrated with   {}", plan.calibration);
     Ok(())
 }
 

@@ -199,16 +199,17 @@ pub struct ResolutionTable {
 pub struct SolverTable {
     /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
     pub strategy: Strategy,
-    /// Relative residual at which a solve counts as converged.
-    pub tolerance: f64,
+    /// Relative residual at which a solve counts as converged; a hundredth of `resolution.accuracy` when left out, 1e-6
+    /// where the grid is given instead.
+    pub tolerance: Option<f64>,
     /// Most operator applications of one solve.
     pub max_applications: usize,
 }
 
 impl Default for SolverTable {
     fn default() -> Self {
-        let Goal { tolerance, max_applications } = Goal::default();
-        Self { strategy: Strategy::default(), tolerance, max_applications }
+        let max_applications = Goal::default().max_applications;
+        Self { strategy: Strategy::default(), tolerance: None, max_applications }
     }
 }
 

@@ -28,7 +28,11 @@ impl GridError {
     }
 
     /// Compares one probe at `own` with a coarser grid, or with a finer one where the coarser is refused.
-    pub(super) fn measure(task: &Task, own: Resolution, watch: &mut dyn Watch) -> Result<Self, AccuracyError> {
+    pub(super) fn measure(
+        task: &Task,
+        own: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Self, AccuracyError> {
         let (problem, solution, _) = task.solve(own, watch)?;
         if !problem.has_contrast() {
             return Ok(Self::default());

@@ -143,7 +143,9 @@ impl RealisationRun<'_> {
     /// One solve, in the store when it returns. The error is the store's alone.
     fn solve_one(&self, coverage: &Arc<Coverage>, point: &Point, key: &Key) -> io::Result<Solved> {
         self.watch.solving(self.study, point);
-        match solve_point(self.study, coverage, point, key.as_str(), self.watch) {
+        let solved = solve_point(self.study, coverage, point, key.as_str(), self.watch);
+        self.watch.ended();
+        match solved {
             Ok(record) => {
                 self.stores.points.put(key.as_str(), &record)?;
                 self.watch.solved(self.study, point, None);

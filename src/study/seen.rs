@@ -101,8 +101,7 @@ fn on_paper(study: &Study, complete: &[&Realisation]) -> Result<InkOnPaper, NoIn
     let wavelengths = 0..study.wavelengths_nm.len();
     let layers = wavelengths.map(|w| complete.iter().map(|r| optics(study, r, w)).collect());
     let layers = layers.collect::<Result<Vec<Vec<LayerOptics>>, NoInk>>()?;
-    let substrate =
-        Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
+    let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
     Ok(InkOnPaper::new(rule, &study.wavelengths_nm, &layers, &substrate)?)
 }
 

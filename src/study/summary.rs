@@ -29,8 +29,7 @@ pub fn program() -> String {
 pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<&'a Study> {
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
     let (asked, finished) = (study.solves(), collected.finished());
-    let uncertainty =
-        Uncertainty { grid: collected.resolved.grid_error, certain: study.pigments.is_empty() };
+    let uncertainty = Uncertainty { grid: collected.resolved.grid_error, certain: study.pigments.is_empty() };
     let (colours, no_colour) = match colours(study, seen, &uncertainty) {
         Ok(colours) => (colours, None),
         Err(reason) => (Vec::new(), Some(reason)),

@@ -50,7 +50,8 @@ impl Uncertainty {
         let by: [f64; 3] = std::array::from_fn(|i| shifted.lab[i] - colour.lab[i]);
         let none = (self.certain && by != [0.0; 3]).then_some([[0.0; 3]; 3]);
         let chance = colour.lab_covariance.or(none);
-        let sum = |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + by[i] * by[j]));
+        let sum =
+            |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + by[i] * by[j]));
         Ok(Colour { lab_covariance: chance.map(sum), ..colour })
     }
 }

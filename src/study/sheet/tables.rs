@@ -20,7 +20,8 @@ pub(super) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
     let mut rows = vec![meant("realisations", seen.realisations.to_string(), ensemble)];
     if let Some(noise) = manifest.colours.first().and_then(|c| c.lab_standard_error) {
         let length = noise.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let meaning = "standard error of the colour, as a distance in Lab: chance over packings, and the grid";
+        let meaning =
+            "standard error of the colour, as a distance in Lab: chance over packings, and the grid";
         rows.push(meant("colour", format!("ΔE {length:.2}"), meaning));
     }
     if let Some(error) = largest_error(&manifest.spectra) {

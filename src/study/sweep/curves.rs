@@ -190,7 +190,8 @@ fn kind(grains: &PigmentGrains) -> String {
 
 /// The wavelength at which the strongest pigment absorbs most.
 fn strongest_nm(study: &Study) -> f64 {
-    let materials = || study.pigments.iter().map(|p| &p.material).chain(study.dissolved.iter().map(|d| &d.material));
+    let materials =
+        || study.pigments.iter().map(|p| &p.material).chain(study.dissolved.iter().map(|d| &d.material));
     let kappa = |w: usize| materials().map(|m| m.index[w].im).fold(0.0, f64::max);
     let all = 0..study.wavelengths_nm.len();
     let strongest = all.max_by(|&a, &b| kappa(a).total_cmp(&kappa(b)));
