@@ -6,8 +6,9 @@
 
 use crate::solve::Watch;
 use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
-use crate::wave::Resolution;
+use crate::wave::{Coverage, Problem, Resolution};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Share of points and cells of the coarser grid.
 const COARSER: f64 = 0.8;
@@ -27,27 +28,34 @@ impl GridError {
         }
     }
 
-    /// Compares one probe at `own` with a coarser grid, or with a finer one where the coarser is refused.
+    /// Compares the probes at `own` with a coarser grid, or with a finer one where the coarser is refused.
     pub(super) fn measure(
-        task: &Task,
+        tasks: &[Task],
         own: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<Self, AccuracyError> {
-        let (problem, solution, _) = task.solve(own, watch)?;
-        if !problem.has_contrast() {
-            return Ok(Self::default());
+        let mut error = Self::default();
+        let Some(scene) = tasks.first().map(|task| task.scene) else { return Ok(error) };
+        let cover = |r: Resolution| Coverage::new(scene, r).map(Arc::new);
+        let (here, coarse) = (cover(own)?, cover(scaled(own, COARSER))?);
+        for task in tasks {
+            let one = totals(task, &here, watch)?;
+            let other = match totals(task, &coarse, watch) {
+                Ok(other) => other,
+                Err(_) => totals(task, &cover(scaled(own, 1.0 / COARSER))?, watch)?,
+            };
+            let difference = |i: usize| (one[i] - other[i]).abs();
+            error = error.max(Self { reflectance: difference(0), transmittance: difference(1) });
         }
-        let here = problem.far_field(&solution.field);
-        let (problem, solution, _) = match task.solve(scaled(own, COARSER), watch) {
-            Ok(solved) => solved,
-            Err(_) => task.solve(scaled(own, 1.0 / COARSER), watch)?,
-        };
-        let there = problem.far_field(&solution.field);
-        Ok(Self {
-            reflectance: (here.reflectance - there.reflectance).abs(),
-            transmittance: (here.transmittance - there.transmittance).abs(),
-        })
+        Ok(error)
     }
+}
+
+/// R and T of one probe.
+fn totals(task: &Task, coverage: &Arc<Coverage>, watch: &mut dyn Watch) -> Result<[f64; 2], AccuracyError> {
+    let problem = Problem::new(coverage, task.media, task.incidence, task.mean)?;
+    let far_field = problem.far_field(&task.solver.solve(&problem, task.goal, watch)?.field);
+    Ok([far_field.reflectance, far_field.transmittance])
 }
 
 /// A grid with about `factor` times the points and cells, different from `r` wherever that has several.

@@ -114,10 +114,8 @@ fn settle(
         resolution = Some(probed.problem.coverage.grid.resolution);
     }
     let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
-    let mut grid_error = GridError::default();
-    for task in (0..probes.len()).map(task) {
-        grid_error = grid_error.max(GridError::measure(&task, resolution, &mut Stopper(watch))?);
-    }
+    let tasks: Vec<Task> = (0..probes.len()).map(task).collect();
+    let grid_error = GridError::measure(&tasks, resolution, &mut Stopper(watch))?;
     Ok(Resolved { resolution, error_estimate, grid_error })
 }
 

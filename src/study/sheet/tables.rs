@@ -167,8 +167,9 @@ pub(super) fn limits(study: &Study) -> Vec<String> {
         "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
          thickness they wash out."
             .to_owned(),
-        "Standard errors are over realisations (independent random packings) by the jackknife. They do not hold the \
-         errors of the grid, of the angles' quadrature or of the wavelengths' spacing."
+        "Standard errors hold the chance over realisations (independent random packings, by the jackknife) and the \
+         grid's error. They do not hold the errors of the angles' quadrature, of the wavelengths' spacing or of the \
+         periodic cell."
             .to_owned(),
     ];
     if study.pigments.iter().any(|p| p.material.source.contains("synthetic")) {

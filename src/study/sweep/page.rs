@@ -92,7 +92,7 @@ fn with_error(estimate: Estimate, digits: usize) -> String {
         return String::new();
     }
     let value = format!("{:.digits$}", estimate.value).replace('-', "−");
-    match estimate.standard_error {
+    match estimate.standard_error.filter(|&error| error > 0.0) {
         Some(error) => format!("{value} ± {error:.digits$}"),
         None => value,
     }

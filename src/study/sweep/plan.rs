@@ -21,9 +21,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Most variants that are tried.
-const TRIALS: usize = 5;
+const TRIALS: usize = 4;
 /// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
-const TRIAL_PERIOD_UM: f64 = 2.0;
+const TRIAL_PERIOD_UM: f64 = 1.6;
 /// Bytes of a solve for each unknown: the solver's vectors of complex numbers.
 const BYTES_PER_UNKNOWN: usize = 50 * 16;
 
@@ -53,6 +53,7 @@ struct Trial {
     period_um: [f64; 2],
     density: f64,
     packing: f64,
+    coverage: f64,
     grid: f64,
     solve: f64,
     resolution: Resolution,
@@ -157,13 +158,17 @@ fn trial(variant: usize, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Re
     let store = Store::open(folder.path())?;
     let resolved = resolve::<RunError>(&study, &store, watch, || Ok(scene.clone()))?;
     let grid = clock.elapsed().as_secs_f64() * threads;
-    let solve = time_solves(&study, &scene, resolved.resolution, jobs, watch)?;
+    let clock = Instant::now();
+    let cover = Arc::new(Coverage::new(&scene, resolved.resolution)?);
+    let coverage = clock.elapsed().as_secs_f64() * threads;
+    let solve = time_solves(&study, &cover, jobs, watch)?;
     let each = 1.0 / volume(&study);
     Ok(Trial {
         variant,
         period_um: study.layer.period_um,
         density: density(full),
         packing: packing * each,
+        coverage: coverage * each,
         grid: grid * each,
         solve: solve * each,
         resolution: resolved.resolution,
@@ -173,12 +178,10 @@ fn trial(variant: usize, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Re
 /// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
 fn time_solves(
     study: &Study,
-    scene: &Scene,
-    resolution: Resolution,
+    coverage: &Arc<Coverage>,
     jobs: usize,
     watch: &dyn RunWatch,
 ) -> Result<f64, RunError> {
-    let coverage = Arc::new(Coverage::new(scene, resolution)?);
     let chosen: Vec<Point> = spread(&study.points(0), 3 * jobs);
     let clock = Instant::now();
     work_through(
@@ -187,7 +190,7 @@ fn time_solves(
         || watch.stop(),
         |i| {
             // A failure costs about what a success does.
-            let _ = solve_point(study, &coverage, &chosen[i], "trial", watch);
+            let _ = solve_point(study, coverage, &chosen[i], "trial", watch);
         },
     )?;
     if watch.stop() {
@@ -221,8 +224,8 @@ fn at_full_size(
     }
     watch.stage(&format!("calibrating with {} at full size", variant.name));
     let scene = Scene::from_packing(&Packings::new(&variant.study, watch).get(0).map_err(stopped)?);
-    let full = full_resolution(trial, &variant.study);
-    let solve = time_solves(&variant.study, &scene, full, jobs, watch)? / volume(&variant.study);
+    let cover = Arc::new(Coverage::new(&scene, full_resolution(trial, &variant.study))?);
+    let solve = time_solves(&variant.study, &cover, jobs, watch)? / volume(&variant.study);
     Ok(Some((variant.name.clone(), solve / trial.solve)))
 }
 
@@ -255,8 +258,9 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
         let distance = |t: &&Trial| (t.density / density(study(&group[0]))).ln().abs();
         let nearest = trials.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         if let (false, Some(trial)) = (study(&group[0]).pigments.is_empty(), nearest) {
-            let (packings, grids, solves) = (packings as f64, grids.len() as f64, seen.len() as f64);
-            seconds += size * (trial.packing * packings + trial.grid * grids + trial.solve * solves);
+            let covers: usize = group.iter().map(|v| study(v).realisations).sum();
+            let once = trial.packing * packings as f64 + trial.coverage * covers as f64;
+            seconds += size * (once + trial.grid * grids.len() as f64 + trial.solve * seen.len() as f64);
         }
     }
     (solves, seconds)

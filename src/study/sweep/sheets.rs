@@ -63,8 +63,7 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
     };
     let axis_name = |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].name.clone());
     let shown = |a: usize| Some(a) == row || Some(a) == column;
-    let captions =
-        (0..outline.axes.len()).filter(|&a| !shown(a)).map(|a| outline.axes[a].labels[other[a]].as_str());
+    let captions = (0..outline.axes.len()).filter(|&a| !shown(a)).map(|a| outline.axes[a].named(other[a]));
     Sheet {
         caption: captions.collect::<Vec<_>>().join(", "),
         row_axis: axis_name(row),
