@@ -5,14 +5,13 @@
 //! at every point, u ← u − γ (u − L⁻¹(b − V'u)) contracts once |V| ≤ ε. In a two-phase medium every point would sit on
 //! the circle of convergence, so |V| is scaled below it and the step shortened (Vettenburg and Vellekoop 2022).
 
-use super::ledger::{Ledger, source_entry};
+use super::ledger::Ledger;
 use super::relaxation::contrasts;
 use super::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Settings with the defaults that were fastest on packed ink cells.
@@ -99,8 +98,8 @@ struct Series<'a> {
     contrast: Array2<Complex64>,
     gamma: Array2<Complex64>,
     mass: Vec<f64>,
-    /// b/D on the face the light enters by.
-    source: (usize, Complex64),
+    /// Row of the face the light enters by, and b/D at its points.
+    source: (usize, Vec<Complex64>),
     u: Array2<Complex64>,
     loads: Array2<Complex64>,
     harmonics: Field,
@@ -116,8 +115,8 @@ impl<'a> Series<'a> {
         // γ = (i/ε)(−V'/D) in the sign convention of this operator: 1 where V vanishes.
         let gamma = contrast.mapv(|v| -settings.step * v / shift);
         let shifted = ShiftedMean::new(problem, shift, 1.0.into());
-        let (row, amplitude) = source_entry(problem);
-        let source = (row, amplitude / mass[row]);
+        let (row, b) = problem.source_at_points();
+        let source = (row, b.iter().map(|b| b / mass[row]).collect());
         let mut u = Array2::zeros(contrast.dim());
         problem.planes_to_points(&problem.mean.to_planes(field), &mut u);
         let (loads, harmonics) = (u.clone(), Field::zeros(problem.shape()));
@@ -129,12 +128,10 @@ impl<'a> Series<'a> {
     }
 
     fn step(&mut self) {
-        let (row, source) = self.source;
-        let (u, contrast) = (&self.u, &self.contrast);
-        self.loads.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, load)| {
-            let b = if p == row { source } else { Complex64::default() };
-            ndarray::Zip::from(load).and(u.row(p)).and(contrast.row(p)).for_each(|l, &u, &v| *l = b - v * u);
-        });
+        let product = ndarray::Zip::from(&mut self.loads).and(&self.u).and(&self.contrast);
+        product.par_for_each(|l, &u, &v| *l = -v * u);
+        let (row, source) = &self.source;
+        self.loads.row_mut(*row).iter_mut().zip(source).for_each(|(l, b)| *l += b);
         self.problem.points_to_planes(&self.loads, &mut self.harmonics);
         for (mut row, &mass) in self.harmonics.outer_iter_mut().zip(&self.mass) {
             row.iter_mut().for_each(|z| *z *= mass);

@@ -103,10 +103,3 @@ pub fn ratio_of_terms(history: &[f64], window: usize) -> Option<f64> {
 pub(super) fn flat(field: &Field) -> &[Complex64] {
     field.as_slice().expect("fields are contiguous")
 }
-
-/// Row and value of b's only entry, in plane values.
-pub(super) fn source_entry(problem: &Problem) -> (usize, Complex64) {
-    let b = problem.source();
-    let found = b.indexed_iter().find(|(_, z)| z.norm() > 0.0);
-    found.map_or((0, Complex64::default()), |((row, _), z)| (row, *z))
-}

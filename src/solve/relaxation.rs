@@ -64,17 +64,13 @@ impl Solver for Relaxation {
         }
         let mut tau = self.tau;
         let mut march = March::new(problem, tau, &field);
-        let mut memory = vec![Candidate { state: march.state.clone(), field, residual: scratch.clone() }];
+        let mut memory = vec![march.candidate(&mut ledger)];
         ledger.account.bytes = march.bytes();
         loop {
             let before = ledger.account.residual;
             let mean = march.window(self.window, &mut ledger);
-            for state in [mean, march.state.clone()] {
-                let field = march.unknowns(&state);
-                let mut residual = Field::zeros(problem.shape());
-                ledger.measure(&field, &mut residual);
-                memory.push(Candidate { state, field, residual });
-            }
+            memory.push(march.candidate_of(mean, &mut ledger));
+            memory.push(march.candidate(&mut ledger));
             // A residual that is not a number counts as grown.
             let after = ledger.account.residual;
             let grows = (after.is_nan() || after > GROWTH * before) && tau > self.tau * SHORTEST;
@@ -84,12 +80,18 @@ impl Solver for Relaxation {
                 tau *= 0.5;
                 memory.clear();
                 march = March::new(problem, tau, &best.field);
-                best.state = march.state.clone();
+                best = march.candidate(&mut ledger);
             }
             march.state.assign(&best.state);
             ledger.note(norm(flat(&best.residual)) / ledger.scale())?;
-            if ledger.reached() && ledger.measure(&best.field, &mut scratch) <= goal.tolerance {
-                return Ok(ledger.finish(best.field));
+            if ledger.reached() {
+                if ledger.measure(&best.field, &mut scratch) <= goal.tolerance {
+                    return Ok(ledger.finish(best.field));
+                }
+                // Rounding has carried the blend's residual away from the field's: go on from the field.
+                march = March::new(problem, tau, &best.field);
+                best = march.candidate(&mut ledger);
+                memory.clear();
             }
             memory.drain(..(memory.len() + 1).saturating_sub(self.memory.max(1)));
             memory.insert(0, best);
@@ -172,8 +174,8 @@ struct March<'a> {
     mass: Vec<f64>,
     /// (1 + cV/D) and 1/(1 − cV/D) at the points.
     factors: [Array2<Complex64>; 2],
-    /// 2c b/D of the face the light enters by, uniform in the plane.
-    source: (usize, Complex64),
+    /// Row of the face the light enters by, and 2c b/D/(1 − cV/D) at its points.
+    source: (usize, Vec<Complex64>),
     state: Array2<Complex64>,
     harmonics: Field,
     values: Array2<Complex64>,
@@ -187,13 +189,14 @@ impl<'a> March<'a> {
         let c = Complex64::new(0.0, 0.5 * tau / largest);
         let factors = [contrast.mapv(|v| 1.0 + c * v), contrast.mapv(|v| 1.0 / (1.0 - c * v))];
         let shifted = ShiftedMean::new(problem, 1.0.into(), -c);
-        let (row, amplitude) = super::ledger::source_entry(problem);
-        let source = (row, 2.0 * c * amplitude / mass[row]);
+        let (row, b) = problem.source_at_points();
+        let weighted = b.iter().zip(factors[1].row(row)).map(|(b, f)| 2.0 * c * b / mass[row] * f);
+        let source = (row, weighted.collect());
         let values = Array2::zeros(contrast.dim());
         let harmonics = Field::zeros(problem.shape());
         let mut march =
             March { problem, shifted, mass, factors, source, state: values.clone(), harmonics, values };
-        march.state = march.state_of(field, c);
+        march.take_up(field);
         march
     }
 
@@ -202,26 +205,17 @@ impl<'a> March<'a> {
         points * size_of::<Complex64>() + self.shifted.bytes()
     }
 
-    /// D⁻¹(D − cÃ)u at the points: u − cD⁻¹Ãu.
-    fn state_of(&mut self, field: &Field, c: Complex64) -> Array2<Complex64> {
+    /// The state whose fixed point a solution u is: s = (1 + cV/D)u − cD⁻¹b at the points, with all that V scatters
+    /// beyond the harmonics.
+    fn take_up(&mut self, field: &Field) {
         let planes = self.problem.mean.to_planes(field);
-        let mut applied = Field::zeros(planes.dim());
-        for (i, (u, mut out)) in planes.columns().into_iter().zip(applied.columns_mut()).enumerate() {
-            let band = self.problem.mean.plane_band(i, self.problem.end_conditions(i));
-            for r in 0..u.len() {
-                out[r] += band[[r, 0]] * u[r];
-                for k in 1..band.ncols().min(r + 1) {
-                    out[r] += band[[r, k]] * u[r - k];
-                    out[r - k] += band[[r, k]] * u[r];
-                }
-            }
-        }
-        for (r, mut row) in applied.outer_iter_mut().enumerate() {
-            row.iter_mut().zip(planes.row(r)).for_each(|(a, u)| *a = u - c / self.mass[r] * *a);
-        }
-        let mut state = Array2::zeros(self.state.dim());
-        self.problem.planes_to_points(&applied, &mut state);
-        state
+        self.problem.planes_to_points(&planes, &mut self.state);
+        self.state *= &self.factors[0];
+        let (row, source) = &self.source;
+        // The source is kept divided by 1 − cV/D and doubled.
+        let state = self.state.row_mut(*row);
+        let terms = state.into_iter().zip(source).zip(self.factors[1].row(*row));
+        terms.for_each(|((s, b), f)| *s -= 0.5 * b / f);
     }
 
     /// Plane values of u from a state, as harmonics.
@@ -245,17 +239,30 @@ impl<'a> March<'a> {
         planes
     }
 
+    /// The present state with its field and residual.
+    fn candidate(&mut self, ledger: &mut Ledger) -> Candidate {
+        let state = self.state.clone();
+        self.candidate_of(state, ledger)
+    }
+
+    fn candidate_of(&mut self, state: Array2<Complex64>, ledger: &mut Ledger) -> Candidate {
+        let field = self.unknowns(&state);
+        let mut residual = Field::zeros(self.problem.shape());
+        ledger.measure(&field, &mut residual);
+        Candidate { state, field, residual }
+    }
+
     fn step(&mut self) {
         self.solve_mean();
         self.problem.planes_to_points(&self.harmonics, &mut self.values);
-        let (row, source) = self.source;
         let [explicit, implicit] = &self.factors;
         let planes = self.state.outer_iter_mut().into_par_iter().zip(self.values.outer_iter());
         planes.enumerate().for_each(|(p, (state, values))| {
-            let b = if p == row { source } else { Complex64::default() };
             let step = ndarray::Zip::from(state).and(values).and(explicit.row(p)).and(implicit.row(p));
-            step.for_each(|s, &u, &e, &i| *s = ((2.0 * u - *s) * e - b) * i);
+            step.for_each(|s, &u, &e, &i| *s = (2.0 * u - *s) * e * i);
         });
+        let (row, source) = &self.source;
+        self.state.row_mut(*row).iter_mut().zip(source).for_each(|(s, b)| *s -= b);
     }
 
     /// Marches a window and returns the mean of its states.
@@ -282,3 +289,7 @@ pub(super) fn contrasts(problem: &Problem, mass: &[f64]) -> Array2<Complex64> {
     });
     all
 }
+
+#[cfg(test)]
+#[path = "relaxation_tests.rs"]
+mod tests;

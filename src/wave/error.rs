@@ -7,6 +7,11 @@ use thiserror::Error;
 pub enum WaveError {
     #[error("{field} is {value}; it must be finite and above 0")]
     NotPositive { field: String, value: f64 },
+    #[error(
+        "thickness of stratum {stratum} is {thickness_um:e} µm; below {least_um:e} µm, thinner than any atom, rounding \
+         would drown it: leave the stratum out"
+    )]
+    TooThin { stratum: usize, thickness_um: f64, least_um: f64 },
     #[error("{field} is {value}; it must be a finite number")]
     NotFinite { field: String, value: f64 },
     #[error(

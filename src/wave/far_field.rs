@@ -4,7 +4,7 @@ use super::{Field, Incidence, Problem, Side};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// One diffraction order (m, n).
+/// One diffraction order (m, n), counted from the specular direction.
 ///
 /// `direction` is (kx, ky)/k0, the direction cosines when the half-space is vacuum. The reflected amplitude
 /// refers to the face the light enters by, the transmitted one to the opposite face; the reflected (0, 0)
@@ -58,7 +58,7 @@ impl Problem {
         let k0 = TAU / self.incidence.wavelength_um;
         let listed = |&i: &usize| {
             let [x, y] = self.lateral[i];
-            let [m, n] = self.harmonics.orders[i];
+            let [m, n] = self.order_label(i);
             x.hypot(y) <= EVANESCENT_REACH * index * k0 || (m.abs() <= 2 && n.abs() <= 2)
         };
         let all = (0..self.harmonics.len()).filter(listed);
@@ -74,11 +74,17 @@ impl Problem {
         }
     }
 
+    /// (m, n) of a harmonic counted from the incident one.
+    fn order_label(&self, harmonic: usize) -> [i32; 2] {
+        let [own, incident] = [harmonic, self.incident_harmonic()].map(|i| self.harmonics.orders[i]);
+        [own[0] - incident[0], own[1] - incident[1]]
+    }
+
     fn order(&self, u: &Field, i: usize, entry: usize, exit: usize, k0: f64) -> Order {
-        let [m, n] = self.harmonics.orders[i];
+        let [m, n] = self.order_label(i);
         let (above, below) = (self.kappa[0][i], self.kappa[1][i]);
         let (back, onward) = if entry == 0 { (above, below) } else { (below, above) };
-        let incident = if i == self.origin() { 1.0 } else { 0.0 };
+        let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };
         let (reflected, transmitted) = (u[[entry, i]] - incident, u[[exit, i]]);
         let efficiency = |kappa: Complex64, a: Complex64| kappa.re / self.incident_kappa() * a.norm_sqr();
         Order {

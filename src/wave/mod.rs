@@ -4,6 +4,7 @@
 //! travels towards +z.
 
 pub mod banded;
+pub mod bloch;
 pub mod coverage;
 pub mod element;
 pub mod error;

@@ -2,6 +2,7 @@
 //!
 //! Unknowns are harmonics of nodes and, of the bubbles in each cell; see [`super::mean`].
 
+use super::bloch::BlochVector;
 use super::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use super::mean::{MeanOperator, decaying_root};
 use super::{Coverage, Incidence, Media, Scene, Side, WaveError};
@@ -42,7 +43,7 @@ pub struct Problem {
     pub mean: MeanOperator,
     /// Normal wavenumbers of every harmonic in the half-spaces above and below, 1/µm.
     pub kappa: [Vec<Complex64>; 2],
-    /// Lateral wavevectors of every harmonic, 1/µm.
+    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero, see [`super::bloch`].
     pub lateral: Vec<[f64; 2]>,
     fft: PlaneFft,
     /// k0²(η² − η_background²) of each channel over the points of a plane (inverse transforms are unnormalised).
@@ -50,7 +51,7 @@ pub struct Problem {
     /// Uniform part of each plane's moment, equally divided.
     offsets: Vec<Complex64>,
     /// Compact index of the incident harmonic.
-    origin: usize,
+    incident: usize,
 }
 
 impl Problem {
@@ -67,15 +68,17 @@ impl Problem {
         let grid = &coverage.grid;
         let harmonics = Harmonics::new(grid.resolution.nx, grid.resolution.ny);
         let k0 = TAU / incidence.wavelength_um;
-        let lateral = lateral_wavevectors(&harmonics, grid.period_um, incidence, media)?;
+        let bloch = BlochVector::new(coverage, media, incidence)?;
+        bloch.check_orders(coverage, media, k0)?;
+        let lateral: Vec<[f64; 2]> = harmonics.orders.iter().map(|&o| bloch.lateral(o)).collect();
         let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
         let kappa_in =
             |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
         let kappa: [Vec<Complex64>; 2] = [kappa_in(media.above), kappa_in(media.below)];
         let mean_k2 = mean_wavenumbers(coverage, media, k0, mean);
-        let origin = harmonics.find(0, 0).expect("order (0, 0) is always in use");
-        check_phase(coverage, &mean_k2, lateral_k2[origin])?;
-        check_orders(coverage, media, &lateral, k0)?;
+        let [m, n] = bloch.incident;
+        let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
+        check_phase(coverage, &mean_k2, lateral_k2[incident])?;
         let points = grid.points() as f64;
         let contrast = |c: &super::coverage::Channel| {
             let [inclusion, background] = [media.inclusions[c.inclusion], media.backgrounds[c.background]];
@@ -96,7 +99,7 @@ impl Problem {
             harmonics,
             kappa,
             lateral,
-            origin,
+            incident,
         })
     }
 
@@ -136,12 +139,19 @@ impl Problem {
     /// b: 2iκ₀₀ in the row of the face that the light enters by, in the incident harmonic (P2 (3.4)).
     pub fn source(&self) -> Field {
         let mut b = Field::zeros(self.shape());
-        let (row, side) = match self.incidence.from {
-            Side::Above => (0, 0),
-            Side::Below => (self.shape().0 - 1, 1),
-        };
-        b[[row, self.origin]] = 2.0 * Complex64::I * self.kappa[side][self.origin];
+        b[[self.entry_row(), self.incident]] = 2.0 * Complex64::I * self.incident_kappa();
         b
+    }
+
+    /// Row of the face that the light enters by, and b at its points.
+    pub fn source_at_points(&self) -> (usize, Vec<Complex64>) {
+        let (row, mut scratch) = (self.entry_row(), self.fft.scratch());
+        self.to_points(self.source().row(row).to_slice().expect("rows are contiguous"), &mut scratch);
+        (row, scratch.plane)
+    }
+
+    fn entry_row(&self) -> usize {
+        if self.incidence.from == Side::Above { 0 } else { self.shape().0 - 1 }
     }
 
     /// u₀ = A⁻¹ b, the wave in the mean medium.
@@ -273,34 +283,13 @@ impl Problem {
     /// κ₀₀ of the half-space that the light comes from.
     pub fn incident_kappa(&self) -> f64 {
         let side = if self.incidence.from == Side::Above { 0 } else { 1 };
-        self.kappa[side][self.origin].re
+        self.kappa[side][self.incident].re
     }
 
-    pub fn origin(&self) -> usize {
-        self.origin
+    /// Compact index of the harmonic that the incident wave is, and with it the specular order.
+    pub fn incident_harmonic(&self) -> usize {
+        self.incident
     }
-}
-
-fn lateral_wavevectors(
-    harmonics: &Harmonics,
-    period: [f64; 2],
-    incidence: &Incidence,
-    media: &Media,
-) -> Result<Vec<[f64; 2]>, WaveError> {
-    let eta = if incidence.from == Side::Above { media.above } else { media.below };
-    if eta.im != 0.0 {
-        return Err(WaveError::Range {
-            field: "imaginary part of the index of the half-space that the light comes from",
-            value: eta.im,
-            allowed: "0",
-            remedy: "light cannot arrive from infinity through an absorber: make that half-space transparent",
-        });
-    }
-    let k = TAU / incidence.wavelength_um * eta.re * incidence.polar_deg.to_radians().sin();
-    let (sin, cos) = incidence.azimuth_deg.to_radians().sin_cos();
-    let shifted =
-        |o: &[i32; 2]| [k * cos + TAU * o[0] as f64 / period[0], k * sin + TAU * o[1] as f64 / period[1]];
-    Ok(harmonics.orders.iter().map(shifted).collect())
 }
 
 /// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
@@ -356,30 +345,6 @@ fn check_phase(coverage: &Coverage, mean_k2: &[Complex64], lateral_k2: f64) -> R
         if near_pole || (!exact && phase > PHASE_LIMIT) {
             let needed = needed.max(grid.cells() + 1);
             return Err(WaveError::CellTooHigh { cell: j, height_um: h, phase, limit: PHASE_LIMIT, needed });
-        }
-    }
-    Ok(())
-}
-
-/// Refuses a grid on which a propagating order of a half-space has no harmonic.
-fn check_orders(coverage: &Coverage, media: &Media, lateral: &[[f64; 2]], k0: f64) -> Result<(), WaveError> {
-    let grid = &coverage.grid;
-    if coverage.channels.is_empty() {
-        return Ok(());
-    }
-    let k = k0 * media.above.re.max(media.below.re);
-    let sizes = [grid.resolution.nx, grid.resolution.ny];
-    for axis in 0..2 {
-        let step = TAU / grid.period_um[axis];
-        // Where nothing changes along an axis no light goes into its orders.
-        if coverage.uniform[axis] {
-            continue;
-        }
-        let order = ((lateral[0][axis].abs() + k) / step).floor() as i32;
-        if order > (sizes[axis] as i32 - 1) / 2 {
-            let (m, n) = if axis == 0 { (order, 0) } else { (0, order) };
-            let need = 2 * order as usize + 1;
-            return Err(WaveError::GridTooCoarse { nx: sizes[0], ny: sizes[1], m, n, need });
         }
     }
     Ok(())

@@ -94,6 +94,7 @@ impl Scene {
         }
         for (i, stratum) in self.strata.iter().enumerate() {
             positive(&format!("thickness of stratum {i} (µm)"), stratum.thickness_um)?;
+            check_thickness(i, stratum.thickness_um)?;
         }
         let height = self.thickness_um();
         self.bodies.iter().enumerate().try_for_each(|(i, body)| body.check(i, height))?;
@@ -177,6 +178,16 @@ fn check_index(name: &str, eta: Complex64) -> Result<(), WaveError> {
         return Ok(());
     }
     Err(WaveError::Index { medium: name.to_string(), real: eta.re, imaginary: eta.im })
+}
+
+/// Thinnest stratum, µm: rounding of its mean operator is about 1e-16/(k h), here 1e-11.
+pub const THINNEST_UM: f64 = 1e-6;
+
+fn check_thickness(stratum: usize, thickness_um: f64) -> Result<(), WaveError> {
+    if thickness_um >= THINNEST_UM {
+        return Ok(());
+    }
+    Err(WaveError::TooThin { stratum, thickness_um, least_um: THINNEST_UM })
 }
 
 fn positive(field: &str, value: f64) -> Result<(), WaveError> {

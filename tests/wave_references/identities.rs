@@ -54,8 +54,8 @@ fn against(direction: [f64; 2], from: Side, light: &Incidence) -> Incidence {
     Incidence { polar_deg, azimuth_deg: (-y).atan2(-x).to_degrees(), from, ..*light }
 }
 
-/// |κ_o R(o ← i) − κ_i R(−i ← −o)| and the same for T with the reversed light from below, over all orders wanted.
-fn irreciprocity(reference: &Reference, resolution: Resolution, wanted: impl Fn(&Order) -> bool) -> f64 {
+/// |κ_o R(o ← i) − κ_i R(−i ← −o)| and the same for T with the reversed light from below, over all orders.
+fn irreciprocity(reference: &Reference, resolution: Resolution) -> f64 {
     let there = solve_at(&reference.case, resolution, RESIDUAL);
     let cos = |[x, y]: [f64; 2]| (1.0 - x * x - y * y).sqrt();
     let incident = cos(there.far.specular().direction);
@@ -69,25 +69,16 @@ fn irreciprocity(reference: &Reference, resolution: Resolution, wanted: impl Fn(
         let transmitted = cos(o.direction) * o.transmitted - incident * back(Side::Below).transmitted;
         reflected.norm().max(transmitted.norm())
     };
-    there.far.orders.iter().filter(|o| o.reflected_propagates && wanted(o)).map(error).fold(0.0, f64::max)
+    there.far.orders.iter().filter(|o| o.reflected_propagates).map(error).fold(0.0, f64::max)
 }
 
 #[test]
 fn light_finds_its_way_back() {
-    let specular = |o: &Order| (o.m, o.n) == (0, 0);
     for id in ["sph06", "sph14", "inka4", "cyl03"] {
         let reference = reference(id);
-        let error = irreciprocity(reference, coarse(reference, Scheme::Cubic), specular);
+        let error = irreciprocity(reference, coarse(reference, Scheme::Cubic));
         // Identity: both directions use the same harmonics, mirrored.
         assert!(error < TWO_SOLVES, "{id}: {error:e}");
-    }
-    for id in ["sph06", "cyl03"] {
-        let mut fine = coarse(reference(id), Scheme::Cubic);
-        (fine.nx, fine.ny) = (2 * fine.nx, if fine.ny == 1 { 1 } else { 2 * fine.ny });
-        let error = irreciprocity(reference(id), fine, |o| !specular(o));
-        // Accuracy: harmonics are centred on the incident direction, so the reversed light of another order
-        // uses other ones at the grid's edge; 26 points per µm leave less than 1e-4.
-        assert!(error < 1e-4, "{id}: {error:e}");
     }
 }
 
@@ -156,8 +147,10 @@ fn a_doubled_cell_with_four_copies_is_the_same_layer() {
     for id in ["sph06", "sph02"] {
         let reference = reference(id);
         let resolution = coarse(reference, Scheme::Cubic);
-        let single = solve_at(&reference.case, resolution, RESIDUAL);
         let mut case = reference.case.clone();
+        // Inside both cells' Brillouin zones, so that both use the same harmonics.
+        case.incidence.polar_deg *= 0.25;
+        let single = solve_at(&case, resolution, RESIDUAL);
         let [lx, ly] = case.scene.period_um;
         case.scene.period_um = [2.0 * lx, 2.0 * ly];
         case.scene.bodies = [[0.0, 0.0], [lx, 0.0], [0.0, ly], [lx, ly]]

@@ -1,58 +1,11 @@
-//! The referee: every strategy against the dense solve of the same discrete system, and the hypotheses behind them.
+//! All strategies against the dense solve, what they refuse, and what they cost.
 
+use crate::tiny::*;
 use inkwave::solve::{
     Bicgstab, Born, ConvergentBorn, Direct, Gmres, Goal, Relaxation, Silent, SolveError, Solver, Step, Watch,
 };
-use inkwave::wave::banded::ShiftedMean;
-use inkwave::wave::{
-    Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side,
-};
-use ndarray::Array2;
-use num_complex::Complex64;
+use inkwave::wave::{Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
 use std::ops::ControlFlow;
-
-const REAL: Mean = Mean { depends_on_z: true, absorbing: false };
-const SCHEMES: [Scheme; 5] =
-    [Scheme::Cubic, Scheme::Quadratic, Scheme::Quartic, Scheme::Tents, Scheme::SecondDifference];
-
-/// nx, ny, cells, κ, polar, azimuth, side: awkward sizes, absorbing and lossless, normal, oblique and conical.
-type Setting = (usize, usize, usize, f64, f64, f64, Side);
-const SETTINGS: [Setting; 6] = [
-    (5, 5, 4, 0.1, 0.0, 0.0, Side::Above),
-    (7, 5, 4, 0.0, 25.0, 0.0, Side::Above),
-    (6, 7, 5, 0.05, 40.0, 33.0, Side::Below),
-    (11, 1, 4, 0.0, 10.0, 0.0, Side::Above),
-    (1, 1, 5, 0.2, 60.0, 0.0, Side::Below),
-    (2, 9, 4, 0.1, 0.0, 0.0, Side::Above),
-];
-
-fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
-    let (nx, ny, cells, kappa, polar_deg, azimuth_deg, from) = setting;
-    let ball = |x: f64, z: f64| Ball { center_um: [x, 0.12, z], radius_um: 0.09 };
-    let grain = |b: Ball| Body { shape: Shape::Balls(vec![b]), inclusion: 0 };
-    let bodies = match (nx, ny) {
-        (1, 1) => vec![Body { shape: Shape::Sheet { z_um: [0.11, 0.27] }, inclusion: 0 }],
-        (_, 1) => {
-            vec![Body { shape: Shape::CylinderY { x_um: 0.1, z_um: 0.2, radius_um: 0.09 }, inclusion: 0 }]
-        }
-        _ => vec![grain(ball(0.08, 0.15)), grain(ball(0.22, 0.3))],
-    };
-    let scene = Scene::layer([0.33, 0.3], 0.4, bodies);
-    let media = Media {
-        above: 1.0.into(),
-        below: 1.2.into(),
-        backgrounds: vec![1.5.into()],
-        inclusions: vec![Complex64::new(1.4, kappa)],
-    };
-    let incidence = Incidence { wavelength_um: 0.75, polar_deg, azimuth_deg, from };
-    let resolution = Resolution { nx, ny, cells, scheme };
-    Problem::from_scene(&scene, &media, &incidence, resolution, mean).expect("a small problem")
-}
-
-/// Numbers of size one without any structure: what a reused buffer might hold.
-fn garbage(problem: &Problem) -> Field {
-    Field::from_shape_fn(problem.shape(), |(i, j)| Complex64::cis((7 * i * i + 13 * j) as f64))
-}
 
 fn strategies(mean: Mean) -> Vec<Box<dyn Solver>> {
     let mut all: Vec<Box<dyn Solver>> =
@@ -61,11 +14,6 @@ fn strategies(mean: Mean) -> Vec<Box<dyn Solver>> {
         all.push(Box::new(Relaxation::default()));
     }
     all
-}
-
-fn distance(a: &Field, b: &Field) -> f64 {
-    let largest = |f: &Field| f.iter().map(|z| z.norm()).fold(0.0, f64::max);
-    largest(&(a - b)) / largest(b)
 }
 
 /// Identity: one discrete system has one solution. Tolerance 1e-10 for a residual of 1e-12: small grids amplify the
@@ -149,78 +97,6 @@ fn the_dense_solver_names_its_limit() {
     let error =
         Direct { max_unknowns: 10 }.solve(&problem, Goal::default(), &mut Silent).expect_err("too large");
     assert!(error.to_string().contains("at most 10"), "{error}");
-}
-
-/// The mean operator as a full matrix, by columns.
-fn mean_matrix(problem: &Problem) -> Array2<Complex64> {
-    let n = problem.unknowns();
-    let mut matrix = Array2::zeros((n, n));
-    for j in 0..n {
-        let mut unit = Field::zeros(problem.shape());
-        unit.as_slice_mut().expect("contiguous")[j] = Complex64::ONE;
-        let image = problem.mean.apply(&unit, [&problem.kappa[0], &problem.kappa[1]]);
-        matrix.column_mut(j).assign(&image.into_shape_with_order(n).expect("one column"));
-    }
-    matrix
-}
-
-/// Identity, to rounding: A is complex symmetric, and A⁻¹A = 1.
-#[test]
-fn the_mean_operator_is_symmetric_and_inverted_exactly() {
-    for scheme in SCHEMES {
-        let problem = problem(SETTINGS[1], scheme, Mean::default());
-        let matrix = mean_matrix(&problem);
-        let size = matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
-        let skew = (&matrix - &matrix.t()).iter().map(|z| z.norm()).fold(0.0, f64::max);
-        assert!(skew < 1e-13 * size, "{scheme:?}: {skew:.1e}");
-        let u = garbage(&problem);
-        let mut solved = problem.mean.apply(&u, [&problem.kappa[0], &problem.kappa[1]]);
-        problem.mean.solve(&mut solved, false);
-        // Pivots of guided harmonics may cost a few digits.
-        assert!(distance(&solved, &u) < 1e-10, "{scheme:?}: {:.1e}", distance(&solved, &u));
-    }
-}
-
-/// Hypothesis of the splitting: Im⟨u, Au⟩ ≥ 0 with a real mean (radiation), so that 1 − cA is accretive for c = iτ/2.
-#[test]
-fn the_mean_half_of_the_splitting_is_dissipative() {
-    for scheme in SCHEMES {
-        let problem = problem(SETTINGS[1], scheme, REAL);
-        for seed in 0..20 {
-            let u = Field::from_shape_fn(problem.shape(), |(i, j)| {
-                Complex64::cis((seed * i * i + 5 * j + i) as f64)
-            });
-            let image = problem.mean.apply(&u, [&problem.kappa[0], &problem.kappa[1]]);
-            let flux: f64 = u.iter().zip(&image).map(|(u, a)| (u.conj() * a).im).sum();
-            let size: f64 = u.iter().zip(&image).map(|(u, a)| (u.conj() * a).norm()).sum();
-            assert!(flux > -1e-12 * size, "{scheme:?}: {flux:.1e}");
-        }
-    }
-}
-
-/// Identity: in plane values, A − shift and its banded factors are inverse to each other.
-#[test]
-fn banded_factors_invert_the_shifted_mean() {
-    for scheme in SCHEMES {
-        let problem = problem(SETTINGS[2], scheme, REAL);
-        let (a, b) = (Complex64::new(0.3, 0.7), Complex64::new(1.0, 0.2));
-        let factors = ShiftedMean::new(&problem, a, b);
-        let u = garbage(&problem);
-        let mut image = Field::zeros(u.dim());
-        let mass = problem.mean.plane_mass();
-        for i in 0..u.ncols() {
-            let band = problem.mean.plane_band(i, problem.end_conditions(i));
-            for r in 0..u.nrows() {
-                image[[r, i]] += (a * mass[r] + b * band[[r, 0]]) * u[[r, i]];
-                for k in 1..band.ncols().min(r + 1) {
-                    image[[r, i]] += b * band[[r, k]] * u[[r - k, i]];
-                    image[[r - k, i]] += b * band[[r, k]] * u[[r, i]];
-                }
-            }
-        }
-        factors.solve(&mut image);
-        assert!(distance(&image, &u) < 1e-10, "{scheme:?}: {:.1e}", distance(&image, &u));
-    }
 }
 
 /// Regression pins, not validation: work per solve must not creep up unnoticed (one application of slack).

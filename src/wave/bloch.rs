@@ -1,0 +1,90 @@
+//! From the incident wave to harmonics centred on zero: the Bloch vector in the first Brillouin zone.
+//!
+//! Harmonics are q + G with the reduced vector q, |q| ≤ π/L along each axis, and the incident wave is one of them.
+//! All incident waves that share q are then solved on the same harmonics, and those of q and of −q are opposite,
+//! which makes reciprocity exact between all orders; no points are spent on one side only at oblique incidence.
+
+use super::{Coverage, Incidence, Media, Side, WaveError};
+use std::f64::consts::TAU;
+
+/// Distance from the zone's edge, in units of 2π/L, within which a vector counts as on it and stays where it is:
+/// rounding must not decide between both ends of the zone.
+const TIE: f64 = 1e-9;
+
+/// Bloch vector, and the harmonic that the incident wave is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlochVector {
+    /// q in 1/µm, reduced along the axes that have a lattice.
+    pub reduced: [f64; 2],
+    /// (m, n) of the incident wave: its lateral wavevector is q + 2π (m/Lx, n/Ly).
+    pub incident: [i32; 2],
+    step: [f64; 2],
+}
+
+impl BlochVector {
+    /// Reduces the lateral wavevector of the incident wave.
+    ///
+    /// Along an axis on which nothing changes there is no lattice: the whole component stays.
+    /// Errors: light that comes through an absorber.
+    pub fn new(coverage: &Coverage, media: &Media, incidence: &Incidence) -> Result<BlochVector, WaveError> {
+        let whole = incidence.lateral_wavevector(media)?;
+        let step = coverage.grid.period_um.map(|l| TAU / l);
+        let order = |i: usize| if coverage.uniform[i] { 0 } else { nearest_order(whole[i] / step[i]) };
+        let incident = [order(0), order(1)];
+        let reduced = [0, 1].map(|i| whole[i] - step[i] * f64::from(incident[i]));
+        Ok(BlochVector { reduced, incident, step })
+    }
+
+    /// Lateral wavevector of a harmonic, 1/µm.
+    pub fn lateral(&self, harmonic: [i32; 2]) -> [f64; 2] {
+        [0, 1].map(|i| self.reduced[i] + self.step[i] * f64::from(harmonic[i]))
+    }
+
+    /// Refuses a grid on which a propagating order of a half-space has no harmonic.
+    pub fn check_orders(&self, coverage: &Coverage, media: &Media, k0: f64) -> Result<(), WaveError> {
+        let resolution = coverage.grid.resolution;
+        let sizes = [resolution.nx, resolution.ny];
+        let k = k0 * media.above.re.max(media.below.re);
+        // Where nothing changes along an axis no light goes into its orders.
+        for axis in (0..2).filter(|&i| !coverage.uniform[i]) {
+            let outermost = |sign: f64| ((k - sign * self.reduced[axis]) / self.step[axis]).floor() as i32;
+            let order = outermost(1.0).max(outermost(-1.0));
+            if order > (sizes[axis] as i32 - 1) / 2 {
+                let signed = if outermost(1.0) == order { order } else { -order };
+                let mut label = [0, 0];
+                label[axis] = signed - self.incident[axis];
+                let need = 2 * order as usize + 1;
+                let [m, n] = label;
+                return Err(WaveError::GridTooCoarse { nx: sizes[0], ny: sizes[1], m, n, need });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The integer nearest to `x`, of two equally near ones that closer to zero: opposite waves have opposite ones.
+fn nearest_order(x: f64) -> i32 {
+    (x.signum() * (x.abs() - 0.5 - TIE).ceil()) as i32
+}
+
+impl Incidence {
+    /// (kx, ky) of the incident wave, 1/µm.
+    fn lateral_wavevector(&self, media: &Media) -> Result<[f64; 2], WaveError> {
+        let eta = if self.from == Side::Above { media.above } else { media.below };
+        if eta.im != 0.0 {
+            return Err(WaveError::Range {
+                field: "imaginary part of the index of the half-space that the light comes from",
+                value: eta.im,
+                allowed: "0",
+                remedy: "light cannot arrive from infinity through an absorber: make that half-space transparent",
+            });
+        }
+        let k = TAU / self.wavelength_um * eta.re * self.polar_deg.to_radians().sin();
+        let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
+        Ok([k * cos, k * sin])
+    }
+}
+
+#[cfg(test)]
+#[path = "bloch_tests.rs"]
+mod tests;

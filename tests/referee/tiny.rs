@@ -1,0 +1,58 @@
+//! Tiny problems on awkward grids, and small helpers for full matrices.
+
+use inkwave::wave::{
+    Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side,
+};
+use num_complex::Complex64;
+
+pub const REAL: Mean = Mean { depends_on_z: true, absorbing: false };
+pub const SCHEMES: [Scheme; 5] =
+    [Scheme::Cubic, Scheme::Quadratic, Scheme::Quartic, Scheme::Tents, Scheme::SecondDifference];
+
+/// nx, ny, cells, κ, polar, azimuth, side: awkward sizes, absorbing and lossless, normal, oblique and conical.
+pub type Setting = (usize, usize, usize, f64, f64, f64, Side);
+pub const SETTINGS: [Setting; 6] = [
+    (5, 5, 4, 0.1, 0.0, 0.0, Side::Above),
+    (7, 5, 4, 0.0, 25.0, 0.0, Side::Above),
+    (6, 7, 5, 0.05, 40.0, 33.0, Side::Below),
+    (11, 1, 4, 0.0, 10.0, 0.0, Side::Above),
+    (1, 1, 5, 0.2, 60.0, 0.0, Side::Below),
+    (2, 9, 4, 0.1, 0.0, 0.0, Side::Above),
+];
+
+/// A grain of one ball.
+pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
+    Body { shape: Shape::Balls(vec![Ball { center_um, radius_um }]), inclusion: 0 }
+}
+
+pub fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
+    let (nx, ny, cells, kappa, polar_deg, azimuth_deg, from) = setting;
+    let bodies = match (nx, ny) {
+        (1, 1) => vec![Body { shape: Shape::Sheet { z_um: [0.11, 0.27] }, inclusion: 0 }],
+        (_, 1) => {
+            vec![Body { shape: Shape::CylinderY { x_um: 0.1, z_um: 0.2, radius_um: 0.09 }, inclusion: 0 }]
+        }
+        _ => vec![ball([0.08, 0.12, 0.15], 0.09), ball([0.22, 0.12, 0.3], 0.09)],
+    };
+    let scene = Scene::layer([0.33, 0.3], 0.4, bodies);
+    let media = Media {
+        above: 1.0.into(),
+        below: 1.2.into(),
+        backgrounds: vec![1.5.into()],
+        inclusions: vec![Complex64::new(1.4, kappa)],
+    };
+    let incidence = Incidence { wavelength_um: 0.75, polar_deg, azimuth_deg, from };
+    let resolution = Resolution { nx, ny, cells, scheme };
+    Problem::from_scene(&scene, &media, &incidence, resolution, mean).expect("a small problem")
+}
+
+/// Numbers of size one without any structure: what a reused buffer might hold.
+pub fn garbage(problem: &Problem) -> Field {
+    Field::from_shape_fn(problem.shape(), |(i, j)| Complex64::cis((7 * i * i + 13 * j) as f64))
+}
+
+/// Largest difference relative to the largest value of `b`.
+pub fn distance(a: &Field, b: &Field) -> f64 {
+    let largest = |f: &Field| f.iter().map(|z| z.norm()).fold(0.0, f64::max);
+    largest(&(a - b)) / largest(b)
+}

@@ -1,0 +1,54 @@
+//! All strategies solve one discrete system.
+
+use super::tau::distance;
+use crate::cells::{Cell, REAL, solve};
+use crate::claim::{Claim, Findings, Level};
+use crate::figure::{Curve, LogPlot, Style};
+use inkwave::solve::{Direct, SolverChoice};
+use inkwave::wave::{Mean, Resolution, Scheme, Side};
+
+pub const CLAIM: Claim = Claim {
+    id: "06-agreement",
+    statement: "Every strategy gives the field of the dense solve.",
+    because: "All of them solve the same (A + V) u = b, which has one solution.",
+    file: file!(),
+    measure,
+};
+
+const TOLERANCE: f64 = 1e-12;
+
+fn measure(level: Level, findings: &mut Findings) {
+    let sizes: &[[usize; 3]] = level.pick(&[[7, 6, 5]], &[[7, 6, 5], [11, 5, 5], [6, 12, 6], [8, 8, 5]]);
+    let mut histories = Vec::new();
+    for name in SolverChoice::NAMES.into_iter().filter(|n| *n != "direct") {
+        let solver = SolverChoice::named(name).expect("a name").build();
+        let mut largest = 0.0f64;
+        for &[nx, ny, cells] in sizes {
+            for (kappa, side) in [(0.1, Side::Above), (0.0, Side::Below)] {
+                for scheme in [Scheme::default(), Scheme::SecondDifference] {
+                    let mean = if name == "relaxation" { REAL } else { Mean::default() };
+                    let resolution = Resolution { nx, ny, cells, scheme };
+                    let problem = Cell { kappa, resolution, mean }.problem((25.0, 15.0, side));
+                    let truth = solve(&Direct::default(), &problem, TOLERANCE).expect("dense").field;
+                    let solution = solve(solver.as_ref(), &problem, TOLERANCE)
+                        .unwrap_or_else(|e| panic!("{name}, {resolution:?}, κ = {kappa}: {e}"));
+                    largest = largest.max(distance(&solution.field, &truth));
+                    if kappa > 0.0 && scheme == Scheme::default() && [nx, ny, cells] == sizes[0] {
+                        let looks = solution.account.history.len().max(2) - 1;
+                        let each = solution.account.operator_applications as f64 / looks as f64;
+                        let points = solution.account.history.iter().enumerate().skip(1);
+                        let points = points.map(|(i, &r)| (i as f64 * each, r));
+                        histories.push(Curve::new(name, Style::Data, points));
+                    }
+                }
+            }
+        }
+        findings.identity(name, largest, 1e-10, "residual 1e-12; small cells amplify it by less than 100");
+    }
+    findings.plots.push(LogPlot::log_log(
+        "Residual histories on a small absorbing cell",
+        "operator applications",
+        "relative residual",
+        histories,
+    ));
+}

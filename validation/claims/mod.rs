@@ -1,0 +1,38 @@
+//! All claims, one file each (two share the reference cases).
+
+use crate::claim::Claim;
+
+mod agreement;
+mod cell_size;
+mod colour;
+mod dilute;
+mod distribution;
+mod energy;
+mod layers;
+mod molecular;
+mod orders;
+mod packing;
+mod paper;
+mod reciprocity;
+mod references;
+mod slab;
+mod tau;
+
+pub const ALL: [Claim; 16] = [
+    slab::CLAIM,
+    layers::CLAIM,
+    energy::CLAIM,
+    reciprocity::CLAIM,
+    tau::CLAIM,
+    agreement::CLAIM,
+    orders::CLAIM,
+    references::ACCURACY,
+    dilute::CLAIM,
+    molecular::CLAIM,
+    packing::CLAIM,
+    distribution::CLAIM,
+    paper::CLAIM,
+    colour::CLAIM,
+    references::HONESTY,
+    cell_size::CLAIM,
+];

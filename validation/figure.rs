@@ -1,0 +1,221 @@
+//! Plots of the report: curves, points with bars and guide lines on logarithmic or linear axes, as SVG.
+
+use inkwave::appearance::figure::{COLOURS, FONT, register_fonts};
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How a curve is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Style {
+    /// Measured points joined by a line.
+    Data,
+    /// Measured points alone.
+    Points,
+    /// A line to compare with, dashed.
+    Guide,
+}
+
+/// Points (x, y, half width of the bar).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    pub name: String,
+    pub style: Style,
+    pub points: Vec<[f64; 3]>,
+}
+
+impl Curve {
+    pub fn new(name: impl Into<String>, style: Style, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::with_bars(name, style, points.into_iter().map(|(x, y)| [x, y, 0.0]))
+    }
+
+    pub fn with_bars(name: impl Into<String>, style: Style, points: impl IntoIterator<Item = [f64; 3]>) -> Self {
+        Self { name: name.into(), style, points: points.into_iter().collect() }
+    }
+
+    /// C x^slope through the last point of another curve, over its range.
+    pub fn guide(name: impl Into<String>, along: &Curve, slope: f64) -> Self {
+        let last = along.points.last().copied().unwrap_or([1.0; 3]);
+        let at = |p: &[f64; 3]| (p[0], last[1] * (p[0] / last[0]).powf(slope));
+        Self::new(name, Style::Guide, along.points.iter().map(at))
+    }
+}
+
+/// A plot; axes are logarithmic where said so.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogPlot {
+    pub title: String,
+    pub x_label: String,
+    pub y_label: String,
+    pub log: [bool; 2],
+    pub curves: Vec<Curve>,
+}
+
+const SIZE: (u32, u32) = (820, 460);
+const LEGEND: i32 = 230;
+const DASHES: (i32, i32) = (7, 5);
+
+impl LogPlot {
+    /// Both axes logarithmic.
+    pub fn log_log(title: &str, x_label: &str, y_label: &str, curves: Vec<Curve>) -> Self {
+        let (x_label, y_label) = (x_label.into(), y_label.into());
+        Self { title: title.into(), x_label, y_label, log: [true; 2], curves }
+    }
+
+    /// Both axes linear.
+    pub fn linear(title: &str, x_label: &str, y_label: &str, curves: Vec<Curve>) -> Self {
+        Self { log: [false; 2], ..Self::log_log(title, x_label, y_label, curves) }
+    }
+
+    /// The plot as SVG text.
+    ///
+    /// # Errors
+    /// Nothing to show, or the drawing library's own failures.
+    pub fn svg(&self) -> Result<String, String> {
+        register_fonts();
+        let [x, y] = [self.range(0)?, self.range(1)?];
+        let mut text = String::new();
+        {
+            let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+            root.fill(&WHITE).map_err(|e| e.to_string())?;
+            match self.log {
+                [true, true] => self.draw(&root, x.log_scale(), y.log_scale()),
+                [false, true] => self.draw(&root, x, y.log_scale()),
+                [true, false] => self.draw(&root, x.log_scale(), y),
+                [false, false] => self.draw(&root, x, y),
+            }?;
+            root.present().map_err(|e| e.to_string())?;
+        }
+        Ok(text)
+    }
+
+    fn shown(&self, p: &[f64; 3]) -> bool {
+        let fits = |axis: usize| p[axis].is_finite() && (!self.log[axis] || p[axis] > 0.0);
+        fits(0) && fits(1)
+    }
+
+    fn range(&self, axis: usize) -> Result<std::ops::Range<f64>, String> {
+        let points = || self.curves.iter().flat_map(|c| &c.points).filter(|p| self.shown(p));
+        let bar = |p: &[f64; 3]| if axis == 1 && !self.log[1] { p[2] } else { 0.0 };
+        let low = points().map(|p| p[axis] - bar(p)).fold(f64::INFINITY, f64::min);
+        let high = points().map(|p| p[axis] + bar(p)).fold(f64::NEG_INFINITY, f64::max);
+        if !(low <= high) {
+            return Err(format!("plot \"{}\" has nothing to show", self.title));
+        }
+        if self.log[axis] {
+            return Ok(low / 1.25..high * 1.25);
+        }
+        let margin = 0.04 * if high > low { high - low } else { high.abs().max(1.0) };
+        Ok(low - margin..high + margin)
+    }
+
+    fn draw<X, Y>(
+        &self,
+        root: &DrawingArea<SVGBackend, plotters::coord::Shift>,
+        x: X,
+        y: Y,
+    ) -> Result<(), String>
+    where
+        X: AsRangedCoord<Value = f64>,
+        Y: AsRangedCoord<Value = f64>,
+        X::CoordDescType: ValueFormatter<f64>,
+        Y::CoordDescType: ValueFormatter<f64>,
+    {
+        let fail = |e: &dyn std::fmt::Display| e.to_string();
+        let (area, names) = root.split_horizontally(SIZE.0 as i32 - LEGEND);
+        let mut chart = ChartBuilder::on(&area)
+            .caption(&self.title, (FONT, 18))
+            .margin(14)
+            .x_label_area_size(48)
+            .y_label_area_size(74)
+            .build_cartesian_2d(x, y)
+            .map_err(|e| fail(&e))?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x_label)
+            .y_desc(&self.y_label)
+            .label_style((FONT, 13))
+            .axis_desc_style((FONT, 15))
+            .x_labels(7)
+            .x_label_formatter(&|v| tick(*v))
+            .y_label_formatter(&|v| tick(*v))
+            .light_line_style(WHITE)
+            .draw()
+            .map_err(|e| fail(&e))?;
+        for (k, curve) in self.curves.iter().enumerate() {
+            let colour = if curve.style == Style::Guide { RGBColor(120, 120, 120) } else { palette(k) };
+            let points: Vec<[f64; 3]> = curve.points.iter().copied().filter(|p| self.shown(p)).collect();
+            let line = points.iter().map(|p| (p[0], p[1]));
+            match curve.style {
+                Style::Data => {
+                    chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(|e| fail(&e))?;
+                }
+                Style::Guide => {
+                    let dashed = DashedLineSeries::new(line, DASHES.0 as u32, DASHES.1 as u32, colour.into());
+                    chart.draw_series(dashed).map_err(|e| fail(&e))?;
+                }
+                Style::Points => {}
+            }
+            if curve.style != Style::Guide {
+                let marks = points.iter().map(|p| {
+                    EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled())
+                });
+                chart.draw_series(marks).map_err(|e| fail(&e))?;
+            }
+            let bars = points.iter().filter(|p| p[2] > 0.0 && (!self.log[1] || p[1] > p[2])).map(|p| {
+                PathElement::new([(p[0], p[1] - p[2]), (p[0], p[1] + p[2])], colour.stroke_width(1))
+            });
+            chart.draw_series(bars).map_err(|e| fail(&e))?;
+            self.name(&names, k, curve, colour)?;
+        }
+        Ok(())
+    }
+
+    /// One entry of the legend.
+    fn name(
+        &self,
+        area: &DrawingArea<SVGBackend, plotters::coord::Shift>,
+        k: usize,
+        curve: &Curve,
+        colour: RGBColor,
+    ) -> Result<(), String> {
+        let y = 48 + 21 * k as i32;
+        let text = Text::new(curve.name.clone(), (34, y - 8), (FONT, 13).into_font());
+        area.draw(&text).map_err(|e| e.to_string())?;
+        let dashes: &[[i32; 2]] = if curve.style == Style::Guide { &[[4, 11], [17, 24]] } else { &[[4, 28]] };
+        for [a, b] in dashes.iter().filter(|_| curve.style != Style::Points) {
+            let line = PathElement::new([(*a, y), (*b, y)], colour.stroke_width(2));
+            area.draw(&line).map_err(|e| e.to_string())?;
+        }
+        if curve.style != Style::Guide {
+            let mark = EmptyElement::at((16, y)) + Polygon::new(marker(k), colour.filled());
+            area.draw(&mark).map_err(|e| e.to_string())?;
+        }
+        Ok(())
+    }
+}
+
+/// Okabe–Ito, and the same darker from the eighth curve on.
+fn palette(k: usize) -> RGBColor {
+    let RGBColor(r, g, b) = COLOURS[k % COLOURS.len()];
+    if k < COLOURS.len() { RGBColor(r, g, b) } else { RGBColor(r / 2, g / 2, b / 2) }
+}
+
+/// Disc, triangle, square, diamond, in pixels around the point.
+fn marker(k: usize) -> Vec<(i32, i32)> {
+    match k % 4 {
+        0 => vec![(-1, -4), (1, -4), (4, -1), (4, 1), (1, 4), (-1, 4), (-4, 1), (-4, -1)],
+        1 => vec![(0, -5), (5, 4), (-5, 4)],
+        2 => vec![(-4, -4), (4, -4), (4, 4), (-4, 4)],
+        _ => vec![(0, -6), (6, 0), (0, 6), (-6, 0)],
+    }
+}
+
+fn tick(v: f64) -> String {
+    if v == 0.0 || (0.01..100_000.0).contains(&v.abs()) {
+        let text = format!("{v:.3}");
+        return text.trim_end_matches('0').trim_end_matches('.').into();
+    }
+    format!("{v:.0e}")
+}

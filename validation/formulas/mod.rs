@@ -1,0 +1,3 @@
+//! Independent formulas: closed forms that share no code with the program.
+
+pub mod films;

@@ -1,0 +1,43 @@
+//! Every claim at its quick level: one test each, in `cargo test`.
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+mod cells;
+mod claim;
+mod claims;
+mod ensemble;
+mod figure;
+mod formulas;
+
+use claim::{Claim, Findings, Level};
+use libtest_mimic::{Arguments, Failed, Trial};
+
+fn trial(claim: &'static Claim) -> Trial {
+    Trial::test(claim.id, || judge(claim))
+}
+
+fn judge(claim: &Claim) -> Result<(), Failed> {
+    let mut findings = Findings::default();
+    (claim.measure)(Level::Quick, &mut findings);
+    for check in &findings.checks {
+        let margin = check.margin();
+        println!("{}: {}: {:.3e}, {}, margin {margin:.2}", claim.id, check.what, check.measured, check.bound);
+    }
+    let broken: Vec<String> = findings
+        .checks
+        .iter()
+        .filter(|c| !c.holds())
+        .map(|c| format!("{}: {:.3e}, allowed {} ({}: {})", c.what, c.measured, c.bound, c.reason, c.because))
+        .collect();
+    if findings.hold() {
+        return Ok(());
+    }
+    Err(format!("{}\n{}\n  {}", claim.statement, claim.file, broken.join("\n  ")).into())
+}
+
+fn main() {
+    static ALL: [Claim; 16] = claims::ALL;
+    let trials = ALL.iter().map(trial).collect();
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
