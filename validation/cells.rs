@@ -1,6 +1,6 @@
 //! Small cells that claims on strategies and identities share.
 
-use inkwave::solve::{Goal, Silent, SolveError, Solution, Solver};
+use inkwave::solve::{Goal, Silent, Solution, SolveError, Solver};
 use inkwave::wave::{Ball, Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
 use num_complex::Complex64;
 

@@ -136,7 +136,14 @@ pub struct Findings {
 }
 
 impl Findings {
-    pub fn check(&mut self, what: impl Into<String>, measured: f64, bound: Bound, reason: Reason, because: &str) {
+    pub fn check(
+        &mut self,
+        what: impl Into<String>,
+        measured: f64,
+        bound: Bound,
+        reason: Reason,
+        because: &str,
+    ) {
         let because = because.into();
         self.checks.push(Check { what: what.into(), measured, bound, reason, because });
     }

@@ -53,7 +53,8 @@ impl Layers {
         };
         let points = inkwave::solve::accuracy::smooth_size((POINTS_PER_UM * self.side_um) as usize);
         let resolution = Resolution { nx: points, ny: points, cells: CELLS, scheme: Scheme::default() };
-        let problem = Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("a layer");
+        let problem =
+            Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("a layer");
         let goal = Goal { tolerance: 1e-6, ..Goal::default() };
         let field = Gmres::default().solve(&problem, goal, &mut Silent).expect("ink converges").field;
         problem.far_field(&field)

@@ -30,7 +30,11 @@ impl Curve {
         Self::with_bars(name, style, points.into_iter().map(|(x, y)| [x, y, 0.0]))
     }
 
-    pub fn with_bars(name: impl Into<String>, style: Style, points: impl IntoIterator<Item = [f64; 3]>) -> Self {
+    pub fn with_bars(
+        name: impl Into<String>,
+        style: Style,
+        points: impl IntoIterator<Item = [f64; 3]>,
+    ) -> Self {
         Self { name: name.into(), style, points: points.into_iter().collect() }
     }
 
@@ -158,9 +162,9 @@ impl LogPlot {
                 Style::Points => {}
             }
             if curve.style != Style::Guide {
-                let marks = points.iter().map(|p| {
-                    EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled())
-                });
+                let marks = points
+                    .iter()
+                    .map(|p| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled()));
                 chart.draw_series(marks).map_err(|e| fail(&e))?;
             }
             let bars = points.iter().filter(|p| p[2] > 0.0 && (!self.log[1] || p[1] > p[2])).map(|p| {

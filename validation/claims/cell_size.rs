@@ -32,7 +32,8 @@ const QUANTITIES: [Quantity; 5] = [
 ];
 
 fn measure(level: Level, findings: &mut Findings) {
-    let sides: &[(f64, u64)] = level.pick(&[(1.6, 32), (3.2, 12)], &[(1.2, 96), (1.6, 64), (2.4, 32), (3.2, 24), (4.8, 12)]);
+    let sides: &[(f64, u64)] =
+        level.pick(&[(1.6, 32), (3.2, 12)], &[(1.2, 96), (1.6, 64), (2.4, 32), (3.2, 24), (4.8, 12)]);
     let ensembles: Vec<(f64, Bdf)> = sides
         .iter()
         .map(|&(side_um, realisations)| {
@@ -66,5 +67,10 @@ fn plot(name: &str, ensembles: &[(f64, Bdf)], quantity: fn(&Bdf) -> Estimate) ->
         [*side, value.value, value.standard_error.unwrap_or(0.0)]
     });
     let title = format!("Cell size: {name}");
-    LogPlot::linear(&title, "period L, µm", name, vec![Curve::with_bars("mean ± standard error", Style::Data, points)])
+    LogPlot::linear(
+        &title,
+        "period L, µm",
+        name,
+        vec![Curve::with_bars("mean ± standard error", Style::Data, points)],
+    )
 }

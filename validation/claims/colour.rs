@@ -49,7 +49,9 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
 fn measure(_: Level, findings: &mut Findings) {
     let file: Value = serde_json::from_str(include_str!("../data/colour.json")).expect("JSON");
     let (mut xyz, mut lab, mut rgb, mut bytes) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
-    for (key, grid) in [("g380_780_5", wavelengths(380., 780., 5.)), ("g400_700_10", wavelengths(400., 700., 10.))] {
+    for (key, grid) in
+        [("g380_780_5", wavelengths(380., 780., 5.)), ("g400_700_10", wavelengths(400., 700., 10.))]
+    {
         let meter = Colorimeter::new(&grid).expect("a grid");
         for case in file["spectra"].as_array().expect("spectra") {
             let name = case["name"].as_str().expect("a name");
@@ -65,10 +67,19 @@ fn measure(_: Level, findings: &mut Findings) {
     findings.identity("Lab", lab, 1e-9, "the same digits through a cube root");
     findings.identity("sRGB, 0–1", rgb, 2e-12, "12 printed digits");
     findings.identity("sRGB, 8 bits", bytes, 0.5, "whole numbers");
-    let grids = [wavelengths(400., 700., 20.), wavelengths(405., 690., 28.5), vec![420., 455., 500., 560., 600., 650.]];
+    let grids = [
+        wavelengths(400., 700., 20.),
+        wavelengths(405., 690., 28.5),
+        vec![420., 455., 500., 560., 600., 650.],
+    ];
     let white = grids.iter().map(|grid| {
         let white = Colorimeter::new(grid).expect("a grid").colour(&vec![1.0; grid.len()]).expect("white");
         largest(&white.lab, &[100.0, 0.0, 0.0]).max(largest(&white.srgb8.map(f64::from), &[255.0; 3]))
     });
-    findings.identity("white on uneven grids", white.fold(0.0, f64::max), 1e-12, "white is the normalisation");
+    findings.identity(
+        "white on uneven grids",
+        white.fold(0.0, f64::max),
+        1e-12,
+        "white is the normalisation",
+    );
 }

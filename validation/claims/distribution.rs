@@ -85,7 +85,12 @@ fn lambertian(findings: &mut Findings) {
     findings.identity("Lambertian: f − albedo/π", error, 1e-13, "rounding; smoothing keeps a constant");
     // Gauss's circle problem: the number of lattice points in a disc of 40 spacings, ± 2 × 40^(2/3).
     let lattice = 2.0 * 40f64.powf(2.0 / 3.0) / (PI * 1600.0);
-    findings.order_of_smallness("Lambertian: |R/albedo − 1|", (reflectance / albedo - 1.0).abs(), lattice, "lattice points in a disc of 40 spacings");
+    findings.order_of_smallness(
+        "Lambertian: |R/albedo − 1|",
+        (reflectance / albedo - 1.0).abs(),
+        lattice,
+        "lattice points in a disc of 40 spacings",
+    );
 }
 
 /// Reflectance into four quadrants that the symmetry of isotropic packings makes equal in the mean.
@@ -111,7 +116,12 @@ fn azimuth(fields: &[FarField], findings: &mut Findings) {
             fields.iter().map(|f| contrast(std::array::from_fn(|k| quadrant(f, k)))).collect();
         largest = largest.max((mean(&values) / (variance(&values) / values.len() as f64).sqrt()).abs());
     }
-    findings.significance("anisotropy of transmission in standard errors", largest, 3.9, "three contrasts, |t| of 47 degrees of freedom: probability 1e-3");
+    findings.significance(
+        "anisotropy of transmission in standard errors",
+        largest,
+        3.9,
+        "three contrasts, |t| of 47 degrees of freedom: probability 1e-3",
+    );
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -142,7 +152,12 @@ fn scatter(fields: &[FarField], findings: &mut Findings) {
         let degrees = (groups.len() - 1) as f64;
         let chi2 = degrees * variance(&means) / mean(&squares);
         let limit = ChiSquared::new(degrees).expect("positive").inverse_cdf(1.0 - 1e-4);
-        findings.significance(format!("χ² of means of {size} against their errors"), chi2, limit, "probability 1e-4");
+        findings.significance(
+            format!("χ² of means of {size} against their errors"),
+            chi2,
+            limit,
+            "probability 1e-4",
+        );
         let low = ChiSquared::new(degrees).expect("positive").inverse_cdf(1e-4);
         findings.significance(format!("the same, too small: {size}"), low, chi2, "probability 1e-4");
     }

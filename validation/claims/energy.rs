@@ -13,8 +13,12 @@ pub const CLAIM: Claim = Claim {
     measure,
 };
 
-const DIRECTIONS: [From; 4] =
-    [(0.0, 0.0, Side::Above), (35.0, 20.0, Side::Above), (70.0, 0.0, Side::Below), (55.0, 130.0, Side::Below)];
+const DIRECTIONS: [From; 4] = [
+    (0.0, 0.0, Side::Above),
+    (35.0, 20.0, Side::Above),
+    (70.0, 0.0, Side::Below),
+    (55.0, 130.0, Side::Below),
+];
 const TOLERANCE: f64 = 1e-9;
 
 fn measure(level: Level, findings: &mut Findings) {
@@ -28,7 +32,8 @@ fn measure(level: Level, findings: &mut Findings) {
             let cell = Cell { mean, ..Cell::new(kappa, points, 6) };
             let balance = |&from: &From| {
                 let problem = cell.problem(from);
-                let solution = solve(SolverChoice::named(name).expect("a name").build().as_ref(), &problem, TOLERANCE);
+                let solution =
+                    solve(SolverChoice::named(name).expect("a name").build().as_ref(), &problem, TOLERANCE);
                 let solution = solution.unwrap_or_else(|e| panic!("{name}, κ = {kappa}: {e}"));
                 problem.far_field(&solution.field).energy_error().abs()
             };

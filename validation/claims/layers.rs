@@ -19,8 +19,11 @@ pub const CLAIM: Claim = Claim {
 
 /// (r, t) of films as the program solves them.
 pub fn solved(half_spaces: [f64; 2], films: &[Film], wavelength_um: f64, polar_deg: f64) -> [Complex64; 2] {
-    let strata =
-        films.iter().enumerate().map(|(i, f)| Stratum { thickness_um: f.thickness_um, background: i }).collect();
+    let strata = films
+        .iter()
+        .enumerate()
+        .map(|(i, f)| Stratum { thickness_um: f.thickness_um, background: i })
+        .collect();
     let scene = Scene { period_um: [0.5; 2], strata, bodies: Vec::new() };
     let media = Media {
         above: half_spaces[0].into(),
@@ -30,8 +33,10 @@ pub fn solved(half_spaces: [f64; 2], films: &[Film], wavelength_um: f64, polar_d
     };
     let incidence = Incidence { wavelength_um, polar_deg, azimuth_deg: 0.0, from: Side::Above };
     let resolution = Resolution { nx: 1, ny: 1, cells: films.len().max(3), scheme: Scheme::default() };
-    let problem = Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("films");
-    let field = Gmres::default().solve(&problem, Goal::default(), &mut Silent).expect("nothing to iterate").field;
+    let problem =
+        Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("films");
+    let field =
+        Gmres::default().solve(&problem, Goal::default(), &mut Silent).expect("nothing to iterate").field;
     let far = problem.far_field(&field);
     [far.specular().reflected, far.specular().transmitted]
 }
@@ -57,5 +62,10 @@ fn measure(level: Level, findings: &mut Findings) {
         r.largest_error(&crate::support::solve_at(&r.case, resolution, 1e-12).far)
     });
     let error = error.fold(0.0, f64::max);
-    findings.identity("slabs and stacks of the references", error, 1e-13, "rounding; the references have 15 digits");
+    findings.identity(
+        "slabs and stacks of the references",
+        error,
+        1e-13,
+        "rounding; the references have 15 digits",
+    );
 }

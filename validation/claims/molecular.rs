@@ -33,12 +33,17 @@ fn lattice(layers: usize) -> [Complex64; 2] {
     let radius = a * (3.0 * FRACTION / (4.0 * PI)).cbrt();
     let bodies = (0..layers).map(|i| ball([0.5 * a, 0.5 * a, (i as f64 + 0.5) * a], radius)).collect();
     let scene = Scene::layer([a; 2], THICKNESS_UM, bodies);
-    let media =
-        Media { above: 1.0.into(), below: 1.0.into(), backgrounds: vec![BINDER.into()], inclusions: vec![pigment()] };
+    let media = Media {
+        above: 1.0.into(),
+        below: 1.0.into(),
+        backgrounds: vec![BINDER.into()],
+        inclusions: vec![pigment()],
+    };
     let incidence =
         Incidence { wavelength_um: WAVELENGTH_UM, polar_deg: POLAR_DEG, azimuth_deg: 0.0, from: Side::Above };
     let resolution = Resolution { nx: 16, ny: 16, cells: 6 * layers, scheme: Scheme::default() };
-    let problem = Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("a lattice");
+    let problem =
+        Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("a lattice");
     let goal = Goal { tolerance: 1e-9, ..Goal::default() };
     let field = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges").field;
     let far = problem.far_field(&field);
@@ -56,10 +61,20 @@ fn measure(level: Level, findings: &mut Findings) {
     };
     let errors: Vec<(f64, f64)> = layers.iter().map(error).collect();
     let smallest = errors.last().map_or(f64::NAN, |e| e.1);
-    findings.order("order in the lattice constant", fitted_slope(&errors), [1.7, 2.4], "2 by theory; a line through few sizes");
+    findings.order(
+        "order in the lattice constant",
+        fitted_slope(&errors),
+        [1.7, 2.4],
+        "2 by theory; a line through few sizes",
+    );
     let a = THICKNESS_UM / layers[layers.len() - 1] as f64;
     let ka = 2.0 * PI * BINDER * a / WAVELENGTH_UM;
-    findings.order_of_smallness("difference of the smallest grains", smallest, 0.05 * ka * ka, "(k a)² times the contrast of η², 0.47, of which a tenth is seen");
+    findings.order_of_smallness(
+        "difference of the smallest grains",
+        smallest,
+        0.05 * ka * ka,
+        "(k a)² times the contrast of η², 0.47, of which a tenth is seen",
+    );
     let sizes = errors.iter().map(|(n, e)| (1e3 * THICKNESS_UM / n, *e));
     let curve = Curve::new("cubic lattice, 30 %", Style::Data, sizes);
     let guide = Curve::guide("order 2", &curve, 2.0);

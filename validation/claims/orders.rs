@@ -20,7 +20,8 @@ const SCHEMES: [(&str, Scheme, [f64; 2]); 4] = [
     // Where a pole falls within its cell varies from grid to grid and limits the order to 4 at last.
     ("cubic moments", Scheme::Cubic, [3.6, 6.0]),
 ];
-const SCATTER: &str = "theory ± the scatter of a line through errors that depend on where poles fall within cells";
+const SCATTER: &str =
+    "theory ± the scatter of a line through errors that depend on where poles fall within cells";
 
 fn measure(level: Level, findings: &mut Findings) {
     across(level, findings);
@@ -52,18 +53,31 @@ fn across(level: Level, findings: &mut Findings) {
     };
     let errors: Vec<(f64, f64)> = cells[..few].iter().map(quartic).collect();
     let against_cubic = errors.iter().zip(&curves[3].points).map(|(q, c)| q.1 / c[1]).fold(0.0, f64::max);
-    findings.order_of_smallness("error of quartic over cubic moments", against_cubic, 1.0, "a higher degree is never worse");
+    findings.order_of_smallness(
+        "error of quartic over cubic moments",
+        against_cubic,
+        1.0,
+        "a higher degree is never worse",
+    );
     curves.push(Curve::new("quartic moments", Style::Data, errors));
     curves.push(Curve::guide("order 2", &curves[1], -2.0));
     curves.push(Curve::guide("order 4", &curves[2], -4.0));
     let title = "Error against cells, ink cell inka1";
-    findings.plots.push(LogPlot::log_log(title, "cells across the layer N", "largest amplitude error", curves));
+    findings.plots.push(LogPlot::log_log(
+        title,
+        "cells across the layer N",
+        "largest amplitude error",
+        curves,
+    ));
 }
 
 fn in_the_plane(level: Level, findings: &mut Findings) {
-    let cases: &[(&str, usize)] =
-        level.pick(&[("inka1", 16), ("cyl01", 20)], &[("inka1", 20), ("sph10", 24), ("sph05", 24), ("cyl01", 24), ("inkb2", 20)]);
-    let densities: &[f64] = level.pick(&[10.0, 12.0, 15.0, 18.0, 24.0], &[10.0, 12.0, 15.0, 18.0, 20.0, 24.0, 27.0]);
+    let cases: &[(&str, usize)] = level.pick(
+        &[("inka1", 16), ("cyl01", 20)],
+        &[("inka1", 20), ("sph10", 24), ("sph05", 24), ("cyl01", 24), ("inkb2", 20)],
+    );
+    let densities: &[f64] =
+        level.pick(&[10.0, 12.0, 15.0, 18.0, 24.0], &[10.0, 12.0, 15.0, 18.0, 20.0, 24.0, 27.0]);
     let mut curves = Vec::new();
     for &(id, cells) in cases {
         let case = reference(id);

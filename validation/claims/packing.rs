@@ -2,7 +2,9 @@
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::figure::{Curve, LogPlot, Style};
-use inkwave::ink::statistics::{Estimate, PairStatistics, orientation_tensor, pair_statistics_to, section_statistics};
+use inkwave::ink::statistics::{
+    Estimate, PairStatistics, orientation_tensor, pair_statistics_to, section_statistics,
+};
 use inkwave::ink::{
     EquilibrationSettings, MethodChoice, Orientation, Packing, PackingRequest, PigmentGrains, Shape, pack,
 };
@@ -79,7 +81,8 @@ fn misfit(measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> f64 {
     (chi2 / chi2_limit).max(largest / largest_limit)
 }
 
-const CHANCE: &str = "χ² over 100 bins and the largest deviation, as shares of their limits at probability 1e-3";
+const CHANCE: &str =
+    "χ² over 100 bins and the largest deviation, as shares of their limits at probability 1e-3";
 
 /// g against its truth, with bars of three standard errors.
 fn plot(title: String, measured: &[Estimate], truth: &[f64]) -> LogPlot {
@@ -153,8 +156,7 @@ fn sequential(level: Level, findings: &mut Findings) {
 /// That Monte Carlo shows how far Verlet–Weis itself is off: at most 0.7, 1.3 and 3.9 % in a bin at φ = 0.15, 0.30 and
 /// 0.45 (the last around r = 1.65 d). This share of g enters as the error of the formula.
 fn fluid(level: Level, findings: &mut Findings) {
-    let file: Value =
-        serde_json::from_str(include_str!("../data/hard_sphere_monte_carlo.json")).unwrap();
+    let file: Value = serde_json::from_str(include_str!("../data/hard_sphere_monte_carlo.json")).unwrap();
     let realisations = level.pick(4, 10);
     for (key, fraction, method, sweeps, model_error) in [
         ("0.15", 0.15, MethodChoice::SequentialAddition, 100, 0.007),
@@ -164,12 +166,26 @@ fn fluid(level: Level, findings: &mut Findings) {
         let measured = g_of(&ensemble(4.0, fraction, method, sweeps, realisations));
         let truth = &file["by_fraction"][key];
         let strict = misfit(&measured, &numbers(&truth["g"]), &numbers(&truth["se"]));
-        findings.significance(format!("equilibrium against Monte Carlo, φ = {fraction}"), strict, 1.0, CHANCE);
+        findings.significance(
+            format!("equilibrium against Monte Carlo, φ = {fraction}"),
+            strict,
+            1.0,
+            CHANCE,
+        );
         let formula = verlet_weis(fraction);
         let error: Vec<f64> = formula.iter().map(|g| model_error * g).collect();
         let analytic = misfit(&measured, &formula, &error);
-        findings.significance(format!("equilibrium against Verlet–Weis, φ = {fraction}"), analytic, 1.0, CHANCE);
-        findings.plots.push(plot(format!("Equilibrium and Verlet–Weis, φ = {fraction}"), &measured, &formula));
+        findings.significance(
+            format!("equilibrium against Verlet–Weis, φ = {fraction}"),
+            analytic,
+            1.0,
+            CHANCE,
+        );
+        findings.plots.push(plot(
+            format!("Equilibrium and Verlet–Weis, φ = {fraction}"),
+            &measured,
+            &formula,
+        ));
     }
     // The power of the test: without equilibration the same criterion refuses.
     let truth = &file["by_fraction"]["0.30"];
@@ -177,7 +193,13 @@ fn fluid(level: Level, findings: &mut Findings) {
         let measured = g_of(&ensemble(4.0, 0.30, method, 0, realisations));
         let misfit = misfit(&measured, &numbers(&truth["g"]), &numbers(&truth["se"]));
         let what = format!("{method:?} told from equilibrium, φ = 0.3");
-        findings.check(what, misfit, Bound::AtLeast(1.0), Reason::Significance, "the power of the test above");
+        findings.check(
+            what,
+            misfit,
+            Bound::AtLeast(1.0),
+            Reason::Significance,
+            "the power of the test above",
+        );
     }
 }
 
@@ -191,15 +213,31 @@ fn two_point(level: Level, findings: &mut Findings) {
         sections.iter().map(f).sum::<f64>() / sections.len() as f64
     };
     let asked = packings.iter().map(|p| p.achieved_fraction(0)).sum::<f64>() / packings.len() as f64;
-    findings.order_of_smallness("S2(0) − φ", (mean(&|s| s.s2_x[0]) - asked).abs(), 5e-4, "midpoint sums over 96 planes of some 150 lines");
+    findings.order_of_smallness(
+        "S2(0) − φ",
+        (mean(&|s| s.s2_x[0]) - asked).abs(),
+        5e-4,
+        "midpoint sums over 96 planes of some 150 lines",
+    );
     let slope = mean(&|s| 0.5 * (s.chords_per_um[0] + s.chords_per_um[1]));
     let exact = 1.5 * asked / DIAMETER_UM;
-    findings.order_of_smallness("−S2′(0) d/(1.5 φ) − 1", (slope / exact - 1.0).abs(), 5e-3, "chords counted on as many lines");
+    findings.order_of_smallness(
+        "−S2′(0) d/(1.5 φ) − 1",
+        (slope / exact - 1.0).abs(),
+        5e-3,
+        "chords counted on as many lines",
+    );
     let far = mean(&|s| 0.5 * (s.s2_x[s.s2_x.len() - 1] + s.s2_y[s.s2_y.len() - 1]));
     let square = mean(&|s| s.mean_square_profile);
-    findings.order_of_smallness("S2(7 d)/⟨φ(z)²⟩ − 1", (far / square - 1.0).abs(), 0.02, "correlations of RSA have died out by 7 diameters; the scatter of the cells is left");
+    findings.order_of_smallness(
+        "S2(7 d)/⟨φ(z)²⟩ − 1",
+        (far / square - 1.0).abs(),
+        0.02,
+        "correlations of RSA have died out by 7 diameters; the scatter of the cells is left",
+    );
     let r = sections[0].r_um.clone();
-    let points = r.iter().enumerate().map(|(i, r)| (r / DIAMETER_UM, mean(&|s| 0.5 * (s.s2_x[i] + s.s2_y[i]))));
+    let points =
+        r.iter().enumerate().map(|(i, r)| (r / DIAMETER_UM, mean(&|s| 0.5 * (s.s2_x[i] + s.s2_y[i]))));
     let measured = Curve::new("measured", Style::Data, points);
     let tangent = [0.0, 0.4].map(|t| (t, asked - exact * DIAMETER_UM * t));
     let limit = [0.0, r[r.len() - 1] / DIAMETER_UM].map(|t| (t, asked * asked));
@@ -207,7 +245,11 @@ fn two_point(level: Level, findings: &mut Findings) {
         "Two-point probability, sequential addition, φ = 0.3",
         "separation r/d",
         "S2(r)",
-        vec![measured, Curve::new("slope −3φ/(2d)", Style::Guide, tangent), Curve::new("φ²", Style::Guide, limit)],
+        vec![
+            measured,
+            Curve::new("slope −3φ/(2d)", Style::Guide, tangent),
+            Curve::new("φ²", Style::Guide, limit),
+        ],
     ));
 }
 
@@ -235,13 +277,27 @@ fn orientation(level: Level, findings: &mut Findings) {
     let free = tensors(Orientation::Random);
     let grains: f64 = free.iter().map(|t| t[1]).sum();
     let mean = free.iter().map(|t| t[0] * t[1]).sum::<f64>() / grains;
-    findings.significance("|Q_zz| of free cylinders, in standard errors", mean.abs() / (0.2 / grains).sqrt(), 3.3, "variance 1/5 per grain: probability 1e-3");
-    let most = |orientation, want: f64| {
-        tensors(orientation).iter().map(|t| (t[0] - want).abs()).fold(0.0, f64::max)
-    };
+    findings.significance(
+        "|Q_zz| of free cylinders, in standard errors",
+        mean.abs() / (0.2 / grains).sqrt(),
+        3.3,
+        "variance 1/5 per grain: probability 1e-3",
+    );
+    let most =
+        |orientation, want: f64| tensors(orientation).iter().map(|t| (t[0] - want).abs()).fold(0.0, f64::max);
     let why = "a dilute packing keeps the perfect alignment it starts from";
-    findings.promise("Q_zz − 1 of standing cylinders", most(Orientation::Perpendicular { strength: None }, 1.0), 0.02, why);
-    findings.promise("Q_zz + ½ of lying cylinders", most(Orientation::InPlane { strength: None }, -0.5), 0.02, why);
+    findings.promise(
+        "Q_zz − 1 of standing cylinders",
+        most(Orientation::Perpendicular { strength: None }, 1.0),
+        0.02,
+        why,
+    );
+    findings.promise(
+        "Q_zz + ½ of lying cylinders",
+        most(Orientation::InPlane { strength: None }, -0.5),
+        0.02,
+        why,
+    );
 }
 
 /// No grain beyond a wall, at any method; the profile touches zero there.
@@ -261,5 +317,10 @@ fn walls(findings: &mut Findings) {
         let over = spheres.map(|s| (s.radius_um - s.center_um[2]).max(s.center_um[2] + s.radius_um - 1.0));
         beyond = beyond.max(over.fold(f64::NEG_INFINITY, f64::max));
     }
-    findings.identity("grains beyond the walls, µm", beyond.max(0.0), 1e-9, "walls are hard; rounding of the positions");
+    findings.identity(
+        "grains beyond the walls, µm",
+        beyond.max(0.0),
+        1e-9,
+        "walls are hard; rounding of the positions",
+    );
 }

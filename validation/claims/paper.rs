@@ -29,8 +29,10 @@ fn gap_error(case: &Value, points: usize) -> f64 {
         wavelength_um: number("lambda_um"),
     };
     let rule = AngleRule::new(points, 60.0, Coupling::Gap).expect("a rule");
-    let paper = LayerOnPaper::new(&rule, &LayerOptics::homogeneous(&rule, slab), number("rho")).expect("a layer");
-    let angles: Vec<_> = numbers(&case["angles_deg"]).iter().map(|&a| rule.at(a).expect("up to 60°")).collect();
+    let paper =
+        LayerOnPaper::new(&rule, &LayerOptics::homogeneous(&rule, slab), number("rho")).expect("a layer");
+    let angles: Vec<_> =
+        numbers(&case["angles_deg"]).iter().map(|&a| rule.at(a).expect("up to 60°")).collect();
     let mut error = (paper.mean_reflectance_below() - number("R_diffuse")).abs();
     error = error.max((paper.mean_transmittance() - number("T_diffuse")).abs());
     for (i, at) in angles.iter().enumerate() {
@@ -55,11 +57,14 @@ fn contact_error(case: &Value) -> f64 {
     let index = number("n");
     let rule = AngleRule::new(4, 60.0, Coupling::OpticalContact { index }).expect("a rule");
     let slab = Slab { index: index.into(), thickness_um: 1.0, wavelength_um: 0.55 };
-    let paper = LayerOnPaper::new(&rule, &LayerOptics::homogeneous(&rule, slab), number("rho")).expect("a layer");
+    let paper =
+        LayerOnPaper::new(&rule, &LayerOptics::homogeneous(&rule, slab), number("rho")).expect("a layer");
     let normal = rule.at(0.0).expect("0°");
     let angles = numbers(&case["angles_deg"]);
     let want = numbers(&case["radiance_factor_from0"]);
-    let error = |(deg, want): (&f64, &f64)| (PI * paper.brdf(&normal, &rule.at(*deg).expect("up to 60°")) - want).abs();
+    let error = |(deg, want): (&f64, &f64)| {
+        (PI * paper.brdf(&normal, &rule.at(*deg).expect("up to 60°")) - want).abs()
+    };
     angles.iter().zip(&want).map(error).fold(0.0, f64::max)
 }
 
@@ -70,9 +75,19 @@ fn measure(level: Level, findings: &mut Findings) {
         // A layer of index 1 reflects nothing at grazing and is no ink.
         let inks = list("coherent").into_iter().filter(|c| c["n"] != 1.0);
         let error = inks.map(|c| gap_error(&c, points)).fold(0.0, f64::max);
-        findings.identity(format!("gap, {points} angles"), error, 2e-12, "12 printed digits; homogeneous layers are their own baseline");
+        findings.identity(
+            format!("gap, {points} angles"),
+            error,
+            2e-12,
+            "12 printed digits; homogeneous layers are their own baseline",
+        );
     }
     let clear = list("williams_clapper").into_iter().filter(|c| c["tau"] == 0.0 && c["surface"] == "s");
     let error = clear.map(|c| contact_error(&c)).fold(0.0, f64::max);
-    findings.identity("optical contact, clear film", error, 2e-12, "12 printed digits; one interface has no fringes");
+    findings.identity(
+        "optical contact, clear film",
+        error,
+        2e-12,
+        "12 printed digits; one interface has no fringes",
+    );
 }

@@ -43,7 +43,9 @@ fn asymmetry(cell: &Cell, from: From, most: usize) -> f64 {
         [(o.reflected_propagates, o.reflected, entry), (o.transmitted_propagates, o.transmitted, exit)]
     };
     let mut largest = 0.0f64;
-    for order in forward.orders.iter().filter(|o| o.transmitted_propagates || o.reflected_propagates).take(most) {
+    for order in
+        forward.orders.iter().filter(|o| o.transmitted_propagates || o.reflected_propagates).take(most)
+    {
         for (propagates, amplitude, side) in both(order) {
             // Within 1e-6 of grazing the angle no longer says the direction to the digits needed.
             if !propagates || normal(order.direction, index(side)) < 0.02 {
@@ -51,10 +53,13 @@ fn asymmetry(cell: &Cell, from: From, most: usize) -> f64 {
             }
             let [polar, azimuth] = reversed(order.direction, index(side));
             let backward = far_field(cell, (polar, azimuth, side));
-            let back: Option<Complex64> = backward.orders.iter().find(|o| (o.m, o.n) == (order.m, order.n)).map(|o| {
-                if side == entry { o.reflected } else { o.transmitted }
-            });
-            let back = back.unwrap_or_else(|| panic!("order ({}, {}) is missing on the way back", order.m, order.n));
+            let back: Option<Complex64> = backward
+                .orders
+                .iter()
+                .find(|o| (o.m, o.n) == (order.m, order.n))
+                .map(|o| if side == entry { o.reflected } else { o.transmitted });
+            let back =
+                back.unwrap_or_else(|| panic!("order ({}, {}) is missing on the way back", order.m, order.n));
             let [there, here] = [normal(order.direction, index(side)), normal(incident, index(entry))];
             largest = largest.max((there * amplitude - here * back).norm());
         }
@@ -65,11 +70,17 @@ fn asymmetry(cell: &Cell, from: From, most: usize) -> f64 {
 fn measure(level: Level, findings: &mut Findings) {
     let directions: &[From] = level.pick(
         &[(30.0, 25.0, Side::Above)],
-        &[(0.0, 0.0, Side::Above), (30.0, 25.0, Side::Above), (55.0, 70.0, Side::Below), (75.0, 0.0, Side::Above)],
+        &[
+            (0.0, 0.0, Side::Above),
+            (30.0, 25.0, Side::Above),
+            (55.0, 70.0, Side::Below),
+            (75.0, 0.0, Side::Above),
+        ],
     );
     for (kappa, points) in [(0.0, [11, 9]), (0.1, [12, 10])] {
         let cell = Cell::new(kappa, points, 6);
-        let error = directions.iter().map(|&d| asymmetry(&cell, d, level.pick(6, usize::MAX))).fold(0.0, f64::max);
+        let error =
+            directions.iter().map(|&d| asymmetry(&cell, d, level.pick(6, usize::MAX))).fold(0.0, f64::max);
         findings.identity(
             format!("κ = {kappa}, {} × {} points", points[0], points[1]),
             error,

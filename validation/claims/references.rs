@@ -68,7 +68,10 @@ fn rows(level: Level, accuracy: f64) -> Vec<Row> {
     };
     let mut known = KNOWN.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let key = (level == Level::Full, accuracy.to_bits());
-    known.entry(key).or_insert_with(|| references().iter().filter(wanted).map(|r| solve(r, accuracy)).collect()).clone()
+    known
+        .entry(key)
+        .or_insert_with(|| references().iter().filter(wanted).map(|r| solve(r, accuracy)).collect())
+        .clone()
 }
 
 fn accuracies(level: Level) -> &'static [f64] {
@@ -92,8 +95,18 @@ fn accuracy(level: Level, findings: &mut Findings) {
     // The nearest thing to the real job must stay affordable.
     let ink: Vec<Row> = rows(level, 1e-3).into_iter().filter(|r| r.kind == "ink3d").collect();
     let most = |axis: usize| ink.iter().map(|r| r.density[axis]).fold(0.0, f64::max);
-    findings.promise("points per µm for packed cells at 0.001", most(0), 27.5, "twice as many as 11, which a prototype needed for 1.3e-3, with a margin");
-    findings.promise("planes per µm for packed cells at 0.001", most(1), 46.0, "twice as many as 21, which a prototype needed for 1.3e-3, with a margin");
+    findings.promise(
+        "points per µm for packed cells at 0.001",
+        most(0),
+        27.5,
+        "twice as many as 11, which a prototype needed for 1.3e-3, with a margin",
+    );
+    findings.promise(
+        "planes per µm for packed cells at 0.001",
+        most(1),
+        46.0,
+        "twice as many as 21, which a prototype needed for 1.3e-3, with a margin",
+    );
 }
 
 /// The rows of one accuracy; at 1e-5 the cases like ink alone, as all others have no such promise.
@@ -101,16 +114,26 @@ fn solved_at(level: Level, accuracy: f64) -> Vec<Row> {
     if accuracy > 2e-5 {
         return rows(level, accuracy);
     }
-    let cases = references().iter().filter(|r| {
-        r.kind == "ink3d" || (r.kind == "spheres3d" && !HIGH_CONTRAST.contains(&r.id.as_str()))
-    });
+    let cases = references()
+        .iter()
+        .filter(|r| r.kind == "ink3d" || (r.kind == "spheres3d" && !HIGH_CONTRAST.contains(&r.id.as_str())));
     let rows: Vec<Row> = cases.map(|r| solve(r, accuracy)).collect();
     assert!(rows.iter().all(like_ink), "only cases like ink");
     rows
 }
 
 fn table(rows: &[Row], accuracy: f64) -> Table {
-    let columns = ["case", "points/µm", "planes/µm", "error", "estimate", "estimate/error", "applications", "seconds", "MB"];
+    let columns = [
+        "case",
+        "points/µm",
+        "planes/µm",
+        "error",
+        "estimate",
+        "estimate/error",
+        "applications",
+        "seconds",
+        "MB",
+    ];
     let cells = |r: &Row| {
         vec![
             r.id.to_string(),
@@ -137,13 +160,30 @@ fn honesty(level: Level, findings: &mut Findings) {
     let mut curves = Vec::new();
     for &accuracy in accuracies {
         let rows = rows(level, accuracy);
-        curves.push(Curve::new(format!("asked {}", short(accuracy)), Style::Points, rows.iter().map(|r| (r.error, r.estimate))));
+        curves.push(Curve::new(
+            format!("asked {}", short(accuracy)),
+            Style::Points,
+            rows.iter().map(|r| (r.error, r.estimate)),
+        ));
         all.extend(rows);
     }
-    let share = |holds: &dyn Fn(&Row) -> bool| all.iter().filter(|r| holds(r)).count() as f64 / all.len() as f64;
+    let share =
+        |holds: &dyn Fn(&Row) -> bool| all.iter().filter(|r| holds(r)).count() as f64 / all.len() as f64;
     let promise = "nine cases of ten are promised";
-    findings.check("share of cases covered", share(&|r| r.estimate >= r.error), Bound::AtLeast(0.9), Reason::Promise, promise);
-    findings.check("share within a factor 30", share(&|r| r.estimate <= 30.0 * r.error), Bound::AtLeast(0.9), Reason::Promise, promise);
+    findings.check(
+        "share of cases covered",
+        share(&|r| r.estimate >= r.error),
+        Bound::AtLeast(0.9),
+        Reason::Promise,
+        promise,
+    );
+    findings.check(
+        "share within a factor 30",
+        share(&|r| r.estimate <= 30.0 * r.error),
+        Bound::AtLeast(0.9),
+        Reason::Promise,
+        promise,
+    );
     let range = [1e-7, 1e-2];
     for (name, factor) in [("estimate = error", 1.0), ("estimate = 30 × error", 30.0)] {
         curves.push(Curve::new(name, Style::Guide, range.map(|x| (x, factor * x))));

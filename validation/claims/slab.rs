@@ -1,7 +1,7 @@
 //! Homogeneous layers against Fresnel and Airy.
 
 use super::layers::solved;
-use crate::claim::{Claim, Findings, Level, Reason, Bound};
+use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::formulas::films::{Film, amplitudes};
 use num_complex::Complex64;
 
@@ -46,6 +46,17 @@ fn measure(level: Level, findings: &mut Findings) {
         1000.0,
         "2e-16 (1 + λ/H), as thin films are differences of large numbers, over some 100 operations and |k_z H| ≤ 1100",
     );
-    findings.identity("largest relative error of t", relative, 1e-10, "the exponent's rounding, 2e-16 × |k_z H| ≤ 1100, some times over");
-    findings.check("decades of t covered", opaque, Bound::AtLeast(200.0), Reason::Promise, "layers must be right until they are opaque");
+    findings.identity(
+        "largest relative error of t",
+        relative,
+        1e-10,
+        "the exponent's rounding, 2e-16 × |k_z H| ≤ 1100, some times over",
+    );
+    findings.check(
+        "decades of t covered",
+        opaque,
+        Bound::AtLeast(200.0),
+        Reason::Promise,
+        "layers must be right until they are opaque",
+    );
 }

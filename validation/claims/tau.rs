@@ -39,7 +39,12 @@ fn measure(level: Level, findings: &mut Findings) {
             histories.push(Curve::new(format!("τ = {tau}"), Style::Data, residuals.skip(1)));
         }
         let what = format!("spread over τ = {} … {}, κ = {kappa}", taus[0], taus[taus.len() - 1]);
-        findings.identity(what, largest, 100.0 * TOLERANCE, "the residual, amplified by at most 100 on so small a cell");
+        findings.identity(
+            what,
+            largest,
+            100.0 * TOLERANCE,
+            "the residual, amplified by at most 100 on so small a cell",
+        );
         findings.plots.push(LogPlot::log_log(
             &format!("Relaxation, κ = {kappa}"),
             "look at the residual",
@@ -48,5 +53,11 @@ fn measure(level: Level, findings: &mut Findings) {
         ));
     }
     let decades = (taus[taus.len() - 1] / taus[0]).log10();
-    findings.check("decades of τ", decades, Bound::AtLeast(1.99), Reason::Promise, "two decades were asked for");
+    findings.check(
+        "decades of τ",
+        decades,
+        Bound::AtLeast(1.99),
+        Reason::Promise,
+        "two decades were asked for",
+    );
 }

@@ -6,7 +6,7 @@ use crate::ink::PigmentGrains;
 use crate::report::store::Store;
 use crate::solve::accuracy::smooth_size;
 use crate::study::check::largest_extents_nm;
-use crate::study::checked::{Point, Study};
+use crate::study::checked::{Point, Study, WantedResolution};
 use crate::study::crew::work_through;
 use crate::study::identity::Key;
 use crate::study::optics::solve_point;
@@ -51,6 +51,8 @@ pub struct Plan {
 struct Trial {
     variant: usize,
     period_um: [f64; 2],
+    thickness_um: f64,
+    wanted: WantedResolution,
     density: f64,
     packing: f64,
     coverage: f64,
@@ -62,7 +64,8 @@ struct Trial {
 /// Counts, and times some solves with `jobs` at a time.
 ///
 /// Variants spread over the densities of grains are tried in small cells, with a share of their solves; one of them is
-/// solved at full size as well, and tells how much more a µm³ costs there. All else is scaled by volume.
+/// solved at full size as well, and tells how much more a µm³ costs there. All else is scaled by volume. For each wanted
+/// resolution the grid is sought once, for the fewest grains; the other variants are tried on the same grid.
 ///
 /// # Errors
 /// No variant that was tried can be packed and solved; the watch says stop.
@@ -71,7 +74,9 @@ pub fn plan(sweep: &Sweep, jobs: usize, watch: &dyn RunWatch) -> Result<Plan, Ru
     let (mut trials, mut failure) = (Vec::new(), None);
     for v in representatives(sweep, &groups) {
         watch.stage(&format!("calibrating with {} in a small cell", sweep.variants[v].name));
-        match trial(v, &sweep.variants[v].study, jobs, watch).map_err(stopped) {
+        let study = &sweep.variants[v].study;
+        let alike = trials.iter().find(|t: &&Trial| t.wanted == study.resolution);
+        match trial(v, study, alike, jobs, watch).map_err(stopped) {
             Ok(trial) => trials.push(trial),
             Err(RunError::Stopped) => return Err(RunError::Stopped),
             Err(error) => failure = Some(error),
@@ -117,22 +122,40 @@ fn density(study: &Study) -> f64 {
     study.pigments.iter().map(|p| of(&p.grains)).sum()
 }
 
-/// Variants with grains, evenly spread over the groups in the order of their density of grains.
+/// For each wanted resolution, variants with grains in the order of their density of grains, evenly spread over it.
 fn representatives(sweep: &Sweep, groups: &[Vec<usize>]) -> Vec<usize> {
-    let grains = |v: &usize| !sweep.variants[*v].study.pigments.is_empty();
-    let mut firsts: Vec<usize> = groups.iter().map(|g| g[0]).filter(grains).collect();
-    if firsts.is_empty() {
-        firsts = groups.iter().map(|g| g[0]).take(1).collect();
+    let study = |v: usize| &sweep.variants[v].study;
+    let wanted = resolutions(sweep, &(0..sweep.variants.len()).collect::<Vec<_>>());
+    let each = (TRIALS / wanted.len()).max(2);
+    let of_resolution = |(n, wanted): (usize, &WantedResolution)| {
+        let here = |v: &&usize| study(**v).resolution == *wanted;
+        // The inks of a group take turns, so that not all trials are of the first one.
+        let member = |(k, group): (usize, &Vec<usize>)| {
+            let members: Vec<usize> = group.iter().filter(here).copied().collect();
+            members.get((k + n) % members.len().max(1)).copied()
+        };
+        let all: Vec<usize> = groups.iter().enumerate().filter_map(member).collect();
+        let mut some: Vec<usize> = all.iter().copied().filter(|&v| !study(v).pigments.is_empty()).collect();
+        if some.is_empty() {
+            some = all.into_iter().take(1).collect();
+        }
+        some.sort_by(|&a, &b| density(study(a)).total_cmp(&density(study(b))));
+        let (count, last) = (some.len().min(each), some.len().saturating_sub(1));
+        (0..count).map(move |k| some[k * last / (count - 1).max(1)]).collect::<Vec<_>>()
+    };
+    wanted.iter().enumerate().flat_map(of_resolution).collect()
+}
+
+/// Different wanted resolutions among variants.
+fn resolutions(sweep: &Sweep, variants: &[usize]) -> Vec<WantedResolution> {
+    let mut found: Vec<WantedResolution> = Vec::new();
+    for &v in variants {
+        let wanted = sweep.variants[v].study.resolution;
+        if !found.contains(&wanted) {
+            found.push(wanted);
+        }
     }
-    firsts.sort_by(|&a, &b| density(&sweep.variants[a].study).total_cmp(&density(&sweep.variants[b].study)));
-    let (count, last) = (firsts.len().min(TRIALS), firsts.len() - 1);
-    let chosen = (0..count).map(|k| firsts[if count > 1 { k * last / (count - 1) } else { 0 }]);
-    // The inks take turns, so that not all trials are of the first one.
-    let of_group = |v: usize| groups.iter().find(|g| g[0] == v).map_or(&[][..], Vec::as_slice);
-    chosen
-        .enumerate()
-        .map(|(k, v)| of_group(v).get(k % of_group(v).len().max(1)).copied().unwrap_or(v))
-        .collect()
+    found
 }
 
 /// The study in a cell as small as a trial's.
@@ -145,34 +168,49 @@ fn in_small_cell(study: &Study) -> Study {
     small
 }
 
-fn trial(variant: usize, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Result<Trial, RunError> {
-    let (full, study) = (study, in_small_cell(study));
-    let folder = tempfile::tempdir()?;
-    let threads = rayon::current_num_threads() as f64;
+/// Tries a variant; `alike` is an earlier trial that wanted the same resolution, and has found a grid for it.
+fn trial(
+    variant: usize,
+    full: &Study,
+    alike: Option<&Trial>,
+    jobs: usize,
+    watch: &dyn RunWatch,
+) -> Result<Trial, RunError> {
+    let study = in_small_cell(full);
     let mut packings = Packings::new(&study, watch);
-    let clock = Instant::now();
-    let scene = Scene::from_packing(&packings.get(0)?);
-    // Nothing else runs while grains are packed or the grid is sought: all cores wait.
-    let packing = clock.elapsed().as_secs_f64() * threads;
-    let clock = Instant::now();
-    let store = Store::open(folder.path())?;
-    let resolved = resolve::<RunError>(&study, &store, watch, || Ok(scene.clone()))?;
-    let grid = clock.elapsed().as_secs_f64() * threads;
-    let clock = Instant::now();
-    let cover = Arc::new(Coverage::new(&scene, resolved.resolution)?);
-    let coverage = clock.elapsed().as_secs_f64() * threads;
+    let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
+    let (found, resolution) = match alike {
+        Some(trial) => (0.0, full_resolution(trial, &study)),
+        None => timed(|| {
+            let folder = tempfile::tempdir()?;
+            let store = Store::open(folder.path())?;
+            Ok(resolve::<RunError>(&study, &store, watch, || Ok(scene.clone()))?.resolution)
+        })?,
+    };
+    let (coverage, cover) = timed(|| Ok(Arc::new(Coverage::new(&scene, resolution)?)))?;
     let solve = time_solves(&study, &cover, jobs, watch)?;
+    // The search makes coverages and solves, as many as that of the earlier trial.
+    let grid = alike.map_or(found, |t| t.grid / (t.coverage + t.solve) * (coverage + solve));
     let each = 1.0 / volume(&study);
     Ok(Trial {
         variant,
         period_um: study.layer.period_um,
+        thickness_um: study.layer.thickness_um,
+        wanted: study.resolution,
         density: density(full),
         packing: packing * each,
         coverage: coverage * each,
         grid: grid * each,
         solve: solve * each,
-        resolution: resolved.resolution,
+        resolution,
     })
+}
+
+/// Core seconds, and what was made. Nothing else runs meanwhile: all cores count.
+fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
+    let clock = Instant::now();
+    let made = make()?;
+    Ok((clock.elapsed().as_secs_f64() * rayon::current_num_threads() as f64, made))
 }
 
 /// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
@@ -200,14 +238,15 @@ fn time_solves(
     Ok(clock.elapsed().as_secs_f64() * cores as f64 / chosen.len() as f64)
 }
 
-/// The points and cells a µm of a trial in the whole cell.
+/// The points and cells a µm of a trial in another cell.
 fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
     let scaled = |n: usize, axis: usize| match n {
         1 => 1,
         n => smooth_size((n as f64 * study.layer.period_um[axis] / trial.period_um[axis]).ceil() as usize),
     };
     let r = trial.resolution;
-    Resolution { nx: scaled(r.nx, 0), ny: scaled(r.ny, 1), ..r }
+    let cells = (r.cells as f64 * study.layer.thickness_um / trial.thickness_um).ceil() as usize;
+    Resolution { nx: scaled(r.nx, 0), ny: scaled(r.ny, 1), cells, ..r }
 }
 
 /// The variant that was packed fastest, solved at full size: its name, and what a µm³ costs there over the small cell.
@@ -234,34 +273,57 @@ fn spread(points: &[Point], count: usize) -> Vec<Point> {
     (0..count).map(|k| points[(2 * k + 1) * points.len() / (2 * count)]).collect()
 }
 
-/// Different solves, and core seconds: each group at the rates of the trial with the nearest density of grains.
+/// Different solves, and core seconds: each group at the rates of the trials with the nearest density of grains.
 fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) {
     let (mut solves, mut seconds) = (0, 0.0);
     for group in groups {
-        let mut seen = HashSet::new();
-        let mut grids = HashSet::new();
-        let size = volume(&sweep.variants[group[0]].study);
-        for study in group.iter().map(|&v| &sweep.variants[v].study) {
-            let method = (&study.resolution, &study.solver, &study.goal);
+        for (n, wanted) in resolutions(sweep, group).iter().enumerate() {
+            let here = |v: &&usize| sweep.variants[**v].study.resolution == *wanted;
+            let studies: Vec<&Study> = group.iter().filter(here).map(|&v| &sweep.variants[v].study).collect();
+            let counts = Counts::of(&studies);
+            solves += counts.solves;
+            let distance = |t: &&Trial| (t.density / density(studies[0])).ln().abs();
+            let alike = trials.iter().filter(|t| t.wanted == *wanted);
+            let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            // A layer without grains has no contrast to iterate on.
+            if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
+                // Resolutions share the packings of their group.
+                let packings = if n == 0 { counts.packings } else { 0 };
+                let once = trial.packing * packings as f64 + trial.coverage * counts.coverages as f64;
+                let work = once + trial.grid * counts.grids as f64 + trial.solve * counts.solves as f64;
+                seconds += volume(studies[0]) * work;
+            }
+        }
+    }
+    (solves, seconds)
+}
+
+/// What variants with the same packings and the same wanted resolution have to compute.
+struct Counts {
+    packings: usize,
+    coverages: usize,
+    grids: usize,
+    solves: usize,
+}
+
+impl Counts {
+    fn of(studies: &[&Study]) -> Self {
+        let (mut solves, mut grids) = (HashSet::new(), HashSet::new());
+        for study in studies {
+            let method = (&study.solver, &study.goal);
             for r in 0..study.realisations {
                 let key =
                     |p: &Point| Key::of("solve", &(r, study.indices(p.wavelength), p.incidence, method));
-                seen.extend(study.points(r).iter().map(key));
+                solves.extend(study.points(r).iter().map(key));
             }
             let indices: Vec<_> = (0..study.wavelengths_nm.len()).map(|w| study.indices(w)).collect();
             grids.insert(Key::of("grid", &(&study.wavelengths_nm, &study.angles, indices, method)));
         }
-        let study = |v: &usize| &sweep.variants[*v].study;
-        let packings = group.iter().map(|v| study(v).realisations).max().unwrap_or(0);
-        solves += seen.len();
-        // A layer without grains has no contrast to iterate on.
-        let distance = |t: &&Trial| (t.density / density(study(&group[0]))).ln().abs();
-        let nearest = trials.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        if let (false, Some(trial)) = (study(&group[0]).pigments.is_empty(), nearest) {
-            let covers: usize = group.iter().map(|v| study(v).realisations).sum();
-            let once = trial.packing * packings as f64 + trial.coverage * covers as f64;
-            seconds += size * (once + trial.grid * grids.len() as f64 + trial.solve * seen.len() as f64);
+        Self {
+            packings: studies.iter().map(|s| s.realisations).max().unwrap_or(0),
+            coverages: studies.iter().map(|s| s.realisations).sum(),
+            grids: grids.len(),
+            solves: solves.len(),
         }
     }
-    (solves, seconds)
 }
