@@ -198,23 +198,23 @@ fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
         (Quantity::Transmittance, nm) => format!("T{:.0}", nm.unwrap_or(0.0)),
         (Quantity::Reflectance, nm) => format!("R{:.0}", nm.unwrap_or(0.0)),
         (Quantity::DeltaE, _) => {
-            let name = |v: &[usize]| v.first().map_or("", |&v| outcomes[v].name.as_str());
-            return bounded(claim, &format!("ΔE₀₀({}, {})", name(&claim.plus), name(&claim.minus)));
+            let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));
+            return bounded(claim, &format!("ΔE₀₀({}; {})", name(&claim.plus), name(&claim.minus)));
         }
     };
-    let term = |v: &usize| format!("{symbol}({})", outcomes[*v].name);
+    let term = |v: &usize| format!("{symbol}({})", outcomes[*v].labels.join(", "));
     let plus: Vec<String> = claim.plus.iter().map(term).collect();
     let minus: String = claim.minus.iter().map(|v| format!(" − {}", term(v))).collect();
     bounded(claim, &format!("{}{minus}", plus.join(" + ")))
 }
 
 fn bounded(claim: &Claim, what: &str) -> String {
+    let bound = |x: f64| x.to_string().replace('-', "−");
     match (claim.at_least, claim.at_most) {
-        (Some(low), Some(high)) => format!("{low} ≤ {what} ≤ {high}"),
-        (Some(low), None) => format!("{what} ≥ {low}"),
-        (_, high) => format!("{what} ≤ {}", high.unwrap_or(f64::INFINITY)),
+        (Some(low), Some(high)) => format!("{} ≤ {what} ≤ {}", bound(low), bound(high)),
+        (Some(low), None) => format!("{what} ≥ {}", bound(low)),
+        (_, high) => format!("{what} ≤ {}", bound(high.unwrap_or(f64::INFINITY))),
     }
-    .replace('-', "−")
 }
 
 #[cfg(test)]

@@ -79,6 +79,8 @@ impl Sheet {
     pub fn contact_sheet(&self, title: &str, pictures: &[Option<InkPicture>]) -> ContactSheet {
         let title =
             if self.caption.is_empty() { title.to_owned() } else { format!("{title}: {}", self.caption) };
+        let places = (0..self.rows.len()).flat_map(|r| (0..self.columns.len()).map(move |c| [r, c]));
+        let left_out = places.filter(|&[r, c]| self.variants[r][c].is_none()).collect();
         let picture = |v: &Option<usize>| v.and_then(|v| pictures[v].clone());
         ContactSheet {
             title,
@@ -86,6 +88,7 @@ impl Sheet {
             rows: self.rows.clone(),
             column_axis: self.column_axis.clone(),
             columns: self.columns.clone(),
+            left_out,
             pictures: self.variants.iter().map(|row| row.iter().map(picture).collect()).collect(),
         }
     }
