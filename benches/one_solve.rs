@@ -3,11 +3,11 @@
 //! `cargo bench --bench one_solve [-- POINTS_PER_UM CELLS TOLERANCE PERIOD_UM KAPPA]` prints medians of each part measured in the
 //! same run, and the ratio of the solve to its floor: one forward and one inverse transform of every plane a step.
 
-use inkwave::ink::{PackingRequest, PigmentGrains, pack};
+mod support;
+
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
-use inkwave::wave::{Coverage, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
-use num_complex::Complex64;
-use rayon::prelude::*;
+use inkwave::wave::fourier::PlaneFft;
+use inkwave::wave::{Coverage, Field, Mean, Resolution, Scheme};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -20,9 +20,9 @@ fn main() {
     let n = (number(0, 12.0) * period).round() as usize;
     let resolution = Resolution { nx: n, ny: n, cells: number(1, 9.0) as usize, scheme: Scheme::Cubic };
     let tolerance = number(2, 1e-4);
-    let scene = scene(period);
+    let scene = support::scene(period, 1.0);
     let coverage = Arc::new(Coverage::new(&scene, resolution).expect("coverage"));
-    let problem = problem(&coverage, number(4, 0.1));
+    let problem = support::problem(&coverage, number(4, 0.1), Mean::default());
     println!(
         "{} bodies, {} unknowns, {} planes of {n} × {n}",
         scene.bodies.len(),
@@ -30,14 +30,15 @@ fn main() {
         problem.shape().0
     );
     let coverage_s = median(|| drop(Coverage::new(&scene, resolution)));
-    let factors_s = median(|| drop(self::problem(&coverage, 0.1)));
+    let factors_s = median(|| drop(support::problem(&coverage, 0.1, Mean::default())));
     let goal = Goal { tolerance, ..Goal::default() };
     let solution = Gmres::default().solve(&problem, goal, &mut Silent).expect("solve");
     let solve_s = median(|| drop(Gmres::default().solve(&problem, goal, &mut Silent)));
     let applications = solution.account.operator_applications as f64;
     let mut out = Field::zeros(problem.shape());
     let loads_s = median(|| problem.contrast_loads(solution.field.view(), &mut out)) * applications;
-    let floor_s = transforms(n, problem.shape().0) * applications;
+    let (fft, planes) = (PlaneFft::new(n, n), problem.shape().0);
+    let floor_s = median(|| support::transforms(&fft, n, planes)) * applications;
     let mean_s = median(|| problem.mean.solve(&mut out, true)) * applications;
     let rows = [
         ("coverage (once per geometry)", coverage_s),
@@ -52,7 +53,8 @@ fn main() {
     let bytes = solution.account.bytes + problem.bytes();
     println!("{applications} operator applications, residual {:.1e}", solution.account.residual);
     let finer = Resolution { nx: n * 4 / 3, ny: n * 4 / 3, cells: resolution.cells * 4 / 3, ..resolution };
-    let finer = self::problem(&Arc::new(Coverage::new(&scene, finer).expect("coverage")), number(4, 0.1));
+    let finer = Arc::new(Coverage::new(&scene, finer).expect("coverage"));
+    let finer = support::problem(&finer, number(4, 0.1), Mean::default());
     let reference = Gmres::default().solve(&finer, Goal::default(), &mut Silent).expect("solve");
     let error = inkwave::solve::accuracy::largest_difference(
         &problem.far_field(&solution.field),
@@ -65,40 +67,6 @@ fn main() {
         bytes as f64 / problem.unknowns() as f64,
         bytes as f64 / 1e9
     );
-}
-
-fn scene(period: f64) -> Scene {
-    let pigment = PigmentGrains::spheres(250.0, 0.30);
-    let request =
-        PackingRequest { period_um: [period; 2], pigments: vec![pigment], ..PackingRequest::default() };
-    Scene::from_packing(&pack(&request, &mut ()).expect("30 % of spheres pack"))
-}
-
-fn problem(coverage: &Arc<Coverage>, kappa: f64) -> Problem {
-    let one = Complex64::ONE;
-    let media = Media {
-        above: one,
-        below: one,
-        backgrounds: vec![1.558.into()],
-        inclusions: vec![Complex64::new(1.4, kappa)],
-    };
-    let incidence = Incidence { wavelength_um: 0.55, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
-    Problem::new(coverage, &media, &incidence, Mean::default()).expect("problem")
-}
-
-/// One forward and one inverse transform of every plane, on all cores.
-fn transforms(n: usize, planes: usize) -> f64 {
-    let fft = inkwave::wave::fourier::PlaneFft::new(n, n);
-    let all = 0..n;
-    median(|| {
-        (0..planes).into_par_iter().for_each_init(
-            || fft.scratch(),
-            |scratch, _| {
-                fft.forward(scratch, std::slice::from_ref(&all));
-                fft.inverse(scratch, std::slice::from_ref(&all));
-            },
-        );
-    })
 }
 
 fn median(mut run: impl FnMut()) -> f64 {

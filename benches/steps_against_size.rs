@@ -3,14 +3,12 @@
 //!
 //! `cargo bench --bench steps_against_size [-- LARGEST_UM]` writes a table and a plot to reports/steps-against-size.
 
-use inkwave::ink::{PackingRequest, PigmentGrains, pack};
+mod support;
+
 use inkwave::report::comparison::{Curve, log_plot};
-use inkwave::solve::accuracy::smooth_size;
 use inkwave::solve::{Gmres, Goal, GuidedModes, Silent, Solver};
-use inkwave::wave::{Coverage, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
-use num_complex::Complex64;
+use inkwave::wave::Mean;
 use std::path::Path;
-use std::sync::Arc;
 
 const SIDES: [f64; 6] = [1.2, 1.7, 2.4, 4.8, 7.0, 10.0];
 
@@ -21,9 +19,9 @@ fn main() {
     let mut curves: Vec<Curve> = settings.iter().map(|s| (s.0.to_string(), Vec::new())).collect();
     let mut table = String::from("side_um,kappa,guided_modes,unknowns,applications,seconds\n");
     for side in SIDES.into_iter().filter(|&s| s <= largest) {
-        let coverage = coverage(side);
+        let coverage = support::coverage(side, 1.0, 9);
         for ((_, kappa, guided), curve) in settings.iter().zip(&mut curves) {
-            let problem = problem(&coverage, *kappa);
+            let problem = support::problem(&coverage, *kappa, Mean::default());
             let modes = GuidedModes { threshold: if *guided { 0.4 } else { 0.0 }, ..GuidedModes::default() };
             let solver = Gmres { guided_modes: modes, ..Gmres::default() };
             let account = solver.solve(&problem, Goal::default(), &mut Silent).expect("converges").account;
@@ -41,21 +39,4 @@ fn main() {
     let title = "krylov to 1e-6: work against the cell";
     let plot = log_plot(title, "side of the cell, µm", "operator applications", &curves).expect("a plot");
     plot.write_png(folder.join("steps.png"), &[("Title", title)]).expect("the plot's file");
-}
-
-fn coverage(side: f64) -> Arc<Coverage> {
-    let pigments = vec![PigmentGrains::spheres(250.0, 0.30)];
-    let request = PackingRequest { period_um: [side; 2], pigments, ..PackingRequest::default() };
-    let scene = Scene::from_packing(&pack(&request, &mut ()).expect("30 % of spheres pack"));
-    let points = smooth_size((12.0 * side).round() as usize);
-    let resolution = Resolution { nx: points, ny: points, cells: 9, scheme: Scheme::Cubic };
-    Arc::new(Coverage::new(&scene, resolution).expect("coverage"))
-}
-
-fn problem(coverage: &Arc<Coverage>, kappa: f64) -> Problem {
-    let one = Complex64::ONE;
-    let inclusions = vec![Complex64::new(1.4, kappa), one];
-    let media = Media { above: one, below: one, backgrounds: vec![1.558.into()], inclusions };
-    let incidence = Incidence { wavelength_um: 0.55, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
-    Problem::new(coverage, &media, &incidence, Mean::default()).expect("problem")
 }

@@ -13,6 +13,10 @@ pub enum Level {
 }
 
 impl Level {
+    pub fn name(self) -> &'static str {
+        self.pick("quick", "full")
+    }
+
     /// One of two sizes.
     pub fn pick<T>(self, quick: T, full: T) -> T {
         if self == Self::Quick { quick } else { full }

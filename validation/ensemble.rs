@@ -6,24 +6,33 @@ use inkwave::wave::{FarField, Incidence, Mean, Media, Problem, Resolution, Scene
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-pub const WAVELENGTH_UM: f64 = 0.55;
+const WAVELENGTH_UM: f64 = 0.55;
 
-/// Layers of 250 nm grains, 30 % by volume, 0.6 µm thick, in cells of one side.
+/// Layers of 250 nm grains, 30 % by volume, 0.6 µm thick, in cells of one size.
 #[derive(Clone, Copy, Debug)]
 pub struct Layers {
-    pub side_um: f64,
+    /// Grains of one cell; they set its side.
+    pub grains: usize,
     pub kappa: f64,
     pub polar_deg: f64,
     pub seed: u64,
     pub realisations: u64,
 }
 
-pub const THICKNESS_UM: f64 = 0.6;
+const THICKNESS_UM: f64 = 0.6;
+const DIAMETER_NM: f64 = 250.0;
+const FRACTION: f64 = 0.3;
 /// Points per µm, and cells of the cubic scheme: amplitudes to some 3e-3, far below the ensembles' scatter.
 const POINTS_PER_UM: f64 = 12.0;
 const CELLS: usize = 6;
 
 impl Layers {
+    /// Side of the square cell that so many grains fill to [`FRACTION`].
+    pub fn side_um(&self) -> f64 {
+        let volume = std::f64::consts::PI / 6.0 * (1e-3 * DIAMETER_NM).powi(3);
+        (self.grains as f64 * volume / (FRACTION * THICKNESS_UM)).sqrt()
+    }
+
     /// Far fields of all realisations, in their order.
     pub fn solved(&self) -> Vec<FarField> {
         (0..self.realisations).into_par_iter().map(|stream| self.realisation(stream)).collect()
@@ -31,9 +40,9 @@ impl Layers {
 
     fn realisation(&self, stream: u64) -> FarField {
         let request = PackingRequest {
-            period_um: [self.side_um; 2],
+            period_um: [self.side_um(); 2],
             thickness_um: THICKNESS_UM,
-            pigments: vec![PigmentGrains::spheres(250.0, 0.3)],
+            pigments: vec![PigmentGrains::spheres(DIAMETER_NM, FRACTION)],
             seed: self.seed,
             stream,
             ..Default::default()
@@ -51,7 +60,7 @@ impl Layers {
             azimuth_deg: 0.0,
             from: Side::Above,
         };
-        let points = inkwave::solve::accuracy::smooth_size((POINTS_PER_UM * self.side_um) as usize);
+        let points = inkwave::solve::accuracy::smooth_size((POINTS_PER_UM * self.side_um()) as usize);
         let resolution = Resolution { nx: points, ny: points, cells: CELLS, scheme: Scheme::default() };
         let problem =
             Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("a layer");

@@ -56,6 +56,8 @@ pub struct LogPlot {
     pub curves: Vec<Curve>,
 }
 
+/// Curves of more points are drawn without markers.
+const MARKED: usize = 60;
 const SIZE: (u32, u32) = (820, 460);
 const LEGEND: i32 = 230;
 const DASHES: (i32, i32) = (7, 5);
@@ -141,7 +143,8 @@ impl LogPlot {
             .y_desc(&self.y_label)
             .label_style((FONT, 13))
             .axis_desc_style((FONT, 15))
-            .x_labels(7)
+            .x_labels(if self.log[0] { 20 } else { 7 })
+            .y_labels(if self.log[1] { 12 } else { 8 })
             .x_label_formatter(&|v| tick(*v))
             .y_label_formatter(&|v| tick(*v))
             .light_line_style(WHITE)
@@ -161,7 +164,7 @@ impl LogPlot {
                 }
                 Style::Points => {}
             }
-            if curve.style != Style::Guide {
+            if curve.style != Style::Guide && points.len() <= MARKED {
                 let marks = points
                     .iter()
                     .map(|p| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled()));

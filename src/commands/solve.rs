@@ -1,7 +1,7 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
 use clap::{Args, ValueEnum};
-use inkwave::solve::accuracy::{Estimated, Task};
+use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Goal, SolverChoice, Step, Watch};
 use inkwave::study::case::Case;
 use inkwave::wave::{Mean, Order, Resolution, Scheme};
@@ -9,6 +9,9 @@ use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+
+/// Accuracy without `--accuracy` or a grid.
+const DEFAULT_ACCURACY: f64 = 1e-3;
 
 /// Solves one explicit geometry and prints its orders as JSON.
 ///
@@ -33,9 +36,9 @@ pub struct SolveArgs {
     /// Relative residual to reach
     #[arg(long, default_value_t = 1e-6, allow_negative_numbers = true)]
     tolerance: f64,
-    /// Discretisation in z
-    #[arg(long, value_enum, default_value_t = SchemeName::Cubic)]
-    scheme: SchemeName,
+    /// Discretisation in z (default cubic; quartic where --accuracy asks for less than 3e-3)
+    #[arg(long, value_enum)]
+    scheme: Option<SchemeName>,
     /// Average ⟨k²⟩ over the whole layer instead of over each cell
     #[arg(long)]
     constant_mean: bool,
@@ -83,7 +86,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
-        scheme: args.scheme.into(),
+        scheme: scheme(args),
         solver: &*solver,
         goal: Goal { tolerance: args.tolerance, ..Goal::default() },
         memory: (args.memory_gb * 1e9) as usize,
@@ -91,7 +94,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     let mut bar = Bar::new();
     let estimated = match args.nz {
         Some(cells) => task.solve_with_estimate(resolution(args, &case, cells), &mut bar),
-        None => task.solve_to_accuracy(args.accuracy.unwrap_or(1e-3), &mut bar),
+        None => task.solve_to_accuracy(args.accuracy.unwrap_or(DEFAULT_ACCURACY), &mut bar),
     };
     bar.0.finish_and_clear();
     println!("{:#}", report(&estimated.into_diagnostic()?));
@@ -112,7 +115,13 @@ fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
     let points = args.nxy.unwrap_or(1);
     let nx = if case.scene.uniform_in_plane() { 1 } else { points };
     let ny = if case.scene.uniform_in_y() { 1 } else { points };
-    Resolution { nx, ny, cells, scheme: args.scheme.into() }
+    Resolution { nx, ny, cells, scheme: scheme(args) }
+}
+
+fn scheme(args: &SolveArgs) -> Scheme {
+    let searched = || suited_scheme(args.accuracy.unwrap_or(DEFAULT_ACCURACY));
+    let suited = || if args.nz.is_some() { Scheme::default() } else { searched() };
+    args.scheme.map_or_else(suited, Scheme::from)
 }
 
 fn report(e: &Estimated) -> Value {

@@ -5,8 +5,9 @@
 
 use super::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::{
-    Coverage, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, WaveError,
+    Coverage, FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scene, Scheme, WaveError,
 };
+use num_complex::Complex64;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -14,10 +15,14 @@ use thiserror::Error;
 const COMPANION: f64 = 0.8;
 /// Amplitude error per unit of residual: trapped waves amplify it a little.
 const RESIDUAL_WEIGHT: f64 = 3.0;
-/// The two differences scatter; with this factor the estimate covers nine reference cases of ten.
+/// The two differences scatter; with this factor the estimate covers nine cases of ten.
 const SAFETY: f64 = 1.4;
-/// Points per wavelength in the densest medium, and cells per wavelength, from which the search starts at 1e-2.
-const START: [f64; 2] = [3.0, 2.2];
+/// However much coarser the companion is, the finer result may be this share of the difference wrong.
+const LEAST_SHARE: f64 = 0.3;
+/// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
+const FINE: [f64; 2] = [8.0, 3.3];
+/// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
+const START: [f64; 2] = [3.0, 5.4];
 /// Resolutions tried before giving up.
 const LEVELS: usize = 12;
 
@@ -40,7 +45,7 @@ pub struct Estimated {
     pub problem: Problem,
     pub solution: Solution,
     pub far_field: FarField,
-    /// Largest expected error of any complex amplitude.
+    /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
     pub error_estimate: f64,
     /// The estimate's parts: plane, z.
     pub parts: [f64; 2],
@@ -115,7 +120,7 @@ impl Task<'_> {
         })
     }
 
-    /// Largest amplitude difference to the coarser companion, or to the finer one where coarser is refused.
+    /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
         far: &FarField,
@@ -124,14 +129,58 @@ impl Task<'_> {
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
         let [coarser, finer] = companions;
-        let attempt = if coarser == own { None } else { self.solve(coarser, watch).ok() };
-        let (problem, solution, _) = match attempt {
+        let (problem, solution, _) = match self.solve_coarser(coarser, own, watch) {
             Some(solved) => solved,
             None => self.solve(finer, watch)?,
         };
         let difference = largest_difference(far, &problem.far_field(&solution.field));
         let used = problem.coverage.grid.resolution;
-        Ok(difference * error_share(own, used))
+        Ok(difference * error_share(own, used, self.orders(own)))
+    }
+
+    /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
+    ///
+    /// For grains 4 and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
+    /// and walls or cylinders, whose edges average out in two dimensions instead of three.
+    fn orders(&self, own: Resolution) -> [i32; 2] {
+        let sharp = i32::from(self.scene.uniform_in_y()) + i32::from(self.is_strong());
+        let waves = [self.scene.period_um[0], self.scene.thickness_um()].map(|l| l * self.waves_per_um());
+        let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
+        [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
+    }
+
+    /// Wavelengths per µm in the densest medium.
+    fn waves_per_um(&self) -> f64 {
+        let all = self.media.backgrounds.iter().chain(&self.media.inclusions);
+        all.map(|eta| eta.norm()).fold(1.0, f64::max) / self.incidence.wavelength_um
+    }
+
+    /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.
+    fn is_strong(&self) -> bool {
+        let square = |eta: &Complex64| eta * eta;
+        let strong = |b: &Complex64| {
+            self.media.inclusions.iter().any(|i| (square(i) - square(b)).norm() > square(b).norm())
+        };
+        self.media.backgrounds.iter().any(strong)
+    }
+
+    /// Solves the coarser companion; cells too high for the wave are made only as low as they must be.
+    fn solve_coarser(
+        &self,
+        coarser: Resolution,
+        own: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Option<(Problem, Solution, f64)> {
+        if coarser == own {
+            return None;
+        }
+        let solved = match self.solve(coarser, watch) {
+            Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) if needed < own.cells => {
+                self.solve(Resolution { cells: needed, ..coarser }, watch)
+            }
+            other => other,
+        };
+        solved.ok()
     }
 
     /// Refines plane and z separately until the estimate meets `accuracy`.
@@ -172,26 +221,25 @@ impl Task<'_> {
 
     /// First resolution of the search.
     fn start(&self, accuracy: f64) -> Resolution {
-        let all = self.media.backgrounds.iter().chain(&self.media.inclusions);
-        let densest = all.map(|eta| eta.norm()).fold(1.0, f64::max);
         let finer = (1e-2 / accuracy).max(1.0);
-        let waves = densest / self.incidence.wavelength_um;
+        let waves = self.waves_per_um();
         let points = |period: f64| {
             let orders = 2.0
                 * (period / self.incidence.wavelength_um
                     * self.media.above.re.max(self.media.below.re)
                     * 2.0);
-            smooth_size((START[0] * finer.powf(0.2) * waves * period).max(orders.min(8.0)).ceil() as usize)
+            smooth_size((START[0] * finer.powf(0.25) * waves * period).max(orders.min(8.0)).ceil() as usize)
         };
         let nx = if self.scene.uniform_in_plane() { 1 } else { points(self.scene.period_um[0]) };
         let ny = if self.scene.uniform_in_y() { 1 } else { points(self.scene.period_um[1]) };
-        let cells = (START[1] * finer.powf(0.2) * waves * self.scene.thickness_um()).ceil() as usize;
+        let planes = START[1] * finer.powf(0.2) * waves * self.scene.thickness_um();
+        let cells = (planes / self.scheme.degree() as f64).ceil() as usize;
         Resolution { nx, ny, cells: cells.max(self.scene.strata.len()).max(2), scheme: self.scheme }
     }
 
     /// Bytes of a solve: some 40 basis vectors, factors, coverage.
     fn bytes(&self, r: Resolution) -> usize {
-        r.nx * r.ny * r.planes() * size_of::<num_complex::Complex64>() * 50
+        r.nx * r.ny * r.planes() * size_of::<Complex64>() * 50
     }
 
     fn not_reached(&self, asked: f64, last: &Estimated, next: Resolution) -> AccuracyError {
@@ -209,23 +257,31 @@ impl Task<'_> {
     }
 }
 
+/// The scheme that reaches an accuracy with the fewest planes: higher cells pay once the planes are needed anyway.
+pub fn suited_scheme(accuracy: f64) -> Scheme {
+    if accuracy < 3e-3 { Scheme::Quartic } else { Scheme::Cubic }
+}
+
 /// Share of the difference between two resolutions that is the finer one's error; 1.5 for a finer companion.
-///
-/// Third order in the plane is what high contrast shows (ink: about 5), fourth order across z the least seen.
-fn error_share(own: Resolution, companion: Resolution) -> f64 {
+fn error_share(own: Resolution, companion: Resolution, [in_plane, in_z]: [i32; 2]) -> f64 {
     let plane = own.nx as f64 / companion.nx as f64;
     let across = own.cells as f64 / companion.cells as f64;
     if plane < 1.0 || across < 1.0 {
         return 1.5;
     }
-    1.0 / (plane.powi(3) * across.powi(4) - 1.0).max(0.5)
+    (1.0 / (plane.powi(in_plane) * across.powi(in_z) - 1.0)).max(LEAST_SHARE)
 }
 
-/// Largest difference of any amplitude that both list; all propagating orders are in both.
+/// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
+///
+/// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
+/// converge more slowly.
 pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
+    let counts =
+        |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
     let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
-    let pairs = a.orders.iter().filter_map(|o| Some((o, other(o.m, o.n)?)));
-    let difference = |(a, b): (&crate::wave::Order, &crate::wave::Order)| {
+    let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
+    let difference = |(a, b): (&Order, &Order)| {
         (a.reflected - b.reflected).norm().max((a.transmitted - b.transmitted).norm())
     };
     pairs.map(difference).fold(0.0, f64::max)
@@ -255,9 +311,9 @@ fn scaled_cells(r: Resolution, factor: f64) -> Resolution {
     Resolution { cells: (cells as usize).max(1), ..r }
 }
 
-/// Refines whatever exceeds its half of the accuracy, as far as fourth-order convergence suggests.
+/// Refines whatever exceeds its half of the accuracy, as far as the fast convergence of coarse grids suggests.
 fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolution {
-    let factor = |part: f64| (part / (0.4 * accuracy)).powf(0.2).clamp(1.1, 1.7);
+    let factor = |part: f64| (part / (0.4 * accuracy)).powf(1.0 / 6.0).clamp(1.1, 1.7);
     let mut next = r;
     if parts[0] > 0.45 * accuracy {
         let grow =
@@ -265,7 +321,7 @@ fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolution {
         (next.nx, next.ny) = (grow(r.nx), grow(r.ny));
     }
     if parts[1] > 0.45 * accuracy {
-        next.cells = (r.cells as f64 * factor(parts[1])).ceil() as usize;
+        next.cells = ((r.cells as f64 * factor(parts[1])).round() as usize).max(r.cells + 1);
     }
     if next == r {
         next.cells += 1;

@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub type Field = Array2<Complex64>;
 
 /// Largest phase k̄h of a cell with contrast: beyond it the moments no longer resolve the wave.
-const PHASE_LIMIT: f64 = 2.6;
+const PHASE_LIMIT: f64 = 2.9;
 
 /// How ⟨k²⟩ is chosen. It belongs to the discretisation: all strategies on one problem share it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

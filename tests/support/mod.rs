@@ -1,7 +1,7 @@
 //! Reference cases with their expected amplitudes, and short ways to solve and to compare.
 #![allow(dead_code, reason = "every test target uses its own part")]
 
-use inkwave::solve::accuracy::{AccuracyError, Estimated, Task};
+use inkwave::solve::accuracy::{AccuracyError, Estimated, Task, suited_scheme};
 use inkwave::solve::{Account, Gmres, Goal, Silent, Solution, Solver};
 use inkwave::study::case::Case;
 use inkwave::wave::{Ball, Body, FarField, Mean, Order, Problem, Resolution, Scheme, Shape};
@@ -124,7 +124,7 @@ pub fn solve_to(case: &Case, accuracy: f64) -> Result<Estimated, AccuracyError> 
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean::default(),
-        scheme: Scheme::default(),
+        scheme: suited_scheme(accuracy),
         solver: &solver,
         goal: Goal::default(),
         memory: 4_000_000_000,

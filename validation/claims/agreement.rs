@@ -1,9 +1,9 @@
 //! All strategies solve one discrete system.
 
-use super::tau::distance;
+use super::tau::{distance, history};
 use crate::cells::{Cell, REAL, solve};
 use crate::claim::{Claim, Findings, Level};
-use crate::figure::{Curve, LogPlot, Style};
+use crate::figure::LogPlot;
 use inkwave::solve::{Direct, SolverChoice};
 use inkwave::wave::{Mean, Resolution, Scheme, Side};
 
@@ -34,11 +34,7 @@ fn measure(level: Level, findings: &mut Findings) {
                         .unwrap_or_else(|e| panic!("{name}, {resolution:?}, κ = {kappa}: {e}"));
                     largest = largest.max(distance(&solution.field, &truth));
                     if kappa > 0.0 && scheme == Scheme::default() && [nx, ny, cells] == sizes[0] {
-                        let looks = solution.account.history.len().max(2) - 1;
-                        let each = solution.account.operator_applications as f64 / looks as f64;
-                        let points = solution.account.history.iter().enumerate().skip(1);
-                        let points = points.map(|(i, &r)| (i as f64 * each, r));
-                        histories.push(Curve::new(name, Style::Data, points));
+                        histories.push(history(name, &solution.account));
                     }
                 }
             }

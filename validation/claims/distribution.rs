@@ -19,7 +19,7 @@ pub const CLAIM: Claim = Claim {
 
 fn measure(level: Level, findings: &mut Findings) {
     let layers =
-        Layers { side_um: 1.6, kappa: 0.02, polar_deg: 0.0, seed: 12, realisations: level.pick(48, 192) };
+        Layers { grains: 56, kappa: 0.02, polar_deg: 0.0, seed: 12, realisations: level.pick(48, 192) };
     let fields = layers.solved();
     sums(&fields, findings);
     lambertian(findings);

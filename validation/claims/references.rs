@@ -84,8 +84,9 @@ fn like_ink(row: &Row) -> bool {
 }
 
 fn accuracy(level: Level, findings: &mut Findings) {
-    for &accuracy in accuracies(level) {
-        let rows = solved_at(level, accuracy);
+    let nights: Vec<(f64, Vec<Row>)> = accuracies(level).iter().map(|&a| (a, solved_at(level, a))).collect();
+    findings.tables.push(summary(&nights));
+    for (accuracy, rows) in nights {
         for row in &rows {
             let what = format!("{} at {}", row.id, short(accuracy));
             findings.promise(what, row.error, accuracy, "the accuracy asked for");
@@ -120,6 +121,48 @@ fn solved_at(level: Level, accuracy: f64) -> Vec<Row> {
     let rows: Vec<Row> = cases.map(|r| solve(r, accuracy)).collect();
     assert!(rows.iter().all(like_ink), "only cases like ink");
     rows
+}
+
+/// Worst of each kind at each accuracy.
+fn summary(nights: &[(f64, Vec<Row>)]) -> Table {
+    let kinds = [
+        ("ink3d", "packed cells of 18–20 grains"),
+        ("spheres3d", "spheres"),
+        ("cylinder2d", "cylinders"),
+        ("lamellar2d", "bars"),
+        ("lamellar2d_metal", "metal bars"),
+    ];
+    let mut rows = Vec::new();
+    for (kind, name) in kinds {
+        for (accuracy, all) in nights {
+            let own: Vec<&Row> = all.iter().filter(|r| r.kind == kind).collect();
+            let most = |f: &dyn Fn(&Row) -> f64| own.iter().map(|r| f(r)).fold(0.0, f64::max);
+            if own.is_empty() {
+                continue;
+            }
+            rows.push(vec![
+                name.to_string(),
+                own.len().to_string(),
+                short(*accuracy),
+                format!("{:.1e}", most(&|r| r.error)),
+                format!("{:.0} × {:.0}", most(&|r| r.density[0]), most(&|r| r.density[1])),
+                format!("{:.0}", most(&|r| r.applications as f64)),
+                format!("{:.3}", most(&|r| r.seconds)),
+                format!("{:.0}", most(&|r| r.megabytes)),
+            ]);
+        }
+    }
+    let columns = [
+        "kind",
+        "cases",
+        "asked",
+        "worst error",
+        "most points × planes per µm",
+        "most applications",
+        "most seconds",
+        "most MB",
+    ];
+    Table { title: "Worst of each kind".into(), columns: columns.map(String::from).to_vec(), rows }
 }
 
 fn table(rows: &[Row], accuracy: f64) -> Table {

@@ -1,0 +1,163 @@
+//! The nightly accuracy report: every claim at its full level, one page, one history.
+//!
+//! Each claim runs in a process of its own, so that a crash loses no other; results are kept as they come, so that an
+//! interrupted night goes on where it was. `scripts/nightly` calls this.
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+mod cells;
+mod claim;
+mod claims;
+mod ensemble;
+mod figure;
+mod formulas;
+mod history;
+mod manifest;
+mod page;
+
+use claim::{Claim, Findings, Level};
+use clap::Parser;
+use inkwave::report::Store;
+use manifest::Manifest;
+use serde::{Deserialize, Serialize};
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+/// Measures all claims and writes the accuracy report.
+#[derive(Parser)]
+struct Args {
+    /// Folder of the report.
+    #[arg(long, default_value = "reports/latest")]
+    out: PathBuf,
+    /// Table that one line per claim and night is added to.
+    #[arg(long, default_value = "reports/history.csv")]
+    history: PathBuf,
+    /// Folder of finished measurements; a rerun of the same program goes on there.
+    #[arg(long, default_value = "target/nightly")]
+    work: PathBuf,
+    /// Puts the first tables between the markers of this Markdown file.
+    #[arg(long)]
+    readme: Option<PathBuf>,
+    /// The level of `cargo test` instead of the full one.
+    #[arg(long)]
+    quick: bool,
+    /// Only claims whose id contains this; the report then lacks the others.
+    #[arg(long)]
+    only: Option<String>,
+    /// Date and time for the manifest and the history.
+    #[arg(long, default_value = "unknown")]
+    date: String,
+    /// Measures one claim and keeps the result (what the program calls itself with).
+    #[arg(long, hide = true)]
+    measure: Option<String>,
+}
+
+/// One claim's night.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Measured {
+    pub id: String,
+    pub seconds: f64,
+    pub findings: Findings,
+    /// Why there are no findings.
+    pub failure: Option<String>,
+}
+
+impl Measured {
+    pub fn holds(&self) -> bool {
+        self.failure.is_none() && self.findings.hold()
+    }
+
+    /// The smallest margin; 0 for a claim that could not be measured.
+    pub fn margin(&self) -> f64 {
+        match (&self.failure, self.findings.tightest()) {
+            (None, Some(check)) => check.margin(),
+            _ => 0.0,
+        }
+    }
+}
+
+/// A claim beside its night.
+pub struct Judged {
+    pub claim: &'static Claim,
+    pub measured: Measured,
+}
+
+static ALL: [Claim; 16] = claims::ALL;
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let args = Args::parse();
+    let level = if args.quick { Level::Quick } else { Level::Full };
+    let manifest = Manifest::gather(&args.date, level)?;
+    let store: Store<Measured> =
+        Store::open(args.work.join(&manifest.program_hash[..16]).join(level.name()))?;
+    if let Some(id) = &args.measure {
+        return measure(id, level, &store);
+    }
+    let wanted = |c: &&Claim| args.only.as_ref().is_none_or(|part| c.id.contains(part.as_str()));
+    let chosen: Vec<&'static Claim> = ALL.iter().filter(wanted).collect();
+    let judged: Vec<Judged> = chosen
+        .iter()
+        .enumerate()
+        .map(|(i, claim)| {
+            let measured = night_of(claim, level, &store)?;
+            let verdict = if measured.holds() { "holds" } else { "FAILS" };
+            let (n, margin, seconds) = (chosen.len(), measured.margin(), measured.seconds);
+            eprintln!("[{}/{n}] {} {verdict}, margin {margin:.2} ({seconds:.0} s)", i + 1, claim.id);
+            Ok(Judged { claim, measured })
+        })
+        .collect::<std::io::Result<_>>()?;
+    let nights = history::read(&args.history, level)?;
+    page::write(&args.out, &manifest, &judged, &nights)?;
+    if args.only.is_none() {
+        history::append(&args.history, &manifest, &judged)?;
+        if let Some(readme) = &args.readme {
+            page::splice(readme, &judged)?;
+        }
+    }
+    let failing = judged.iter().filter(|j| !j.measured.holds()).count();
+    eprintln!("{} of {} claims hold; report in {}", judged.len() - failing, judged.len(), args.out.display());
+    Ok(if failing == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The kept result, or a new one from a process of its own. Failed measurements are tried again.
+fn night_of(claim: &Claim, level: Level, store: &Store<Measured>) -> std::io::Result<Measured> {
+    if let Some(kept) = store.get(claim.id).filter(|m| m.failure.is_none()) {
+        return Ok(kept);
+    }
+    let clock = Instant::now();
+    let mut command = Command::new(std::env::current_exe()?);
+    command
+        .args(["--measure", claim.id, "--work"])
+        .arg(store.folder().ancestors().nth(2).unwrap_or(store.folder()));
+    if level == Level::Quick {
+        command.arg("--quick");
+    }
+    let output = command.output()?;
+    if let Some(found) = store.get(claim.id).filter(|_| output.status.success()) {
+        return Ok(found);
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    let reason =
+        said.lines().find(|l| !l.trim().is_empty() && !l.contains("panicked at")).unwrap_or("no message");
+    let failure = Some(format!("{}: {reason}", output.status));
+    Ok(Measured {
+        id: claim.id.into(),
+        seconds: clock.elapsed().as_secs_f64(),
+        findings: Findings::default(),
+        failure,
+    })
+}
+
+fn measure(id: &str, level: Level, store: &Store<Measured>) -> Result<ExitCode, Box<dyn Error>> {
+    let claim = ALL.iter().find(|c| c.id == id).ok_or_else(|| format!("no claim {id}"))?;
+    let clock = Instant::now();
+    let mut findings = Findings::default();
+    (claim.measure)(level, &mut findings);
+    let measured =
+        Measured { id: id.into(), seconds: clock.elapsed().as_secs_f64(), findings, failure: None };
+    store.put(id, &measured)?;
+    Ok(ExitCode::SUCCESS)
+}
