@@ -1,11 +1,7 @@
 //! Homogeneous layers against Fresnel and Airy.
 
 use super::layers::solved;
-<<<<<<< HEAD
-use crate::claim::{Bound, Claim, Findings, Level, Reason};
-=======
 use crate::claim::{Claim, Findings, Level};
->>>>>>> main
 use crate::formulas::films::{Film, amplitudes};
 use num_complex::Complex64;
 
@@ -51,23 +47,9 @@ fn measure(level: Level, findings: &mut Findings) {
         "2e-16 (1 + λ/H), as thin films are differences of large numbers, over some 100 operations and |k_z H| ≤ 1100",
     );
     findings.identity(
-<<<<<<< HEAD
-        "largest relative error of t",
-=======
         format!("largest relative error of t, down to |t| = 1e-{opaque:.0}"),
->>>>>>> main
         relative,
         1e-10,
         "the exponent's rounding, 2e-16 × |k_z H| ≤ 1100, some times over",
     );
-<<<<<<< HEAD
-    findings.check(
-        "decades of t covered",
-        opaque,
-        Bound::AtLeast(200.0),
-        Reason::Promise,
-        "layers must be right until they are opaque",
-    );
-=======
->>>>>>> main
 }

@@ -58,15 +58,4 @@ fn measure(level: Level, findings: &mut Findings) {
             histories,
         ));
     }
-<<<<<<< HEAD
-    let decades = (taus[taus.len() - 1] / taus[0]).log10();
-    findings.check(
-        "decades of τ",
-        decades,
-        Bound::AtLeast(1.99),
-        Reason::Promise,
-        "two decades were asked for",
-    );
-=======
->>>>>>> main
 }
