@@ -178,7 +178,9 @@ fn trial(
 ) -> Result<Trial, RunError> {
     let study = in_small_cell(full);
     let mut packings = Packings::new(&study, watch);
+    // Grains are packed on one core, while the others wait.
     let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
+    let packing = packing * rayon::current_num_threads() as f64;
     let (found, resolution) = match alike {
         Some(trial) => (0.0, full_resolution(trial, &study)),
         None => timed(|| {
@@ -206,11 +208,23 @@ fn trial(
     })
 }
 
-/// Core seconds, and what was made. Nothing else runs meanwhile: all cores count.
+/// Core seconds, and what was made.
 fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
-    let clock = Instant::now();
+    let (clock, before) = (Instant::now(), processor_seconds());
     let made = make()?;
-    Ok((clock.elapsed().as_secs_f64() * rayon::current_num_threads() as f64, made))
+    let wall = clock.elapsed().as_secs_f64();
+    // Ticks of a hundredth of a second say nothing of less than a few of them.
+    let used = processor_seconds().zip(before).map(|(after, before)| after - before).filter(|&s| s > 0.1);
+    Ok((used.unwrap_or(wall), made))
+}
+
+/// Processor time of this process where the system tells it (Linux): other programs on the machine do not count.
+fn processor_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The second field, the name in brackets, may hold spaces; user and system ticks are the 14th and 15th.
+    let mut ticks = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let mut next = || ticks.next()?.parse::<f64>().ok();
+    Some((next()? + next()?) / 100.0)
 }
 
 /// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
@@ -220,22 +234,16 @@ fn time_solves(
     jobs: usize,
     watch: &dyn RunWatch,
 ) -> Result<f64, RunError> {
-    let chosen: Vec<Point> = spread(&study.points(0), 3 * jobs);
-    let clock = Instant::now();
-    work_through(
-        chosen.len(),
-        jobs,
-        || watch.stop(),
-        |i| {
-            // A failure costs about what a success does.
-            let _ = solve_point(study, coverage, &chosen[i], "trial", watch);
-        },
-    )?;
+    let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
+    let solve = |i: usize| {
+        // A failure costs about what a success does.
+        let _ = solve_point(study, coverage, &chosen[i], "trial", watch);
+    };
+    let (seconds, ()) = timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?;
     if watch.stop() {
         return Err(RunError::Stopped);
     }
-    let cores = jobs.min(rayon::current_num_threads());
-    Ok(clock.elapsed().as_secs_f64() * cores as f64 / chosen.len() as f64)
+    Ok(seconds / chosen.len() as f64)
 }
 
 /// The points and cells a µm of a trial in another cell.
