@@ -1,29 +1,22 @@
 //! What a sweep will cost, said before anything runs; calibrated by a few solves of the sweep itself.
 
+mod trial;
+
 use super::load::Sweep;
 use super::units::{groups, units};
-use crate::ink::PigmentGrains;
-use crate::report::store::Store;
-use crate::solve::accuracy::smooth_size;
-use crate::study::check::largest_extents_nm;
 use crate::study::checked::{Point, Study, WantedResolution};
-use crate::study::crew::work_through;
 use crate::study::identity::Key;
-use crate::study::optics::solve_point;
 use crate::study::realisation::Packings;
-use crate::study::resolve::resolve;
 use crate::study::runner::{RunError, stopped};
 use crate::study::watch::RunWatch;
-use crate::wave::{Coverage, Resolution, Scene};
+use crate::wave::{Coverage, Scene};
 use serde::Serialize;
 use std::collections::HashSet;
 use std::sync::Arc;
-use std::time::Instant;
+use trial::{Trial, density, full_resolution, time_solves, trial, volume};
 
 /// Most variants that are tried.
 const TRIALS: usize = 4;
-/// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
-const TRIAL_PERIOD_UM: f64 = 1.6;
 /// Bytes of a solve for each unknown: the solver's vectors of complex numbers.
 const BYTES_PER_UNKNOWN: usize = 50 * 16;
 
@@ -45,20 +38,6 @@ pub struct Plan {
     pub core_seconds: f64,
     /// What was tried, in words.
     pub calibration: String,
-}
-
-/// Cost of one variant that was tried, in core seconds a µm³.
-struct Trial {
-    variant: usize,
-    period_um: [f64; 2],
-    thickness_um: f64,
-    wanted: WantedResolution,
-    density: f64,
-    packing: f64,
-    coverage: f64,
-    grid: f64,
-    solve: f64,
-    resolution: Resolution,
 }
 
 /// Counts, and times some solves with `jobs` at a time.
@@ -112,16 +91,6 @@ fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
     format!("{} in cells of up to {widest} µm, scaled by volume", names.join(", "))
 }
 
-fn volume(study: &Study) -> f64 {
-    study.layer.period_um[0] * study.layer.period_um[1] * study.layer.thickness_um
-}
-
-/// Grains a µm³, about: what packings cost, and how finely light is scattered.
-fn density(study: &Study) -> f64 {
-    let of = |grains: &PigmentGrains| grains.volume_fraction / (1e-3 * grains.size.largest_nm()).powi(3);
-    study.pigments.iter().map(|p| of(&p.grains)).sum()
-}
-
 /// For each wanted resolution, variants with grains in the order of their density of grains, evenly spread over it.
 fn representatives(sweep: &Sweep, groups: &[Vec<usize>]) -> Vec<usize> {
     let study = |v: usize| &sweep.variants[v].study;
@@ -158,105 +127,6 @@ fn resolutions(sweep: &Sweep, variants: &[usize]) -> Vec<WantedResolution> {
     found
 }
 
-/// The study in a cell as small as a trial's.
-fn in_small_cell(study: &Study) -> Study {
-    let longest =
-        study.pigments.iter().map(|p| 2e-3 * largest_extents_nm(&p.grains).1).fold(TRIAL_PERIOD_UM, f64::max);
-    let mut small = study.clone();
-    small.layer.period_um = study.layer.period_um.map(|period| period.min(longest));
-    small.packing.period_um = small.layer.period_um;
-    small
-}
-
-/// Tries a variant; `alike` is an earlier trial that wanted the same resolution, and has found a grid for it.
-fn trial(
-    variant: usize,
-    full: &Study,
-    alike: Option<&Trial>,
-    jobs: usize,
-    watch: &dyn RunWatch,
-) -> Result<Trial, RunError> {
-    let study = in_small_cell(full);
-    let mut packings = Packings::new(&study, watch);
-    // Grains are packed on one core, while the others wait.
-    let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
-    let packing = packing * rayon::current_num_threads() as f64;
-    let (found, resolution) = match alike {
-        Some(trial) => (0.0, full_resolution(trial, &study)),
-        None => timed(|| {
-            let folder = tempfile::tempdir()?;
-            let store = Store::open(folder.path())?;
-            Ok(resolve::<RunError>(&study, &store, watch, || Ok(scene.clone()))?.resolution)
-        })?,
-    };
-    let (coverage, cover) = timed(|| Ok(Arc::new(Coverage::new(&scene, resolution)?)))?;
-    let solve = time_solves(&study, &cover, jobs, watch)?;
-    // The search makes coverages and solves, as many as that of the earlier trial.
-    let grid = alike.map_or(found, |t| t.grid / (t.coverage + t.solve) * (coverage + solve));
-    let each = 1.0 / volume(&study);
-    Ok(Trial {
-        variant,
-        period_um: study.layer.period_um,
-        thickness_um: study.layer.thickness_um,
-        wanted: study.resolution,
-        density: density(full),
-        packing: packing * each,
-        coverage: coverage * each,
-        grid: grid * each,
-        solve: solve * each,
-        resolution,
-    })
-}
-
-/// Core seconds, and what was made.
-fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
-    let (clock, before) = (Instant::now(), processor_seconds());
-    let made = make()?;
-    let wall = clock.elapsed().as_secs_f64();
-    // Ticks of a hundredth of a second say nothing of less than a few of them.
-    let used = processor_seconds().zip(before).map(|(after, before)| after - before).filter(|&s| s > 0.1);
-    Ok((used.unwrap_or(wall), made))
-}
-
-/// Processor time of this process where the system tells it (Linux): other programs on the machine do not count.
-fn processor_seconds() -> Option<f64> {
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The second field, the name in brackets, may hold spaces; user and system ticks are the 14th and 15th.
-    let mut ticks = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
-    let mut next = || ticks.next()?.parse::<f64>().ok();
-    Some((next()? + next()?) / 100.0)
-}
-
-/// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
-fn time_solves(
-    study: &Study,
-    coverage: &Arc<Coverage>,
-    jobs: usize,
-    watch: &dyn RunWatch,
-) -> Result<f64, RunError> {
-    let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
-    let solve = |i: usize| {
-        // A failure costs about what a success does.
-        let _ = solve_point(study, coverage, &chosen[i], "trial", watch);
-    };
-    let (seconds, ()) = timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?;
-    if watch.stop() {
-        return Err(RunError::Stopped);
-    }
-    Ok(seconds / chosen.len() as f64)
-}
-
-/// The points and cells a µm of a trial in another cell.
-fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
-    let scaled = |n: usize, axis: usize| match n {
-        1 => 1,
-        n => smooth_size((n as f64 * study.layer.period_um[axis] / trial.period_um[axis]).ceil() as usize),
-    };
-    let r = trial.resolution;
-    let cells = (r.cells as f64 * study.layer.thickness_um / trial.thickness_um).ceil() as usize;
-    Resolution { nx: scaled(r.nx, 0), ny: scaled(r.ny, 1), cells, ..r }
-}
-
 /// The variant that was packed fastest, solved at full size: its name, and what a µm³ costs there over the small cell.
 fn at_full_size(
     sweep: &Sweep,
@@ -272,13 +142,8 @@ fn at_full_size(
     watch.stage(&format!("calibrating with {} at full size", variant.name));
     let scene = Scene::from_packing(&Packings::new(&variant.study, watch).get(0).map_err(stopped)?);
     let cover = Arc::new(Coverage::new(&scene, full_resolution(trial, &variant.study))?);
-    let solve = time_solves(&variant.study, &cover, jobs, watch)? / volume(&variant.study);
+    let solve = time_solves(&variant.study, &cover, jobs, watch)?.0 / volume(&variant.study);
     Ok(Some((variant.name.clone(), solve / trial.solve)))
-}
-
-fn spread(points: &[Point], count: usize) -> Vec<Point> {
-    let count = count.clamp(1, points.len());
-    (0..count).map(|k| points[(2 * k + 1) * points.len() / (2 * count)]).collect()
 }
 
 /// Different solves, and core seconds: each group at the rates of the trials with the nearest density of grains.
