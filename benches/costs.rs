@@ -41,7 +41,7 @@ fn main() {
     let mut work = Vec::new();
     operator(&mut criterion, &mut work);
     strategies(&mut criterion, &mut work);
-    geometry(&mut criterion);
+    geometry(&mut criterion, &mut work);
     point(&mut criterion, &mut work);
     criterion.final_summary();
     write(&work);
@@ -75,7 +75,7 @@ fn strategies(criterion: &mut Criterion, work: &mut Vec<Work>) {
     let mut group = criterion.benchmark_group("strategy");
     let goal = Goal { tolerance: 1e-6, max_applications: 20_000 };
     for name in SolverChoice::NAMES {
-        let sides: &[f64] = if name == "direct" { &[0.4, 0.55, 0.7] } else { &[0.7, 1.4, 2.8] };
+        let sides: &[f64] = if name == "direct" { &[0.55, 0.75, 0.9] } else { &[0.7, 1.4, 2.8] };
         let solver = SolverChoice::named(name).expect("a name").build();
         for &side in sides {
             let coverage = support::coverage(side, THIN_UM, THIN_CELLS);
@@ -102,10 +102,17 @@ fn strategies(criterion: &mut Criterion, work: &mut Vec<Work>) {
 }
 
 /// Coverage and packing.
-fn geometry(criterion: &mut Criterion) {
+fn geometry(criterion: &mut Criterion, work: &mut Vec<Work>) {
     let mut group = criterion.benchmark_group("geometry");
     for side in [1.0, 2.0, 4.0] {
         let (scene, resolution) = (support::scene(side, THICKNESS_UM), support::resolution(side, CELLS));
+        let coverage = Coverage::new(&scene, resolution).expect("coverage");
+        work.push(Work {
+            bench: format!("geometry/coverage/{side}"),
+            unknowns: coverage.grid.planes() * coverage.grid.points(),
+            applications: 0,
+            bytes: coverage.bytes(),
+        });
         group.bench_function(BenchmarkId::new("coverage", side), |b| {
             b.iter(|| Coverage::new(black_box(&scene), resolution))
         });

@@ -145,8 +145,8 @@ impl LogPlot {
             .axis_desc_style((FONT, 15))
             .x_labels(if self.log[0] { 20 } else { 7 })
             .y_labels(if self.log[1] { 12 } else { 8 })
-            .x_label_formatter(&|v| tick(*v))
-            .y_label_formatter(&|v| tick(*v))
+            .x_label_formatter(&|v| tick(*v, self.log[0]))
+            .y_label_formatter(&|v| tick(*v, self.log[1]))
             .light_line_style(WHITE)
             .draw()
             .map_err(|e| fail(&e))?;
@@ -203,10 +203,10 @@ impl LogPlot {
     }
 }
 
-/// Okabe–Ito, and the same darker from the eighth curve on.
+/// Okabe–Ito, and the same greyer from the eighth curve on.
 fn palette(k: usize) -> RGBColor {
     let RGBColor(r, g, b) = COLOURS[k % COLOURS.len()];
-    if k < COLOURS.len() { RGBColor(r, g, b) } else { RGBColor(r / 2, g / 2, b / 2) }
+    if k < COLOURS.len() { RGBColor(r, g, b) } else { RGBColor(r / 2 + 60, g / 2 + 60, b / 2 + 60) }
 }
 
 /// Disc, triangle, square, diamond, in pixels around the point.
@@ -219,7 +219,12 @@ fn marker(k: usize) -> Vec<(i32, i32)> {
     }
 }
 
-fn tick(v: f64) -> String {
+/// A round number; on logarithmic axes 1, 2 and 5 alone.
+fn tick(v: f64, log: bool) -> String {
+    let leading = v / 10f64.powf((v.abs().log10() + 1e-9).floor());
+    if log && ![1.0, 2.0, 5.0].iter().any(|l| (leading - l).abs() < 1e-6) {
+        return String::new();
+    }
     if v == 0.0 || (0.01..100_000.0).contains(&v.abs()) {
         let text = format!("{v:.3}");
         return text.trim_end_matches('0').trim_end_matches('.').into();

@@ -22,7 +22,14 @@ fn judge(claim: &Claim) -> Result<(), Failed> {
     (claim.measure)(Level::Quick, &mut findings);
     for check in &findings.checks {
         let margin = check.margin();
-        println!("{}: {}: {:.3e}, {}, margin {margin:.2}", claim.id, check.what, check.measured, check.bound);
+        println!(
+            "{}, {}: {}: {:.3e}, {}, margin {margin:.2}",
+            claim.id,
+            Level::Quick.name(),
+            check.what,
+            check.measured,
+            check.bound
+        );
     }
     let broken: Vec<String> = findings
         .checks
@@ -30,10 +37,13 @@ fn judge(claim: &Claim) -> Result<(), Failed> {
         .filter(|c| !c.holds())
         .map(|c| format!("{}: {:.3e}, allowed {} ({}: {})", c.what, c.measured, c.bound, c.reason, c.because))
         .collect();
-    if findings.hold() {
-        return Ok(());
+    if !findings.hold() {
+        let broken = broken.join("\n  ");
+        let [statement, because] = [claim.statement, claim.because];
+        return Err(format!("{statement}\nbecause: {because}\n{}\n  {broken}", claim.file).into());
     }
-    Err(format!("{}\n{}\n  {}", claim.statement, claim.file, broken.join("\n  ")).into())
+    // A report that cannot draw its plots would only fail at night.
+    findings.plots.iter().try_for_each(|plot| plot.svg().map(drop)).map_err(Failed::from)
 }
 
 fn main() {

@@ -4,6 +4,7 @@
 //! that of the transforms alone (`operator/floor` on the largest grid) in the same run.
 
 #[path = "../../validation/figure.rs"]
+#[allow(dead_code, reason = "the claims draw other plots, too")]
 mod figure;
 
 use clap::Parser;

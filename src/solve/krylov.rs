@@ -103,6 +103,7 @@ impl Run<'_> {
             }
         }
         self.ledger.holds_vectors(basis.len() + 3);
+        self.ledger.account.bytes += self.correction.as_ref().map_or(0, Correction::bytes);
         let coefficients = small.solve();
         let mut change = vec![Complex64::default(); self.field.len()];
         add_combination(&mut change, &coefficients, &basis[..coefficients.len()]);

@@ -37,7 +37,7 @@ const GROWTH: f64 = 10.0;
 
 impl Default for Relaxation {
     fn default() -> Relaxation {
-        Relaxation { tau: 6.0, window: 8, memory: 5 }
+        Relaxation { tau: 6.0, window: 16, memory: 16 }
     }
 }
 
@@ -65,7 +65,7 @@ impl Solver for Relaxation {
         let mut tau = self.tau;
         let mut march = March::new(problem, tau, &field);
         let mut memory = vec![march.candidate(&mut ledger)];
-        ledger.account.bytes = march.bytes();
+        ledger.account.bytes = march.bytes() + (self.memory.max(1) + 2) * memory[0].bytes();
         loop {
             let before = ledger.account.residual;
             let mean = march.window(self.window, &mut ledger);
@@ -108,6 +108,10 @@ struct Candidate {
 }
 
 impl Candidate {
+    fn bytes(&self) -> usize {
+        (self.state.len() + self.field.len() + self.residual.len()) * size_of::<Complex64>()
+    }
+
     /// The affine combination with the smallest residual: states, fields and residuals are affine in each other.
     fn blend(candidates: &[Candidate]) -> Candidate {
         let last = candidates.last().expect("a window leaves two candidates");

@@ -153,11 +153,6 @@ pub fn largest_difference(a: &FarField, b: &FarField, map: impl Fn(i32, i32) -> 
     largest
 }
 
-/// Observed orders of convergence between successive (resolution, error) pairs.
-pub fn slopes(errors: &[(f64, f64)]) -> Vec<f64> {
-    errors.windows(2).map(|w| (w[0].1 / w[1].1).ln() / (w[1].0 / w[0].0).ln()).collect()
-}
-
 /// Slope of a least-squares line through log error against log resolution: steadier than single slopes.
 pub fn fitted_slope(errors: &[(f64, f64)]) -> f64 {
     let points: Vec<[f64; 2]> = errors.iter().map(|(n, e)| [n.ln(), e.ln()]).collect();

@@ -187,3 +187,11 @@ fn homogeneous_cells_of_half_a_wave_are_refused_where_they_must_be() {
     assert!(solved.far.specular().reflected.norm() < 1e-14);
     assert!((solved.far.specular().transmitted + 1.0).norm() < 1e-14);
 }
+
+#[test]
+fn accuracies_beyond_reach_are_refused() {
+    for accuracy in [0.0, -1e-3, 1e-10, 0.9, f64::NAN] {
+        let error = solve_to(&reference("sph02").case, accuracy).err().expect("out of range");
+        assert!(error.to_string().contains("1e-9 … 0.5"), "{error}");
+    }
+}
