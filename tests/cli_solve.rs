@@ -172,7 +172,7 @@ fn options_out_of_range_are_told_what_to_try() {
         (&["--nz", "12"], &["--nxy is missing", "--accuracy 1e-3"]),
         (&["--nxy", "0", "--nz", "9"], &["nx is 0", "1 … 100000"]),
         (&["--nxy", "12", "--nz", "0"], &["nz (cells) is 0", "1 … 100000"]),
-        (&["--nxy", "12", "--nz", "2"], &["phase", "use at least 5 cells"]),
+        (&["--nxy", "12", "--nz", "2"], &["phase", "use at least 4 cells"]),
         (&["--nxy", "1", "--nz", "9"], &["too coarse", "use at least 3 points"]),
         (&["--scheme", "magic"], &["magic", "second-difference"]),
         (

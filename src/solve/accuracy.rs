@@ -3,13 +3,16 @@
 //! A result is compared with one that has a fifth fewer points in the plane and one that has a fifth fewer cells
 //! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
 
+use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
 use super::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::{
-    Coverage, FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scene, Scheme, WaveError,
+    Coverage, FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scene, Scheme, Shape, WaveError,
 };
 use num_complex::Complex64;
 use std::sync::Arc;
 use thiserror::Error;
+
+pub use super::resolution::smooth_size;
 
 /// Share of points or cells that a companion keeps.
 const COMPANION: f64 = 0.8;
@@ -17,14 +20,12 @@ const COMPANION: f64 = 0.8;
 const RESIDUAL_WEIGHT: f64 = 3.0;
 /// The two differences scatter; with this factor the estimate covers nine cases of ten.
 const SAFETY: f64 = 1.4;
-/// However much coarser the companion is, the finer result may be this share of the difference wrong.
-const LEAST_SHARE: f64 = 0.3;
 /// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
 const FINE: [f64; 2] = [8.0, 3.3];
 /// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
 const START: [f64; 2] = [3.0, 5.4];
 /// Resolutions tried before giving up.
-const LEVELS: usize = 12;
+const LEVELS: usize = 24;
 
 /// One solve to be made: everything but the resolution.
 #[derive(Clone, Copy)]
@@ -141,9 +142,11 @@ impl Task<'_> {
     /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
     ///
     /// For grains 4 and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
-    /// and walls or cylinders, whose edges average out in two dimensions instead of three.
+    /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
+    /// do so in one.
     fn orders(&self, own: Resolution) -> [i32; 2] {
-        let sharp = i32::from(self.scene.uniform_in_y()) + i32::from(self.is_strong());
+        let upright = self.scene.bodies.iter().any(|b| matches!(b.shape, Shape::BarY { .. }));
+        let sharp = i32::from(self.scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
         let waves = [self.scene.period_um[0], self.scene.thickness_um()].map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
         [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
@@ -201,8 +204,8 @@ impl Task<'_> {
                 return Err(task.not_reached(accuracy, estimated, resolution));
             }
             let estimated = match task.solve_with_estimate(resolution, watch) {
-                Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) => {
-                    resolution.cells = needed.max(resolution.cells + 1);
+                Err(AccuracyError::Wave(refusal)) => {
+                    resolution = raised(resolution, &refusal).ok_or(refusal)?;
                     continue;
                 }
                 other => other?,
@@ -223,13 +226,8 @@ impl Task<'_> {
     fn start(&self, accuracy: f64) -> Resolution {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
-        let points = |period: f64| {
-            let orders = 2.0
-                * (period / self.incidence.wavelength_um
-                    * self.media.above.re.max(self.media.below.re)
-                    * 2.0);
-            smooth_size((START[0] * finer.powf(0.25) * waves * period).max(orders.min(8.0)).ceil() as usize)
-        };
+        let points =
+            |period: f64| smooth_size((START[0] * finer.powf(0.25) * waves * period).ceil() as usize);
         let nx = if self.scene.uniform_in_plane() { 1 } else { points(self.scene.period_um[0]) };
         let ny = if self.scene.uniform_in_y() { 1 } else { points(self.scene.period_um[1]) };
         let planes = START[1] * finer.powf(0.2) * waves * self.scene.thickness_um();
@@ -262,16 +260,6 @@ pub fn suited_scheme(accuracy: f64) -> Scheme {
     if accuracy < 3e-3 { Scheme::Quartic } else { Scheme::Cubic }
 }
 
-/// Share of the difference between two resolutions that is the finer one's error; 1.5 for a finer companion.
-fn error_share(own: Resolution, companion: Resolution, [in_plane, in_z]: [i32; 2]) -> f64 {
-    let plane = own.nx as f64 / companion.nx as f64;
-    let across = own.cells as f64 / companion.cells as f64;
-    if plane < 1.0 || across < 1.0 {
-        return 1.5;
-    }
-    (1.0 / (plane.powi(in_plane) * across.powi(in_z) - 1.0)).max(LEAST_SHARE)
-}
-
 /// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
 ///
 /// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
@@ -285,46 +273,4 @@ pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
         (a.reflected - b.reflected).norm().max((a.transmitted - b.transmitted).norm())
     };
     pairs.map(difference).fold(0.0, f64::max)
-}
-
-/// Smallest product of 2, 3 and 5 that is at least `n`.
-pub fn smooth_size(n: usize) -> usize {
-    (n.max(2)..).find(|&n| crate::wave::nufft::is_smooth(n)).expect("smooth numbers are unbounded")
-}
-
-fn scaled_plane(r: Resolution, factor: f64, uniform: [bool; 2]) -> Resolution {
-    let scale = |n: usize, uniform: bool| match n {
-        n if uniform => n,
-        1 if factor > 1.0 => 3,
-        n if factor > 1.0 => smooth_size((n as f64 * factor).ceil() as usize),
-        n => (2..n)
-            .rev()
-            .find(|&k| (k as f64) <= n as f64 * factor && crate::wave::nufft::is_smooth(k))
-            .unwrap_or(n),
-    };
-    Resolution { nx: scale(r.nx, uniform[0]), ny: scale(r.ny, uniform[1]), ..r }
-}
-
-fn scaled_cells(r: Resolution, factor: f64) -> Resolution {
-    let cells = r.cells as f64 * factor;
-    let cells = if factor > 1.0 { cells.ceil() } else { cells.floor() };
-    Resolution { cells: (cells as usize).max(1), ..r }
-}
-
-/// Refines whatever exceeds its half of the accuracy, as far as the fast convergence of coarse grids suggests.
-fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolution {
-    let factor = |part: f64| (part / (0.4 * accuracy)).powf(1.0 / 6.0).clamp(1.1, 1.7);
-    let mut next = r;
-    if parts[0] > 0.45 * accuracy {
-        let grow =
-            |n: usize| if n == 1 { 1 } else { smooth_size((n as f64 * factor(parts[0])).ceil() as usize) };
-        (next.nx, next.ny) = (grow(r.nx), grow(r.ny));
-    }
-    if parts[1] > 0.45 * accuracy {
-        next.cells = ((r.cells as f64 * factor(parts[1])).round() as usize).max(r.cells + 1);
-    }
-    if next == r {
-        next.cells += 1;
-    }
-    next
 }

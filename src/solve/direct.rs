@@ -72,6 +72,10 @@ fn assemble(problem: &Problem, ledger: &mut Ledger) -> Vec<Complex64> {
     matrix
 }
 
+/// Bytes of stack that LAPACK gets.
+#[cfg(feature = "lapack")]
+const LAPACK_STACK: usize = 64 << 20;
+
 /// Solves with a column-major matrix through LAPACK.
 #[cfg(feature = "lapack")]
 fn dense_solve(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
@@ -79,7 +83,12 @@ fn dense_solve(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
     use ndarray_linalg::Solve;
     let n = right.len();
     let transposed = ArrayView2::from_shape((n, n), matrix).expect("a square matrix");
-    let solved = transposed.t().to_owned().solve(&ArrayView1::from(right).to_owned());
+    let solve = || transposed.t().to_owned().solve(&ArrayView1::from(right).to_owned());
+    // OpenBLAS keeps its work area on the stack: the 2 MB of an ordinary thread overflow now and then.
+    let solved = std::thread::scope(|scope| {
+        let roomy = std::thread::Builder::new().stack_size(LAPACK_STACK).spawn_scoped(scope, solve);
+        roomy.expect("a thread for LAPACK").join().expect("LAPACK does not panic")
+    });
     solved.map_or_else(|_| vec![Complex64::new(f64::NAN, f64::NAN); n], |x| x.to_vec())
 }
 

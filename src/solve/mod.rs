@@ -12,6 +12,7 @@ pub mod krylov;
 mod least_squares;
 mod ledger;
 pub mod relaxation;
+mod resolution;
 pub mod solver;
 pub mod vectors;
 

@@ -2,7 +2,9 @@
 //!
 //! Harmonics are q + G with the reduced vector q, |q| ≤ π/L along each axis, and the incident wave is one of them.
 //! All incident waves that share q are then solved on the same harmonics, and those of q and of −q are opposite,
-//! which makes reciprocity exact between all orders; no points are spent on one side only at oblique incidence.
+//! which makes reciprocity exact between all orders, on odd and on even grids (whose Nyquist harmonic is left out); no
+//! points are spent on one side only at oblique incidence. On the zone's edge itself q and −q are the same direction
+//! with different harmonics: there reciprocity is exact for the specular order, and as accurate as the grid for others.
 
 use super::{Coverage, Incidence, Media, Side, WaveError};
 use std::f64::consts::TAU;
