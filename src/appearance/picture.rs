@@ -148,6 +148,8 @@ pub struct ContactSheet {
     pub columns: Vec<String>,
     /// \[row\]\[column\]; variants that are missing stay empty and are marked so.
     pub pictures: Vec<Vec<Option<InkPicture>>>,
+    /// \[row, column\] of places where no variant was asked for: they stay empty.
+    pub left_out: Vec<[usize; 2]>,
 }
 
 /// Sheet layout, pixels: space for captions, and between pictures.
@@ -172,6 +174,7 @@ impl ContactSheet {
                 let at = [SHEET_LEFT + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
                     Some(picture) => picture.paint(&mut bitmap, at, style),
+                    None if self.left_out.contains(&[r, c]) => {}
                     None => missing(&mut bitmap, at, cell)?,
                 }
             }

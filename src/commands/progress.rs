@@ -12,6 +12,35 @@ use std::time::{Duration, Instant};
 
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
 
+/// How long solves have been under way.
+struct Busy {
+    begun: Instant,
+    under_way: usize,
+    since: Instant,
+    busy: Duration,
+}
+
+impl Busy {
+    fn new() -> Self {
+        let now = Instant::now();
+        Self { begun: now, under_way: 0, since: now, busy: Duration::ZERO }
+    }
+
+    fn begin(&mut self) {
+        if self.under_way == 0 {
+            self.since = Instant::now();
+        }
+        self.under_way += 1;
+    }
+
+    fn end(&mut self) {
+        self.under_way -= 1;
+        if self.under_way == 0 {
+            self.busy += self.since.elapsed();
+        }
+    }
+}
+
 /// Shows a run's progress and passes the user's stop on.
 pub struct Progress {
     stop: StopFlag,
@@ -21,6 +50,7 @@ pub struct Progress {
     started: Mutex<Instant>,
     solved: AtomicUsize,
     left: AtomicUsize,
+    busy: Mutex<Busy>,
     /// A whole sweep is counted, not one study.
     whole: AtomicBool,
 }
@@ -43,6 +73,7 @@ impl Progress {
             started: Mutex::new(Instant::now()),
             solved: AtomicUsize::new(0),
             left: AtomicUsize::new(0),
+            busy: Mutex::new(Busy::new()),
             whole: AtomicBool::new(false),
         }
     }
@@ -57,9 +88,18 @@ impl Progress {
         self.left.store(solves, Ordering::Relaxed);
     }
 
-    /// Takes the bar away.
+    /// Takes the bar away and says how fast it went.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+        let (solved, Ok(busy)) = (self.solved.load(Ordering::Relaxed), self.busy.lock()) else { return };
+        if solved > 0 {
+            let seconds = busy.begun.elapsed().as_secs_f64();
+            let idle = 100.0 * (1.0 - busy.busy.as_secs_f64() / seconds);
+            let an_hour = solved as f64 * 3600.0 / seconds;
+            eprintln!(
+                "{solved} solves in {seconds:.0} s: {an_hour:.0} an hour, {idle:.0} % of the time outside solves"
+            );
+        }
     }
 
     /// True when the user has asked to stop.
@@ -129,6 +169,9 @@ impl RunWatch for Progress {
     }
 
     fn solving(&self, study: &Study, point: &Point) {
+        if let Ok(mut busy) = self.busy.lock() {
+            busy.begin();
+        }
         let Point { realisation, incidence, .. } = point;
         let (nm, angle) = (1e3 * incidence.wavelength_um, incidence.polar_deg);
         let below = if incidence.from == Side::Below { " from below" } else { "" };
@@ -136,6 +179,12 @@ impl RunWatch for Progress {
         self.bar
             .set_message(format!("realisation {}/{of} · {nm:.0} nm · {angle:.0}°{below}", realisation + 1));
         self.bar.set_prefix(self.time_left());
+    }
+
+    fn ended(&self) {
+        if let Ok(mut busy) = self.busy.lock() {
+            busy.end();
+        }
     }
 
     fn solved(&self, _study: &Study, point: &Point, failure: Option<&str>) {

@@ -5,7 +5,6 @@ use super::progress::Progress;
 use super::run::{folder_report, run_report};
 use super::stop::StopFlag;
 use clap::Args;
-use indicatif::HumanDuration;
 use inkwave::report::folder::OutputFolder;
 use inkwave::study::runner::RunSettings;
 use inkwave::study::sweep::publish::{Reported, publish};
@@ -13,7 +12,6 @@ use inkwave::study::sweep::units::Shard;
 use inkwave::study::sweep::{Sweep, folder, load, plan, run as runner};
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Variables in which array schedulers tell a task its number, counted from 1.
 const TASK_NUMBER: [&str; 3] = ["SLURM_ARRAY_TASK_ID", "PBS_ARRAYID", "PBS_ARRAY_INDEX"];
@@ -122,15 +120,25 @@ fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result
         println!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
         return Ok(());
     }
-    let time = |cores: f64| HumanDuration(Duration::from_secs_f64(plan.core_seconds / cores));
+    let time = |cores: f64| in_words(plan.core_seconds / cores);
     println!("variants          {}", plan.variants);
     println!("packings          {}", plan.packings);
     println!("solves            {}", plan.solves);
-    println!("unknowns          {} in the largest solve tried", plan.unknowns);
+    println!("unknowns          {} in the largest solve", plan.unknowns);
     println!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs);
     println!("time              about {} on {jobs} cores, {} on 100", time(jobs as f64), time(100.0));
     println!("largest division  {} shards", plan.units);
+    println!("calibrated with   {}", plan.calibration);
     Ok(())
+}
+
+/// A time with two digits or three.
+fn in_words(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{s:.0} s"),
+        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
 }
 
 /// `I/N`, or `N` with the part from the scheduler's variable.

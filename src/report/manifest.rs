@@ -14,7 +14,8 @@ pub enum Status {
     Partial,
 }
 
-/// All results of a run in one object. Standard errors are over realisations, `null` where one leaves them unknown.
+/// All results of a run in one object. Standard errors hold the chance over realisations and the error of the grid, added
+/// as squares; `null` where one realisation leaves them unknown.
 #[derive(Clone, Debug, Serialize)]
 pub struct Manifest<Study: Serialize> {
     pub status: Status,
@@ -62,6 +63,9 @@ pub struct FailureNote {
 pub struct Certainty {
     /// Largest expected error of an order's complex amplitude from the grid, over the probed points.
     pub amplitude_error_estimate: f64,
+    /// Expected errors of the layer's R and T from the grid, over the probed points; part of the standard errors.
+    pub reflectance_grid_error: f64,
+    pub transmittance_grid_error: f64,
     /// Upper estimate of the error of R and T between the angles that were solved, at the worst wavelength.
     pub angle_error_estimate: Option<f64>,
     /// Largest |R + T + A − 1| of all solves.

@@ -2,14 +2,14 @@
 
 mod angles;
 mod index;
+mod paper;
 mod pigments;
 
-use super::checked::{Layer, Output, Paper, Study, WantedResolution};
+pub(super) use pigments::largest_extents_nm;
+
+use super::checked::{Layer, Output, Study, WantedResolution};
 use super::fault::{Allowed, Fault, Faults};
-use super::file::{
-    CouplingName, LayerTable, LightTable, OutputTable, ResolutionTable, SolverTable, StudyFile,
-};
-use crate::appearance::paper::Coupling;
+use super::file::{LayerTable, LightTable, OutputTable, ResolutionTable, SolverTable, StudyFile};
 use crate::solve::Goal;
 use std::path::Path;
 
@@ -28,10 +28,10 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
     let dissolved = pigments::dissolved(file, &wavelengths_nm, folder, &mut faults);
     layer.binder = pigments::solution(layer.binder, &dissolved, &pigments);
     let packing = pigments::packing(file, &pigments, &mut faults);
-    let paper = paper(file, &mut faults);
+    let paper = paper::paper(file, &wavelengths_nm, folder, &mut faults);
     let angles = angles::angles(file, paper.coupling, &mut faults);
     let resolution = resolution(&file.resolution, &mut faults);
-    let goal = goal(&file.solver, &mut faults);
+    let goal = goal(&file.solver, &resolution, &mut faults);
     counts(file, &mut faults);
     // Without grains all realisations are the same.
     let realisations = if pigments.is_empty() { 1 } else { file.run.realisations };
@@ -130,16 +130,6 @@ fn layer(table: &LayerTable, wavelengths_nm: &[f64], folder: &Path, faults: &mut
     }
 }
 
-fn paper(file: &StudyFile, faults: &mut Faults) -> Paper {
-    let remedy = "0 is black, 1 is a perfect white, 0.9 is good paper";
-    faults.number("paper.albedo", file.paper.albedo, Allowed::between(0.0, 1.0, ""), remedy);
-    let coupling = match file.paper.coupling {
-        CouplingName::Gap => Coupling::Gap,
-        CouplingName::OpticalContact => Coupling::OpticalContact { index: file.layer.index_below },
-    };
-    Paper { albedo: file.paper.albedo, coupling }
-}
-
 fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution {
     let scheme = table.scheme;
     match (table.accuracy, table.points_per_um, table.planes_per_um) {
@@ -168,11 +158,16 @@ fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution 
     }
 }
 
-fn goal(table: &SolverTable, faults: &mut Faults) -> Goal {
-    let remedy = "1e-6 is ample: the discretisation's error is larger";
-    faults.number("solver.tolerance", table.tolerance, Allowed::between(1e-13, 1e-2, ""), remedy);
+fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults) -> Goal {
+    let tolerance = table.tolerance.unwrap_or(match resolution {
+        // Three times the residual is what it may do to an amplitude: a few percent of the accuracy.
+        WantedResolution::Accuracy { amplitude, .. } => (1e-2 * amplitude).clamp(1e-13, 1e-3),
+        WantedResolution::Grid { .. } => Goal::default().tolerance,
+    });
+    let remedy = "leave it out: a hundredth of resolution.accuracy is ample";
+    faults.number("solver.tolerance", tolerance, Allowed::between(1e-13, 1e-2, ""), remedy);
     whole("solver.max_applications", table.max_applications, 1..=1_000_000, "2000 is usual", faults);
-    Goal { tolerance: table.tolerance, max_applications: table.max_applications }
+    Goal { tolerance, max_applications: table.max_applications }
 }
 
 fn counts(file: &StudyFile, faults: &mut Faults) {

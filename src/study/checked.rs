@@ -2,7 +2,7 @@
 
 use super::identity::Key;
 use crate::appearance::angles::AngleRule;
-use crate::appearance::paper::{Coupling, MirroredSky};
+use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::solve::{Goal, SolverChoice};
 use crate::wave::{Incidence, Media, Scheme, Side};
@@ -66,9 +66,11 @@ pub struct Material {
 }
 
 /// The Lambertian substrate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Paper {
-    pub albedo: f64,
+    /// For people: the albedo itself, or where its table comes from.
+    pub source: String,
+    pub albedo: Albedo,
     pub coupling: Coupling,
 }
 
@@ -77,7 +79,7 @@ pub struct Paper {
 pub struct Angles {
     /// For light from above, rising.
     pub above: Vec<f64>,
-    /// For light from below, in the rule's order; empty when light from above serves for both.
+    /// For light from below, in the rule's order; empty where the layer is the same from both sides.
     pub below: Vec<f64>,
     pub azimuth_deg: f64,
     /// The quadrature rule, unless the angles were listed.

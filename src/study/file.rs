@@ -17,7 +17,7 @@
 //! step_nm = 30
 //! ```
 
-use super::forms::{Diameter, IndexWritten, Pair, Strategy};
+use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy};
 use crate::appearance::paper::MirroredSky;
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
@@ -104,14 +104,15 @@ pub struct PigmentTable {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperTable {
-    /// 0–1.
-    pub albedo: f64,
+    /// 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{ csv = "paper.csv" }` with the
+    /// columns wavelength_nm and albedo.
+    pub albedo: AlbedoWritten,
     pub coupling: CouplingName,
 }
 
 impl Default for PaperTable {
     fn default() -> Self {
-        Self { albedo: 0.9, coupling: CouplingName::Gap }
+        Self { albedo: AlbedoWritten::Constant(0.9), coupling: CouplingName::Gap }
     }
 }
 
@@ -198,16 +199,17 @@ pub struct ResolutionTable {
 pub struct SolverTable {
     /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
     pub strategy: Strategy,
-    /// Relative residual at which a solve counts as converged.
-    pub tolerance: f64,
+    /// Relative residual at which a solve counts as converged; a hundredth of `resolution.accuracy` when left out, 1e-6
+    /// where the grid is given instead.
+    pub tolerance: Option<f64>,
     /// Most operator applications of one solve.
     pub max_applications: usize,
 }
 
 impl Default for SolverTable {
     fn default() -> Self {
-        let Goal { tolerance, max_applications } = Goal::default();
-        Self { strategy: Strategy::default(), tolerance, max_applications }
+        let max_applications = Goal::default().max_applications;
+        Self { strategy: Strategy::default(), tolerance: None, max_applications }
     }
 }
 

@@ -50,6 +50,54 @@ impl<'de> Deserialize<'de> for Diameter {
     }
 }
 
+/// The paper's albedo as written: a number, rows of (wavelength in nm, albedo), or the path of a table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum AlbedoWritten {
+    Constant(f64),
+    Rows(Vec<[f64; 2]>),
+    /// Relative to the study file.
+    Csv {
+        csv: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CsvTable {
+    csv: String,
+}
+
+impl<'de> Deserialize<'de> for AlbedoWritten {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AlbedoVisitor;
+        impl<'de> Visitor<'de> for AlbedoVisitor {
+            type Value = AlbedoWritten;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number, rows [[wavelength in nm, albedo], …] or { csv = \"paper.csv\" }")
+            }
+            fn visit_f64<E: de::Error>(self, v: f64) -> Result<AlbedoWritten, E> {
+                Ok(AlbedoWritten::Constant(v))
+            }
+            fn visit_i64<E: de::Error>(self, v: i64) -> Result<AlbedoWritten, E> {
+                self.visit_f64(v as f64)
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<AlbedoWritten, A::Error> {
+                let mut rows = Vec::new();
+                while let Some(row) = seq.next_element()? {
+                    rows.push(row);
+                }
+                Ok(AlbedoWritten::Rows(rows))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<AlbedoWritten, A::Error> {
+                let CsvTable { csv } = CsvTable::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(AlbedoWritten::Csv { csv })
+            }
+        }
+        deserializer.deserialize_any(AlbedoVisitor)
+    }
+}
+
 /// One number for both directions, or two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pair(pub [f64; 2]);

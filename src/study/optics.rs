@@ -38,6 +38,10 @@ pub fn pack_realisation(
 }
 
 /// Solves one point and keeps what it found under `key`.
+///
+/// It starts from nothing. The field of a neighbouring angle or wavelength was tried as a start (2.5 µm, 30 % of 200 nm,
+/// residual 2e-5): another angle costs 1 to 2 steps more of 12 to 19, 20 nm and even 5 nm save none or one, since the
+/// phase of the incident wave changes everywhere. What is shared is the coverage.
 pub fn solve_point(
     study: &Study,
     coverage: &Arc<Coverage>,

@@ -10,7 +10,7 @@ use super::watch::RunWatch;
 use crate::ink::Packing;
 use crate::report::packing_record::PackingRecord;
 use crate::report::record::{FailureRecord, PointRecord};
-use crate::wave::{Coverage, Mean, Scene};
+use crate::wave::{Coverage, Mean, Resolution, Scene};
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -21,11 +21,13 @@ pub(super) struct Packings<'a> {
     watch: &'a dyn RunWatch,
     first: Option<Packing>,
     latest: Option<(usize, Packing)>,
+    /// Of the realisation and the grid that were last asked for: inks that share a packing share it too.
+    coverage: Option<(usize, Resolution, Arc<Coverage>)>,
 }
 
 impl<'a> Packings<'a> {
     pub fn new(study: &'a Study, watch: &'a dyn RunWatch) -> Self {
-        Self { study, watch, first: None, latest: None }
+        Self { study, watch, first: None, latest: None, coverage: None }
     }
 
     pub fn get(&mut self, realisation: usize) -> Result<Packing, RunError> {
@@ -43,6 +45,19 @@ impl<'a> Packings<'a> {
             self.latest = Some((realisation, packing.clone()));
         }
         Ok(packing)
+    }
+
+    fn coverage(&mut self, realisation: usize, resolution: Resolution) -> Result<Arc<Coverage>, RunError> {
+        if let Some((r, grid, coverage)) = &self.coverage
+            && (*r, *grid) == (realisation, resolution)
+        {
+            return Ok(coverage.clone());
+        }
+        self.coverage = None;
+        let scene = Scene::from_packing(&self.get(realisation)?);
+        let coverage = Arc::new(Coverage::new(&scene, resolution)?);
+        self.coverage = Some((realisation, resolution, coverage.clone()));
+        Ok(coverage)
     }
 }
 
@@ -91,7 +106,8 @@ impl RealisationRun<'_> {
         let record = PackingRecord::new(self.realisation, &packing);
         self.stores.packings.put(packing_key.as_str(), &record)?;
         let todo: Vec<&(Point, Key)> = missing.iter().map(|&i| &keyed[i]).collect();
-        for (&i, result) in missing.iter().zip(self.solve_all(&packing, &todo)?) {
+        let coverage = packings.coverage(self.realisation, self.resolved.resolution)?;
+        for (&i, result) in missing.iter().zip(self.solve_all(&coverage, &todo)?) {
             match result {
                 Some(Ok(point)) => points[i] = Some(point),
                 Some(Err(reason)) => failures.push(self.note_failure(&keyed[i], reason)?),
@@ -118,15 +134,14 @@ impl RealisationRun<'_> {
     }
 
     /// Solves side by side; `None` for those that a stop left out.
-    fn solve_all(&self, packing: &Packing, todo: &[&(Point, Key)]) -> Result<Vec<Solved>, RunError> {
-        let coverage = Arc::new(Coverage::new(&Scene::from_packing(packing), self.resolved.resolution)?);
+    fn solve_all(&self, coverage: &Arc<Coverage>, todo: &[&(Point, Key)]) -> Result<Vec<Solved>, RunError> {
         let results: Vec<Mutex<Solved>> = todo.iter().map(|_| Mutex::new(None)).collect();
         let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
         let jobs = self.settings.jobs.unwrap_or_else(rayon::current_num_threads);
         let stop = || self.watch.stop() || lock(&trouble).is_some();
         work_through(todo.len(), jobs, stop, |i| {
             let (point, key) = todo[i];
-            match self.solve_one(&coverage, point, key) {
+            match self.solve_one(coverage, point, key) {
                 Ok(solved) => *lock(&results[i]) = solved,
                 Err(error) => *lock(&trouble) = Some(error),
             }
@@ -143,7 +158,9 @@ impl RealisationRun<'_> {
     /// One solve, in the store when it returns. The error is the store's alone.
     fn solve_one(&self, coverage: &Arc<Coverage>, point: &Point, key: &Key) -> io::Result<Solved> {
         self.watch.solving(self.study, point);
-        match solve_point(self.study, coverage, point, key.as_str(), self.watch) {
+        let solved = solve_point(self.study, coverage, point, key.as_str(), self.watch);
+        self.watch.ended();
+        match solved {
             Ok(record) => {
                 self.stores.points.put(key.as_str(), &record)?;
                 self.watch.solved(self.study, point, None);

@@ -5,13 +5,14 @@
 //! their error estimates is the study's.
 
 use super::checked::{Layer, Pigment, Study, WantedResolution};
+use super::grid_error::GridError;
 use super::identity::Key;
 use super::optics::Stopper;
 use super::watch::RunWatch;
 use crate::report::store::Store;
 use crate::solve::SolveError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
-use crate::wave::{Incidence, Mean, Resolution, Scene, Scheme, Side};
+use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
 
 /// Most bytes of one solve.
@@ -23,6 +24,8 @@ pub struct Resolved {
     pub resolution: Resolution,
     /// Largest expected error of an order's complex amplitude, over the probes.
     pub error_estimate: f64,
+    /// Expected errors of R and T.
+    pub grid_error: GridError,
 }
 
 /// The study's grid: from the store, or from solves on `scene`, which is made when it is needed.
@@ -98,17 +101,22 @@ fn settle(
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
     let solver = study.solver.build();
-    let mut found: Option<Resolved> = None;
-    for (wavelength, incidence) in probes {
-        let (media, scheme) = (study.media(*wavelength), study.resolution.scheme());
-        let (mean, goal) = (Mean::default(), study.goal);
-        let task =
-            Task { scene, media: &media, incidence, mean, scheme, solver: &*solver, goal, memory: MEMORY };
-        let probed = probe(study, &task, found.map(|f| f.resolution), watch)?;
-        let error_estimate = probed.error_estimate.max(found.map_or(0.0, |f| f.error_estimate));
-        found = Some(Resolved { resolution: probed.problem.coverage.grid.resolution, error_estimate });
+    let media: Vec<Media> = probes.iter().map(|(wavelength, _)| study.media(*wavelength)).collect();
+    let (mean, scheme, goal) = (Mean::default(), study.resolution.scheme(), study.goal);
+    let task = |i: usize| {
+        let (media, incidence) = (&media[i], &probes[i].1);
+        Task { scene, media, incidence, mean, scheme, solver: &*solver, goal, memory: MEMORY }
+    };
+    let (mut resolution, mut error_estimate) = (None, 0.0_f64);
+    for task in (0..probes.len()).map(task) {
+        let probed = probe(study, &task, resolution, watch)?;
+        error_estimate = error_estimate.max(probed.error_estimate);
+        resolution = Some(probed.problem.coverage.grid.resolution);
     }
-    found.ok_or(AccuracyError::Accuracy(f64::NAN))
+    let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
+    let tasks: Vec<Task> = (0..probes.len()).map(task).collect();
+    let grid_error = GridError::measure(&tasks, resolution, &mut Stopper(watch))?;
+    Ok(Resolved { resolution, error_estimate, grid_error })
 }
 
 /// Tries the grid found so far and refines it for this probe where that is asked.

@@ -5,7 +5,7 @@ use super::runner::{Collected, Realisation};
 use crate::appearance::bdf::{Bdf, BdfError, Lobe, Totals, suggested_bandwidth};
 use crate::appearance::estimate::Estimate;
 use crate::appearance::ink_on_paper::{InkError, InkOnPaper};
-use crate::appearance::paper::{Albedo, LayerOptics, Substrate};
+use crate::appearance::paper::{LayerOptics, Substrate};
 use crate::appearance::slab::Slab;
 use crate::ink::spectra::molecular_mixture;
 use crate::report::record::PointRecord;
@@ -101,8 +101,7 @@ fn on_paper(study: &Study, complete: &[&Realisation]) -> Result<InkOnPaper, NoIn
     let wavelengths = 0..study.wavelengths_nm.len();
     let layers = wavelengths.map(|w| complete.iter().map(|r| optics(study, r, w)).collect());
     let layers = layers.collect::<Result<Vec<Vec<LayerOptics>>, NoInk>>()?;
-    let substrate =
-        Substrate { albedo: Albedo::Constant(study.paper.albedo), coupling: study.paper.coupling };
+    let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
     Ok(InkOnPaper::new(rule, &study.wavelengths_nm, &layers, &substrate)?)
 }
 

@@ -53,9 +53,9 @@ fn summary(study: &Study) -> String {
     let pigments = if shares.is_empty() { "A clear layer".to_owned() } else { shares.join(" and ") };
     let paper = match (&study.angles.rule, study.paper.coupling) {
         (None, _) => String::new(),
-        (_, Coupling::Gap) => format!(", on paper of albedo {}", study.paper.albedo),
+        (_, Coupling::Gap) => format!(", on paper of albedo {}", study.paper.source),
         (_, Coupling::OpticalContact { .. }) => {
-            format!(", in optical contact with paper of albedo {}", study.paper.albedo)
+            format!(", in optical contact with paper of albedo {}", study.paper.source)
         }
     };
     format!("{pigments} in a layer {} µm thick{paper}.", study.layer.thickness_um)
@@ -145,7 +145,7 @@ fn colour_note(manifest: &Manifest<&Study>) -> String {
     let mut note = format!(
         "Under {NATURAL_LIGHT}: a uniform sky, seen along the normal; {LIT_AT_45}: lit at 45°, seen along the normal, as \
          prints are measured. CIE 1931 observer, illuminant D65. C* is the chroma, h the hue. The patch shows the first column; ± is one \
-         standard error."
+         standard error: chance over packings, and the grid."
     );
     let outside: Vec<&str> =
         manifest.colours.iter().filter(|c| c.colour.out_of_gamut).map(|c| c.conditions.as_str()).collect();

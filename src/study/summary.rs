@@ -4,15 +4,14 @@ use super::checked::Study;
 use super::identity::METHOD_VERSION;
 use super::runner::Collected;
 use super::seen::{LayerSeen, NoInk, Seen};
+use super::uncertainty::{self, Uncertainty};
 use crate::appearance::angles::PolarAngle;
 use crate::appearance::bdf::Lobe;
 use crate::appearance::colour::Colour;
-use crate::appearance::estimate::Estimate;
 use crate::appearance::ink_on_paper::{InkError, InkOnPaper};
 use crate::appearance::paper::LayerOnPaper;
 use crate::report::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
 use crate::report::record::PointRecord;
-use std::f64::consts::PI;
 
 /// Illumination of print measurement, seen along the normal (ISO 13655: 45°:0°).
 const PRINT_LIGHT_DEG: f64 = 45.0;
@@ -30,7 +29,8 @@ pub fn program() -> String {
 pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<&'a Study> {
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
     let (asked, finished) = (study.solves(), collected.finished());
-    let (colours, no_colour) = match colours(study, seen) {
+    let uncertainty = Uncertainty { grid: collected.resolved.grid_error, certain: study.pigments.is_empty() };
+    let (colours, no_colour) = match colours(study, seen, &uncertainty) {
         Ok(colours) => (colours, None),
         Err(reason) => (Vec::new(), Some(reason)),
     };
@@ -49,7 +49,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
         colours,
         no_colour,
-        spectra: spectra(study, seen),
+        spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         study,
     }
@@ -78,6 +78,8 @@ fn certainty(
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
     Certainty {
         amplitude_error_estimate: collected.resolved.error_estimate,
+        reflectance_grid_error: collected.resolved.grid_error.reflectance,
+        transmittance_grid_error: collected.resolved.grid_error.transmittance,
         angle_error_estimate,
         largest_energy_error: largest(&|r| r.energy_error().abs()),
         largest_residual: largest(&|r| r.account.residual),
@@ -104,18 +106,22 @@ impl Conditions {
 
     fn lit_at_45(&self) -> Option<impl Fn(&LayerOnPaper) -> f64 + '_> {
         let light = self.print_light.as_ref()?;
-        Some(|layer: &LayerOnPaper| PI * layer.brdf(light, &self.normal))
+        Some(|layer: &LayerOnPaper| uncertainty::lit(layer, light, &self.normal))
     }
 }
 
 /// Colours under both conditions, or why there are none.
-fn colours(study: &Study, seen: &Seen) -> Result<Vec<ColourNote>, String> {
+fn colours(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Result<Vec<ColourNote>, String> {
     let ink = seen.ink.as_ref().map_err(NoInk::to_string)?;
     let of = || -> Result<Vec<ColourNote>, InkError> {
         let conditions = Conditions::new(ink)?;
-        let mut notes = vec![note(NATURAL_LIGHT, ink.colour(conditions.natural_light(study))?)];
-        if let Some(lit_at_45) = conditions.lit_at_45() {
-            notes.push(note(LIT_AT_45, ink.colour(lit_at_45)?));
+        let Conditions { normal, print_light } = &conditions;
+        let sky = |layer: &LayerOnPaper| uncertainty.natural_light(layer, normal);
+        let seen = uncertainty.colour(ink, conditions.natural_light(study), sky)?;
+        let mut notes = vec![note(NATURAL_LIGHT, seen)];
+        if let Some((lit_at_45, light)) = conditions.lit_at_45().zip(print_light.as_ref()) {
+            let lit = |layer: &LayerOnPaper| uncertainty.lit(layer, light, normal);
+            notes.push(note(LIT_AT_45, uncertainty.colour(ink, lit_at_45, lit)?));
         }
         Ok(notes)
     };
@@ -132,29 +138,34 @@ fn note(conditions: &str, colour: Colour) -> ColourNote {
     }
 }
 
-fn spectra(study: &Study, seen: &Seen) -> Vec<SpectrumRow> {
-    let mut rows: Vec<SpectrumRow> = seen.layer.iter().map(layer_row).collect();
+fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
+    let mut rows: Vec<SpectrumRow> = seen.layer.iter().map(|layer| layer_row(layer, uncertainty)).collect();
     if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(ink))) {
         let natural = ink.spectrum(conditions.natural_light(study)).estimates();
         let lit = conditions.lit_at_45().map(|lit| ink.spectrum(lit).estimates());
-        for (i, row) in rows.iter_mut().enumerate() {
-            row.natural_light = natural.get(i).copied();
-            row.lit_at_45 = lit.as_ref().and_then(|lit: &Vec<Estimate>| lit.get(i).copied());
+        for (i, (row, layer)) in rows.iter_mut().zip(ink.layers()).enumerate() {
+            let grid = uncertainty.natural_light(layer, &conditions.normal);
+            row.natural_light = Some(uncertainty.widen(natural[i], grid));
+            let light = lit.as_ref().zip(conditions.print_light.as_ref());
+            row.lit_at_45 = light.map(|(lit, light)| {
+                uncertainty.widen(lit[i], uncertainty.lit(layer, light, &conditions.normal))
+            });
         }
     }
     rows
 }
 
-fn layer_row(layer: &LayerSeen) -> SpectrumRow {
+fn layer_row(layer: &LayerSeen, uncertainty: &Uncertainty) -> SpectrumRow {
     let [reflected, transmitted] = [Lobe::Reflected, Lobe::Transmitted].map(|lobe| layer.totals(lobe));
+    let (r, t) = (uncertainty.grid.reflectance, uncertainty.grid.transmittance);
     SpectrumRow {
         wavelength_nm: layer.wavelength_nm,
         polar_deg: layer.bdfs[0].incidence().polar_deg,
-        reflectance: reflected.total,
-        specular_reflectance: reflected.specular,
-        transmittance: transmitted.total,
-        specular_transmittance: transmitted.specular,
-        absorptance: layer.absorptance,
+        reflectance: uncertainty.widen(reflected.total, r),
+        specular_reflectance: uncertainty.widen(reflected.specular, r),
+        transmittance: uncertainty.widen(transmitted.total, t),
+        specular_transmittance: uncertainty.widen(transmitted.specular, t),
+        absorptance: uncertainty.widen(layer.absorptance, r + t),
         natural_light: None,
         lit_at_45: None,
     }

@@ -21,6 +21,9 @@ pub trait RunWatch: Sync {
     /// Solves of a realisation need no work: they are in the store already.
     fn kept(&self, _study: &Study, _solves: usize) {}
 
+    /// A solve has ended, in whichever way.
+    fn ended(&self) {}
+
     /// A solve has ended and its record is safe, or it has failed.
     fn solved(&self, _study: &Study, _point: &Point, _failure: Option<&str>) {}
 }

@@ -48,8 +48,7 @@ fn by_rule(file: &StudyFile, count: usize, coupling: Coupling, faults: &mut Faul
     match AngleRule::new(count, table.picture_max_deg, coupling) {
         Ok(rule) => Angles {
             above: degrees(&rule.above),
-            // A layer in a gap is statistically the same from both sides.
-            below: if coupling == Coupling::Gap { Vec::new() } else { degrees(&rule.below) },
+            below: if same_from_below(file, coupling) { Vec::new() } else { degrees(&rule.below) },
             rule: Some(rule),
             ..listed(table, Vec::new())
         },
@@ -60,6 +59,12 @@ fn by_rule(file: &StudyFile, count: usize, coupling: Coupling, faults: &mut Faul
             listed(table, Vec::new())
         }
     }
+}
+
+/// A layer between two plane walls with vacuum on both sides is statistically the same from above and from below:
+/// its solves from above give R̄_b. A relief or a medium below breaks that symmetry.
+fn same_from_below(file: &StudyFile, coupling: Coupling) -> bool {
+    coupling == Coupling::Gap && file.layer.relief.is_none()
 }
 
 /// The picture is of an ink in air, on paper behind a gap of air or in contact with it.

@@ -153,7 +153,7 @@ fn fits(i: usize, grains: &PigmentGrains, one_diameter: bool, layer: &LayerTable
 }
 
 /// Thickness and length of the largest grain.
-fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
+pub(in crate::study) fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
     let template = grains.shape.template();
     let largest = grains.size.largest_nm();
     let radius = match grains.size.measure() {

@@ -52,7 +52,7 @@ fn seen_spectra(rows: &[SpectrumRow]) -> Drawing {
     ];
     let caption = format!(
         "What the eye receives from the ink on its paper, as a share of what a perfect white would send: under {NATURAL_LIGHT} \
-         and at {LIT_AT_45} (π × BRDF). Bars are standard errors over realisations."
+         and at {LIT_AT_45} (π × BRDF). Bars are standard errors: chance over realisations, and the grid."
     );
     Some(("The ink on its paper", against_wavelength("share of a perfect white", series)?, caption))
 }

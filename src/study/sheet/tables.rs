@@ -20,11 +20,12 @@ pub(super) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
     let mut rows = vec![meant("realisations", seen.realisations.to_string(), ensemble)];
     if let Some(noise) = manifest.colours.first().and_then(|c| c.lab_standard_error) {
         let length = noise.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let meaning = "standard error of the colour over packings, as a distance in Lab";
-        rows.push(meant("colour noise", format!("ΔE {length:.2}"), meaning));
+        let meaning =
+            "standard error of the colour, as a distance in Lab: chance over packings, and the grid";
+        rows.push(meant("colour", format!("ΔE {length:.2}"), meaning));
     }
     if let Some(error) = largest_error(&manifest.spectra) {
-        let meaning = "largest standard error of the layer's R or T over packings";
+        let meaning = "largest standard error of the layer's R or T: chance over packings, and the grid";
         rows.push(meant("spectra", format!("± {error:.4}"), meaning));
     }
     if let Some(error) = certainty.angle_error_estimate {
@@ -34,7 +35,13 @@ pub(super) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
     }
     rows.extend([
         meant(
-            "grid",
+            "grid, R and T",
+            format!("{:.1e}, {:.1e}", certainty.reflectance_grid_error, certainty.transmittance_grid_error),
+            "expected errors from the grid, by comparison with a coarser one at the hardest wavelengths and angles; part of \
+             all error bars",
+        ),
+        meant(
+            "grid, orders",
             format!("{:.1e}", certainty.amplitude_error_estimate),
             "expected error of the complex amplitudes of single orders, from coarser and finer grids; sums over orders are \
              better known",
@@ -102,7 +109,7 @@ fn paper(study: &Study) -> String {
         MirroredSky::Included => "with",
         MirroredSky::Excluded => "without",
     };
-    format!("albedo {}, {coupling}; natural light {sky} the mirrored sky", study.paper.albedo)
+    format!("albedo {}, {coupling}; natural light {sky} the mirrored sky", study.paper.source)
 }
 
 fn list(values: &[f64], unit: &str) -> String {
@@ -160,8 +167,9 @@ pub(super) fn limits(study: &Study) -> Vec<String> {
         "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
          thickness they wash out."
             .to_owned(),
-        "Standard errors are over realisations (independent random packings) by the jackknife. They do not hold the \
-         errors of the grid, of the angles' quadrature or of the wavelengths' spacing."
+        "Standard errors hold the chance over realisations (independent random packings, by the jackknife) and the \
+         grid's error. They do not hold the errors of the angles' quadrature, of the wavelengths' spacing or of the \
+         periodic cell."
             .to_owned(),
     ];
     if study.pigments.iter().any(|p| p.material.source.contains("synthetic")) {

@@ -142,9 +142,9 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Estimate, usize), Str
     let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
     let several = all().map(|o| o.realisations).filter(|&n| n > 1).min().unwrap_or(0);
     if claim.quantity == Quantity::DeltaE {
-        let colour = |v: usize| outcomes[v].colour.as_ref().ok_or(outcomes[v].name.clone());
-        let (a, b) = (colour(claim.plus[0])?, colour(claim.minus[0])?);
-        return Ok((a.delta_e_2000(b), several));
+        let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
+        let missing = || if a.colour.is_none() { a.name.clone() } else { b.name.clone() };
+        return a.delta_e_2000(b).map(|difference| (difference, several)).ok_or_else(missing);
     }
     let (mut value, mut variance, mut known) = (0.0, 0.0, true);
     for (sign, &v) in claim.plus.iter().map(|v| (1.0, v)).chain(claim.minus.iter().map(|v| (-1.0, v))) {
@@ -198,23 +198,23 @@ fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
         (Quantity::Transmittance, nm) => format!("T{:.0}", nm.unwrap_or(0.0)),
         (Quantity::Reflectance, nm) => format!("R{:.0}", nm.unwrap_or(0.0)),
         (Quantity::DeltaE, _) => {
-            let name = |v: &[usize]| v.first().map_or("", |&v| outcomes[v].name.as_str());
-            return bounded(claim, &format!("ΔE₀₀({}, {})", name(&claim.plus), name(&claim.minus)));
+            let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));
+            return bounded(claim, &format!("ΔE₀₀({}; {})", name(&claim.plus), name(&claim.minus)));
         }
     };
-    let term = |v: &usize| format!("{symbol}({})", outcomes[*v].name);
+    let term = |v: &usize| format!("{symbol}({})", outcomes[*v].labels.join(", "));
     let plus: Vec<String> = claim.plus.iter().map(term).collect();
     let minus: String = claim.minus.iter().map(|v| format!(" − {}", term(v))).collect();
     bounded(claim, &format!("{}{minus}", plus.join(" + ")))
 }
 
 fn bounded(claim: &Claim, what: &str) -> String {
+    let bound = |x: f64| x.to_string().replace('-', "−");
     match (claim.at_least, claim.at_most) {
-        (Some(low), Some(high)) => format!("{low} ≤ {what} ≤ {high}"),
-        (Some(low), None) => format!("{what} ≥ {low}"),
-        (_, high) => format!("{what} ≤ {}", high.unwrap_or(f64::INFINITY)),
+        (Some(low), Some(high)) => format!("{} ≤ {what} ≤ {}", bound(low), bound(high)),
+        (Some(low), None) => format!("{what} ≥ {}", bound(low)),
+        (_, high) => format!("{what} ≤ {}", bound(high.unwrap_or(f64::INFINITY))),
     }
-    .replace('-', "−")
 }
 
 #[cfg(test)]

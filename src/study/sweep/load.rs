@@ -44,6 +44,15 @@ pub struct AxisOutline {
     pub labels: Vec<String>,
 }
 
+impl AxisOutline {
+    /// A value's caption where it stands alone: `paper 0.9`, but `yellow` rather than `ink yellow`.
+    pub fn named(&self, k: usize) -> String {
+        let label = &self.labels[k];
+        let speaks = label.chars().next().is_some_and(char::is_alphabetic);
+        if speaks { label.clone() } else { format!("{} {label}", self.name) }
+    }
+}
+
 /// A variant's name and its place on every axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {

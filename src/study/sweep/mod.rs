@@ -15,6 +15,7 @@
 
 pub mod axes;
 pub mod conclusions;
+mod curves;
 pub mod expand;
 pub mod field;
 pub mod file;

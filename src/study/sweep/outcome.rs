@@ -81,6 +81,17 @@ impl Outcome {
     }
 }
 
+impl Outcome {
+    /// ΔE₀₀ to another variant's colour; a colour in which nothing is uncertain counts as exact.
+    pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
+        let colour = |o: &Self| {
+            let exact = o.certain.then_some([[0.0; 3]; 3]);
+            o.colour.map(|c| Colour { lab_covariance: c.lab_covariance.or(exact), ..c })
+        };
+        Some(colour(self)?.delta_e_2000(&colour(other)?))
+    }
+}
+
 /// L*, a* or b* with its error.
 pub fn lab(colour: &Colour, i: usize) -> Estimate {
     Estimate { value: colour.lab[i], standard_error: colour.lab_standard_error().map(|e| e[i]) }

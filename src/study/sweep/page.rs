@@ -1,6 +1,7 @@
 //! What the page of a sweep says.
 
 use super::conclusions::Judged;
+use super::curves;
 use super::load::Sweep;
 use super::outcome::Outcome;
 use super::publish::{Reported, numbers};
@@ -8,10 +9,8 @@ use super::sheets::Sheet;
 use crate::appearance::estimate::Estimate;
 use crate::appearance::figure::FigureError;
 use crate::appearance::plots::{Plot, Series};
-use crate::report::page::{Picture, png_data};
+use crate::report::page::{Picture, png_data, svg_data};
 use crate::report::sweep_page::{ConclusionRow, SweepPage, VariantRow};
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
 
 /// Most spectra in one figure: colours of the palette.
 const MOST_CURVES: usize = 7;
@@ -39,7 +38,7 @@ pub(super) fn page(
         axes: outline.axes.iter().map(|axis| axis.name.clone()).collect(),
         reference: reference.name.clone(),
         variants: reported.outcomes.iter().map(|outcome| row(outcome, reference)).collect(),
-        figures: figures(sheets, &reported.outcomes)?,
+        figures: figures(sweep, sheets, &reported.outcomes)?,
         program: crate::study::summary::program(),
     })
 }
@@ -93,7 +92,7 @@ fn with_error(estimate: Estimate, digits: usize) -> String {
         return String::new();
     }
     let value = format!("{:.digits$}", estimate.value).replace('-', "−");
-    match estimate.standard_error {
+    match estimate.standard_error.filter(|&error| error > 0.0) {
         Some(error) => format!("{value} ± {error:.digits$}"),
         None => value,
     }
@@ -105,15 +104,19 @@ pub(super) fn cells(estimate: Option<Estimate>) -> [String; 2] {
     [text(estimate.map(|e| e.value)), text(estimate.and_then(|e| e.standard_error))]
 }
 
-/// Transmittance of the layer alone: one figure for each row of each sheet, one curve for each column.
-fn figures(sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, FigureError> {
+/// Curves against concentration and size; then spectra of the layer's transmittance: one figure for each row of each
+/// sheet, one curve for each column.
+fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, FigureError> {
     let mut figures = Vec::new();
     for sheet in sheets {
+        for plot in curves::plots(sweep, sheet, outcomes, MOST_CURVES) {
+            figures.push(drawn(&plot));
+        }
         for (name, row) in sheet.rows.iter().zip(&sheet.variants) {
             let words = [sheet.caption.as_str(), &sheet.row_axis, name];
             let caption = words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" · ");
             figures.extend(figure(&caption, &sheet.columns, row, outcomes).transpose());
-            if figures.len() == MOST_FIGURES {
+            if figures.len() >= MOST_FIGURES {
                 return figures.into_iter().collect();
             }
         }
@@ -144,6 +147,9 @@ fn figure(
         series,
         ..Plot::default()
     };
-    let data = format!("data:image/svg+xml;base64,{}", BASE64_STANDARD.encode(plot.svg()?));
-    Ok(Some(Picture { data, caption: caption.to_owned() }))
+    drawn(&plot).map(Some)
+}
+
+fn drawn(plot: &Plot) -> Result<Picture, FigureError> {
+    Ok(Picture { data: svg_data(&plot.svg()?), caption: plot.title.clone() })
 }

@@ -131,8 +131,11 @@ const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
 /// L*, a*, b*, C*, h and ΔE₀₀ to the reference; `None` without a colour.
 pub(super) fn numbers(outcome: &Outcome, reference: &Outcome) -> Option<[Estimate; 6]> {
     let colour = outcome.colour.as_ref()?;
-    let difference = reference.colour.as_ref().map(|other| colour.delta_e_2000(other));
-    let difference = difference.unwrap_or(Estimate::unknown_error(f64::NAN));
+    let difference = match outcome.delta_e_2000(reference) {
+        // No difference to itself, and no error of it.
+        Some(_) if outcome.name == reference.name => Estimate::unknown_error(0.0),
+        difference => difference.unwrap_or(Estimate::unknown_error(f64::NAN)),
+    };
     Some([lab(colour, 0), lab(colour, 1), lab(colour, 2), colour.chroma(), colour.hue_deg(), difference])
 }
 

@@ -63,8 +63,7 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
     };
     let axis_name = |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].name.clone());
     let shown = |a: usize| Some(a) == row || Some(a) == column;
-    let captions =
-        (0..outline.axes.len()).filter(|&a| !shown(a)).map(|a| outline.axes[a].labels[other[a]].as_str());
+    let captions = (0..outline.axes.len()).filter(|&a| !shown(a)).map(|a| outline.axes[a].named(other[a]));
     Sheet {
         caption: captions.collect::<Vec<_>>().join(", "),
         row_axis: axis_name(row),
@@ -80,6 +79,8 @@ impl Sheet {
     pub fn contact_sheet(&self, title: &str, pictures: &[Option<InkPicture>]) -> ContactSheet {
         let title =
             if self.caption.is_empty() { title.to_owned() } else { format!("{title}: {}", self.caption) };
+        let places = (0..self.rows.len()).flat_map(|r| (0..self.columns.len()).map(move |c| [r, c]));
+        let left_out = places.filter(|&[r, c]| self.variants[r][c].is_none()).collect();
         let picture = |v: &Option<usize>| v.and_then(|v| pictures[v].clone());
         ContactSheet {
             title,
@@ -87,6 +88,7 @@ impl Sheet {
             rows: self.rows.clone(),
             column_axis: self.column_axis.clone(),
             columns: self.columns.clone(),
+            left_out,
             pictures: self.variants.iter().map(|row| row.iter().map(picture).collect()).collect(),
         }
     }

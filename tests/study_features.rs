@@ -1,0 +1,118 @@
+//! What a study may ask for beyond grains of one pigment between plane walls: reliefs, mixtures, spectral paper.
+
+mod run_support;
+
+use run_support::{TINY, study, succeed};
+use serde_json::Value;
+use std::path::Path;
+
+/// Runs a study in its own folder and reads its results.
+fn results(folder: &Path, text: &str) -> Value {
+    let out = folder.join("out");
+    succeed(&study(folder, text), &out, &[]);
+    serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap()
+}
+
+/// Every solve's record.
+fn points(folder: &Path) -> Vec<Value> {
+    let files = std::fs::read_dir(folder.join("out/points")).unwrap();
+    files.map(|f| serde_json::from_slice(&std::fs::read(f.unwrap().path()).unwrap()).unwrap()).collect()
+}
+
+#[test]
+fn a_relief_is_lit_from_below_too_and_transmits_the_same_both_ways() {
+    let folder = tempfile::tempdir().unwrap();
+    let relief = TINY
+        .replace("binder.index", "relief = { depth_um = 0.1 }\nbinder.index")
+        .replace("realisations = 2", "realisations = 1");
+    let results = results(folder.path(), &relief);
+    assert_eq!(results["solves"]["finished"], 4 * (3 + 3));
+    assert!(results["certainty"]["largest_energy_error"].as_f64().unwrap() < 1e-5);
+    let points = points(folder.path());
+    let find = |wavelength_um: f64, from: &str| {
+        let same = |p: &&Value| {
+            let i = &p["incidence"];
+            i["from"] == from
+                && i["polar_deg"] == 0.0
+                && (i["wavelength_um"].as_f64().unwrap() - wavelength_um).abs() < 1e-9
+        };
+        points.iter().find(same).unwrap()
+    };
+    let mut asymmetry: f64 = 0.0;
+    for nm in [400.0, 500.0, 600.0, 700.0] {
+        let [above, below] = ["above", "below"].map(|from| find(1e-3 * nm, from));
+        let amplitude = |p: &Value| {
+            let straight = |row: &&Value| row[0] == 0 && row[1] == 0;
+            let row = p["orders"].as_array().unwrap().iter().find(straight).unwrap();
+            [row[8].as_f64().unwrap(), row[9].as_f64().unwrap()]
+        };
+        let ([a, b], [c, d]) = (amplitude(above), amplitude(below));
+        // Reciprocity of the straight transmission, to the solver's residual of 1e-6 on both sides.
+        assert!((a - c).hypot(b - d) < 1e-5, "{nm}: {a} {b}, {c} {d}");
+        let reflected = |p: &Value| p["reflectance"].as_f64().unwrap();
+        asymmetry = asymmetry.max((reflected(above) - reflected(below)).abs());
+    }
+    // Air between the tops of the grains on one side only.
+    assert!(asymmetry > 1e-3, "{asymmetry}");
+}
+
+#[test]
+fn a_mixture_has_both_shares_and_absorbs_where_either_pigment_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = TINY.find("[[pigment]]").unwrap();
+    let pigment = &TINY[start..TINY.find("[light]").unwrap()];
+    let blue = pigment.replace("yellow", "blue").replace("0.15", "0.10");
+    let mixture = TINY.replace("[light]", &format!("{blue}[light]"));
+    let results_of = |text: &str, name: &str| {
+        let folder = folder.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        results(&folder, text)
+    };
+    let alone = results_of(TINY, "yellow");
+    let both = results_of(&mixture, "both");
+    let shares = both["packings"][0]["shares"].as_array().unwrap();
+    let share = |i: usize| shares[i]["achieved_fraction"].as_f64().unwrap();
+    // One grain of 200 nm is 1.3 % of this cell.
+    assert!((share(0) - 0.15).abs() < 0.013 && (share(1) - 0.10).abs() < 0.013, "{shares:?}");
+    let transmitted = |r: &Value, w: usize| r["spectra"][w]["transmittance"]["value"].as_f64().unwrap();
+    // At 600 nm the yellow pigment hardly absorbs (κ < 0.01) and the blue one does.
+    assert!(transmitted(&alone, 2) - transmitted(&both, 2) > 0.1);
+    let hue = |r: &Value| r["colours"][0]["hue_deg"]["value"].as_f64().unwrap();
+    assert!((80.0..120.0).contains(&hue(&alone)) && (120.0..250.0).contains(&hue(&both)), "{}", hue(&both));
+}
+
+#[test]
+fn the_papers_albedo_may_be_a_spectrum() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |name: &str, albedo: &str| {
+        let folder = folder.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("paper.csv"), "wavelength_nm,albedo\n400,0.5\n700,0.8\n").unwrap();
+        let results =
+            results(&folder, &TINY.replace("[light]", &format!("[paper]\nalbedo = {albedo}\n[light]")));
+        let rows = results["spectra"].as_array().unwrap();
+        rows.iter().map(|row| row["natural_light"]["value"].as_f64().unwrap()).collect::<Vec<f64>>()
+    };
+    let [dark, light] = [("dark", "0.5"), ("light", "0.8")].map(|(name, rho)| with(name, rho));
+    let listed = with("listed", "[[400, 0.5], [700, 0.8]]");
+    assert_eq!(listed, with("table", "{ csv = \"paper.csv\" }"));
+    assert!(listed[0] == dark[0] && listed[3] == light[3]);
+    assert!((1..3).all(|w| dark[w] < listed[w] && listed[w] < light[w]));
+}
+
+#[test]
+fn albedos_that_are_none_are_refused_with_field_value_range_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |albedo: &str, words: &[&str]| {
+        let text = TINY.replace("[light]", &format!("[paper]\nalbedo = {albedo}\n[light]"));
+        let done = run_support::run(&study(folder.path(), &text), &folder.path().join("out"), &[]);
+        let told = String::from_utf8_lossy(&done.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(!done.status.success() && !told.contains("panicked"), "{told}");
+        words.iter().for_each(|word| assert!(told.contains(word), "no {word} in {told}"));
+    };
+    refused("1.5", &["paper.albedo", "1.5", "0 to 1", "0.9 is good paper"]);
+    refused("[[400, 0.5], [700, 1.5]]", &["paper.albedo[1]", "1.5 at 700 nm", "from 0 to 1"]);
+    refused("[[450, 0.5], [700, 0.5]]", &["paper.albedo", "450 to 700 nm, asked at 400", "extend the table"]);
+    refused("{ csv = \"none.csv\" }", &["paper.albedo.csv", "none.csv", "wavelength_nm,albedo"]);
+    refused("\"white\"", &["white", "a number, rows"]);
+}
