@@ -13,7 +13,7 @@ pub enum Style {
     Data,
     /// Measured points alone.
     Points,
-    /// A line to compare with, dashed.
+    /// A line to compare with, dashed; bars become a band.
     Guide,
 }
 
@@ -110,7 +110,7 @@ impl LogPlot {
             return Err(format!("plot \"{}\" has nothing to show", self.title));
         }
         if self.log[axis] {
-            return Ok(low / 1.25..high * 1.25);
+            return Ok(wide(low / 1.25, high * 1.25));
         }
         let margin = 0.04 * if high > low { high - low } else { high.abs().max(1.0) };
         Ok(low - margin..high + margin)
@@ -159,18 +159,26 @@ impl LogPlot {
                     chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(|e| fail(&e))?;
                 }
                 Style::Guide => {
+                    let edge = |p: &[f64; 3], sign: f64| (p[0], p[1] + sign * p[2]);
+                    let band: Vec<_> = points
+                        .iter()
+                        .map(|p| edge(p, 1.0))
+                        .chain(points.iter().rev().map(|p| edge(p, -1.0)))
+                        .collect();
+                    chart.draw_series([Polygon::new(band, colour.mix(0.25))]).map_err(|e| fail(&e))?;
                     let dashed = DashedLineSeries::new(line, DASHES.0 as u32, DASHES.1 as u32, colour.into());
                     chart.draw_series(dashed).map_err(|e| fail(&e))?;
                 }
                 Style::Points => {}
             }
-            if curve.style != Style::Guide && points.len() <= MARKED {
+            if curve.style == Style::Points || (curve.style == Style::Data && points.len() <= MARKED) {
                 let marks = points
                     .iter()
                     .map(|p| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled()));
                 chart.draw_series(marks).map_err(|e| fail(&e))?;
             }
-            let bars = points.iter().filter(|p| p[2] > 0.0 && (!self.log[1] || p[1] > p[2])).map(|p| {
+            let barred = |p: &&[f64; 3]| curve.style != Style::Guide && p[2] > 0.0;
+            let bars = points.iter().filter(barred).filter(|p| !self.log[1] || p[1] > p[2]).map(|p| {
                 PathElement::new([(p[0], p[1] - p[2]), (p[0], p[1] + p[2])], colour.stroke_width(1))
             });
             chart.draw_series(bars).map_err(|e| fail(&e))?;
@@ -201,6 +209,17 @@ impl LogPlot {
         }
         Ok(())
     }
+}
+
+/// A logarithmic range that holds two of the ticks 1, 2 and 5 times powers of ten.
+fn wide(low: f64, high: f64) -> std::ops::Range<f64> {
+    let decade = 10f64.powf(low.log10().floor());
+    let ticks = || [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].map(|t| t * decade).into_iter();
+    if high / low >= 10.0 || ticks().filter(|t| (low..=high).contains(t)).count() > 1 {
+        return low..high;
+    }
+    let start = ticks().filter(|t| *t <= low * (1.0 + 1e-9)).fold(decade, f64::max);
+    start * 0.999..ticks().find(|t| *t >= high && *t > start).unwrap_or(100.0 * decade) * 1.001
 }
 
 /// Okabe–Ito, and the same greyer from the eighth curve on.

@@ -84,18 +84,18 @@ fn misfit(measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> f64 {
 const CHANCE: &str =
     "χ² over 100 bins and the largest deviation, as shares of their limits at probability 1e-3";
 
-/// g against its truth, with bars of three standard errors.
-fn plot(title: String, measured: &[Estimate], truth: &[f64]) -> LogPlot {
+/// g with bars of three standard errors against its truth with a band of three.
+fn plot(title: String, measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> LogPlot {
     let x = |i: usize| 1.01 + 0.02 * i as f64;
     let bars = measured.iter().enumerate().map(|(i, g)| [x(i), g.mean, 3.0 * g.standard_error.unwrap()]);
-    let known = truth.iter().enumerate().map(|(i, &g)| (x(i), g));
+    let known = truth.iter().zip(truth_error).enumerate().map(|(i, (&g, e))| [x(i), g, 3.0 * e]);
     LogPlot::linear(
         &title,
         "distance of centres r/d",
         "pair correlation g(r)",
         vec![
-            Curve::with_bars("measured ± 3 standard errors", Style::Points, bars),
-            Curve::new("truth", Style::Guide, known),
+            Curve::with_bars("truth ± 3 errors", Style::Guide, known),
+            Curve::with_bars("measured ± 3 errors", Style::Points, bars),
         ],
     )
 }
@@ -134,10 +134,10 @@ fn sequential(level: Level, findings: &mut Findings) {
     for (key, fraction) in [("0.10", 0.10), ("0.20", 0.20), ("0.30", 0.30)] {
         let reference = &table["rsa"][key];
         let packings = ensemble(8.0, fraction, MethodChoice::SequentialAddition, 0, level.pick(6, 16));
-        let (g, truth) = (g_of(&packings), numbers(&reference["g"]));
-        let misfit = misfit(&g, &truth, &numbers(&reference["se"]));
+        let (g, truth, error) = (g_of(&packings), numbers(&reference["g"]), numbers(&reference["se"]));
+        let misfit = misfit(&g, &truth, &error);
         findings.significance(format!("RSA, φ = {fraction}"), misfit, 1.0, CHANCE);
-        findings.plots.push(plot(format!("Sequential addition, φ = {fraction}"), &g, &truth));
+        findings.plots.push(plot(format!("Sequential addition, φ = {fraction}"), &g, &truth, &error));
         let nearest = |p: &Packing| pair_statistics_to(p, 0.02, 3.0).mean_nearest_um() / DIAMETER_UM;
         let mean = Estimate::of(&packings.iter().map(nearest).collect::<Vec<_>>());
         let expected = reference["mean_nearest_neighbour_over_d"].as_f64().unwrap();
@@ -181,11 +181,8 @@ fn fluid(level: Level, findings: &mut Findings) {
             1.0,
             CHANCE,
         );
-        findings.plots.push(plot(
-            format!("Equilibrium and Verlet–Weis, φ = {fraction}"),
-            &measured,
-            &formula,
-        ));
+        let title = format!("Equilibrium and Verlet–Weis, φ = {fraction}");
+        findings.plots.push(plot(title, &measured, &formula, &error));
     }
     // The power of the test: without equilibration the same criterion refuses.
     let truth = &file["by_fraction"]["0.30"];
