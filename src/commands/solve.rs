@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
-use inkwave::solve::{Goal, SolverChoice, Step, Watch};
+use inkwave::solve::{Coverages, Goal, SolverChoice, Step, Watch};
 use inkwave::study::case::Case;
 use inkwave::wave::{Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
@@ -82,7 +82,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     }
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
-        scene: &case.scene,
+        coverages: &Coverages::of(&case.scene),
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },

@@ -3,13 +3,11 @@
 //! A result is compared with one that has a fifth fewer points in the plane and one that has a fifth fewer cells
 //! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
 
+use super::coverages::Coverages;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
 use super::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{
-    Coverage, FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scene, Scheme, Shape, WaveError,
-};
+use crate::wave::{FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scheme, Shape, WaveError};
 use num_complex::Complex64;
-use std::sync::Arc;
 use thiserror::Error;
 
 pub use super::resolution::smooth_size;
@@ -30,7 +28,7 @@ const LEVELS: usize = 24;
 /// One solve to be made: everything but the resolution.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
-    pub scene: &'a Scene,
+    pub coverages: &'a Coverages<'a>,
     pub media: &'a Media,
     pub incidence: &'a Incidence,
     pub mean: Mean,
@@ -81,7 +79,7 @@ impl Task<'_> {
         watch: &mut dyn Watch,
     ) -> Result<(Problem, Solution, f64), AccuracyError> {
         let clock = std::time::Instant::now();
-        let coverage = Arc::new(Coverage::new(self.scene, resolution)?);
+        let coverage = self.coverages.at(resolution)?;
         let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
         let solution = self.solver.solve(&problem, self.goal, watch)?;
@@ -102,7 +100,7 @@ impl Task<'_> {
             let uniform = problem.coverage.uniform;
             let plane = [COMPANION, 1.0 / COMPANION].map(|factor| scaled_plane(resolution, factor, uniform));
             let across = [scaled_cells(resolution, COMPANION), scaled_cells(resolution, 1.0 / COMPANION)];
-            parts[0] = if self.scene.uniform_in_plane() {
+            parts[0] = if self.coverages.scene.uniform_in_plane() {
                 0.0
             } else {
                 self.compare(&far_field, resolution, plane, watch)?
@@ -145,9 +143,11 @@ impl Task<'_> {
     /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
     /// do so in one.
     fn orders(&self, own: Resolution) -> [i32; 2] {
-        let upright = self.scene.bodies.iter().any(|b| matches!(b.shape, Shape::BarY { .. }));
-        let sharp = i32::from(self.scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
-        let waves = [self.scene.period_um[0], self.scene.thickness_um()].map(|l| l * self.waves_per_um());
+        let upright = self.coverages.scene.bodies.iter().any(|b| matches!(b.shape, Shape::BarY { .. }));
+        let sharp =
+            i32::from(self.coverages.scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
+        let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
+            .map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
         [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
     }
@@ -228,11 +228,16 @@ impl Task<'_> {
         let waves = self.waves_per_um();
         let points =
             |period: f64| smooth_size((START[0] * finer.powf(0.25) * waves * period).ceil() as usize);
-        let nx = if self.scene.uniform_in_plane() { 1 } else { points(self.scene.period_um[0]) };
-        let ny = if self.scene.uniform_in_y() { 1 } else { points(self.scene.period_um[1]) };
-        let planes = START[1] * finer.powf(0.2) * waves * self.scene.thickness_um();
+        let nx = if self.coverages.scene.uniform_in_plane() {
+            1
+        } else {
+            points(self.coverages.scene.period_um[0])
+        };
+        let ny =
+            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1]) };
+        let planes = START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
         let cells = (planes / self.scheme.degree() as f64).ceil() as usize;
-        Resolution { nx, ny, cells: cells.max(self.scene.strata.len()).max(2), scheme: self.scheme }
+        Resolution { nx, ny, cells: cells.max(self.coverages.scene.strata.len()).max(2), scheme: self.scheme }
     }
 
     /// Bytes of a solve: some 40 basis vectors, factors, coverage.

@@ -3,7 +3,7 @@
 use crate::ink::{PackingRequest, PigmentGrains, pack};
 use crate::report::comparison::{Comparison, Row};
 use crate::solve::accuracy::{AccuracyError, Task, largest_difference};
-use crate::solve::{Gmres, Goal, Silent, SolveError, Solver, SolverChoice, Watch};
+use crate::solve::{Coverages, Gmres, Goal, Silent, SolveError, Solver, SolverChoice, Watch};
 use crate::study::case::{Case, CaseError};
 use crate::wave::{
     Coverage, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side, WaveError,
@@ -206,7 +206,7 @@ impl ComparisonFile {
         let resolution = resolution(&subject.case.scene, finest, Scheme::Cubic);
         let case = &subject.case;
         let task = Task {
-            scene: &case.scene,
+            coverages: &Coverages::of(&case.scene),
             media: &case.media,
             incidence: &case.incidence,
             mean: Mean::default(),

@@ -38,8 +38,8 @@ impl GridError {
         watch: &mut dyn Watch,
     ) -> Result<Self, AccuracyError> {
         let mut error = Self::default();
-        let Some(scene) = tasks.first().map(|task| task.scene) else { return Ok(error) };
-        let cover = |r: Resolution| Coverage::new(scene, r).map(Arc::new);
+        let Some(coverages) = tasks.first().map(|task| task.coverages) else { return Ok(error) };
+        let cover = |r: Resolution| coverages.at(r);
         let (here, coarse) = (cover(own)?, cover(scaled(own, COARSER))?);
         for task in tasks {
             let one = totals(task, &here, watch)?;

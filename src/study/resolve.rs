@@ -10,8 +10,8 @@ use super::identity::Key;
 use super::optics::Stopper;
 use super::watch::RunWatch;
 use crate::report::store::Store;
-use crate::solve::SolveError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
+use crate::solve::{Coverages, SolveError};
 use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
 
@@ -100,12 +100,12 @@ fn settle(
     probes: &[Probe],
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
-    let solver = study.solver.build();
+    let (solver, coverages) = (study.solver.build(), Coverages::of(scene));
     let media: Vec<Media> = probes.iter().map(|(wavelength, _)| study.media(*wavelength)).collect();
     let (mean, scheme, goal) = (Mean::default(), study.resolution.scheme(), study.goal);
     let task = |i: usize| {
         let (media, incidence) = (&media[i], &probes[i].1);
-        Task { scene, media, incidence, mean, scheme, solver: &*solver, goal, memory: MEMORY }
+        Task { coverages: &coverages, media, incidence, mean, scheme, solver: &*solver, goal, memory: MEMORY }
     };
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
     for task in (0..probes.len()).map(task) {

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test target uses its own part")]
 
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Task, suited_scheme};
-use inkwave::solve::{Account, Gmres, Goal, Silent, Solution, Solver};
+use inkwave::solve::{Account, Coverages, Gmres, Goal, Silent, Solution, Solver};
 use inkwave::study::case::Case;
 use inkwave::wave::{Ball, Body, FarField, Mean, Order, Problem, Resolution, Scheme, Shape};
 use num_complex::Complex64;
@@ -120,7 +120,7 @@ pub fn solve_with_mean(case: &Case, resolution: Resolution, tolerance: f64, mean
 pub fn solve_to(case: &Case, accuracy: f64) -> Result<Estimated, AccuracyError> {
     let solver = Gmres::default();
     let task = Task {
-        scene: &case.scene,
+        coverages: &Coverages::of(&case.scene),
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean::default(),

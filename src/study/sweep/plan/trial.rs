@@ -13,7 +13,6 @@ use crate::study::runner::RunError;
 use crate::study::watch::RunWatch;
 use crate::wave::{Coverage, Resolution, Scene};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
@@ -35,29 +34,6 @@ pub(super) struct Trial {
     pub search: f64,
     pub solve: f64,
     pub resolution: Resolution,
-}
-
-/// Counts the steps of solvers.
-struct Counting<'a> {
-    watch: &'a dyn RunWatch,
-    steps: AtomicUsize,
-}
-
-impl Counting<'_> {
-    fn count(&self) -> usize {
-        self.steps.load(Ordering::Relaxed)
-    }
-}
-
-impl RunWatch for Counting<'_> {
-    fn stop(&self) -> bool {
-        self.steps.fetch_add(1, Ordering::Relaxed);
-        self.watch.stop()
-    }
-
-    fn stage(&self, what: &str) {
-        self.watch.stage(what);
-    }
 }
 
 pub(super) fn volume(study: &Study) -> f64 {
@@ -93,21 +69,23 @@ pub(super) fn trial(
     // Grains are packed on one core, while the others wait.
     let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
     let packing = packing * rayon::current_num_threads() as f64;
-    let searching = Counting { watch, steps: AtomicUsize::new(0) };
-    let resolution = match alike {
-        Some(trial) => full_resolution(trial, &study),
+    let (searched, resolution) = match alike {
+        Some(trial) => (None, full_resolution(trial, &study)),
         None => {
             let folder = tempfile::tempdir()?;
             let store = Store::open(folder.path())?;
-            resolve::<RunError>(&study, &store, &searching, || Ok(scene.clone()))?.resolution
+            let (seconds, found) =
+                timed(|| resolve::<RunError>(&study, &store, watch, || Ok(scene.clone())))?;
+            (Some(seconds), found.resolution)
         }
     };
     let (coverage, cover) = timed(|| Ok(Arc::new(Coverage::new(&scene, resolution)?)))?;
-    let solving = Counting { watch, steps: AtomicUsize::new(0) };
-    let (solve, solves) = time_solves(&study, &cover, jobs, &solving)?;
-    let steps_each = solving.count() as f64 / solves as f64;
-    // A search makes a coverage for each of its solves, up to the finest; an earlier trial's is as long.
-    let search = alike.map_or(searching.count() as f64 / steps_each.max(1.0), |t| t.search);
+    let solve = time_solves(&study, &cover, jobs, watch)?;
+    // Solves with their coverages that the search was worth; an earlier trial's is as long.
+    let search = match (searched, alike) {
+        (None, Some(trial)) => trial.search,
+        (seconds, _) => seconds.unwrap_or(0.0) / (coverage + solve).max(1e-9),
+    };
     let grid = search * (coverage + solve);
     let each = 1.0 / volume(&study);
     Ok(Trial {
@@ -144,13 +122,13 @@ fn processor_seconds() -> Option<f64> {
     Some((next()? + next()?) / 100.0)
 }
 
-/// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles, and how many were made.
+/// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
 pub(super) fn time_solves(
     study: &Study,
     coverage: &Arc<Coverage>,
     jobs: usize,
     watch: &dyn RunWatch,
-) -> Result<(f64, usize), RunError> {
+) -> Result<f64, RunError> {
     let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
     let solve = |i: usize| {
         // A failure costs about what a success does.
@@ -165,7 +143,7 @@ pub(super) fn time_solves(
         seconds += more;
         solves += chosen.len();
     }
-    Ok((seconds / solves as f64, solves))
+    Ok(seconds / solves as f64)
 }
 
 /// The points and cells a µm of a trial in another cell.
