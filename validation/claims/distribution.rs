@@ -4,6 +4,7 @@ use crate::claim::{Claim, Findings, Level};
 use crate::ensemble::Layers;
 use crate::figure::{Curve, LogPlot, Style};
 use inkwave::appearance::bdf::{Bdf, Lobe, suggested_bandwidth};
+use inkwave::ink::Draws;
 use inkwave::wave::{FarField, Incidence, Order, Side};
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -23,6 +24,7 @@ fn measure(level: Level, findings: &mut Findings) {
     let fields = layers.solved();
     sums(&fields, findings);
     lambertian(findings);
+    calibration(level, findings);
     azimuth(&fields, findings);
     scatter(&fields, findings);
 }
@@ -41,22 +43,20 @@ fn sums(fields: &[FarField], findings: &mut Findings) {
     findings.identity("∫ f cos θ dω − albedo", error, 1e-13, "rounding of a sum of some hundred orders");
 }
 
-/// Efficiencies ∝ cos θ per order make a Lambertian layer of albedo 0.8.
-fn lambertian(findings: &mut Findings) {
-    let (wavelength_um, side, albedo) = (0.5, 20.0, 0.8);
+/// A reflecting layer by the efficiency of each of its propagating orders.
+fn reflecting(wavelength_um: f64, side: f64, mut efficiency: impl FnMut() -> f64) -> FarField {
     let reach = (side / wavelength_um) as i32;
     let mut orders = Vec::new();
     for m in -reach..=reach {
         for n in -reach..=reach {
             let direction = [m, n].map(|i| f64::from(i) * wavelength_um / side);
-            let square = 1.0 - direction[0].powi(2) - direction[1].powi(2);
-            // f = albedo/π everywhere: e = f cos θ dω = (albedo/π) dα dβ.
-            let efficiency = if square > 0.0 { albedo / PI * (wavelength_um / side).powi(2) } else { 0.0 };
+            let propagates = direction[0].hypot(direction[1]) < 1.0;
+            let efficiency = if propagates { efficiency() } else { 0.0 };
             orders.push(Order {
                 m,
                 n,
                 direction,
-                reflected_propagates: square > 0.0,
+                reflected_propagates: propagates,
                 transmitted_propagates: false,
                 reflected: Complex64::from(efficiency.sqrt()),
                 transmitted: Complex64::ZERO,
@@ -67,14 +67,15 @@ fn lambertian(findings: &mut Findings) {
     }
     let reflectance: f64 = orders.iter().map(|o| o.reflected_efficiency).sum();
     let incidence = Incidence { wavelength_um, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
-    let field = FarField {
-        incidence,
-        period_um: [side; 2],
-        orders,
-        reflectance,
-        transmittance: 0.0,
-        absorptance: 1.0 - reflectance,
-    };
+    let absorptance = 1.0 - reflectance;
+    FarField { incidence, period_um: [side; 2], orders, reflectance, transmittance: 0.0, absorptance }
+}
+
+/// f = albedo/π everywhere, e = f cos θ dω = (albedo/π) dα dβ, makes a Lambertian layer of albedo 0.8.
+fn lambertian(findings: &mut Findings) {
+    let (wavelength_um, side, albedo) = (0.5, 20.0, 0.8);
+    let field = reflecting(wavelength_um, side, || albedo / PI * (wavelength_um / side).powi(2));
+    let reflectance = field.reflectance;
     let bdf = Bdf::from_ensemble(&[field]).expect("one field");
     let bandwidth = suggested_bandwidth(wavelength_um, [side; 2]);
     let error = [[0.0, 0.0], [0.3, 0.1], [-0.5, 0.6], [0.9, 0.0]].map(|direction| {
@@ -90,6 +91,34 @@ fn lambertian(findings: &mut Findings) {
         (reflectance / albedo - 1.0).abs(),
         lattice,
         "lattice points in a disc of 40 spacings",
+    );
+}
+
+/// Synthetic speckle of known mean: squares of (mean − truth)/error follow Student's distribution.
+fn calibration(level: Level, findings: &mut Findings) {
+    const REALISATIONS: usize = 16;
+    let mut draws = Draws::new(12, 1);
+    let (repeats, power) = (level.pick(400, 4000), 1e-3);
+    let mut sum = 0.0;
+    for _ in 0..repeats {
+        // Efficiencies of speckle are exponentially distributed.
+        let mut speckle = || reflecting(0.5, 1.7, || -power * (1.0 - draws.uniform()).ln());
+        let fields: Vec<FarField> = (0..REALISATIONS).map(|_| speckle()).collect();
+        let bdf = Bdf::from_ensemble(&fields).expect("one ensemble");
+        let orders = bdf.orders(Lobe::Reflected).len() - 1;
+        let diffuse = bdf.totals(Lobe::Reflected).diffuse;
+        let error = diffuse.standard_error.expect("several");
+        sum += ((diffuse.value - orders as f64 * power) / error).powi(2);
+    }
+    // t² with ν degrees of freedom: mean ν/(ν − 2), variance 2ν²(ν − 1)/((ν − 2)²(ν − 4)).
+    let nu = (REALISATIONS - 1) as f64;
+    let (mean, variance) = (nu / (nu - 2.0), 2.0 * nu * nu * (nu - 1.0) / ((nu - 2.0).powi(2) * (nu - 4.0)));
+    let off = (sum / repeats as f64 - mean).abs() / (variance / repeats as f64).sqrt();
+    findings.significance(
+        "calibration of the standard error on synthetic speckle, in standard errors",
+        off,
+        4.0,
+        "mean of t² over many ensembles, nearly normal: probability 1e-4",
     );
 }
 

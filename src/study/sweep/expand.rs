@@ -133,7 +133,11 @@ fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, fault
 
 /// Letters, digits, dots and underscores; everything else becomes one underscore.
 fn slug(label: &str) -> String {
-    let kept = |c: char| if c.is_alphanumeric() || ".+".contains(c) { c } else { '_' };
+    let kept = |c: char| match c {
+        'µ' => 'u',
+        c if c.is_ascii_alphanumeric() || ".+".contains(c) => c,
+        _ => '_',
+    };
     let text: String = label.chars().map(kept).collect();
     text.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_")
 }
