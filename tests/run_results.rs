@@ -50,7 +50,8 @@ fn threads_and_jobs_do_not_change_a_bit() {
         let out = folder.path().join(name);
         let mut command = run_support::command(&study, &out, &["--jobs", jobs]);
         assert!(command.env("RAYON_NUM_THREADS", threads).output().unwrap().status.success());
-        ["spectra.csv", "bdf.csv", "picture.png"].map(|file| std::fs::read(out.join(file)).unwrap())
+        ["spectra.csv", "bdf.csv", "picture.png", "picture-with-axes.png"]
+            .map(|file| std::fs::read(out.join(file)).unwrap())
     };
     let one = run_with("one", "1", "1");
     assert!(one == run_with("three", "3", "3"), "three solves at a time");

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 /// Marks a folder whose study is not finished.
 pub const PARTIAL: &str = "PARTIAL";
 /// Files that tell of a study and must not outlive it.
-pub const RESULTS: [&str; 5] = ["results.json", "report.html", "picture.png", "spectra.csv", "bdf.csv"];
+pub const RESULTS: [&str; 6] =
+    ["results.json", "report.html", "picture.png", "picture-with-axes.png", "spectra.csv", "bdf.csv"];
 /// Finished solves.
 pub const POINTS: &str = "points";
 /// Packings made.

@@ -69,6 +69,7 @@ pub(super) fn publish_seen(
     folder.begin()?;
     if let Some(pictures) = &pictures {
         folder.write("picture.png", &pictures.plain)?;
+        folder.write("picture-with-axes.png", &pictures.labelled)?;
     }
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
     let bdfs = seen.layer.iter().flat_map(|layer| &layer.bdfs);
