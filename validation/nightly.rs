@@ -35,7 +35,7 @@ struct Args {
     /// Table that one line per claim and night is added to.
     #[arg(long, default_value = "reports/history.csv")]
     history: PathBuf,
-    /// Folder of finished measurements; a rerun of the same program goes on there.
+    /// Folder of finished measurements; after an interruption the same program goes on there.
     #[arg(long, default_value = "target/nightly")]
     work: PathBuf,
     /// Puts the first tables between the markers of this Markdown file.
@@ -117,6 +117,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             page::splice(readme, &judged)?;
         }
     }
+    // The night is over: the next one measures anew.
+    judged.iter().try_for_each(|j| store.remove(j.claim.id))?;
     let failing = judged.iter().filter(|j| !j.measured.holds()).count();
     eprintln!("{} of {} claims hold; report in {}", judged.len() - failing, judged.len(), args.out.display());
     Ok(if failing == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
