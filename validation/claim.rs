@@ -177,6 +177,17 @@ impl Findings {
         self.check(what, measured, Bound::AtMost(bound), Reason::Promise, because);
     }
 
+    /// Drops what JSON cannot hold, and says which check was no number; a report needs the others.
+    pub fn without_gaps(&mut self) -> Option<String> {
+        for curve in self.plots.iter_mut().flat_map(|p| &mut p.curves) {
+            curve.points.retain(|p| p.iter().all(|x| x.is_finite()));
+        }
+        let lost = self.checks.iter().find(|c| !c.measured.is_finite());
+        let failure = lost.map(|c| format!("{}: not a finite number", c.what));
+        self.checks.retain(|c| c.measured.is_finite());
+        failure
+    }
+
     /// The check nearest to its bound, or beyond it; none when nothing was measured.
     pub fn tightest(&self) -> Option<&Check> {
         self.checks.iter().min_by(|a, b| a.margin().total_cmp(&b.margin()))

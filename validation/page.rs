@@ -2,6 +2,7 @@
 
 use crate::Judged;
 use crate::claim::{Check, Table, short};
+use crate::figure::LogPlot;
 use crate::history::{Night, Trend, margins, trend};
 use crate::manifest::Manifest;
 use inkwave::report::safely;
@@ -64,17 +65,22 @@ fn line(check: &Check) -> Line {
 }
 
 fn margin(value: f64) -> String {
-    if value >= 1e6 { "exact".into() } else { short(value) }
+    if value >= 1e6 { "> 1e6".into() } else { short(value) }
 }
 
-fn chapter(judged: &Judged, nights: &[Night]) -> Result<Chapter, String> {
+/// The plot, or why it cannot be drawn: one empty plot must not cost the report.
+fn drawn(plot: &LogPlot) -> String {
+    plot.svg().unwrap_or_else(|reason| format!("<p>{}</p>", reason.replace('<', "&lt;")))
+}
+
+fn chapter(judged: &Judged, nights: &[Night]) -> Chapter {
     let (claim, measured) = (judged.claim, &judged.measured);
     let tightest = measured.findings.tightest().map(line);
     let text = |pick: fn(&Line) -> &String| tightest.as_ref().map_or_else(|| "–".into(), |l| pick(l).clone());
     let mut all = margins(nights, claim.id);
     let trend = trend(&all, measured.margin());
     all.push(measured.margin());
-    Ok(Chapter {
+    Chapter {
         id: claim.id,
         file: claim.file,
         statement: claim.statement,
@@ -95,9 +101,9 @@ fn chapter(judged: &Judged, nights: &[Night]) -> Result<Chapter, String> {
         spark: spark(&all),
         seconds: short(measured.seconds),
         checks: measured.findings.checks.iter().map(line).collect(),
-        plots: measured.findings.plots.iter().map(|p| p.svg()).collect::<Result<_, _>>()?,
+        plots: measured.findings.plots.iter().map(drawn).collect(),
         tables: measured.findings.tables.clone(),
-    })
+    }
 }
 
 /// Points of a polyline 80 × 18: margins of the last nights on a logarithmic scale from 0.5 to 1000.
@@ -118,7 +124,7 @@ pub fn write(
     nights: &[Night],
 ) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
-    let chapters: Vec<Chapter> = judged.iter().map(|j| chapter(j, nights)).collect::<Result<_, _>>()?;
+    let chapters: Vec<Chapter> = judged.iter().map(|j| chapter(j, nights)).collect();
     let report = Report { manifest, chapters };
     let mut templates = Environment::new();
     templates.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);

@@ -37,6 +37,9 @@ fn judge(claim: &Claim) -> Result<(), Failed> {
         .filter(|c| !c.holds())
         .map(|c| format!("{}: {:.3e}, allowed {} ({}: {})", c.what, c.measured, c.bound, c.reason, c.because))
         .collect();
+    if let Some(gap) = findings.without_gaps() {
+        return Err(gap.into());
+    }
     if !findings.hold() {
         let broken = broken.join("\n  ");
         let [statement, because] = [claim.statement, claim.because];

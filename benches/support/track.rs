@@ -145,8 +145,10 @@ fn measured(args: &Args) -> Outcome<Vec<Entry>> {
 fn flag(entry: &Entry, history: &[Entry]) -> Option<String> {
     let earlier: Vec<&Entry> = history.iter().filter(|e| e.bench == entry.bench).collect();
     let last = earlier.last()?;
-    if last.applications != entry.applications {
-        return Some(format!("applications {:?} → {:?}", last.applications?, entry.applications?));
+    if let (Some(before), Some(now)) = (last.applications, entry.applications)
+        && before != now
+    {
+        return Some(format!("applications {before} → {now}"));
     }
     let mut ratios: Vec<f64> = earlier.iter().rev().take(7).map(|e| e.ratio).collect();
     ratios.sort_by(f64::total_cmp);

@@ -67,6 +67,11 @@ pub enum AccuracyError {
          a smaller cell, or more memory"
     )]
     NotReached { asked: f64, reached: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
+    #[error(
+        "the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {need_gb:.2} GB of the \
+         {allowed_gb:.2} GB allowed: take a smaller cell or more memory"
+    )]
+    TooLarge { nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
     #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
     Accuracy(f64),
 }
@@ -128,7 +133,7 @@ impl Task<'_> {
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
         let [coarser, finer] = companions;
-        let (problem, solution, _) = match self.solve_coarser(coarser, own, watch) {
+        let (problem, solution, _) = match self.solve_coarser(coarser, own, watch)? {
             Some(solved) => solved,
             None => self.solve(finer, watch)?,
         };
@@ -173,9 +178,9 @@ impl Task<'_> {
         coarser: Resolution,
         own: Resolution,
         watch: &mut dyn Watch,
-    ) -> Option<(Problem, Solution, f64)> {
+    ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
         if coarser == own {
-            return None;
+            return Ok(None);
         }
         let solved = match self.solve(coarser, watch) {
             Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) if needed < own.cells => {
@@ -183,7 +188,10 @@ impl Task<'_> {
             }
             other => other,
         };
-        solved.ok()
+        match solved {
+            Err(stopped @ AccuracyError::Solve(SolveError::Cancelled { .. })) => Err(stopped),
+            other => Ok(other.ok()),
+        }
     }
 
     /// Refines plane and z separately until the estimate meets `accuracy`.
@@ -199,13 +207,18 @@ impl Task<'_> {
         task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
         let mut resolution = task.start(accuracy);
         let mut last: Option<Estimated> = None;
+        let mut refused: Option<WaveError> = None;
         for _ in 0..LEVELS {
-            if let (Some(estimated), true) = (&last, task.bytes(resolution) > task.memory) {
-                return Err(task.not_reached(accuracy, estimated, resolution));
+            if task.bytes(resolution) > task.memory {
+                return Err(match &last {
+                    Some(estimated) => task.not_reached(accuracy, estimated, resolution),
+                    None => task.too_large(resolution),
+                });
             }
             let estimated = match task.solve_with_estimate(resolution, watch) {
                 Err(AccuracyError::Wave(refusal)) => {
-                    resolution = raised(resolution, &refusal).ok_or(refusal)?;
+                    let Some(finer) = raised(resolution, &refusal) else { return Err(refusal.into()) };
+                    (resolution, refused) = (finer, Some(refusal));
                     continue;
                 }
                 other => other?,
@@ -218,7 +231,7 @@ impl Task<'_> {
         }
         match last {
             Some(estimated) => Err(task.not_reached(accuracy, &estimated, resolution)),
-            None => Err(AccuracyError::Accuracy(accuracy)),
+            None => Err(refused.map_or(AccuracyError::Accuracy(accuracy), AccuracyError::Wave)),
         }
     }
 
@@ -243,6 +256,11 @@ impl Task<'_> {
     /// Bytes of a solve: some 40 basis vectors, factors, coverage.
     fn bytes(&self, r: Resolution) -> usize {
         r.nx * r.ny * r.planes() * size_of::<Complex64>() * 50
+    }
+
+    fn too_large(&self, r: Resolution) -> AccuracyError {
+        let [need_gb, allowed_gb] = [self.bytes(r), self.memory].map(|bytes| bytes as f64 / 1e9);
+        AccuracyError::TooLarge { nx: r.nx, ny: r.ny, cells: r.cells, need_gb, allowed_gb }
     }
 
     fn not_reached(&self, asked: f64, last: &Estimated, next: Resolution) -> AccuracyError {

@@ -1,7 +1,7 @@
 //! Coverages of one scene on several grids, kept for those who try the same grid again.
 
 use crate::wave::{Coverage, Resolution, Scene, WaveError};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// Kept at most: a result, its two companions, and as many of the grid tried before.
 const KEPT: usize = 6;
@@ -23,18 +23,29 @@ impl<'a> Coverages<'a> {
     /// # Errors
     /// As [`Coverage::new`].
     pub fn at(&self, resolution: Resolution) -> Result<Arc<Coverage>, WaveError> {
-        let mut latest = self.latest.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        if let Some(k) = latest.iter().position(|c| c.grid.resolution == resolution) {
-            let found = latest.remove(k);
-            latest.push(found.clone());
+        if let Some(found) = self.kept(resolution) {
             return Ok(found);
         }
+        // Made without the lock: parallel loops inside may run other tasks that ask for a coverage.
         let new = Arc::new(Coverage::new(self.scene, resolution)?);
+        let mut latest = self.lock();
         if latest.len() == KEPT {
             latest.remove(0);
         }
         latest.push(new.clone());
         Ok(new)
+    }
+
+    fn kept(&self, resolution: Resolution) -> Option<Arc<Coverage>> {
+        let mut latest = self.lock();
+        let k = latest.iter().position(|c| c.grid.resolution == resolution)?;
+        let found = latest.remove(k);
+        latest.push(found.clone());
+        Some(found)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Arc<Coverage>>> {
+        self.latest.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 }
 

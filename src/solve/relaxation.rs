@@ -37,7 +37,7 @@ const GROWTH: f64 = 10.0;
 
 impl Default for Relaxation {
     fn default() -> Relaxation {
-        Relaxation { tau: 6.0, window: 16, memory: 16 }
+        Relaxation { tau: 6.0, window: 12, memory: 24 }
     }
 }
 
@@ -65,7 +65,9 @@ impl Solver for Relaxation {
         let mut tau = self.tau;
         let mut march = March::new(problem, tau, &field);
         let mut memory = vec![march.candidate(&mut ledger)];
-        ledger.account.bytes = march.bytes() + (self.memory.max(1) + 2) * memory[0].bytes();
+        // Kept candidates, and the differences of their residuals while they are blended.
+        let each = memory[0].bytes() + memory[0].residual.len() * size_of::<Complex64>();
+        ledger.account.bytes = march.bytes() + (self.memory.max(1) + 2) * each;
         loop {
             let before = ledger.account.residual;
             let mean = march.window(self.window, &mut ledger);
@@ -73,7 +75,7 @@ impl Solver for Relaxation {
             memory.push(march.candidate(&mut ledger));
             // A residual that is not a number counts as grown.
             let after = ledger.account.residual;
-            let grows = (after.is_nan() || after > GROWTH * before) && tau > self.tau * SHORTEST;
+            let grows = (after.is_nan() || after > GROWTH * before) && 0.5 * tau >= self.tau * SHORTEST;
             let mut best = if grows { memory.swap_remove(0) } else { Candidate::blend(&memory) };
             if grows {
                 // Ringing of the band-limited contrast gives gain in spots: shorter steps split it less.
@@ -162,10 +164,10 @@ impl Relaxation {
             return Err(setting("mean", "complex".into(), "a real ⟨k²⟩", remedy));
         }
         if !(self.tau.is_finite() && self.tau > 0.0) {
-            return Err(setting("relaxation.tau", self.tau.to_string(), "finite and above 0", "try 3"));
+            return Err(setting("relaxation.tau", self.tau.to_string(), "finite and above 0", "try 6"));
         }
         if self.window == 0 {
-            return Err(setting("relaxation.window", "0".into(), "1 or more", "try 20"));
+            return Err(setting("relaxation.window", "0".into(), "1 or more", "try 12"));
         }
         Ok(())
     }

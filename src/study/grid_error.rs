@@ -4,6 +4,7 @@
 //! averages out. So R and T themselves are compared with those on four fifths of the points and cells. At third order or
 //! better, what the observed convergence is, the finer grid's error is no larger than the difference.
 
+use super::resolve::is_stop;
 use crate::solve::Watch;
 use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
 use crate::wave::{Coverage, Problem, Resolution};
@@ -45,6 +46,7 @@ impl GridError {
             let one = totals(task, &here, watch)?;
             let other = match totals(task, &coarse, watch) {
                 Ok(other) => other,
+                Err(stopped) if is_stop(&stopped) => return Err(stopped),
                 Err(_) => totals(task, &cover(scaled(own, 1.0 / COARSER))?, watch)?,
             };
             let apart = |i: usize| (one[i] - other[i]).abs();

@@ -1,13 +1,13 @@
-//! The bidirectional distribution: sums, reciprocity, limits and error bars.
+//! The bidirectional distribution: sums, limits, symmetry and error bars.
 
-use crate::claim::{Claim, Findings, Level};
+use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::ensemble::Layers;
 use crate::figure::{Curve, LogPlot, Style};
 use inkwave::appearance::bdf::{Bdf, Lobe, suggested_bandwidth};
 use inkwave::ink::Draws;
 use inkwave::wave::{FarField, Incidence, Order, Side};
 use num_complex::Complex64;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::f64::consts::PI;
 
 pub const CLAIM: Claim = Claim {
@@ -75,8 +75,8 @@ fn reflecting(wavelength_um: f64, side: f64, mut efficiency: impl FnMut() -> f64
 fn lambertian(findings: &mut Findings) {
     let (wavelength_um, side, albedo) = (0.5, 20.0, 0.8);
     let field = reflecting(wavelength_um, side, || albedo / PI * (wavelength_um / side).powi(2));
-    let reflectance = field.reflectance;
     let bdf = Bdf::from_ensemble(&[field]).expect("one field");
+    let reflectance = bdf.totals(Lobe::Reflected).total.value;
     let bandwidth = suggested_bandwidth(wavelength_um, [side; 2]);
     let error = [[0.0, 0.0], [0.3, 0.1], [-0.5, 0.6], [0.9, 0.0]].map(|direction| {
         let f = bdf.at(Lobe::Reflected, direction, bandwidth).expect("orders are near").bdf.value;
@@ -122,7 +122,7 @@ fn calibration(level: Level, findings: &mut Findings) {
     );
 }
 
-/// Reflectance into four quadrants that the symmetry of isotropic packings makes equal in the mean.
+/// Transmittance into four quadrants that the symmetry of isotropic packings makes equal in the mean.
 fn azimuth(fields: &[FarField], findings: &mut Findings) {
     let quadrant = |f: &FarField, k: usize| -> f64 {
         let inside = |o: &&Order| {
@@ -176,27 +176,24 @@ fn scatter(fields: &[FarField], findings: &mut Findings) {
         if size > 4 {
             continue;
         }
-        // (g − 1) s²/σ² is χ²; σ² is estimated by the mean square error, itself with some 47 degrees of freedom, so
-        // the ratio is nearly an F statistic: χ² with the looser probability 1e-4 covers both.
-        let degrees = (groups.len() - 1) as f64;
-        let chi2 = degrees * variance(&means) / mean(&squares);
-        let limit = ChiSquared::new(degrees).expect("positive").inverse_cdf(1.0 - 1e-4);
-        findings.significance(
-            format!("χ² of means of {size} against their errors"),
-            chi2,
-            limit,
-            "probability 1e-4",
+        // For normal means the ratio follows the F distribution; sums of many orders are nearly normal.
+        let degrees = [groups.len() - 1, fields.len() - groups.len()].map(|d| d as f64);
+        let f = FisherSnedecor::new(degrees[0], degrees[1]).expect("positive");
+        findings.check(
+            format!("variance of means of {size} over their squared errors"),
+            variance(&means) / mean(&squares),
+            Bound::Within([1e-4, 1.0 - 1e-4].map(|p| f.inverse_cdf(p))),
+            Reason::Significance,
+            "F distribution, probability 1e-4 on either side",
         );
-        let low = ChiSquared::new(degrees).expect("positive").inverse_cdf(1e-4);
-        findings.significance(format!("the same, too small: {size}"), low, chi2, "probability 1e-4");
     }
     let ratio = points[0][1] / points[2][1];
     let relative = 4.0 * (2.0 / (fields.len() as f64 / 2.0)).sqrt() / 2.0;
     findings.significance(
         "error of 2 over error of 8, off from 2 by a share of",
         (ratio / 2.0 - 1.0).abs(),
-        relative,
-        "four standard errors of a variance from half as many groups as fields",
+        relative.min(0.25),
+        "four standard errors of a variance from half as many groups as fields, never half of what no fall would give",
     );
     let measured = Curve::with_bars("diffuse reflectance", Style::Data, points);
     let guide = Curve::guide("1/√n", &measured, -0.5);

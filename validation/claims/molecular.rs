@@ -72,8 +72,8 @@ fn measure(level: Level, findings: &mut Findings) {
     findings.order_of_smallness(
         "difference of the smallest grains",
         smallest,
-        0.05 * ka * ka,
-        "(k a)² times the contrast of η², 0.47, of which a tenth is seen",
+        0.005 * ka * ka,
+        "(k a)² times an empirical factor, two to three times what is seen",
     );
     let sizes = errors.iter().map(|(n, e)| (1e3 * THICKNESS_UM / n, *e));
     let curve = Curve::new("cubic lattice, 30 %", Style::Data, sizes);

@@ -75,14 +75,23 @@ fn misfit(measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> f64 {
     let z: Vec<f64> = measured.iter().zip(truth).zip(truth_error).map(deviation).collect();
     let n = z.len() as f64;
     let chi2: f64 = z.iter().map(|z| z * z).sum();
-    let chi2_limit = ChiSquared::new(n).unwrap().inverse_cdf(1.0 - SIGNIFICANCE);
+    let chi2_limit = ChiSquared::new(n).unwrap().inverse_cdf(1.0 - 0.5 * SIGNIFICANCE);
     let largest = z.iter().map(|z| z.abs()).fold(0.0, f64::max);
-    let largest_limit = Normal::standard().inverse_cdf(1.0 - 0.5 * SIGNIFICANCE / n);
+    let largest_limit = Normal::standard().inverse_cdf(1.0 - 0.25 * SIGNIFICANCE / n);
     (chi2 / chi2_limit).max(largest / largest_limit)
 }
 
-const CHANCE: &str =
-    "χ² over 100 bins and the largest deviation, as shares of their limits at probability 1e-3";
+const CHANCE: &str = "χ² over 100 bins and the largest deviation, as shares of their limits at a nominal probability of 1e-3 together";
+
+/// Largest deviation beyond the share of the truth that the formula itself is known to be off, in standard errors over
+/// their limit for so many bins.
+fn excess(measured: &[Estimate], truth: &[f64], model_error: f64) -> f64 {
+    let beyond = |(m, t): (&Estimate, &f64)| {
+        ((m.mean - t).abs() - model_error * t).max(0.0) / m.standard_error.unwrap()
+    };
+    let limit = Normal::standard().inverse_cdf(1.0 - 0.5 * SIGNIFICANCE / truth.len() as f64);
+    measured.iter().zip(truth).map(beyond).fold(0.0, f64::max) / limit
+}
 
 /// g with bars of three standard errors against its truth with a band of three.
 fn plot(title: String, measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> LogPlot {
@@ -174,12 +183,11 @@ fn fluid(level: Level, findings: &mut Findings) {
         );
         let formula = verlet_weis(fraction);
         let error: Vec<f64> = formula.iter().map(|g| model_error * g).collect();
-        let analytic = misfit(&measured, &formula, &error);
         findings.significance(
             format!("equilibrium against Verlet–Weis, φ = {fraction}"),
-            analytic,
+            excess(&measured, &formula, model_error),
             1.0,
-            CHANCE,
+            "the formula's known error, and chance beyond it in any of 100 bins with probability 1e-3",
         );
         let title = format!("Equilibrium and Verlet–Weis, φ = {fraction}");
         findings.plots.push(plot(title, &measured, &formula, &error));
@@ -224,13 +232,16 @@ fn two_point(level: Level, findings: &mut Findings) {
         5e-3,
         "chords counted on as many lines",
     );
-    let far = mean(&|s| 0.5 * (s.s2_x[s.s2_x.len() - 1] + s.s2_y[s.s2_y.len() - 1]));
-    let square = mean(&|s| s.mean_square_profile);
-    findings.order_of_smallness(
-        "S2(7 d)/⟨φ(z)²⟩ − 1",
-        (far / square - 1.0).abs(),
-        0.02,
-        "correlations of RSA have died out by 7 diameters; the scatter of the cells is left",
+    let last = sections[0].s2_x.len() - 1;
+    let left = |s: &inkwave::ink::statistics::SectionStatistics| {
+        0.5 * (s.s2_x[last] + s.s2_y[last]) - s.mean_square_profile
+    };
+    let left = Estimate::of(&sections.iter().map(left).collect::<Vec<_>>());
+    findings.significance(
+        "S2(7 d) − ⟨φ(z)²⟩, in standard errors",
+        left.mean.abs() / left.standard_error.unwrap(),
+        13.0,
+        "correlations of RSA have died out by 7 diameters; |t| of three degrees of freedom or more, probability 1e-3",
     );
     let r = sections[0].r_um.clone();
     let points =

@@ -47,7 +47,7 @@ fn asymmetry(cell: &Cell, from: From, most: usize) -> f64 {
         forward.orders.iter().filter(|o| o.transmitted_propagates || o.reflected_propagates).take(most)
     {
         for (propagates, amplitude, side) in both(order) {
-            // Within 1e-6 of grazing the angle no longer says the direction to the digits needed.
+            // Within 1° of grazing the angle no longer says the direction to the digits needed.
             if !propagates || normal(order.direction, index(side)) < 0.02 {
                 continue;
             }

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 pub const ACCURACY: Claim = Claim {
     id: "08-references",
-    statement: "Amplitudes are as accurate as asked, for every sphere, packed cell, cylinder and bar of the references.",
+    statement: "Amplitudes are as accurate as asked: down to 1e-5 for packed cells and spheres, to 1e-4 for cylinders and bars, to 1e-3 for contrasts far beyond an ink's.",
     because: "T-matrix, finite-element and coupled-wave solutions with 8–11 digits, made by methods that share nothing with this one.",
     file: file!(),
     measure: accuracy,
@@ -107,20 +107,15 @@ fn accuracy(level: Level, findings: &mut Findings) {
     );
 }
 
-/// Grains of an ink's contrast must stay affordable.
-///
-/// In inkb3 an order just beyond grazing resonates: its amplitude alone has an error of 1e-3 on 30 planes per µm.
+/// Grains of an ink's contrast must stay affordable: the goal set for them, where a prototype reached 1.3e-3 with 11
+/// points and 21 planes per µm. inkb3 is left out (the table has it): an order just beyond grazing resonates there.
 fn cost(rows: &[Row], findings: &mut Findings) {
-    let grains = || rows.iter().filter(|r| like_ink(r));
-    let most = |axis: usize, resonant: bool| {
-        let own = grains().filter(|r| (r.id == "inkb3") == resonant);
-        own.map(|r| r.density[axis]).fold(0.0, f64::max)
-    };
-    let (asked, resonant) = ("the density that an ink's grains are allowed", "the same for a resonant order");
-    findings.promise("points per µm for grains at 0.001", most(0, false), 20.01, asked);
-    findings.promise("planes per µm for grains at 0.001", most(1, false), 30.01, asked);
-    findings.promise("points per µm for inkb3 at 0.001", most(0, true), 21.0, resonant);
-    findings.promise("planes per µm for inkb3 at 0.001", most(1, true), 45.01, resonant);
+    for (axis, what, goal) in [(0, "points", 20.0), (1, "planes", 30.0)] {
+        let own = rows.iter().filter(|r| like_ink(r) && r.id != "inkb3");
+        let most = own.map(|r| r.density[axis]).fold(0.0, f64::max);
+        let because = "the goal: 20 × 20 points per µm² and 30 planes per µm, all but the resonant inkb3";
+        findings.promise(format!("{what} per µm for grains at 0.001"), most, goal * (1.0 + 1e-9), because);
+    }
 }
 
 /// The rows of one accuracy; at 1e-5 the cases like ink alone, as all others have no such promise.
@@ -210,36 +205,37 @@ fn table(rows: &[Row], accuracy: f64) -> Table {
     }
 }
 
+fn covered(row: &Row) -> bool {
+    row.estimate >= row.error
+}
+
+fn close(row: &Row) -> bool {
+    row.estimate <= 30.0 * row.error
+}
+
 fn honesty(level: Level, findings: &mut Findings) {
-    let accuracies: &[f64] = level.pick(&[1e-3], &[1e-2, 1e-3, 1e-4]);
+    let accuracies: &[f64] = level.pick(&[1e-3], &[1e-2, 1e-3, 1e-4, 1e-5]);
     let mut all = Vec::new();
-    let mut curves = Vec::new();
+    let (mut curves, mut shares) = (Vec::new(), Vec::new());
     for &accuracy in accuracies {
-        let rows = rows(level, accuracy);
-        curves.push(Curve::new(
-            format!("asked {}", short(accuracy)),
-            Style::Points,
-            rows.iter().map(|r| (r.error, r.estimate)),
-        ));
+        let rows = solved_at(level, accuracy);
+        let points = rows.iter().map(|r| (r.error, r.estimate));
+        curves.push(Curve::new(format!("asked {}", short(accuracy)), Style::Points, points));
+        let count = |holds: fn(&Row) -> bool| {
+            format!("{} of {}", rows.iter().filter(|r| holds(r)).count(), rows.len())
+        };
+        shares.push(vec![short(accuracy), count(covered), count(close)]);
         all.extend(rows);
     }
-    let share =
-        |holds: &dyn Fn(&Row) -> bool| all.iter().filter(|r| holds(r)).count() as f64 / all.len() as f64;
-    let promise = "nine cases of ten are promised";
-    findings.check(
-        "share of cases covered",
-        share(&|r| r.estimate >= r.error),
-        Bound::AtLeast(0.9),
-        Reason::Promise,
-        promise,
-    );
-    findings.check(
-        "share within a factor 30",
-        share(&|r| r.estimate <= 30.0 * r.error),
-        Bound::AtLeast(0.9),
-        Reason::Promise,
-        promise,
-    );
+    let share = |holds: fn(&Row) -> bool| all.iter().filter(|r| holds(r)).count() as f64 / all.len() as f64;
+    let promise = "nine cases of ten are promised, over all cases and accuracies";
+    for (what, holds) in
+        [("share of cases covered", covered as fn(&Row) -> bool), ("share within a factor 30", close)]
+    {
+        findings.check(what, share(holds), Bound::AtLeast(0.9), Reason::Promise, promise);
+    }
+    let columns = ["accuracy asked", "covered", "within a factor 30"].map(String::from).to_vec();
+    findings.tables.push(Table { title: "Accuracy by accuracy".into(), columns, rows: shares });
     let range = [1e-7, 1e-2];
     for (name, factor) in [("estimate = error", 1.0), ("estimate = 30 × error", 30.0)] {
         curves.push(Curve::new(name, Style::Guide, range.map(|x| (x, factor * x))));
