@@ -68,10 +68,10 @@ pub enum AccuracyError {
     )]
     NotReached { asked: f64, reached: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
     #[error(
-        "the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {need_gb:.2} GB of the \
-         {allowed_gb:.2} GB allowed: take a smaller cell or more memory"
+        "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {need_gb:.2} GB of the \
+         {allowed_gb:.2} GB allowed; ask for less accuracy, a smaller cell, or more memory"
     )]
-    TooLarge { nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
+    TooLarge { asked: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
     #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
     Accuracy(f64),
 }
@@ -212,7 +212,7 @@ impl Task<'_> {
             if task.bytes(resolution) > task.memory {
                 return Err(match &last {
                     Some(estimated) => task.not_reached(accuracy, estimated, resolution),
-                    None => task.too_large(resolution),
+                    None => task.too_large(accuracy, resolution),
                 });
             }
             let estimated = match task.solve_with_estimate(resolution, watch) {
@@ -258,9 +258,9 @@ impl Task<'_> {
         r.nx * r.ny * r.planes() * size_of::<Complex64>() * 50
     }
 
-    fn too_large(&self, r: Resolution) -> AccuracyError {
+    fn too_large(&self, asked: f64, r: Resolution) -> AccuracyError {
         let [need_gb, allowed_gb] = [self.bytes(r), self.memory].map(|bytes| bytes as f64 / 1e9);
-        AccuracyError::TooLarge { nx: r.nx, ny: r.ny, cells: r.cells, need_gb, allowed_gb }
+        AccuracyError::TooLarge { asked, nx: r.nx, ny: r.ny, cells: r.cells, need_gb, allowed_gb }
     }
 
     fn not_reached(&self, asked: f64, last: &Estimated, next: Resolution) -> AccuracyError {
