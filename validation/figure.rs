@@ -211,15 +211,15 @@ impl LogPlot {
     }
 }
 
-/// A logarithmic range that holds two of the ticks 1, 2 and 5 times powers of ten.
+/// A logarithmic range with two ticks at least: 1, 2 and 5 times powers of ten, drawn from the first power on.
 fn wide(low: f64, high: f64) -> std::ops::Range<f64> {
     let decade = 10f64.powf(low.log10().floor());
-    let ticks = || [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].map(|t| t * decade).into_iter();
-    if high / low >= 10.0 || ticks().filter(|t| (low..=high).contains(t)).count() > 1 {
-        return low..high;
+    let ticks = [10.0, 20.0, 50.0, 100.0].map(|t| t * decade);
+    if ticks.iter().filter(|t| (low..=high).contains(t)).count() > 1 {
+        low..high
+    } else {
+        0.999 * decade..high
     }
-    let start = ticks().filter(|t| *t <= low * (1.0 + 1e-9)).fold(decade, f64::max);
-    start * 0.999..ticks().find(|t| *t >= high && *t > start).unwrap_or(100.0 * decade) * 1.001
 }
 
 /// Okabe–Ito, and the same greyer from the eighth curve on.
@@ -248,5 +248,6 @@ fn tick(v: f64, log: bool) -> String {
         let text = format!("{v:.3}");
         return text.trim_end_matches('0').trim_end_matches('.').into();
     }
-    format!("{v:.0e}")
+    // Ticks of linear axes differ in their second digits.
+    if log { format!("{v:.0e}") } else { format!("{v:.1e}") }
 }
