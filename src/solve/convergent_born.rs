@@ -5,9 +5,10 @@
 //! at every point, u ← u − γ (u − L⁻¹(b − V'u)) contracts once |V| ≤ ε. In a two-phase medium every point would sit on
 //! the circle of convergence, so |V| is scaled below it and the step shortened (Vettenburg and Vellekoop 2022).
 
+use super::System;
 use super::ledger::Ledger;
 use super::relaxation::contrasts;
-use super::solver::{Goal, Solution, SolveError, Solver, Watch};
+use super::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::wave::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;
@@ -39,11 +40,12 @@ impl Solver for ConvergentBorn {
 
     fn solve_from(
         &self,
-        problem: &Problem,
+        system: &dyn System,
         start: Option<&Field>,
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
+        let problem = scalar(system, self.name())?;
         self.check()?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());

@@ -15,6 +15,7 @@ mod ledger;
 pub mod relaxation;
 mod resolution;
 pub mod solver;
+mod system;
 pub mod vectors;
 
 pub use bicgstab::Bicgstab;
@@ -26,3 +27,4 @@ pub use guided::GuidedModes;
 pub use krylov::Gmres;
 pub use relaxation::Relaxation;
 pub use solver::{Account, Goal, Silent, Solution, SolveError, Solver, SolverChoice, Step, Watch};
+pub use system::System;
