@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::appearance::paper::{Albedo, Coupling};
-use crate::ink::spectra::{Spectrum, molecular_mixture};
+use crate::material::spectra::{Spectrum, molecular_mixture};
 use crate::wave::Side;
 
 /// A molecular mixture of a synthetic pigment in the papers' binder, 1 µm, on paper 0.9.

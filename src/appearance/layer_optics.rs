@@ -1,9 +1,9 @@
 //! What the solves say about a layer at one wavelength, at the angles of a rule.
 
 use super::angles::AngleRule;
-use super::estimate::mean_of;
 use super::paper::PaperError;
 use super::slab::Slab;
+use crate::numerics::estimate::mean_of;
 use crate::wave::Side;
 use ndarray::Array2;
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// A homogeneous layer of index η = n + iκ between vacuum above and a real index below.
 ///
-/// For an ink layer take √⟨η²⟩ ([`molecular_mixture`](crate::ink::spectra::molecular_mixture)): what the layer adds
+/// For an ink layer take √⟨η²⟩ ([`molecular_mixture`](crate::material::spectra::molecular_mixture)): what the layer adds
 /// to the slab is smooth in the angle, while the slab carries the interference fringes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Slab {

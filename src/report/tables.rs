@@ -1,8 +1,8 @@
 //! The tables that other programs open: spectra and distributions as CSV.
 
-use super::manifest::SpectrumRow;
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
-use crate::appearance::estimate::Estimate;
+use crate::evaluate::manifest::SpectrumRow;
+use crate::numerics::estimate::Estimate;
 use crate::wave::Side;
 
 /// Spectra, one row a wavelength; unknown errors and unfinished values are empty.
@@ -95,7 +95,7 @@ fn finish(table: csv::Writer<Vec<u8>>) -> csv::Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::record::tests::two_orders;
+    use crate::store::record::tests::two_orders;
 
     #[test]
     fn tables_are_rectangular_and_unknown_errors_are_empty() {

@@ -118,7 +118,7 @@ pub trait Solver: Send + Sync {
 }
 
 /// The scalar problem behind a system, for a strategy that splits its operator point by point.
-pub(super) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result<&'a Problem, SolveError> {
+pub(in crate::solve) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result<&'a Problem, SolveError> {
     system.scalar().ok_or_else(|| SolveError::Setting {
         field: "solver",
         value: name.to_string(),
