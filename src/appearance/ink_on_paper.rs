@@ -51,11 +51,11 @@ impl LayerOptics {
         baseline: Option<Slab>,
         bandwidth: f64,
     ) -> Result<Self, InkError> {
-        check_angles("above", Side::Above, &rule.above, above)?;
+        check_angles("above", Side::Incident, &rule.above, above)?;
         let reflectance: Vec<f64> = above.iter().map(|f| f.reflectance).collect();
         let reflectance_below = match below {
             Some(fields) => {
-                check_angles("below", Side::Below, &rule.below, fields)?;
+                check_angles("below", Side::Exit, &rule.below, fields)?;
                 fields.iter().map(|f| f.reflectance).collect()
             }
             None if rule.coupling != Coupling::Gap => return Err(InkError::BelowNeeded),

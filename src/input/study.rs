@@ -139,19 +139,24 @@ impl Study {
 
     /// Indices at one wavelength; the inclusion after the last pigment is what lies above a relief.
     pub fn media(&self, wavelength: usize) -> Media {
-        let above = self.layer.index_above.into();
+        let incident = self.layer.index_above.into();
         Media {
-            above,
-            below: self.layer.index_below.into(),
+            incident,
+            exit: self.layer.index_below.into(),
             backgrounds: vec![self.layer.binder.index[wavelength]],
-            inclusions: self.pigments.iter().map(|p| p.material.index[wavelength]).chain([above]).collect(),
+            inclusions: self
+                .pigments
+                .iter()
+                .map(|p| p.material.index[wavelength])
+                .chain([incident])
+                .collect(),
         }
     }
 
-    /// The same indices for a content hash: above, below, binder, pigments.
+    /// The same indices for a content hash: incident side, exit side, binder, pigments.
     pub fn indices(&self, wavelength: usize) -> Vec<Complex64> {
-        let Media { above, below, backgrounds, inclusions } = self.media(wavelength);
-        [above, below].into_iter().chain(backgrounds).chain(inclusions).collect()
+        let Media { incident, exit, backgrounds, inclusions } = self.media(wavelength);
+        [incident, exit].into_iter().chain(backgrounds).chain(inclusions).collect()
     }
 
     /// All solves of one realisation, in their order: wavelength, side, angle.
@@ -163,8 +168,8 @@ impl Study {
             Point { realisation, wavelength, incidence }
         };
         let of_wavelength = |wavelength: usize| {
-            let above = self.angles.above.iter().map(move |&deg| at(wavelength, Side::Above, deg));
-            let below = self.angles.below.iter().map(move |&deg| at(wavelength, Side::Below, deg));
+            let above = self.angles.above.iter().map(move |&deg| at(wavelength, Side::Incident, deg));
+            let below = self.angles.below.iter().map(move |&deg| at(wavelength, Side::Exit, deg));
             above.chain(below)
         };
         (0..self.wavelengths_nm.len()).flat_map(of_wavelength).collect()

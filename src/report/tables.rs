@@ -64,7 +64,7 @@ pub fn distributions<'a>(bdfs: impl Iterator<Item = &'a Bdf>) -> csv::Result<Vec
 
 fn row(bdf: &Bdf, lobe: Lobe, order: &OrderMean) -> impl Iterator<Item = String> {
     let incidence = bdf.incidence();
-    let from = if incidence.from == Side::Above { "above" } else { "below" };
+    let from = if incidence.from == Side::Incident { "above" } else { "below" };
     let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
     let place = [
         (1e3 * incidence.wavelength_um).to_string(),

@@ -77,7 +77,7 @@ fn probes(study: &Study) -> Vec<Probe> {
         wavelength_um: study.wavelengths_nm[wavelength] * 1e-3,
         polar_deg,
         azimuth_deg: study.angles.azimuth_deg,
-        from: Side::Above,
+        from: Side::Incident,
     };
     let contrast = |wavelength: usize| {
         let [binder, k] = [study.layer.binder.index[wavelength], study.wavelengths_nm[wavelength].into()];
