@@ -8,5 +8,6 @@ pub mod progress;
 pub mod report;
 pub mod run;
 pub mod solve;
+mod solve_vector;
 pub mod stop;
 pub mod sweep;

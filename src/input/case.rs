@@ -8,7 +8,8 @@ use thiserror::Error;
 
 /// A geometry with its media and light, as written; lengths in µm, angles in degrees.
 ///
-/// `n_below` is the half-space z < 0 that the light comes from, `n_above` the one beyond z > H.
+/// `n_in` (also `n_below`) is the half-space z < 0, the incident side, `n_out` (also `n_above`) the one beyond z > H, each
+/// a number or [re, im].
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseInputs {
@@ -17,15 +18,19 @@ pub struct CaseInputs {
     pub sigma_deg: f64,
     #[serde(default)]
     pub phi_deg: f64,
-    /// Period in x, and in y unless `Ly` is given.
-    #[serde(rename = "L", alias = "Lx", default = "unit")]
-    pub period_x: f64,
+    /// Period in x, and in y unless `Ly` is given; or both as a pair.
+    #[serde(rename = "L", alias = "Lx", default)]
+    pub period: PeriodInput,
     #[serde(rename = "Ly")]
     pub period_y: Option<f64>,
     #[serde(rename = "H")]
     pub thickness: Option<f64>,
-    pub n_below: Option<f64>,
-    pub n_above: Option<f64>,
+    /// Index of the half-space z < 0.
+    #[serde(rename = "n_in", alias = "n_below")]
+    pub n_in: Option<IndexInput>,
+    /// Index of the half-space z > H.
+    #[serde(rename = "n_out", alias = "n_above")]
+    pub n_out: Option<IndexInput>,
     pub eta_below: Option<[f64; 2]>,
     pub eta_above: Option<[f64; 2]>,
     pub eta_binder: Option<[f64; 2]>,
@@ -41,8 +46,50 @@ pub struct CaseInputs {
     note: Option<String>,
 }
 
-fn unit() -> f64 {
-    1.0
+/// A refractive index: a number, or [re, im].
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "an index: a number or [re, im]")]
+pub enum IndexInput {
+    /// Transparent.
+    Real(f64),
+    /// Real and imaginary part; Im ≥ 0 absorbs.
+    Complex([f64; 2]),
+}
+
+impl IndexInput {
+    /// [re, im].
+    pub fn parts(self) -> [f64; 2] {
+        match self {
+            IndexInput::Real(n) => [n, 0.0],
+            IndexInput::Complex(parts) => parts,
+        }
+    }
+}
+
+/// Lateral periods in µm: one for both axes, or a pair.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "a period in µm: a number or [Lx, Ly]")]
+pub enum PeriodInput {
+    /// The same along x and y.
+    Square(f64),
+    /// Along x and along y.
+    Pair([f64; 2]),
+}
+
+impl Default for PeriodInput {
+    fn default() -> PeriodInput {
+        PeriodInput::Square(1.0)
+    }
+}
+
+impl CaseInputs {
+    /// Periods along x and y; `Ly` beside a pair is refused by the checks.
+    pub fn period_um(&self) -> [f64; 2] {
+        match self.period {
+            PeriodInput::Square(x) => [x, self.period_y.unwrap_or(x)],
+            PeriodInput::Pair(pair) => pair,
+        }
+    }
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -133,14 +180,10 @@ impl Case {
         super::case_checks::check(inputs)?;
         let mut builder = Builder::default();
         let strata = builder.strata(inputs)?;
-        let scene = Scene {
-            period_um: [inputs.period_x, inputs.period_y.unwrap_or(inputs.period_x)],
-            strata,
-            bodies: builder.bodies(inputs)?,
-        };
+        let scene = Scene { period_um: inputs.period_um(), strata, bodies: builder.bodies(inputs)? };
         let media = Media {
-            incident: half_space("n_below", inputs.n_below, inputs.eta_below)?,
-            exit: half_space("n_above", inputs.n_above, inputs.eta_above)?,
+            incident: half_space("n_in", inputs.n_in, inputs.eta_below)?,
+            exit: half_space("n_out", inputs.n_out, inputs.eta_above)?,
             backgrounds: builder.backgrounds,
             inclusions: builder.inclusions,
         };
@@ -199,10 +242,13 @@ struct Builder {
 
 impl Builder {
     fn strata(&mut self, inputs: &CaseInputs) -> Result<Vec<Stratum>, CaseError> {
+        // A binder stated beside sublayers of the same background says the same thing twice.
+        let same = |l: &SublayerInput| Some(l.eta_background) == inputs.eta_binder;
+        let repeated = inputs.sublayers_from_z0.as_ref().is_some_and(|all| all.iter().all(same));
         let described = [
             inputs.layers_from_z0.is_some(),
             inputs.sublayers_from_z0.is_some(),
-            inputs.eta_binder.is_some(),
+            inputs.eta_binder.is_some() && !repeated,
         ];
         if described.iter().filter(|&&d| d).count() != 1 {
             return Err(CaseError::Field {
@@ -213,7 +259,7 @@ impl Builder {
             });
         }
         let mut parts: Vec<(f64, [f64; 2])> = Vec::new();
-        if let Some(eta) = inputs.eta_binder {
+        if let Some(eta) = inputs.eta_binder.filter(|_| !repeated) {
             let missing = || field("H", "missing", "give the layer's thickness in µm");
             parts.push((inputs.thickness.ok_or_else(missing)?, eta));
         }
@@ -246,7 +292,7 @@ impl Builder {
         for sublayer in inputs.sublayers_from_z0.iter().flatten() {
             let z_um = [bottom, bottom + sublayer.thickness];
             for bar in sublayer.bars.iter().filter(|_| sublayer.thickness != 0.0) {
-                check_bar(bar, inputs.period_x)?;
+                check_bar(bar, inputs.period_um()[0])?;
                 bodies.push(self.body(Shape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
             }
             bottom = z_um[1];
@@ -267,14 +313,13 @@ fn index_of(list: &mut Vec<Complex64>, [re, im]: [f64; 2]) -> usize {
     })
 }
 
-fn half_space(name: &str, n: Option<f64>, eta: Option<[f64; 2]>) -> Result<Complex64, CaseError> {
-    match (n, eta) {
-        (Some(_), Some(_)) => {
-            Err(field(name, "given twice, as a real and as a complex index", "give one of them"))
-        }
-        (n, None) => Ok(n.unwrap_or(1.0).into()),
-        (None, Some([re, im])) => Ok(Complex64::new(re, im)),
+fn half_space(name: &str, n: Option<IndexInput>, eta: Option<[f64; 2]>) -> Result<Complex64, CaseError> {
+    if n.is_some() && eta.is_some() {
+        let old = name.replace("n_in", "eta_below").replace("n_out", "eta_above");
+        return Err(field(name, &format!("given twice, as {name} and as {old}"), "give one of them"));
     }
+    let [re, im] = n.map(IndexInput::parts).or(eta).unwrap_or([1.0, 0.0]);
+    Ok(Complex64::new(re, im))
 }
 
 fn check_bar(bar: &BarInput, period: f64) -> Result<(), CaseError> {

@@ -26,6 +26,16 @@ pub enum WaveError {
          (Im η ≥ 0 absorbs: change the sign if it was given for e^(+iωt))"
     )]
     Index { medium: String, real: f64, imaginary: f64 },
+    /// Something that Maxwell's equations are not solved for here.
+    #[error("{what} is refused by the vector wave: {reason}; {remedy}")]
+    NotInVectorMode {
+        /// What was found.
+        what: &'static str,
+        /// Why it is refused.
+        reason: &'static str,
+        /// What to do instead.
+        remedy: &'static str,
+    },
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
     Range { field: &'static str, value: f64, allowed: &'static str, remedy: &'static str },
     #[error(

@@ -4,9 +4,10 @@
 //! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
 
 use super::coverages::Coverages;
+use super::discretisation::Discretisation;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scheme, Shape, WaveError};
+use crate::solve::solver::{Goal, SolveError, Solver, Watch};
+use crate::wave::{Coverage, FarField, Incidence, Mean, Media, Order, Resolution, Scheme, Shape, WaveError};
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -20,15 +21,13 @@ const RESIDUAL_WEIGHT: f64 = 3.0;
 const SAFETY: f64 = 1.4;
 /// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
 const FINE: [f64; 2] = [8.0, 3.3];
-/// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
-const START: [f64; 2] = [3.0, 5.4];
 /// Resolutions tried before giving up.
 const LEVELS: usize = 24;
 
 /// One solve to be made: everything but the resolution.
-#[derive(Clone, Copy)]
-pub struct Task<'a> {
-    pub coverages: &'a Coverages<'a>,
+pub struct Task<'a, G = Coverage> {
+    /// The scene, and its geometry on the grids tried.
+    pub coverages: &'a Coverages<'a, G>,
     pub media: &'a Media,
     pub incidence: &'a Incidence,
     pub mean: Mean,
@@ -39,11 +38,22 @@ pub struct Task<'a> {
     pub memory: usize,
 }
 
+impl<G> Clone for Task<'_, G> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<G> Copy for Task<'_, G> {}
+
 /// A solve with its error estimate.
-pub struct Estimated {
-    pub problem: Problem,
-    pub solution: Solution,
-    pub far_field: FarField,
+pub struct Estimated<G: Discretisation = Coverage> {
+    /// The discrete problem on the grid that was chosen.
+    pub problem: G::Problem,
+    /// What the strategy delivered.
+    pub solution: G::Solution,
+    /// What leaves the layer.
+    pub far_field: G::FarField,
     /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
     pub error_estimate: f64,
     /// The estimate's parts: plane, z.
@@ -76,18 +86,18 @@ pub enum AccuracyError {
     Accuracy(f64),
 }
 
-impl Task<'_> {
+impl<G: Discretisation> Task<'_, G> {
     /// Solves at one resolution.
     pub fn solve(
         &self,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<(Problem, Solution, f64), AccuracyError> {
+    ) -> Result<(G::Problem, G::Solution, f64), AccuracyError> {
         let clock = std::time::Instant::now();
         let coverage = self.coverages.at(resolution)?;
-        let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
+        let problem = G::problem(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
-        let solution = self.solver.solve(&problem, self.goal, watch)?;
+        let solution = G::solve(&problem, self.solver, self.goal, watch)?;
         Ok((problem, solution, setup))
     }
 
@@ -96,13 +106,14 @@ impl Task<'_> {
         &self,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated<G>, AccuracyError> {
         let (problem, solution, seconds_setup) = self.solve(resolution, watch)?;
-        let far_field = problem.far_field(&solution.field);
+        let far_field = G::far_field(&problem, &solution);
         let clock = std::time::Instant::now();
         let mut parts = [0.0; 2];
-        if problem.has_contrast() {
-            let uniform = problem.coverage.uniform;
+        if G::has_contrast(&problem) {
+            let scene = self.coverages.scene;
+            let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
             let plane = [COMPANION, 1.0 / COMPANION].map(|factor| scaled_plane(resolution, factor, uniform));
             let across = [scaled_cells(resolution, COMPANION), scaled_cells(resolution, 1.0 / COMPANION)];
             parts[0] = if self.coverages.scene.uniform_in_plane() {
@@ -112,7 +123,7 @@ impl Task<'_> {
             };
             parts[1] = self.compare(&far_field, resolution, across, watch)?;
         }
-        let floor = 1e-13 + RESIDUAL_WEIGHT * solution.account.residual;
+        let floor = 1e-13 + RESIDUAL_WEIGHT * G::residual(&solution);
         Ok(Estimated {
             error_estimate: SAFETY * (parts[0] + parts[1]) + floor,
             seconds_estimate: clock.elapsed().as_secs_f64(),
@@ -127,7 +138,7 @@ impl Task<'_> {
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
-        far: &FarField,
+        far: &G::FarField,
         own: Resolution,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
@@ -137,8 +148,8 @@ impl Task<'_> {
             Some(solved) => solved,
             None => self.solve(finer, watch)?,
         };
-        let difference = largest_difference(far, &problem.far_field(&solution.field));
-        let used = problem.coverage.grid.resolution;
+        let difference = G::difference(far, &G::far_field(&problem, &solution));
+        let used = G::grid_of(&problem).resolution;
         Ok(difference * error_share(own, used, self.orders(own)))
     }
 
@@ -178,7 +189,7 @@ impl Task<'_> {
         coarser: Resolution,
         own: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
+    ) -> Result<Option<(G::Problem, G::Solution, f64)>, AccuracyError> {
         if coarser == own {
             return Ok(None);
         }
@@ -199,14 +210,14 @@ impl Task<'_> {
         &self,
         accuracy: f64,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated<G>, AccuracyError> {
         if !(1e-9..=0.5).contains(&accuracy) {
             return Err(AccuracyError::Accuracy(accuracy));
         }
         let mut task = *self;
         task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
         let mut resolution = task.start(accuracy);
-        let mut last: Option<Estimated> = None;
+        let mut last: Option<Estimated<G>> = None;
         let mut refused: Option<WaveError> = None;
         for _ in 0..LEVELS {
             if task.bytes(resolution) > task.memory {
@@ -240,7 +251,7 @@ impl Task<'_> {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
         let points =
-            |period: f64| smooth_size((START[0] * finer.powf(0.25) * waves * period).ceil() as usize);
+            |period: f64| smooth_size((G::START[0] * finer.powf(0.25) * waves * period).ceil() as usize);
         let nx = if self.coverages.scene.uniform_in_plane() {
             1
         } else {
@@ -248,14 +259,14 @@ impl Task<'_> {
         };
         let ny =
             if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1]) };
-        let planes = START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
+        let planes = G::START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
         let cells = (planes / self.scheme.degree() as f64).ceil() as usize;
         Resolution { nx, ny, cells: cells.max(self.coverages.scene.strata.len()).max(2), scheme: self.scheme }
     }
 
     /// Bytes of a solve: some 40 basis vectors, factors, coverage.
     fn bytes(&self, r: Resolution) -> usize {
-        r.nx * r.ny * r.planes() * size_of::<Complex64>() * 50
+        r.nx * r.ny * G::rows(r) * size_of::<Complex64>() * 50
     }
 
     fn too_large(&self, asked: f64, r: Resolution) -> AccuracyError {
@@ -263,8 +274,8 @@ impl Task<'_> {
         AccuracyError::TooLarge { asked, nx: r.nx, ny: r.ny, cells: r.cells, need_gb, allowed_gb }
     }
 
-    fn not_reached(&self, asked: f64, last: &Estimated, next: Resolution) -> AccuracyError {
-        let r = last.problem.coverage.grid.resolution;
+    fn not_reached(&self, asked: f64, last: &Estimated<G>, next: Resolution) -> AccuracyError {
+        let r = G::grid_of(&last.problem).resolution;
         let gb = |bytes: usize| bytes as f64 / 1e9;
         AccuracyError::NotReached {
             asked,

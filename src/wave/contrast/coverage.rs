@@ -9,7 +9,7 @@ use super::nufft::{Footprint, SourceTransform};
 use super::section;
 use super::section::{Cut, EdgePoint};
 use crate::numerics::fourier::Harmonics;
-use crate::wave::{Body, Grid, Resolution, Scene, WaveError};
+use crate::wave::{Body, Grid, Layout, Resolution, Scene, WaveError};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -89,6 +89,16 @@ impl Coverage {
         })
     }
 
+    /// What the mean medium and the Bloch vector are made from.
+    pub fn layout(&self) -> Layout<'_> {
+        Layout {
+            grid: &self.grid,
+            channels: &self.channels,
+            fractions: &self.fractions,
+            uniform: self.uniform,
+        }
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.moments.iter().chain(&self.folded).map(|m| m.len() * size_of::<f64>()).sum()
@@ -96,7 +106,7 @@ impl Coverage {
 }
 
 /// All (background, inclusion) pairs that share a cell.
-fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
+pub(in crate::wave) fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
     let mut channels = Vec::new();
     for body in &scene.bodies {
         for j in 0..grid.cells() {
@@ -110,7 +120,7 @@ fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
 }
 
 /// The part of a cell's height that a body reaches into.
-fn overlap(body: &Body, grid: &Grid, cell: usize) -> Option<[f64; 2]> {
+pub(in crate::wave) fn overlap(body: &Body, grid: &Grid, cell: usize) -> Option<[f64; 2]> {
     let [lo, hi] = body.extent_um();
     let range = [lo.max(grid.nodes_um[cell]), hi.min(grid.nodes_um[cell + 1])];
     (range[1] > range[0]).then_some(range)
@@ -231,15 +241,12 @@ impl<'a> CellSum<'a> {
         }
     }
 
-    /// (1/Lx) ∫ e^{−ikx} dx over a strip; only orders n = 0.
-    fn add_strip(&mut self, [x0, x1]: [f64; 2], shares: &[f64]) {
+    /// Adds a strip that is uniform in y; only orders n = 0.
+    fn add_strip(&mut self, range: [f64; 2], shares: &[f64]) {
         let lx = self.builder.grid.period_um[0];
-        let (middle, width) = (0.5 * (x0 + x1), x1 - x0);
         for (i, _) in self.builder.harmonics.orders.iter().enumerate().filter(|(_, o)| o[1] == 0) {
             let k = TAU * self.builder.harmonics.orders[i][0] as f64 / lx;
-            let phase = 0.5 * k * width;
-            let sinc = if phase.abs() < 1e-8 { 1.0 } else { phase.sin() / phase };
-            let value = Complex64::cis(-k * middle) * (width / lx * sinc);
+            let value = strip_coefficient(range, k, lx);
             self.direct.iter_mut().zip(shares).for_each(|(plane, s)| plane[i] += value * s);
         }
     }
@@ -255,6 +262,14 @@ impl<'a> CellSum<'a> {
         }
         self.direct
     }
+}
+
+/// (1/Lx) ∫ e^{−ikx} dx over a strip.
+pub(in crate::wave) fn strip_coefficient([x0, x1]: [f64; 2], k: f64, lx: f64) -> Complex64 {
+    let (middle, width) = (0.5 * (x0 + x1), x1 - x0);
+    let phase = 0.5 * k * width;
+    let sinc = if phase.abs() < 1e-8 { 1.0 } else { phase.sin() / phase };
+    Complex64::cis(-k * middle) * (width / lx * sinc)
 }
 
 /// (i/k²) (k_x N_x + k_y N_y)/(Lx Ly) from the packed transform Z = N_x + i N_y of two real fields.

@@ -61,6 +61,23 @@ impl SourceTransform {
         }
     }
 
+    /// Adds a source of several real strengths to a fine grid that keeps all values of a point together (x fastest).
+    pub fn spread_values<const N: usize>(
+        &self,
+        grid: &mut [f64],
+        x: &Footprint,
+        y: &Footprint,
+        values: &[f64; N],
+    ) {
+        for (&row, &wy) in y.index.iter().zip(&y.weight) {
+            for (&column, &wx) in x.index.iter().zip(&x.weight) {
+                let at = N * (row * self.fine[0] + column);
+                let weight = wx * wy;
+                grid[at..at + N].iter_mut().zip(values).for_each(|(g, v)| *g += weight * v);
+            }
+        }
+    }
+
     /// Transforms the fine grid in `scratch.plane`; read the result with [`SourceTransform::coefficient`].
     pub fn transform(&self, scratch: &mut PlaneScratch) {
         let all = 0..self.fine[0];

@@ -125,6 +125,68 @@ fn cut_balls<'a>(balls: &[Ball], z: f64, kmax: f64, buffer: &'a mut Vec<EdgePoin
     Cut::Edge { area: 0.5 * buffer.iter().map(moment).sum::<f64>(), points: buffer }
 }
 
+/// Edge at height `z` of the share of ball `i` in a union: the points of the ball whose power |x − c|² − R² is the least
+/// of all balls. It consists of the disc's free arcs and of pieces of the radical lines with other discs.
+pub fn power_edge(balls: &[Ball], i: usize, z: f64, kmax: f64, edge: &mut Vec<EdgePoint>) {
+    edge.clear();
+    if disc_of(&balls[i], z).is_none() {
+        return;
+    }
+    let discs: Vec<Disc> = balls.iter().filter_map(|b| disc_of(b, z)).collect();
+    let own = balls[..i].iter().filter(|b| disc_of(b, z).is_some()).count();
+    for_free_arcs(covered_angles(&discs, own), |start, end| push_arc(&discs[own], start, end, kmax, edge));
+    for j in (0..discs.len()).filter(|&j| j != own) {
+        push_chord(&discs, own, j, kmax, edge);
+    }
+}
+
+/// Points along the piece of the radical line of discs `i` and `j` that bounds the share of disc `i`.
+fn push_chord(discs: &[Disc], i: usize, j: usize, kmax: f64, edge: &mut Vec<EdgePoint>) {
+    let (own, other) = (discs[i], discs[j]);
+    let delta = [0, 1].map(|i| other.center[i] - own.center[i]);
+    let distance = delta[0].hypot(delta[1]);
+    if distance < 1e-12 * own.radius {
+        return;
+    }
+    let normal = delta.map(|d| d / distance);
+    let along = 0.5 * (distance + (own.radius.powi(2) - other.radius.powi(2)) / distance);
+    let square = own.radius.powi(2) - along * along;
+    if square <= 0.0 {
+        return;
+    }
+    let tangent = [-normal[1], normal[0]];
+    let foot = [0, 1].map(|i| own.center[i] + along * normal[i]);
+    let (mut from, mut to) = (-square.sqrt(), square.sqrt());
+    for (k, third) in discs.iter().enumerate().filter(|&(k, _)| k != i && k != j) {
+        // Power of the third disc less our own along the line: start + slope t, to be kept where it is not negative.
+        let apart = [0, 1].map(|i| third.center[i] - own.center[i]);
+        let to_foot = [0, 1].map(|i| foot[i] - own.center[i]);
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let start = dot(apart, apart) - 2.0 * dot(apart, to_foot) - third.radius.powi(2) + own.radius.powi(2);
+        let slope = -2.0 * dot(apart, tangent);
+        if slope.abs() * own.radius < 1e-14 * own.radius.powi(2) {
+            // Three discs with one radical line: the first of both gets it.
+            if start < 0.0 || (start == 0.0 && k < j) {
+                return;
+            }
+        } else if slope > 0.0 {
+            from = from.max(-start / slope);
+        } else {
+            to = to.min(-start / slope);
+        }
+    }
+    if to <= from {
+        return;
+    }
+    let half = 0.5 * (to - from);
+    let rule = GaussLegendre::new((0.7 * kmax * half) as usize + 6).expect("at least two nodes");
+    for &(x, w) in rule.as_node_weight_pairs() {
+        let t = from + half * (1.0 + x);
+        let position = [0, 1].map(|i| foot[i] + t * tangent[i]);
+        edge.push(EdgePoint { position, normal: normal.map(|n| n * half * w) });
+    }
+}
+
 fn disc_of(ball: &Ball, z: f64) -> Option<Disc> {
     let square = ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2);
     (square > 0.0).then(|| Disc { center: [ball.center_um[0], ball.center_um[1]], radius: square.sqrt() })

@@ -5,7 +5,7 @@
 use super::mean::{MeanOperator, decaying_root};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::bloch::BlochVector;
-use crate::wave::{Coverage, Incidence, Media, Scene, Side, WaveError};
+use crate::wave::{Coverage, Incidence, Layout, Media, Scene, Side, WaveError};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -65,20 +65,20 @@ impl Problem {
         mean: Mean,
     ) -> Result<Problem, WaveError> {
         incidence.check()?;
-        let grid = &coverage.grid;
+        let (grid, layout) = (&coverage.grid, coverage.layout());
         let harmonics = Harmonics::new(grid.resolution.nx, grid.resolution.ny);
         let k0 = TAU / incidence.wavelength_um;
-        let bloch = BlochVector::new(coverage, media, incidence)?;
-        bloch.check_orders(coverage, media, k0)?;
+        let bloch = BlochVector::new(&layout, media, incidence)?;
+        bloch.check_orders(&layout, media, k0)?;
         let lateral: Vec<[f64; 2]> = harmonics.orders.iter().map(|&o| bloch.lateral(o)).collect();
         let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
         let kappa_in =
             |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
         let kappa: [Vec<Complex64>; 2] = [kappa_in(media.incident), kappa_in(media.exit)];
-        let mean_k2 = mean_wavenumbers(coverage, media, k0, mean);
+        let mean_k2 = mean_wavenumbers(&layout, media, k0, mean);
         let [m, n] = bloch.incident;
         let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
-        check_phase(coverage, &mean_k2, lateral_k2[incident])?;
+        check_phase(&layout, &mean_k2, lateral_k2[incident])?;
         let points = grid.points() as f64;
         let contrast = |c: &crate::wave::contrast::coverage::Channel| {
             let [inclusion, background] = [media.inclusions[c.inclusion], media.backgrounds[c.background]];
@@ -287,12 +287,17 @@ impl Problem {
 }
 
 /// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
-fn mean_wavenumbers(coverage: &Coverage, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
-    let grid = &coverage.grid;
+pub(in crate::wave) fn mean_wavenumbers(
+    layout: &Layout,
+    media: &Media,
+    k0: f64,
+    mean: Mean,
+) -> Vec<Complex64> {
+    let grid = layout.grid;
     let square = |eta: Complex64| eta * eta * (k0 * k0);
     let in_cell = |j: usize| {
         let background = square(media.backgrounds[grid.background[j]]);
-        let parts = coverage.channels.iter().zip(&coverage.fractions);
+        let parts = layout.channels.iter().zip(layout.fractions);
         let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
         background
             + parts
@@ -327,9 +332,13 @@ fn plane_offsets(coverage: &Coverage, media: &Media, k0: f64, mean_k2: &[Complex
 }
 
 /// Refuses cells that are too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
-fn check_phase(coverage: &Coverage, mean_k2: &[Complex64], lateral_k2: f64) -> Result<(), WaveError> {
-    let grid = &coverage.grid;
-    let exact = coverage.channels.is_empty();
+pub(in crate::wave) fn check_phase(
+    layout: &Layout,
+    mean_k2: &[Complex64],
+    lateral_k2: f64,
+) -> Result<(), WaveError> {
+    let grid = layout.grid;
+    let exact = layout.channels.is_empty();
     for (j, &k2) in mean_k2.iter().enumerate() {
         let h = grid.height_um(j);
         let phase = (if exact { k2 - lateral_k2 } else { k2 }).sqrt().re * h;

@@ -1,0 +1,191 @@
+//! What the search for a grid needs to know of a wave: the scalar one and Maxwell's share all the rest.
+
+use super::search::largest_difference;
+use crate::solve::solver::{Account, Goal, Solution, SolveError, Solver, Watch};
+use crate::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorFarField, VectorProblem};
+use crate::wave::{Coverage, FarField, Grid, Incidence, Mean, Media, Problem, Resolution, Scene, WaveError};
+use std::sync::Arc;
+
+/// Geometry on a grid that a wave is solved on.
+pub trait Discretisation: Sized + Send + Sync {
+    /// One wavelength and direction on the geometry.
+    type Problem;
+    /// Converged fields.
+    type Solution;
+    /// What leaves the layer.
+    type FarField;
+
+    /// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
+    const START: [f64; 2];
+
+    /// The geometry of a scene on a grid.
+    fn build(scene: &Scene, resolution: Resolution) -> Result<Self, WaveError>;
+
+    /// The grid it was made for.
+    fn grid(&self) -> &Grid;
+
+    /// The discrete problem for one wavelength and direction.
+    fn problem(
+        geometry: &Arc<Self>,
+        media: &Media,
+        incidence: &Incidence,
+        mean: Mean,
+    ) -> Result<Self::Problem, WaveError>;
+
+    /// The grid of a problem.
+    fn grid_of(problem: &Self::Problem) -> &Grid;
+
+    /// False where the mean medium's wave is the solution.
+    fn has_contrast(problem: &Self::Problem) -> bool;
+
+    /// Runs a strategy.
+    fn solve(
+        problem: &Self::Problem,
+        solver: &dyn Solver,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<Self::Solution, SolveError>;
+
+    /// Reads off what leaves the layer.
+    fn far_field(problem: &Self::Problem, solution: &Self::Solution) -> Self::FarField;
+
+    /// Relative residual of a solution.
+    fn residual(solution: &Self::Solution) -> f64;
+
+    /// Largest difference of any amplitude that counts, see [`largest_difference`].
+    fn difference(a: &Self::FarField, b: &Self::FarField) -> f64;
+
+    /// Rows of unknowns on a grid.
+    fn rows(resolution: Resolution) -> usize;
+}
+
+impl Discretisation for Coverage {
+    type Problem = Problem;
+    type Solution = Solution;
+    type FarField = FarField;
+
+    const START: [f64; 2] = [3.0, 5.4];
+
+    fn build(scene: &Scene, resolution: Resolution) -> Result<Coverage, WaveError> {
+        Coverage::new(scene, resolution)
+    }
+
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn problem(
+        geometry: &Arc<Coverage>,
+        media: &Media,
+        incidence: &Incidence,
+        mean: Mean,
+    ) -> Result<Problem, WaveError> {
+        Problem::new(geometry, media, incidence, mean)
+    }
+
+    fn grid_of(problem: &Problem) -> &Grid {
+        &problem.coverage.grid
+    }
+
+    fn has_contrast(problem: &Problem) -> bool {
+        problem.has_contrast()
+    }
+
+    fn solve(
+        problem: &Problem,
+        solver: &dyn Solver,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<Solution, SolveError> {
+        solver.solve(problem, goal, watch)
+    }
+
+    fn far_field(problem: &Problem, solution: &Solution) -> FarField {
+        problem.far_field(&solution.field)
+    }
+
+    fn residual(solution: &Solution) -> f64 {
+        solution.account.residual
+    }
+
+    fn difference(a: &FarField, b: &FarField) -> f64 {
+        largest_difference(a, b)
+    }
+
+    fn rows(resolution: Resolution) -> usize {
+        resolution.planes()
+    }
+}
+
+/// Solutions for s and p light.
+pub type BothPolarisations = [Solution; 2];
+
+/// The accounts of both solves as one: steps, applications and seconds together, the larger residual.
+pub fn joint_account([s, p]: &BothPolarisations) -> Account {
+    let (mut joint, p) = (s.account.clone(), &p.account);
+    joint.steps += p.steps;
+    joint.operator_applications += p.operator_applications;
+    joint.seconds += p.seconds;
+    joint.residual = joint.residual.max(p.residual);
+    joint.bytes = joint.bytes.max(p.bytes);
+    joint
+}
+
+impl Discretisation for NormalMoments {
+    type Problem = VectorProblem;
+    type Solution = BothPolarisations;
+    type FarField = VectorFarField;
+
+    const START: [f64; 2] = [3.2, 7.0];
+
+    fn build(scene: &Scene, resolution: Resolution) -> Result<NormalMoments, WaveError> {
+        NormalMoments::new(scene, resolution)
+    }
+
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn problem(
+        geometry: &Arc<NormalMoments>,
+        media: &Media,
+        incidence: &Incidence,
+        mean: Mean,
+    ) -> Result<VectorProblem, WaveError> {
+        VectorProblem::new(geometry, media, incidence, mean, Averaging::Normal)
+    }
+
+    fn grid_of(problem: &VectorProblem) -> &Grid {
+        &problem.moments.grid
+    }
+
+    fn has_contrast(problem: &VectorProblem) -> bool {
+        problem.has_contrast()
+    }
+
+    fn solve(
+        problem: &VectorProblem,
+        solver: &dyn Solver,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<BothPolarisations, SolveError> {
+        let [s, p] = Polarisation::BOTH.map(|polarisation| problem.polarised(polarisation));
+        Ok([solver.solve(&s, goal, watch)?, solver.solve(&p, goal, watch)?])
+    }
+
+    fn far_field(problem: &VectorProblem, [s, p]: &BothPolarisations) -> VectorFarField {
+        problem.far_field([&s.field, &p.field])
+    }
+
+    fn residual([s, p]: &BothPolarisations) -> f64 {
+        s.account.residual.max(p.account.residual)
+    }
+
+    fn difference(a: &VectorFarField, b: &VectorFarField) -> f64 {
+        a.largest_difference(b)
+    }
+
+    fn rows(resolution: Resolution) -> usize {
+        6 * resolution.cells
+    }
+}
