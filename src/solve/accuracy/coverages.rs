@@ -1,0 +1,77 @@
+//! Coverages of one scene on several grids, kept for those who try the same grid again.
+
+use crate::wave::contrast::coverage::EXACT;
+use crate::wave::{Coverage, Resolution, Scene, WaveError};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+/// Kept at most: a result, its two companions, and as many of the grid tried before.
+const KEPT: usize = 6;
+
+/// A scene with its latest coverages. Searches try several wavelengths and angles on the same grids; coverage costs
+/// more than a solve where grains are small.
+pub struct Coverages<'a> {
+    /// The geometry.
+    pub scene: &'a Scene,
+    /// Relative error of the coefficients, see [`Coverage::within`].
+    error: f64,
+    latest: Mutex<Vec<Arc<Coverage>>>,
+}
+
+impl<'a> Coverages<'a> {
+    /// Coverages that are exact for all purposes.
+    pub fn of(scene: &'a Scene) -> Self {
+        Self { scene, error: EXACT, latest: Mutex::default() }
+    }
+
+    /// Coverages with coefficients of a relative error, see [`Coverage::within`].
+    pub fn within(scene: &'a Scene, error: f64) -> Self {
+        Self { error, ..Self::of(scene) }
+    }
+
+    /// The coverage on a grid, kept or new.
+    ///
+    /// # Errors
+    /// As [`Coverage::new`].
+    pub fn at(&self, resolution: Resolution) -> Result<Arc<Coverage>, WaveError> {
+        if let Some(found) = self.kept(resolution) {
+            return Ok(found);
+        }
+        // Made without the lock: parallel loops inside may run other tasks that ask for a coverage.
+        let new = Arc::new(Coverage::within(self.scene, resolution, self.error)?);
+        let mut latest = self.lock();
+        if latest.len() == KEPT {
+            latest.remove(0);
+        }
+        latest.push(new.clone());
+        Ok(new)
+    }
+
+    fn kept(&self, resolution: Resolution) -> Option<Arc<Coverage>> {
+        let mut latest = self.lock();
+        let k = latest.iter().position(|c| c.grid.resolution == resolution)?;
+        let found = latest.remove(k);
+        latest.push(found.clone());
+        Some(found)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Arc<Coverage>>> {
+        self.latest.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wave::Scheme;
+
+    #[test]
+    fn the_latest_grids_are_kept() {
+        let scene = Scene::layer([0.5; 2], 0.4, Vec::new());
+        let coverages = Coverages::of(&scene);
+        let at = |cells| coverages.at(Resolution { nx: 1, ny: 1, cells, scheme: Scheme::Cubic }).unwrap();
+        let first = at(2);
+        assert!(Arc::ptr_eq(&first, &at(2)));
+        (3..3 + KEPT).for_each(|cells| drop(at(cells)));
+        assert!(!Arc::ptr_eq(&first, &at(2)), "older ones make room");
+    }
+}
