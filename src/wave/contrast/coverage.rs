@@ -9,7 +9,7 @@ use super::nufft::{Patch, SourceTransform, Spreading};
 use super::section::{self, Demands, EdgePoint, GaussRules, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneScratch, Real};
 use crate::wave::grid::element::{Element, MAX_DEGREE};
-use crate::wave::{Ball, Body, Grid, Resolution, Scene, Shape, WaveError};
+use crate::wave::{Ball, Body, Grid, Material, Resolution, Scene, Shape, WaveError};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
@@ -30,11 +30,13 @@ pub fn error_for(accuracy: f64) -> f64 {
     0.1 * accuracy
 }
 
-/// One pair of materials: an inclusion inside a background.
+/// One pair of materials: a body's inside a background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Channel {
+    /// Index into [`crate::wave::Media::backgrounds`].
     pub background: usize,
-    pub inclusion: usize,
+    /// What the bodies consist of.
+    pub material: Material,
 }
 
 /// Moments of every channel's indicator function on every plane.
@@ -133,12 +135,12 @@ fn build<T: Real>(scene: &Scene, resolution: Resolution, error: f64) -> Result<C
     })
 }
 
-/// All (background, inclusion) pairs that share a cell.
+/// All (background, material) pairs that share a cell.
 fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
     let mut channels = Vec::new();
     for body in &scene.bodies {
         for j in 0..grid.cells() {
-            let channel = Channel { background: grid.background[j], inclusion: body.inclusion };
+            let channel = Channel { background: grid.background[j], material: body.material };
             if overlap(body, grid, j).is_some() && !channels.contains(&channel) {
                 channels.push(channel);
             }
@@ -191,7 +193,7 @@ impl<'a, T: Real> Builder<'a, T> {
     }
 
     fn channel_in_cell(&self, channel: &Channel, cell: usize) -> Option<CellCoefficients<T>> {
-        let bodies = self.scene.bodies.iter().filter(|b| b.inclusion == channel.inclusion);
+        let bodies = self.scene.bodies.iter().filter(|b| b.material == channel.material);
         let present: Vec<_> = bodies.filter_map(|b| Some((b, overlap(b, self.grid, cell)?))).collect();
         if present.is_empty() {
             return None;
