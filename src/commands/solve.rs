@@ -5,6 +5,7 @@ use inkwave::input::case::Case;
 use inkwave::solve::accuracy::discretisation::Discretisation;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, SolverChoice, Step, Watch};
+use inkwave::wave::contrast::coverage::{EXACT, error_for};
 use inkwave::wave::{Grid, Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
@@ -90,13 +91,18 @@ pub fn run(args: &SolveArgs) -> Result<()> {
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
         );
     }
-    match args.wave {
-        WaveName::Scalar => println!("{:#}", report(&estimate(args, &case, &Coverages::of(&case.scene))?)),
+    // A grid of one's own choice may be as fine as it likes.
+    let error = match args.nz {
+        Some(_) => EXACT,
+        None => error_for(args.accuracy.unwrap_or(DEFAULT_ACCURACY)),
+    };
+    let report = match args.wave {
+        WaveName::Scalar => report(&estimate(args, &case, &Coverages::within(&case.scene, error))?),
         WaveName::Vector => {
-            let estimated = estimate(args, &case, &Coverages::vector(&case.scene))?;
-            println!("{:#}", super::solve_vector::report(&estimated));
+            super::solve_vector::report(&estimate(args, &case, &Coverages::vector(&case.scene, error))?)
         }
-    }
+    };
+    println!("{report:#}");
     Ok(())
 }
 

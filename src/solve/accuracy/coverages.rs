@@ -1,6 +1,7 @@
 //! Coverages of one scene on several grids, kept for those who try the same grid again.
 
 use super::discretisation::Discretisation;
+use crate::wave::contrast::coverage::EXACT;
 use crate::wave::maxwell::NormalMoments;
 use crate::wave::{Coverage, Resolution, Scene, WaveError};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -11,22 +12,29 @@ const KEPT: usize = 6;
 /// A scene with its latest coverages. Searches try several wavelengths and angles on the same grids; coverage costs
 /// more than a solve where grains are small.
 pub struct Coverages<'a, G = Coverage> {
-    /// The scene that all are made of.
+    /// The geometry.
     pub scene: &'a Scene,
+    /// Relative error of the coefficients, see [`Coverage::within`].
+    error: f64,
     latest: Mutex<Vec<Arc<G>>>,
 }
 
 impl<'a> Coverages<'a> {
-    /// For the scalar wave.
+    /// Coverages that are exact for all purposes.
     pub fn of(scene: &'a Scene) -> Self {
-        Self { scene, latest: Mutex::default() }
+        Self { scene, error: EXACT, latest: Mutex::default() }
+    }
+
+    /// Coverages with coefficients of a relative error, see [`Coverage::within`].
+    pub fn within(scene: &'a Scene, error: f64) -> Self {
+        Self { error, ..Self::of(scene) }
     }
 }
 
 impl<'a> Coverages<'a, NormalMoments> {
-    /// For Maxwell's equations.
-    pub fn vector(scene: &'a Scene) -> Self {
-        Self { scene, latest: Mutex::default() }
+    /// For Maxwell's equations, with moments of a relative error, see [`NormalMoments::within`].
+    pub fn vector(scene: &'a Scene, error: f64) -> Self {
+        Self { scene, error, latest: Mutex::default() }
     }
 }
 
@@ -40,7 +48,7 @@ impl<G: Discretisation> Coverages<'_, G> {
             return Ok(found);
         }
         // Made without the lock: parallel loops inside may run other tasks that ask for a coverage.
-        let new = Arc::new(G::build(self.scene, resolution)?);
+        let new = Arc::new(G::build(self.scene, resolution, self.error)?);
         let mut latest = self.lock();
         if latest.len() == KEPT {
             latest.remove(0);

@@ -18,8 +18,8 @@ pub trait Discretisation: Sized + Send + Sync {
     /// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
     const START: [f64; 2];
 
-    /// The geometry of a scene on a grid.
-    fn build(scene: &Scene, resolution: Resolution) -> Result<Self, WaveError>;
+    /// The geometry of a scene on a grid, with coefficients of a relative error.
+    fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<Self, WaveError>;
 
     /// The grid it was made for.
     fn grid(&self) -> &Grid;
@@ -34,6 +34,9 @@ pub trait Discretisation: Sized + Send + Sync {
 
     /// The grid of a problem.
     fn grid_of(problem: &Self::Problem) -> &Grid;
+
+    /// Cells of another grid that a problem would be accepted on: its own, or as many as the wave needs.
+    fn cells_needed(problem: &Self::Problem, other: &Grid) -> usize;
 
     /// False where the mean medium's wave is the solution.
     fn has_contrast(problem: &Self::Problem) -> bool;
@@ -66,8 +69,8 @@ impl Discretisation for Coverage {
 
     const START: [f64; 2] = [3.0, 5.4];
 
-    fn build(scene: &Scene, resolution: Resolution) -> Result<Coverage, WaveError> {
-        Coverage::new(scene, resolution)
+    fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<Coverage, WaveError> {
+        Coverage::within(scene, resolution, error)
     }
 
     fn grid(&self) -> &Grid {
@@ -85,6 +88,10 @@ impl Discretisation for Coverage {
 
     fn grid_of(problem: &Problem) -> &Grid {
         &problem.coverage.grid
+    }
+
+    fn cells_needed(problem: &Problem, other: &Grid) -> usize {
+        problem.cells_needed(other)
     }
 
     fn has_contrast(problem: &Problem) -> bool {
@@ -138,8 +145,8 @@ impl Discretisation for NormalMoments {
 
     const START: [f64; 2] = [3.2, 7.0];
 
-    fn build(scene: &Scene, resolution: Resolution) -> Result<NormalMoments, WaveError> {
-        NormalMoments::new(scene, resolution)
+    fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<NormalMoments, WaveError> {
+        NormalMoments::within(scene, resolution, error)
     }
 
     fn grid(&self) -> &Grid {
@@ -157,6 +164,10 @@ impl Discretisation for NormalMoments {
 
     fn grid_of(problem: &VectorProblem) -> &Grid {
         &problem.moments.grid
+    }
+
+    fn cells_needed(problem: &VectorProblem, other: &Grid) -> usize {
+        problem.cells_needed(other)
     }
 
     fn has_contrast(problem: &VectorProblem) -> bool {

@@ -7,7 +7,9 @@ use super::coverages::Coverages;
 use super::discretisation::Discretisation;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
 use crate::solve::solver::{Goal, SolveError, Solver, Watch};
-use crate::wave::{Coverage, FarField, Incidence, Mean, Media, Order, Resolution, Scheme, Shape, WaveError};
+use crate::wave::{
+    Coverage, FarField, Grid, Incidence, Mean, Media, Order, Resolution, Scheme, Shape, WaveError,
+};
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -119,9 +121,9 @@ impl<G: Discretisation> Task<'_, G> {
             parts[0] = if self.coverages.scene.uniform_in_plane() {
                 0.0
             } else {
-                self.compare(&far_field, resolution, plane, watch)?
+                self.compare(&problem, &far_field, plane, watch)?
             };
-            parts[1] = self.compare(&far_field, resolution, across, watch)?;
+            parts[1] = self.compare(&problem, &far_field, across, watch)?;
         }
         let floor = 1e-13 + RESIDUAL_WEIGHT * G::residual(&solution);
         Ok(Estimated {
@@ -138,15 +140,16 @@ impl<G: Discretisation> Task<'_, G> {
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
+        finer: &G::Problem,
         far: &G::FarField,
-        own: Resolution,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
-        let [coarser, finer] = companions;
-        let (problem, solution, _) = match self.solve_coarser(coarser, own, watch)? {
+        let own = G::grid_of(finer).resolution;
+        let [coarse, fine] = companions;
+        let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
-            None => self.solve(finer, watch)?,
+            None => self.solve(fine, watch)?,
         };
         let difference = G::difference(far, &G::far_field(&problem, &solution));
         let used = G::grid_of(&problem).resolution;
@@ -170,27 +173,35 @@ impl<G: Discretisation> Task<'_, G> {
 
     /// Wavelengths per µm in the densest medium.
     fn waves_per_um(&self) -> f64 {
-        let all = self.media.backgrounds.iter().chain(&self.media.inclusions);
-        all.map(|eta| eta.norm()).fold(1.0, f64::max) / self.incidence.wavelength_um
+        let backgrounds = self.media.backgrounds.iter().copied();
+        backgrounds.chain(self.inclusions()).map(|eta| eta.norm()).fold(1.0, f64::max)
+            / self.incidence.wavelength_um
     }
 
     /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.
     fn is_strong(&self) -> bool {
-        let square = |eta: &Complex64| eta * eta;
-        let strong = |b: &Complex64| {
-            self.media.inclusions.iter().any(|i| (square(i) - square(b)).norm() > square(b).norm())
-        };
-        self.media.backgrounds.iter().any(strong)
+        self.media.backgrounds.iter().any(|b| {
+            let k2 = b * b;
+            self.inclusions().any(|i| (i * i - k2).norm() > k2.norm())
+        })
+    }
+
+    /// Indices of the bodies' materials.
+    fn inclusions(&self) -> impl Iterator<Item = Complex64> {
+        self.coverages.scene.bodies.iter().map(|b| self.media.index_of(b.material))
     }
 
     /// Solves the coarser companion; cells too high for the wave are made only as low as they must be.
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        own: Resolution,
+        finer: &G::Problem,
         watch: &mut dyn Watch,
     ) -> Result<Option<(G::Problem, G::Solution, f64)>, AccuracyError> {
-        if coarser == own {
+        let own = G::grid_of(finer).resolution;
+        let cells = G::cells_needed(finer, &Grid::new(self.coverages.scene, coarser)?);
+        let coarser = Resolution { cells, ..coarser };
+        if coarser == own || cells > own.cells {
             return Ok(None);
         }
         let solved = match self.solve(coarser, watch) {

@@ -66,7 +66,7 @@ fn plane_tensors(
         return Ok(if exact { Vec::new() } else { vec![own; points] });
     }
     let epsilon: Vec<Complex64> =
-        present.iter().map(|(c, _)| square(media.inclusions[moments.channels[*c].inclusion])).collect();
+        present.iter().map(|(c, _)| square(media.index_of(moments.channels[*c].material))).collect();
     let at = |point: usize| {
         let fields = present.iter().map(|(_, fields)| &fields[point]);
         let effective = effective(background, epsilon.iter().copied().zip(fields), averaging)?;

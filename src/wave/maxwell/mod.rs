@@ -11,6 +11,7 @@ pub mod far_field;
 pub mod mean;
 pub mod moments;
 mod nodes;
+mod power;
 pub mod problem;
 pub mod sources;
 

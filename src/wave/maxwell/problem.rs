@@ -6,8 +6,8 @@ use super::moments::NormalMoments;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::bloch::BlochVector;
 use crate::wave::operator::mean::decaying_root;
-use crate::wave::operator::problem::{check_phase, mean_wavenumbers};
-use crate::wave::{Field, Incidence, Mean, Media, Side, WaveError};
+use crate::wave::operator::problem::{cells_needed, check_phase, mean_wavenumbers};
+use crate::wave::{Field, Grid, Incidence, Mean, Media, Side, WaveError};
 use ndarray::{ArrayView2, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -146,6 +146,11 @@ impl VectorProblem {
     /// p̂ of every harmonic, the incident azimuth's where the wavevector has no lateral part.
     pub fn directions(&self) -> &[[f64; 2]] {
         &self.directions
+    }
+
+    /// Cells of another grid that [`VectorProblem::new`] would accept: its own, or as many as the wave needs.
+    pub fn cells_needed(&self, other: &Grid) -> usize {
+        cells_needed(&self.moments.grid, self.mean.mean_k2(), other)
     }
 
     /// Bytes held: tables, tensors and geometry, without solver vectors.
@@ -290,7 +295,7 @@ fn check_metals(moments: &NormalMoments, media: &Media) -> Result<(), WaveError>
     let found = moments
         .channels
         .iter()
-        .any(|c| metal(media.inclusions[c.inclusion]) || metal(media.backgrounds[c.background]));
+        .any(|c| metal(media.index_of(c.material)) || metal(media.backgrounds[c.background]));
     if !found {
         return Ok(());
     }

@@ -4,10 +4,9 @@
 //! of least power |x − c|² − R² (the jump on inner radical planes does no harm at ink contrast). A vertical column of a
 //! ball has closed moments in z, so a ball is a rule in its plan alone; r = R sin θ removes the square root at the rim.
 
+use super::power::share_edges;
 use crate::wave::Ball;
-use crate::wave::contrast::section::{self, EdgePoint};
-use crate::wave::scene::Shape;
-use gauss_quad::GaussLegendre;
+use crate::wave::contrast::section::{EdgePoint, Sampling};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// χ, and χN's components xx, xy, yy, xz, yz, zz.
@@ -87,22 +86,22 @@ fn ball_values([x, y]: [f64; 2], radius: f64, heights: &HeightMoments, weight: f
     values
 }
 
-/// Sources of one grain within a cell; `kmax` is the largest lateral wavenumber that must be resolved.
-pub fn of_balls(balls: &[Ball], slab: &Slab, kmax: f64, push: &mut dyn FnMut(Source)) {
+/// Sources of ball `i` of one grain within a cell: its own volume, or its share of the union.
+pub fn of_ball(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
     match balls {
-        [ball] => of_ball(ball, slab, kmax, push),
-        _ => of_union(balls, slab, kmax, push),
+        [ball] => of_single(ball, slab, sampling, push),
+        _ => of_share(balls, i, slab, sampling, push),
     }
 }
 
-fn of_ball(ball: &Ball, slab: &Slab, kmax: f64, push: &mut dyn FnMut(Source)) {
+fn of_single(ball: &Ball, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
     let [cx, cy, cz] = ball.center_um;
-    for (theta, weight) in profile_nodes(cz, ball.radius_um, slab, kmax) {
+    for (theta, weight) in profile_nodes(cz, ball.radius_um, slab, sampling) {
         let (sine, cosine) = theta.sin_cos();
         let r = ball.radius_um * sine;
         let Some(chord) = chord(ball.radius_um * cosine, cz, slab) else { continue };
         let heights = slab.stretch(chord, cz);
-        let count = angles(kmax * r);
+        let count = angles(sampling.demands.degree(r));
         let area = weight * ball.radius_um * cosine * r * TAU / count as f64;
         for k in 0..count {
             let (s, c) = (TAU * k as f64 / count as f64).sin_cos();
@@ -112,9 +111,10 @@ fn of_ball(ball: &Ball, slab: &Slab, kmax: f64, push: &mut dyn FnMut(Source)) {
     }
 }
 
-/// Points of the trapezoidal rule on a circle, a multiple of four so that quarter turns change nothing.
-fn angles(phase: f64) -> usize {
-    4 * ((1.1 * phase + 12.0) / 4.0).ceil() as usize
+/// Points of the trapezoidal rule on a circle, a multiple of four so that quarter turns change nothing; N adds two
+/// to the degree.
+fn angles(degree: f64) -> usize {
+    4 * ((degree + 3.0) / 4.0).ceil() as usize
 }
 
 /// The part of a column ±`half` about the centre's height that lies in the cell, from the centre.
@@ -123,8 +123,11 @@ fn chord(half: f64, center: f64, slab: &Slab) -> Option<[f64; 2]> {
     (range[1] > range[0]).then_some(range)
 }
 
+/// Degree that the profile's powers of sin θ and cos θ add, per radian of half-range.
+const PROFILE_DEGREE: f64 = 8.0;
+
 /// Nodes θ and weights for columns at R sin θ, 0 ≤ θ ≤ π/2, divided where columns begin to meet a face of the cell.
-fn profile_nodes(center: f64, radius: f64, slab: &Slab, kmax: f64) -> Vec<(f64, f64)> {
+fn profile_nodes(center: f64, radius: f64, slab: &Slab, sampling: &Sampling) -> Vec<(f64, f64)> {
     let mut breaks = vec![0.0, FRAC_PI_2];
     let faces = slab.range_um.map(|z| (z - center).abs() / radius);
     breaks.extend(faces.into_iter().filter(|&c| c < 1.0).map(f64::acos));
@@ -135,35 +138,37 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab, kmax: f64) -> Vec<(f64, 
         if half < 1e-12 || chord(radius * middle.cos(), center, slab).is_none() {
             continue;
         }
-        let phase = kmax * radius * (pair[1].sin() - pair[0].sin());
-        let rule = GaussLegendre::new(5 + (0.5 * phase) as usize).expect("at least two nodes");
-        nodes.extend(rule.as_node_weight_pairs().iter().map(|&(x, w)| (middle + half * x, half * w)));
+        // Sines and cosines of θ up to the fifth power multiply the wave: twice their degree over the half-range.
+        let reach = 0.5 * radius * (pair[1].sin() - pair[0].sin());
+        let degree = sampling.demands.degree(reach) + PROFILE_DEGREE * half;
+        let rule = sampling.rules.of((0.5 * degree).ceil() as usize + 2);
+        nodes.extend(rule.iter().map(|&(x, w)| (middle + half * x, half * w)));
     }
     nodes
 }
 
-/// Cuts at heights; each ball's share of a cut is a fan of cones from its centre to the share's edge.
-fn of_union(balls: &[Ball], slab: &Slab, kmax: f64, push: &mut dyn FnMut(Source)) {
-    let shape = Shape::Balls(balls.to_vec());
-    let mut heights = Vec::new();
-    section::heights(&shape, slab.range_um, kmax, 2, &mut heights);
-    let mut edge: Vec<EdgePoint> = Vec::new();
-    for &(z, weight) in &heights {
-        for (i, ball) in balls.iter().enumerate() {
-            section::power_edge(balls, i, z, kmax, &mut edge);
-            let moments = slab.point(z, weight, ball.center_um[2]);
-            fan(ball, &edge, kmax, &moments, push);
-        }
-    }
+/// Cuts at heights; a ball's share of a cut is a fan of cones from its centre to the share's edge.
+fn of_share(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
+    share_edges(balls, i, slab.range_um, sampling, &mut |z, weight, edge| {
+        let heights = slab.point(z, weight, balls[i].center_um[2]);
+        fan(&balls[i], edge, sampling, &heights, push);
+    });
 }
 
-fn fan(ball: &Ball, edge: &[EdgePoint], kmax: f64, heights: &HeightMoments, push: &mut dyn FnMut(Source)) {
+fn fan(
+    ball: &Ball,
+    edge: &[EdgePoint],
+    sampling: &Sampling,
+    heights: &HeightMoments,
+    push: &mut impl FnMut(Source),
+) {
     let center = [ball.center_um[0], ball.center_um[1]];
-    let rule = GaussLegendre::new(4 + (0.5 * kmax * ball.radius_um) as usize).expect("at least two nodes");
     for point in edge {
         let to = [0, 1].map(|i| point.position[i] - center[i]);
         let cone = to[0] * point.normal[0] + to[1] * point.normal[1];
-        for &(x, w) in rule.as_node_weight_pairs() {
+        // The cone's Jacobian and N add three to the degree.
+        let degree = sampling.demands.degree(0.5 * to[0].hypot(to[1])) + 3.0;
+        for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
             let s = 0.5 * (1.0 + x);
             let from_center = to.map(|t| s * t);
             let values = ball_values(from_center, ball.radius_um, heights, 0.5 * w * s * cone);
@@ -173,9 +178,9 @@ fn fan(ball: &Ball, edge: &[EdgePoint], kmax: f64, heights: &HeightMoments, push
 }
 
 /// Lines of a cylinder along y: x from its axis with a weight in µm, and all fields.
-pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab, kmax: f64) -> Vec<(f64, [f64; VALUES])> {
+pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab, sampling: &Sampling) -> Vec<(f64, [f64; VALUES])> {
     let mut lines = Vec::new();
-    for (theta, weight) in profile_nodes(z_um, radius_um, slab, kmax) {
+    for (theta, weight) in profile_nodes(z_um, radius_um, slab, sampling) {
         let (sine, cosine) = theta.sin_cos();
         let Some(chord) = chord(radius_um * cosine, z_um, slab) else { continue };
         let heights = slab.stretch(chord, z_um);
