@@ -3,6 +3,7 @@
 //! Our own: the maintained complex implementation in the linear-algebra crate used elsewhere can neither be
 //! cancelled nor watched. Erratic without absorption, where GMRES is the better choice.
 
+use crate::solve::demand::Size;
 use crate::solve::System;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
@@ -57,6 +58,10 @@ impl Solver for Bicgstab {
             }
         }
         Err(ledger.not_converged("the recurrence keeps breaking down; use solver = \"krylov\""))
+    }
+
+    fn most_bytes(&self, size: &Size) -> f64 {
+        size.fields(11.0)
     }
 }
 
