@@ -10,7 +10,7 @@ use inkwave::input::load::load;
 use inkwave::input::study::Study;
 use inkwave::report::publish::{Published, publish};
 use inkwave::run::runner;
-use inkwave::run::runner::{Collected, RunError, RunSettings};
+use inkwave::run::runner::{Collected, RunError};
 use inkwave::solve::accuracy::AccuracyError;
 use inkwave::store::folder::{FolderError, OutputFolder};
 use miette::{IntoDiagnostic, miette};
@@ -27,6 +27,9 @@ pub struct RunArgs {
     /// Solves at a time; the number of processors when left out. Fewer take less memory.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
+    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
+    pub memory_gb: Option<f64>,
 }
 
 /// Reads, checks and runs a study.
@@ -35,7 +38,7 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let path = output_path(args, &study);
     let folder = OutputFolder::open(&path).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
-    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     let collected = runner::run(&study, &folder, settings, &progress);
     progress.finish();
     let collected = collected.map_err(|error| {

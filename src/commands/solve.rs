@@ -89,7 +89,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         scheme: scheme(args),
         solver: &*solver,
         goal: Goal { tolerance: args.tolerance, ..Goal::default() },
-        memory: (args.memory_gb * 1e9) as usize,
+        memory: super::memory::bytes(args.memory_gb)?,
     };
     let mut bar = Bar::new();
     let estimated = match args.nz {
@@ -105,9 +105,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     if !(1e-15..1.0).contains(&args.tolerance) {
         miette::bail!("--tolerance is {}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6", args.tolerance);
     }
-    if args.memory_gb.is_nan() || args.memory_gb <= 0.0 {
-        miette::bail!("--memory-gb is {}; it must be above 0: try 4", args.memory_gb);
-    }
+    super::memory::bytes(args.memory_gb)?;
     Ok(())
 }
 

@@ -27,6 +27,9 @@ pub struct SweepArgs {
     /// Solves at a time; the number of processors when left out. Fewer take less memory.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
+    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
+    pub memory_gb: Option<f64>,
     /// Only say what the sweep costs, after a short trial.
     #[arg(long)]
     pub plan: bool,
@@ -44,7 +47,7 @@ pub struct SweepArgs {
 /// Reads, checks and runs a sweep, or plans it.
 pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let sweep = load::load(&args.sweep).map_err(study_report)?;
-    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     if args.plan {
         return tell_plan(&sweep, args.json, settings);
     }

@@ -214,7 +214,7 @@ impl ComparisonFile {
             scheme: Scheme::Cubic,
             solver: &Gmres::default(),
             goal: Goal { tolerance: 1e-9, ..Goal::default() },
-            memory: usize::MAX,
+            memory: crate::run::memory::usable(),
         };
         let (problem, solution, _) = task.solve(resolution, &mut Silent)?;
         let mut far = problem.far_field(&solution.field);

@@ -113,7 +113,9 @@ fn in_words(kind: &str) -> String {
         "u64" | "usize" | "u32" | "u16" | "u8" => "a whole number from 0".into(),
         "i64" | "i32" | "isize" => "a whole number".into(),
         "a boolean" => "true or false".into(),
-        other => other.strip_prefix("struct ").map_or_else(|| other.to_owned(), |name| format!("a table ({name})")),
+        other => {
+            other.strip_prefix("struct ").map_or_else(|| other.to_owned(), |name| format!("a table ({name})"))
+        }
     }
 }
 
@@ -382,7 +384,8 @@ mod tests {
 
     #[test]
     fn every_unknown_key_is_told_with_its_place_and_what_was_meant() {
-        let found = faults("cuont = 1\n[[inner]]\nsize = 1\n[[inner]]\nsize = 2\nsise = 3\nx = 1\nkind.round.r = 1");
+        let found =
+            faults("cuont = 1\n[[inner]]\nsize = 1\n[[inner]]\nsize = 2\nsise = 3\nx = 1\nkind.round.r = 1");
         let fields: Vec<&str> = found.iter().map(|f| f.field.as_str()).collect();
         assert_eq!(fields, ["cuont", "inner[1].kind", "inner[1].sise", "inner[1].x"]);
         assert!(found[0].remedy.contains("did you mean count?"), "{:?}", found[0]);

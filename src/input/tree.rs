@@ -105,7 +105,8 @@ pub fn parse_toml(text: &str) -> Result<toml::Table, SyntaxFault> {
 /// The text is no JSON; NaN and Infinity have a remedy of their own.
 pub fn parse_json(text: &str) -> Result<serde_json::Value, SyntaxFault> {
     serde_json::from_str(text).map_err(|error| {
-        let start = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
+        let start =
+            text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
         let place = (start + error.column().saturating_sub(1)).min(text.len());
         let none = ["NaN", "Infinity"].iter().any(|word| text.contains(word));
         let remedy = if none {

@@ -146,10 +146,9 @@ pub enum Admitted<'a> {
     Smaller(Box<dyn Solver>),
 }
 
-impl std::ops::Deref for Admitted<'_> {
-    type Target = dyn Solver;
-
-    fn deref(&self) -> &(dyn Solver + 'static) {
+impl Admitted<'_> {
+    /// The strategy.
+    pub fn solver(&self) -> &dyn Solver {
         match self {
             Admitted::Whole(solver) => *solver,
             Admitted::Smaller(solver) => &**solver,

@@ -99,7 +99,12 @@ impl Work<'_> {
                 Ok(())
             }
             Err(RunError::Stopped) => Ok(()),
-            Err(error @ (RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_))) => {
+            Err(
+                error @ (RunError::Packing { .. }
+                | RunError::Resolution(_)
+                | RunError::Wave(_)
+                | RunError::Memory(_)),
+            ) => {
                 let (variant, reason) = (name.to_owned(), error.to_string());
                 self.watch.stage(&format!("{variant}: no result: {reason}"));
                 self.watch.kept(self.study, self.study.solves_each());
@@ -114,7 +119,7 @@ impl Work<'_> {
 
     fn realise(&self, packings: &mut Packings) -> Result<Realisation, RunError> {
         let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
-        let resolved = resolve(self.study, &self.stores.grids, self.watch, scene)?;
+        let resolved = resolve(self.study, &self.stores.grids, self.settings.memory, self.watch, scene)?;
         let Self { study, stores, settings, watch, realisation } = *self;
         RealisationRun { study, resolved: &resolved, stores, settings, watch, realisation }.finish(packings)
     }

@@ -266,7 +266,9 @@ mod tests {
             // The corner is nearer along each axis than it is.
             (disc(0.2, 0.2, 0.14), bar([0.3, 0.6], [0.3, 0.6])),
         ] {
-            scene(&[one.clone(), other.clone()]).check_overlaps().unwrap_or_else(|e| panic!("{one:?} {other:?}: {e}"));
+            scene(&[one.clone(), other.clone()])
+                .check_overlaps()
+                .unwrap_or_else(|e| panic!("{one:?} {other:?}: {e}"));
         }
     }
 
@@ -280,8 +282,9 @@ mod tests {
         };
         let mut hits = 0;
         for _ in 0..400 {
-            let balls: Vec<[f64; 4]> =
-                (0..12).map(|_| [4.0 * random() - 2.0, random(), 0.3 + 1.4 * random(), 0.02 + 0.13 * random()]).collect();
+            let balls: Vec<[f64; 4]> = (0..12)
+                .map(|_| [4.0 * random() - 2.0, random(), 0.3 + 1.4 * random(), 0.02 + 0.13 * random()])
+                .collect();
             let overlaps = |a: &[f64; 4], b: &[f64; 4]| {
                 (-5..=5).any(|i| {
                     (-2..=2).any(|j| {

@@ -143,7 +143,11 @@ fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
     if let Some((quantity, value)) = all.find(|(_, value)| !value.is_finite()) {
         return Err(Unphysical::NotFinite { quantity, value });
     }
-    if errors.are_numbers() { Ok(()) } else { Err(Unphysical::NotFinite { quantity: "the error estimate", value: f64::NAN }) }
+    if errors.are_numbers() {
+        Ok(())
+    } else {
+        Err(Unphysical::NotFinite { quantity: "the error estimate", value: f64::NAN })
+    }
 }
 
 /// The largest of some numbers, NaN if any of them is none; 0 without any.
@@ -170,8 +174,15 @@ mod tests {
             reflected_efficiency: reflectance,
             transmitted_efficiency: transmittance,
         };
-        let incidence = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
-        FarField { incidence, period_um: [1.0; 2], orders: vec![order], reflectance, transmittance, absorptance }
+        let incidence = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+        FarField {
+            incidence,
+            period_um: [1.0; 2],
+            orders: vec![order],
+            reflectance,
+            transmittance,
+            absorptance,
+        }
     }
 
     fn judged(r: f64, t: f64, a: f64, error: f64) -> Result<Physical, Unphysical> {
@@ -199,10 +210,16 @@ mod tests {
     #[test]
     fn what_is_no_number_is_refused() {
         let none = f64::NAN;
-        for (r, t, a, error) in
-            [(none, 0.5, 0.5, 0.1), (0.5, f64::INFINITY, 0.5, 0.1), (0.5, 0.5, none, 0.1), (0.5, 0.5, 0.0, none)]
-        {
-            assert!(matches!(judged(r, t, a, error), Err(Unphysical::NotFinite { .. })), "{r} {t} {a} {error}");
+        for (r, t, a, error) in [
+            (none, 0.5, 0.5, 0.1),
+            (0.5, f64::INFINITY, 0.5, 0.1),
+            (0.5, 0.5, none, 0.1),
+            (0.5, 0.5, 0.0, none),
+        ] {
+            assert!(
+                matches!(judged(r, t, a, error), Err(Unphysical::NotFinite { .. })),
+                "{r} {t} {a} {error}"
+            );
         }
         let mut hidden = far(0.3, 0.4, 0.3);
         hidden.orders[0].transmitted.im = none;

@@ -10,8 +10,8 @@ use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::physical::largest;
 use crate::wave::{
-    FarField, Incidence, Mean, Media, Order, Physical, Problem, Resolution, Scheme, Shape, TotalErrors, Unphysical,
-    WaveError,
+    FarField, Incidence, Mean, Media, Order, Physical, Problem, Resolution, Scheme, Shape, TotalErrors,
+    Unphysical, WaveError,
 };
 use num_complex::Complex64;
 use thiserror::Error;
@@ -105,7 +105,7 @@ impl Task<'_> {
         let coverage = self.coverages.at(resolution)?;
         let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
-        let solution = solver.solve(&problem, self.goal, watch)?;
+        let solution = solver.solver().solve(&problem, self.goal, watch)?;
         Ok((problem, solution, setup))
     }
 
@@ -243,7 +243,8 @@ impl Task<'_> {
                 }
                 // Ringing of a grid that is too coarse for its contrast: a finer one rings less.
                 Err(AccuracyError::Unphysical(refusal @ Unphysical::OutOfRange { .. })) => {
-                    (resolution, refused) = (refine(resolution, [UNPHYSICAL; 2], accuracy), Some(refusal.into()));
+                    (resolution, refused) =
+                        (refine(resolution, [UNPHYSICAL; 2], accuracy), Some(refusal.into()));
                     continue;
                 }
                 other => other?,
@@ -255,7 +256,9 @@ impl Task<'_> {
             last = Some(estimated);
         }
         match last {
-            Some(estimated) => Err(AccuracyError::GivenUp { asked: accuracy, reached: estimated.error_estimate }),
+            Some(estimated) => {
+                Err(AccuracyError::GivenUp { asked: accuracy, reached: estimated.error_estimate })
+            }
             None => Err(refused.unwrap_or(AccuracyError::Accuracy(accuracy))),
         }
     }

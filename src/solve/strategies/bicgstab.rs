@@ -3,8 +3,8 @@
 //! Our own: the maintained complex implementation in the linear-algebra crate used elsewhere can neither be
 //! cancelled nor watched. Erratic without absorption, where GMRES is the better choice.
 
-use crate::solve::demand::Size;
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::{dot, norm};

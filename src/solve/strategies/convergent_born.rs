@@ -6,8 +6,8 @@
 //! the circle of convergence, so |V| is scaled below it and the step shortened (Vettenburg and Vellekoop 2022).
 
 use super::relaxation::contrasts;
-use crate::solve::demand::Size;
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::Ledger;
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::wave::operator::banded::ShiftedMean;

@@ -3,8 +3,8 @@
 
 use super::guided::{Correction, GuidedModes};
 use super::least_squares::LeastSquares;
-use crate::solve::demand::Size;
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::{add_combination, dots, norm, scale};

@@ -6,8 +6,8 @@
 //! transform. Without absorption trapped waves circulate undamped; replacing the state by its mean over a window
 //! ("averaging restart") removes them.
 
-use crate::solve::demand::Size;
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::solve::vectors::{dot, norm};
