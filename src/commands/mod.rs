@@ -8,6 +8,7 @@ pub mod pack;
 pub mod progress;
 pub mod report;
 pub mod run;
+pub mod say;
 pub mod solve;
 pub mod stop;
 pub mod sweep;

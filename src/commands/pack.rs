@@ -1,5 +1,6 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
+use super::say::say;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
@@ -43,7 +44,7 @@ pub fn run(args: &PackArgs) -> Result<()> {
     let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.study));
     let title = study.title.clone().unwrap_or_else(|| args.study.display().to_string());
     let (_, page) = write_report(&folder, &title, &study.pigments(), &packings).into_diagnostic()?;
-    println!("report: {}", page.display());
+    say(format_args!("report: {}", page.display()))?;
     Ok(())
 }
 
@@ -69,7 +70,7 @@ fn one(study: &PackStudy, stream: u64, stop: &AtomicBool) -> Result<Packing> {
     let packed = pack(&study.request(stream), &mut Bar { bar: &bar, stop });
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {stream}"))?;
-    println!("{}", summary(&packing, stream, start.elapsed().as_secs_f64()));
+    say(format_args!("{}", summary(&packing, stream, start.elapsed().as_secs_f64())))?;
     Ok(packing)
 }
 

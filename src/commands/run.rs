@@ -2,6 +2,7 @@
 
 use super::diagnostics::study_report;
 use super::progress::Progress;
+use super::say::say;
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
@@ -59,9 +60,9 @@ fn tell(
 ) -> miette::Result<()> {
     let report = folder.path().join("report.html");
     if let Some(colour) = &published.colour {
-        println!("{}: {colour}", study.title);
+        say(format_args!("{}: {colour}", study.title))?;
     }
-    println!("Report: {}", report.display());
+    say(format_args!("Report: {}", report.display()))?;
     if published.status == Status::Complete {
         return Ok(());
     }

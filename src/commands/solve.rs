@@ -1,5 +1,6 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
+use super::say::say;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
@@ -97,7 +98,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         None => task.solve_to_accuracy(args.accuracy.unwrap_or(DEFAULT_ACCURACY), &mut bar),
     };
     bar.0.finish_and_clear();
-    println!("{:#}", report(&estimated.into_diagnostic()?));
+    say(format_args!("{:#}", report(&estimated.into_diagnostic()?)))?;
     Ok(())
 }
 

@@ -174,7 +174,8 @@ mod tests {
             reflected_efficiency: reflectance,
             transmitted_efficiency: transmittance,
         };
-        let incidence = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+        let incidence =
+            Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
         FarField {
             incidence,
             period_um: [1.0; 2],

@@ -5,7 +5,7 @@
 
 use super::coverages::Coverages;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
-use crate::solve::demand::{Size, TooLarge};
+use crate::solve::demand::{Admitted, Size, TooLarge};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::physical::largest;
@@ -94,6 +94,14 @@ pub enum AccuracyError {
 }
 
 impl Task<'_> {
+    /// The strategy as the memory holds it on that grid.
+    ///
+    /// # Errors
+    /// Nothing holds it.
+    pub fn admitted(&self, resolution: Resolution) -> Result<Admitted<'_>, TooLarge> {
+        self.size(resolution).admit(self.solver, self.memory)
+    }
+
     /// Solves at one resolution.
     pub fn solve(
         &self,
@@ -101,7 +109,7 @@ impl Task<'_> {
         watch: &mut dyn Watch,
     ) -> Result<(Problem, Solution, f64), AccuracyError> {
         let clock = std::time::Instant::now();
-        let solver = self.size(resolution).admit(self.solver, self.memory)?;
+        let solver = self.admitted(resolution)?;
         let coverage = self.coverages.at(resolution)?;
         let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
@@ -118,20 +126,8 @@ impl Task<'_> {
         let (problem, solution, seconds_setup) = self.solve(resolution, watch)?;
         let far_field = problem.far_field(&solution.field);
         let clock = std::time::Instant::now();
-        let mut parts = [0.0; 2];
-        if problem.has_contrast() {
-            let uniform = problem.coverage.uniform;
-            let plane = [COMPANION, 1.0 / COMPANION].map(|factor| scaled_plane(resolution, factor, uniform));
-            let across = [scaled_cells(resolution, COMPANION), scaled_cells(resolution, 1.0 / COMPANION)];
-            parts[0] = if self.coverages.scene.uniform_in_plane() {
-                0.0
-            } else {
-                self.compare(&far_field, resolution, plane, watch)?
-            };
-            parts[1] = self.compare(&far_field, resolution, across, watch)?;
-        }
-        let floor = 1e-13 + RESIDUAL_WEIGHT * solution.account.residual;
-        let error_estimate = SAFETY * (parts[0] + parts[1]) + floor;
+        let parts = self.estimate_parts(&problem, &far_field, watch)?;
+        let error_estimate = error_estimate(parts, solution.account.residual);
         let errors = TotalErrors::of_amplitudes(error_estimate, solution.account.residual);
         Ok(Estimated {
             far_field: Physical::judge(far_field, errors)?,
@@ -142,6 +138,32 @@ impl Task<'_> {
             parts,
             seconds_setup,
         })
+    }
+
+    /// The estimated error's parts from the plane and from z, by two companions.
+    ///
+    /// # Errors
+    /// Neither a coarser nor a finer companion has a solution.
+    pub fn estimate_parts(
+        &self,
+        problem: &Problem,
+        far: &FarField,
+        watch: &mut dyn Watch,
+    ) -> Result<[f64; 2], AccuracyError> {
+        if !problem.has_contrast() {
+            return Ok([0.0; 2]);
+        }
+        let own = problem.coverage.grid.resolution;
+        // What is held of the result meanwhile: its problem, its field, and the incident wave.
+        let size = self.size(own);
+        let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
+        let plane = [COMPANION, 1.0 / COMPANION].map(|f| scaled_plane(own, f, problem.coverage.uniform));
+        let across = [COMPANION, 1.0 / COMPANION].map(|f| scaled_cells(own, f));
+        let in_plane = match self.coverages.scene.uniform_in_plane() {
+            true => 0.0,
+            false => companion.compare(far, own, plane, watch)?,
+        };
+        Ok([in_plane, companion.compare(far, own, across, watch)?])
     }
 
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
@@ -229,7 +251,7 @@ impl Task<'_> {
         let mut last: Option<Estimated> = None;
         let mut refused: Option<AccuracyError> = None;
         for _ in 0..LEVELS {
-            if let Err(refusal) = task.size(resolution).admit(task.solver, task.memory) {
+            if let Err(refusal) = task.admitted(resolution) {
                 return Err(match &last {
                     Some(estimated) => not_reached(accuracy, estimated, &refusal),
                     None => too_large(accuracy, &refusal),
@@ -301,6 +323,11 @@ fn not_reached(asked: f64, last: &Estimated, refusal: &TooLarge) -> AccuracyErro
 /// refused as it is.
 fn starting_size(points: f64) -> usize {
     if points < MOST_POINTS as f64 { smooth_size(points.ceil() as usize) } else { MOST_POINTS }
+}
+
+/// Largest expected error of any amplitude, from the parts of [`Task::estimate_parts`] and the residual.
+pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
+    SAFETY * (parts[0] + parts[1]) + 1e-13 + RESIDUAL_WEIGHT * residual
 }
 
 /// The scheme that reaches an accuracy with the fewest planes: higher cells pay once the planes are needed anyway.
