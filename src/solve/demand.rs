@@ -20,7 +20,7 @@ const FINE: f64 = 4.0;
 pub struct Size {
     /// The grid.
     pub resolution: Resolution,
-    /// Pairs of a background and an inclusion that meet; 0 for films.
+    /// Pairs of a background and a material of bodies; 0 for films.
     pub channels: usize,
     /// Periods and thickness, µm.
     pub layer_um: [f64; 3],
@@ -47,19 +47,20 @@ pub struct TooLarge {
 impl Size {
     /// Of a scene on a grid.
     pub fn new(scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
-        let mut pairs: Vec<(usize, usize)> = scene
-            .strata
-            .iter()
-            .flat_map(|s| scene.bodies.iter().map(move |b| (s.background, b.inclusion)))
-            .collect();
-        pairs.sort_unstable();
-        pairs.dedup();
+        let (mut backgrounds, mut materials) = (Vec::new(), Vec::new());
+        scene.strata.iter().for_each(|s| note(&mut backgrounds, s.background));
+        scene.bodies.iter().for_each(|b| note(&mut materials, b.material));
         let k0 = 2.0 * PI / wavelength_um;
         let indices = media.backgrounds.iter().chain(&media.inclusions);
         let densest = indices.map(|eta| eta.re).fold(1.0, f64::max);
         let [lx, ly] = scene.period_um;
         let layer_um = [lx, ly, scene.thickness_um()];
-        Size { resolution, channels: pairs.len(), layer_um, wavenumbers: [k0 * densest, k0] }
+        Size {
+            resolution,
+            channels: backgrounds.len() * materials.len(),
+            layer_um,
+            wavenumbers: [k0 * densest, k0],
+        }
     }
 
     /// Points of a plane.
@@ -135,6 +136,13 @@ impl Size {
         }
         let [need_gb, allowed_gb] = [need, memory].map(|bytes| 1e-9 * bytes);
         Err(TooLarge { resolution: self.resolution, need_gb, allowed_gb })
+    }
+}
+
+/// Adds what is not there yet.
+fn note<T: PartialEq>(list: &mut Vec<T>, item: T) {
+    if !list.contains(&item) {
+        list.push(item);
     }
 }
 

@@ -22,4 +22,4 @@ pub use grid::{Grid, Resolution, Scheme};
 pub use incidence::{Incidence, Side};
 pub use operator::problem::{Field, Mean, Problem};
 pub use physical::{Physical, TotalErrors, Unphysical};
-pub use scene::{Ball, Body, HeightField, Media, Scene, Shape, Stratum};
+pub use scene::{Ball, Body, HeightField, Material, Media, Scene, Shape, Stratum};

@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     fn scene(shapes: &[Shape]) -> Scene {
-        let body = |shape: &Shape| Body { shape: shape.clone(), inclusion: 0 };
+        let body = |shape: &Shape| Body::new(shape.clone(), 0);
         Scene::layer([1.0, 1.5], 2.0, shapes.iter().map(body).collect())
     }
 
