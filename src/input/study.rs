@@ -5,6 +5,7 @@ use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
+use crate::wave::contrast::coverage::{EXACT, error_for};
 use crate::wave::{Incidence, Media, Scheme, Side};
 use num_complex::Complex64;
 use serde::Serialize;
@@ -103,6 +104,15 @@ impl WantedResolution {
     pub fn scheme(&self) -> Scheme {
         match *self {
             Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
+        }
+    }
+
+    /// Relative error of the contrast's coefficients that is nothing beside the grid's: a grid of one's own choice may
+    /// be as fine as it likes.
+    pub fn coverage_error(&self) -> f64 {
+        match *self {
+            Self::Accuracy { amplitude, .. } => error_for(amplitude),
+            Self::Grid { .. } => EXACT,
         }
     }
 }

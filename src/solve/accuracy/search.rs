@@ -10,7 +10,7 @@ use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::physical::largest;
 use crate::wave::{
-    FarField, Incidence, Mean, Media, Order, Physical, Problem, Resolution, Scheme, Shape, TotalErrors,
+    FarField, Grid, Incidence, Mean, Media, Order, Physical, Problem, Resolution, Scheme, Shape, TotalErrors,
     Unphysical, WaveError,
 };
 use num_complex::Complex64;
@@ -161,23 +161,24 @@ impl Task<'_> {
         let across = [COMPANION, 1.0 / COMPANION].map(|f| scaled_cells(own, f));
         let in_plane = match self.coverages.scene.uniform_in_plane() {
             true => 0.0,
-            false => companion.compare(far, own, plane, watch)?,
+            false => companion.compare(problem, far, plane, watch)?,
         };
-        Ok([in_plane, companion.compare(far, own, across, watch)?])
+        Ok([in_plane, companion.compare(problem, far, across, watch)?])
     }
 
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
+        finer: &Problem,
         far: &FarField,
-        own: Resolution,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
-        let [coarser, finer] = companions;
-        let (problem, solution, _) = match self.solve_coarser(coarser, own, watch)? {
+        let own = finer.coverage.grid.resolution;
+        let [coarse, fine] = companions;
+        let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
-            None => self.solve(finer, watch)?,
+            None => self.solve(fine, watch)?,
         };
         let difference = largest_difference(far, &problem.far_field(&solution.field));
         let used = problem.coverage.grid.resolution;
@@ -223,10 +224,13 @@ impl Task<'_> {
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        own: Resolution,
+        finer: &Problem,
         watch: &mut dyn Watch,
     ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
-        if coarser == own {
+        let own = finer.coverage.grid.resolution;
+        let cells = finer.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
+        let coarser = Resolution { cells, ..coarser };
+        if coarser == own || cells > own.cells {
             return Ok(None);
         }
         let solved = match self.solve(coarser, watch) {
