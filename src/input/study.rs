@@ -5,6 +5,7 @@ use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
+use crate::wave::contrast::coverage::{EXACT, error_for};
 use crate::wave::{Incidence, Media, Scheme, Side};
 use num_complex::Complex64;
 use serde::Serialize;
@@ -105,6 +106,15 @@ impl WantedResolution {
             Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
         }
     }
+
+    /// Relative error of the contrast's coefficients that is nothing beside the grid's: a grid of one's own choice may
+    /// be as fine as it likes.
+    pub fn coverage_error(&self) -> f64 {
+        match *self {
+            Self::Accuracy { amplitude, .. } => error_for(amplitude),
+            Self::Grid { .. } => EXACT,
+        }
+    }
 }
 
 /// What the results look like; no solve depends on it.
@@ -137,19 +147,13 @@ impl Study {
         PackingRequest { stream: realisation as u64, ..self.packing.clone() }
     }
 
-    /// Indices at one wavelength; the inclusion after the last pigment is what lies above a relief.
+    /// Indices at one wavelength; pigment i is inclusion i.
     pub fn media(&self, wavelength: usize) -> Media {
-        let incident = self.layer.index_above.into();
         Media {
-            incident,
+            incident: self.layer.index_above.into(),
             exit: self.layer.index_below.into(),
             backgrounds: vec![self.layer.binder.index[wavelength]],
-            inclusions: self
-                .pigments
-                .iter()
-                .map(|p| p.material.index[wavelength])
-                .chain([incident])
-                .collect(),
+            inclusions: self.pigments.iter().map(|p| p.material.index[wavelength]).collect(),
         }
     }
 

@@ -104,7 +104,8 @@ fn settle(
     probes: &[Probe],
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
-    let (solver, coverages) = (study.solver.build(), Coverages::of(scene));
+    let (solver, coverages) =
+        (study.solver.build(), Coverages::within(scene, study.resolution.coverage_error()));
     let media: Vec<Media> = probes.iter().map(|(wavelength, _)| study.media(*wavelength)).collect();
     let (mean, scheme, goal) = (Mean::default(), study.resolution.scheme(), study.goal);
     let task = |i: usize| {

@@ -78,7 +78,8 @@ pub(crate) fn trial(
             (Some(seconds), found.resolution)
         }
     };
-    let (coverage, cover) = timed(|| Ok(Arc::new(Coverage::new(&scene, resolution)?)))?;
+    let (coverage, cover) =
+        timed(|| Ok(Arc::new(Coverage::within(&scene, resolution, study.resolution.coverage_error())?)))?;
     let solve = time_solves(&study, &cover, jobs, watch)?;
     // Solves with their coverages that the search was worth; an earlier trial's is as long.
     let search = match (searched, alike) {
