@@ -12,7 +12,7 @@ use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
 use crate::solve::demand::Size;
 use crate::solve::{Coverages, SolveError};
 use crate::store::identity::Key;
-use crate::store::store::Store;
+use crate::store::{Record, Store};
 use crate::wave::physical::largest;
 use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,10 @@ pub fn size(study: &Study, resolution: Resolution) -> Size {
     let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
     let channels = study.pigments.len() + usize::from(study.packing.relief.is_some());
     Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers: [k0 * densest, k0] }
+}
+
+impl Record for Resolved {
+    const KIND: &'static str = "grid";
 }
 
 /// The study's grid: from the store, or from solves on `scene`, which is made when it is needed.

@@ -74,8 +74,7 @@ pub(crate) fn trial(
     let (searched, resolution) = match alike {
         Some(trial) => (None, full_resolution(trial, &study)),
         None => {
-            let folder = tempfile::tempdir()?;
-            let store = Store::open(folder.path())?;
+            let store = Store::in_memory()?;
             let (seconds, found) =
                 timed(|| resolve::<RunError>(&study, &store, memory::usable(), watch, || Ok(scene.clone())))?;
             (Some(seconds), found.resolution)
