@@ -1,5 +1,6 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
+use super::say::say;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::discretisation::Discretisation;
@@ -102,7 +103,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
             super::solve_vector::report(&estimate(args, &case, &Coverages::vector(&case.scene, error))?)
         }
     };
-    println!("{report:#}");
+    say(format_args!("{report:#}"))?;
     Ok(())
 }
 
@@ -121,7 +122,7 @@ fn estimate<G: Discretisation>(
         scheme: scheme(args),
         solver: &*solver,
         goal: Goal { tolerance: args.tolerance, ..Goal::default() },
-        memory: (args.memory_gb * 1e9) as usize,
+        memory: super::memory::bytes(args.memory_gb)?,
     };
     let mut bar = Bar::new();
     let estimated = match args.nz {
@@ -136,9 +137,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     if !(1e-15..1.0).contains(&args.tolerance) {
         miette::bail!("--tolerance is {}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6", args.tolerance);
     }
-    if args.memory_gb.is_nan() || args.memory_gb <= 0.0 {
-        miette::bail!("--memory-gb is {}; it must be above 0: try 4", args.memory_gb);
-    }
+    super::memory::bytes(args.memory_gb)?;
     Ok(())
 }
 

@@ -179,6 +179,11 @@ impl Study {
         (0..self.wavelengths_nm.len()).flat_map(of_wavelength).collect()
     }
 
+    /// Volume of the cell, µm³.
+    pub fn volume_um3(&self) -> f64 {
+        self.layer.period_um[0] * self.layer.period_um[1] * self.layer.thickness_um
+    }
+
     /// Number of solves of one realisation.
     pub fn solves_each(&self) -> usize {
         self.wavelengths_nm.len() * (self.angles.above.len() + self.angles.below.len())

@@ -12,7 +12,9 @@ pub mod incidence;
 mod layout;
 pub mod maxwell;
 pub mod operator;
+mod overlap;
 pub mod packed;
+pub mod physical;
 pub mod scene;
 
 pub use contrast::coverage::Coverage;
@@ -22,4 +24,5 @@ pub use grid::{Grid, Resolution, Scheme};
 pub use incidence::{Incidence, Side};
 pub use layout::Layout;
 pub use operator::problem::{Field, Mean, Problem};
+pub use physical::{Physical, TotalErrors, Unphysical};
 pub use scene::{Ball, Body, HeightField, Material, Media, Scene, Shape, Stratum};

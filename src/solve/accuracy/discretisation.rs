@@ -1,9 +1,13 @@
 //! What the search for a grid needs to know of a wave: the scalar one and Maxwell's share all the rest.
 
 use super::search::largest_difference;
+use crate::solve::demand::Size;
 use crate::solve::solver::{Account, Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorFarField, VectorProblem};
-use crate::wave::{Coverage, FarField, Grid, Incidence, Mean, Media, Problem, Resolution, Scene, WaveError};
+use crate::wave::{
+    Coverage, FarField, Grid, Incidence, Mean, Media, Physical, Problem, Resolution, Scene, TotalErrors,
+    Unphysical, WaveError,
+};
 use std::sync::Arc;
 
 /// Geometry on a grid that a wave is solved on.
@@ -14,6 +18,8 @@ pub trait Discretisation: Sized + Send + Sync {
     type Solution;
     /// What leaves the layer.
     type FarField;
+    /// The same after it has passed the gate.
+    type Judged;
 
     /// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
     const START: [f64; 2];
@@ -58,14 +64,18 @@ pub trait Discretisation: Sized + Send + Sync {
     /// Largest difference of any amplitude that counts, see [`largest_difference`].
     fn difference(a: &Self::FarField, b: &Self::FarField) -> f64;
 
-    /// Rows of unknowns on a grid.
-    fn rows(resolution: Resolution) -> usize;
+    /// Refuses totals that no passive layer has.
+    fn judge(far: Self::FarField, errors: TotalErrors) -> Result<Self::Judged, Unphysical>;
+
+    /// What a solve on a grid takes of the memory.
+    fn size(scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size;
 }
 
 impl Discretisation for Coverage {
     type Problem = Problem;
     type Solution = Solution;
     type FarField = FarField;
+    type Judged = Physical;
 
     const START: [f64; 2] = [3.0, 5.4];
 
@@ -119,8 +129,12 @@ impl Discretisation for Coverage {
         largest_difference(a, b)
     }
 
-    fn rows(resolution: Resolution) -> usize {
-        resolution.planes()
+    fn judge(far: FarField, errors: TotalErrors) -> Result<Physical, Unphysical> {
+        Physical::judge(far, errors)
+    }
+
+    fn size(scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
+        Size::new(scene, media, wavelength_um, resolution)
     }
 }
 
@@ -142,6 +156,7 @@ impl Discretisation for NormalMoments {
     type Problem = VectorProblem;
     type Solution = BothPolarisations;
     type FarField = VectorFarField;
+    type Judged = VectorFarField;
 
     const START: [f64; 2] = [3.2, 7.0];
 
@@ -196,7 +211,14 @@ impl Discretisation for NormalMoments {
         a.largest_difference(b)
     }
 
-    fn rows(resolution: Resolution) -> usize {
-        6 * resolution.cells
+    fn judge(far: VectorFarField, errors: TotalErrors) -> Result<VectorFarField, Unphysical> {
+        for polarisation in Polarisation::BOTH {
+            Physical::judge(far.polarised(polarisation), errors)?;
+        }
+        Ok(far)
+    }
+
+    fn size(scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
+        Size::vector(scene, media, wavelength_um, resolution)
     }
 }
