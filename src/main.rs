@@ -22,6 +22,7 @@ enum Command {
     Report(commands::report::ReportArgs),
     Solve(commands::solve::SolveArgs),
     Compare(commands::compare::CompareArgs),
+    Export(commands::export::ExportArgs),
 }
 
 fn main() -> miette::Result<()> {
@@ -29,6 +30,7 @@ fn main() -> miette::Result<()> {
         Command::Run(args) => commands::run::run(&args),
         Command::Pack(args) => commands::pack::run(&args),
         Command::Compare(args) => commands::compare::run(&args),
+        Command::Export(args) => commands::export::run(&args),
         Command::Sweep(args) => commands::sweep::run(&args),
         Command::Merge(args) => commands::merge::run(&args),
         Command::Report(args) => commands::report::run(&args),

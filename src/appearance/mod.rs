@@ -13,6 +13,7 @@ mod baseline;
 pub mod bdf;
 mod bdf_table;
 pub mod colour;
+pub mod directional;
 pub mod estimate;
 pub mod figure;
 pub mod ink_on_paper;

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod diagnostics;
+pub mod export;
 pub mod merge;
 pub mod pack;
 pub mod progress;

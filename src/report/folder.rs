@@ -76,6 +76,11 @@ impl OutputFolder {
         }
     }
 
+    /// A folder of results that is only read.
+    pub fn existing(path: &Path) -> Self {
+        Self { path: path.to_owned(), made: Vec::new() }
+    }
+
     pub fn path(&self) -> &Path {
         &self.path
     }

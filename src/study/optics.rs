@@ -64,7 +64,7 @@ pub fn solve_point(
 }
 
 /// Passes the run's wish to stop on to packings and solvers.
-pub(super) struct Stopper<'a>(pub &'a dyn RunWatch);
+pub(crate) struct Stopper<'a>(pub &'a dyn RunWatch);
 
 impl Stopper<'_> {
     fn go_on(&self) -> ControlFlow<()> {

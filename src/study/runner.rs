@@ -127,7 +127,7 @@ pub(super) fn stopped(error: RunError) -> RunError {
     }
 }
 
-pub(super) struct Stores {
+pub(crate) struct Stores {
     pub points: Store<PointRecord>,
     pub packings: Store<PackingRecord>,
     pub grids: Store<Resolved>,

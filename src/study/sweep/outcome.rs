@@ -98,7 +98,7 @@ pub fn lab(colour: &Colour, i: usize) -> Estimate {
 }
 
 /// What the store has of a study, without computing anything. `None` before the first packing and grid.
-pub(super) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
+pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
     let resolved = resolve::kept(study, &stores.grids)?;
     let realisation = |r: usize| {
         let packing = stores.packings.get(Key::of("packing", &study.packing_request(r)).as_str())?;

@@ -1,0 +1,73 @@
+//! The wave inside the layer as a volume.
+
+use super::vti::{Image, PointArray};
+use crate::wave::{Field, Problem};
+use ndarray::Array2;
+use num_complex::Complex64;
+
+/// Heights within each cell of the solver's grid; its interpolation carries the wave between its own points.
+const HEIGHTS_PER_CELL: usize = 4;
+
+/// u(x, y, z), Bloch phase included, on the solver's points in the plane and on evenly spaced heights 0 … H.
+///
+/// The arrays are `u` (real and imaginary part) and `intensity` |u|², 1 for the incident wave alone.
+pub fn image(problem: &Problem, field: &Field) -> Image {
+    let (grid, resolution) = (&problem.coverage.grid, problem.coverage.grid.resolution);
+    let planes = plane_values(problem, field);
+    let phases = phases(problem);
+    let heights = HEIGHTS_PER_CELL * grid.cells() + 1;
+    let points = grid.points();
+    let mut wave = Vec::with_capacity(heights * points);
+    for k in 0..heights {
+        let (cell, t) = place(k, grid.cells());
+        let shares = grid.element.shape_functions(t);
+        let rows: Vec<usize> = grid.planes_of_cell(cell).collect();
+        let at = |i: usize| -> Complex64 { rows.iter().zip(shares).map(|(&p, s)| planes[[p, i]] * s).sum() };
+        wave.extend((0..points).map(|i| at(i) * phases[i]));
+    }
+    let complex = wave.iter().flat_map(|u| [u.re as f32, u.im as f32]).collect();
+    let intensity = wave.iter().map(|u| u.norm_sqr() as f32).collect();
+    let [lx, ly] = grid.period_um;
+    let height = grid.nodes_um[grid.cells()] / (heights - 1) as f64;
+    Image {
+        points: [resolution.nx, resolution.ny, heights],
+        spacing_um: [lx / resolution.nx as f64, ly / resolution.ny as f64, height],
+        origin_um: [0.0; 3],
+        arrays: vec![
+            PointArray { name: "intensity".into(), components: 1, values: intensity },
+            PointArray { name: "u".into(), components: 2, values: complex },
+        ],
+    }
+}
+
+/// Cell and place in it (0–1) of height `k`.
+fn place(k: usize, cells: usize) -> (usize, f64) {
+    let cell = (k / HEIGHTS_PER_CELL).min(cells - 1);
+    (cell, (k - HEIGHTS_PER_CELL * cell) as f64 / HEIGHTS_PER_CELL as f64)
+}
+
+/// The periodic part of the wave at the points of every plane.
+fn plane_values(problem: &Problem, field: &Field) -> Array2<Complex64> {
+    let mut harmonics = Field::zeros(problem.shape());
+    for (plane, mut row) in harmonics.outer_iter_mut().enumerate() {
+        if let Some(row) = row.as_slice_mut() {
+            problem.mean.plane_values(field.view(), plane, row);
+        }
+    }
+    let mut points = Array2::zeros((problem.shape().0, problem.coverage.grid.points()));
+    problem.planes_to_points(&harmonics, &mut points);
+    points
+}
+
+/// e^{iq·x} with the reduced Bloch vector at the points of a plane, x fastest.
+fn phases(problem: &Problem) -> Vec<Complex64> {
+    let resolution = problem.coverage.grid.resolution;
+    let [lx, ly] = problem.coverage.grid.period_um;
+    let [qx, qy] = problem.harmonics.find(0, 0).map_or([0.0; 2], |origin| problem.lateral[origin]);
+    let at = |i: usize| {
+        let x = (i % resolution.nx) as f64 * lx / resolution.nx as f64;
+        let y = (i / resolution.nx) as f64 * ly / resolution.ny as f64;
+        Complex64::cis(qx * x + qy * y)
+    };
+    (0..problem.coverage.grid.points()).map(at).collect()
+}
