@@ -1,7 +1,7 @@
 //! Colour of a spectrum: XYZ, CIE Lab, sRGB, and colour differences with their uncertainty.
 
-use super::estimate::{Estimate, jackknife_covariance};
 pub use super::tristimulus::{Colorimeter, ColourError};
+use crate::numerics::estimate::{Estimate, jackknife_covariance};
 use colorimetry::lab::CieLab;
 use colorimetry::observer::Observer;
 use colorimetry::xyz::{RelXYZ, XYZ};
@@ -31,11 +31,11 @@ impl Colorimeter {
     /// Colour of a spectrum of reflectance factors (perfect white = 1), uncertainty unknown.
     ///
     /// ```
-    /// use inkwave::appearance::colour::Colorimeter;
+    /// use super::colour::Colorimeter;
     /// let wavelengths_nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
     /// let white = Colorimeter::new(&wavelengths_nm)?.colour(&[1.0; 31])?;
     /// assert_eq!(white.srgb8, [255, 255, 255]);
-    /// # Ok::<(), inkwave::appearance::colour::ColourError>(())
+    /// # Ok::<(), super::colour::ColourError>(())
     /// ```
     ///
     /// # Errors

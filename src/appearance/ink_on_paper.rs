@@ -3,10 +3,10 @@
 use super::angles::{AngleRule, PolarAngle};
 use super::bdf::{Bdf, BdfError, Lobe};
 use super::colour::{Colorimeter, Colour, ColourError};
-use super::estimate::{Estimate, jackknife_covariance};
 use super::paper::{Coupling, LayerOnPaper, LayerOptics, MirroredSky, PaperError, Substrate};
 use super::picture::InkPicture;
 use super::slab::Slab;
+use crate::numerics::estimate::{Estimate, jackknife_covariance};
 use crate::wave::{FarField, Side};
 use ndarray::Array2;
 use std::f64::consts::PI;
@@ -51,11 +51,11 @@ impl LayerOptics {
         baseline: Option<Slab>,
         bandwidth: f64,
     ) -> Result<Self, InkError> {
-        check_angles("above", Side::Above, &rule.above, above)?;
+        check_angles("above", Side::Incident, &rule.above, above)?;
         let reflectance: Vec<f64> = above.iter().map(|f| f.reflectance).collect();
         let reflectance_below = match below {
             Some(fields) => {
-                check_angles("below", Side::Below, &rule.below, fields)?;
+                check_angles("below", Side::Exit, &rule.below, fields)?;
                 fields.iter().map(|f| f.reflectance).collect()
             }
             None if rule.coupling != Coupling::Gap => return Err(InkError::BelowNeeded),
@@ -125,11 +125,11 @@ impl SpectrumEstimate {
 /// counts once.
 ///
 /// ```
-/// use inkwave::appearance::angles::AngleRule;
-/// use inkwave::appearance::ink_on_paper::InkOnPaper;
-/// use inkwave::appearance::paper::{Albedo, Coupling, LayerOptics, MirroredSky, Substrate};
-/// use inkwave::appearance::slab::Slab;
-/// use inkwave::ink::spectra::{Spectrum, molecular_mixture};
+/// use super::angles::AngleRule;
+/// use super::ink_on_paper::InkOnPaper;
+/// use super::paper::{Albedo, Coupling, LayerOptics, MirroredSky, Substrate};
+/// use super::slab::Slab;
+/// use crate::material::spectra::{Spectrum, molecular_mixture};
 ///
 /// let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
 /// let rule = AngleRule::new(4, 60.0, substrate.coupling)?;

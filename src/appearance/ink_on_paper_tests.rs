@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::appearance::paper::{Albedo, Coupling};
-use crate::ink::spectra::{Spectrum, molecular_mixture};
+use crate::material::spectra::{Spectrum, molecular_mixture};
 use crate::wave::Side;
 
 /// A molecular mixture of a synthetic pigment in the papers' binder, 1 µm, on paper 0.9.
@@ -127,8 +127,8 @@ fn far_fields_become_layer_optics_at_the_rules_angles() {
         field.incidence.from = from;
         field
     };
-    let above: Vec<FarField> = rule.above.iter().map(|n| solve(1, n.polar_deg, Side::Above)).collect();
-    let below: Vec<FarField> = rule.below.iter().map(|n| solve(2, n.polar_deg, Side::Below)).collect();
+    let above: Vec<FarField> = rule.above.iter().map(|n| solve(1, n.polar_deg, Side::Incident)).collect();
+    let below: Vec<FarField> = rule.below.iter().map(|n| solve(2, n.polar_deg, Side::Exit)).collect();
     let layer = LayerOptics::from_far_fields(&rule, &above, Some(&below), None, 0.3).unwrap();
     assert_eq!(layer.reflectance_below[1], below[1].reflectance);
     assert_eq!(layer.specular[0], above[0].specular().reflected_efficiency);

@@ -1,9 +1,9 @@
 //! What the solves say about a layer at one wavelength, at the angles of a rule.
 
 use super::angles::AngleRule;
-use super::estimate::mean_of;
 use super::paper::PaperError;
 use super::slab::Slab;
+use crate::numerics::estimate::mean_of;
 use crate::wave::Side;
 use ndarray::Array2;
 
@@ -55,8 +55,8 @@ impl LayerOptics {
     pub fn homogeneous(rule: &AngleRule, slab: Slab) -> Self {
         let index = rule.coupling.index_below();
         let at = |side, deg| slab.reflectance_transmittance(side, deg, index);
-        let (r, t) = rule.above.iter().map(|n| at(Side::Above, n.polar_deg)).unzip();
-        let below = rule.below.iter().map(|n| at(Side::Below, n.polar_deg).0).collect();
+        let (r, t) = rule.above.iter().map(|n| at(Side::Incident, n.polar_deg)).unzip();
+        let below = rule.below.iter().map(|n| at(Side::Exit, n.polar_deg).0).collect();
         Self { baseline: Some(slab), ..Self::specular_only(r, t, below) }
     }
 

@@ -1,7 +1,7 @@
-//! What is seen: bidirectional distribution functions, the paper below, colour and pictures.
+//! What is seen: bidirectional distribution functions, the paper behind, colour, and the picture's numbers.
 //!
 //! The path: [`FarField`](crate::wave::FarField)s of several realisations → [`bdf::Bdf`] (means with standard
-//! errors) and [`paper::LayerOptics`] → [`paper::LayerOnPaper`] (a Lambertian substrate below, light going back and
+//! errors) and [`paper::LayerOptics`] → [`paper::LayerOnPaper`] (a Lambertian substrate behind, light going back and
 //! forth) → [`ink_on_paper::InkOnPaper`] (all wavelengths, errors over realisations) → [`colour::Colour`] and the
 //! [`picture::InkPicture`] of P1 Fig. 6. [`angles::AngleRule`] says which angles to solve for.
 //!
@@ -14,13 +14,10 @@ pub mod bdf;
 mod bdf_table;
 pub mod colour;
 pub mod directional;
-pub mod estimate;
-pub mod figure;
 pub mod ink_on_paper;
 mod layer_optics;
 pub mod paper;
 pub mod picture;
-pub mod plots;
 pub mod slab;
 mod substrate;
 pub mod tristimulus;

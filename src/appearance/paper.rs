@@ -195,7 +195,7 @@ impl LayerOnPaper {
     }
 
     fn slab(&self, at: &PolarAngle) -> (f64, f64) {
-        let of = |s: &Slab| s.reflectance_transmittance(Side::Above, at.polar_deg, self.index_below);
+        let of = |s: &Slab| s.reflectance_transmittance(Side::Incident, at.polar_deg, self.index_below);
         self.layer.baseline.as_ref().map_or((0.0, 0.0), of)
     }
 

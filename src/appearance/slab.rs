@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// A homogeneous layer of index η = n + iκ between vacuum above and a real index below.
 ///
-/// For an ink layer take √⟨η²⟩ ([`molecular_mixture`](crate::ink::spectra::molecular_mixture)): what the layer adds
+/// For an ink layer take √⟨η²⟩ ([`molecular_mixture`](crate::material::spectra::molecular_mixture)): what the layer adds
 /// to the slab is smooth in the angle, while the slab carries the interference fringes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Slab {
@@ -20,8 +20,8 @@ impl Slab {
     /// of the lower half-space (the upper one is vacuum). Grazing incidence gives its limit (1, 0).
     pub fn reflectance_transmittance(&self, side: Side, polar_deg: f64, index_below: f64) -> (f64, f64) {
         let (from, to) = match side {
-            Side::Above => (1.0, index_below),
-            Side::Below => (index_below, 1.0),
+            Side::Incident => (1.0, index_below),
+            Side::Exit => (index_below, 1.0),
         };
         let (sin, cos) = polar_deg.to_radians().sin_cos();
         if cos < 1e-12 {
@@ -55,9 +55,9 @@ mod tests {
             n in 1.05..2.0f64, h in 0.1..3.0f64, below in 1.0..1.7f64, deg in 0.0..89.0f64,
         ) {
             let slab = Slab { index: n.into(), thickness_um: h, wavelength_um: 0.5 };
-            let (r, t) = slab.reflectance_transmittance(Side::Above, deg, below);
+            let (r, t) = slab.reflectance_transmittance(Side::Incident, deg, below);
             let inside = (deg.to_radians().sin() / below).asin().to_degrees();
-            let (rb, tb) = slab.reflectance_transmittance(Side::Below, inside, below);
+            let (rb, tb) = slab.reflectance_transmittance(Side::Exit, inside, below);
             // identities; 1/cos θ ≤ 60 amplifies the rounding
             prop_assert!((r + t - 1.0).abs() < 1e-11 && (r - rb).abs() < 1e-11 && (t - tb).abs() < 1e-11);
         }
@@ -66,10 +66,10 @@ mod tests {
     #[test]
     fn total_internal_reflection_and_grazing_have_their_limits() {
         let slab = Slab { index: 1.558.into(), thickness_um: 1.0, wavelength_um: 0.5 };
-        let (r, t) = slab.reflectance_transmittance(Side::Below, 60.0, 1.558);
+        let (r, t) = slab.reflectance_transmittance(Side::Exit, 60.0, 1.558);
         assert!((r - 1.0).abs() < 1e-14 && t.abs() < 1e-14);
-        assert_eq!(slab.reflectance_transmittance(Side::Above, 90.0, 1.0), (1.0, 0.0));
+        assert_eq!(slab.reflectance_transmittance(Side::Incident, 90.0, 1.0), (1.0, 0.0));
         let matched = Slab { index: 1.0.into(), ..slab };
-        assert!(matched.reflectance_transmittance(Side::Above, 30.0, 1.0).1 > 1.0 - 1e-14);
+        assert!(matched.reflectance_transmittance(Side::Incident, 30.0, 1.0).1 > 1.0 - 1e-14);
     }
 }

@@ -5,7 +5,7 @@ use super::stop::StopFlag;
 use clap::{Args, ValueEnum};
 use inkwave::export::run::{Format, NearField, Request, export};
 use inkwave::export::stored::Stored;
-use inkwave::report::safely;
+use inkwave::store::safely;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use std::path::PathBuf;
 use std::time::SystemTime;

@@ -8,7 +8,7 @@
 
 use super::tensor::{Field, tensor_file};
 use crate::appearance::colour::Colorimeter;
-use crate::appearance::directional::{DirectionalInk, Direction, neighbours};
+use crate::appearance::directional::{Direction, DirectionalInk, neighbours};
 use crate::appearance::ink_on_paper::InkError;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

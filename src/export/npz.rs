@@ -9,7 +9,7 @@
 //! alpha, r = f["order_alpha"][rows], f["order_reflected"][rows]
 //! ```
 
-use crate::report::record::PointRecord;
+use crate::store::record::PointRecord;
 use crate::wave::{Order, Side};
 use ndarray::{Array1, Array2};
 use ndarray_npy::{NpzWriter, WriteNpzError};
@@ -34,7 +34,7 @@ type Archive<'a> = NpzWriter<&'a mut Cursor<Vec<u8>>>;
 fn solves(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzError> {
     let numbers = |f: &dyn Fn(&PointRecord) -> f64| records.iter().map(|r| f(r)).collect::<Array1<f64>>();
     let realisation: Array1<i64> = records.iter().map(|r| r.realisation as i64).collect();
-    let from_below: Array1<bool> = records.iter().map(|r| r.incidence.from != Side::Above).collect();
+    let from_below: Array1<bool> = records.iter().map(|r| r.incidence.from != Side::Incident).collect();
     let mut first = vec![0_i64];
     records.iter().for_each(|r| first.push(first[first.len() - 1] + r.orders.len() as i64));
     npz.add_array("solve_realisation", &realisation)?;

@@ -1,8 +1,8 @@
 //! What an instrument would have measured on the print: spectra on a uniform grid, with their colours.
 
 use crate::appearance::colour::Colour;
-use crate::appearance::estimate::Estimate;
 use crate::appearance::tristimulus::lagrange_shares;
+use crate::numerics::estimate::Estimate;
 
 /// Step of exported spectra: with 20 nm the summation rules of other programs move Lab by ΔE 0.15.
 const STEP_NM: f64 = 10.0;
@@ -66,7 +66,9 @@ impl Geometry {
 
 /// Multiples of 10 nm inside a grid of rising wavelengths.
 pub fn uniform_grid(wavelengths_nm: &[f64]) -> Vec<u32> {
-    let (Some(first), Some(last)) = (wavelengths_nm.first(), wavelengths_nm.last()) else { return Vec::new() };
+    let (Some(first), Some(last)) = (wavelengths_nm.first(), wavelengths_nm.last()) else {
+        return Vec::new();
+    };
     let from = ((first - SLACK_NM) / STEP_NM).ceil() as u32;
     let to = ((last + SLACK_NM) / STEP_NM).floor() as u32;
     (from..=to).map(|k| k * STEP_NM as u32).collect()

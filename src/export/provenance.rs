@@ -37,8 +37,7 @@ const SPECIFICATION: &str = "https://w3id.org/ro/crate/1.1";
 pub fn ro_crate(run: &Run, files: &[Described]) -> Value {
     let reference = |id: &str| json!({ "@id": id });
     let parts: Vec<Value> = files.iter().map(|f| reference(&f.name)).collect();
-    let results: Vec<Value> =
-        files.iter().filter(|f| f.name != STUDY).map(|f| reference(&f.name)).collect();
+    let results: Vec<Value> = files.iter().filter(|f| f.name != STUDY).map(|f| reference(&f.name)).collect();
     let mut graph = vec![
         json!({
             "@id": METADATA,
@@ -168,7 +167,11 @@ mod tests {
             version: "1.0".into(),
             created: "2026-01-01T00:00:00Z".into(),
         };
-        let file = |name: &str, bytes: &[u8]| Described { name: name.into(), bytes: bytes.into(), about: "x".into() };
+        let file = |name: &str, bytes: &[u8]| Described {
+            name: name.into(),
+            bytes: bytes.into(),
+            about: "x".into(),
+        };
         let files = [file(STUDY, b"{}"), file("bdf.csv", b"polar_deg,from,m,specular\n0,above,0,true\n")];
         let crate_ = ro_crate(&run, &files);
         let graph = crate_["@graph"].as_array().unwrap();
@@ -177,7 +180,8 @@ mod tests {
         assert_eq!(by_id("#run")["result"], json!([{ "@id": "bdf.csv" }]));
         let package = data_package(&run, &files);
         let fields = &package["resources"][1]["schema"]["fields"];
-        let types: Vec<&str> = fields.as_array().unwrap().iter().map(|f| f["type"].as_str().unwrap()).collect();
+        let types: Vec<&str> =
+            fields.as_array().unwrap().iter().map(|f| f["type"].as_str().unwrap()).collect();
         assert_eq!(types, ["number", "string", "integer", "boolean"]);
     }
 }

@@ -8,18 +8,18 @@ use super::stored::Stored;
 use super::voxels::Voxels;
 use super::{cgats, cxf, near_field, npz};
 use crate::appearance::directional::DirectionalInk;
-use crate::appearance::estimate::Estimate;
 use crate::appearance::ink_on_paper::{InkError, InkOnPaper};
+use crate::evaluate::manifest::Manifest;
+use crate::evaluate::seen::{NoInk, bandwidth};
+use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT, program, summarise};
 use crate::ink::PackError;
-use crate::report::manifest::Manifest;
-use crate::report::record::PointRecord;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
 use crate::report::tables;
+use crate::run::point::{Stopper, pack_realisation};
+use crate::run::watch::RunWatch;
 use crate::solve::SolveError;
-use crate::study::checked::Study;
-use crate::study::optics::{Stopper, pack_realisation};
-use crate::study::seen::{NoInk, bandwidth};
-use crate::study::summary::{LIT_AT_45, NATURAL_LIGHT, program, summarise};
-use crate::study::watch::RunWatch;
+use crate::store::record::PointRecord;
 use crate::wave::{Coverage, Incidence, Mean, Problem, Scene, Side, WaveError};
 use std::sync::Arc;
 
@@ -186,8 +186,16 @@ impl Exporter<'_> {
             }
             Err(reason) => out.remarks.push(format!("no ink-rgb.bsdf: {reason}")),
         }
-        out.add("specular.csv", samples::specular(&ink)?, "mirror part, left out of the material, and albedo");
-        out.add("brdf-samples.csv", samples::brdf(&ink)?, "BRDF of the ink on its paper at chosen directions");
+        out.add(
+            "specular.csv",
+            samples::specular(&ink)?,
+            "mirror part, left out of the material, and albedo",
+        );
+        out.add(
+            "brdf-samples.csv",
+            samples::brdf(&ink)?,
+            "BRDF of the ink on its paper at chosen directions",
+        );
         Ok(())
     }
 
@@ -244,7 +252,8 @@ impl Exporter<'_> {
 
     fn npz(&self, out: &mut Exported) -> Result<(), ExportError> {
         let realisations = &self.stored.collected.realisations;
-        let records: Vec<&PointRecord> = realisations.iter().flat_map(|r| r.points.iter().flatten()).collect();
+        let records: Vec<&PointRecord> =
+            realisations.iter().flat_map(|r| r.points.iter().flatten()).collect();
         out.add("far-fields.npz", npz::far_fields(&records)?, "all propagating orders of all solves");
         Ok(())
     }
@@ -257,14 +266,18 @@ impl Exporter<'_> {
         let asked = self.request.near_field.map(|light| light.wavelength_nm);
         let w = asked.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
         let image = Voxels::of(&packing).image(&names, &study.media(w), study.wavelengths_nm[w]);
-        out.add("contrast.vti", image.vti(), "η² less that of the binder, and every pigment's share; lengths in µm");
+        out.add(
+            "contrast.vti",
+            image.vti(),
+            "η² less that of the binder, and every pigment's share; lengths in µm",
+        );
         if let Some(light) = self.request.near_field {
             self.watch.stage("solving for the near field");
             let incidence = Incidence {
                 wavelength_um: 1e-3 * study.wavelengths_nm[w],
                 polar_deg: light.polar_deg,
                 azimuth_deg: study.angles.azimuth_deg,
-                from: Side::Above,
+                from: Side::Incident,
             };
             let coverage = Arc::new(Coverage::new(
                 &Scene::from_packing(&packing),

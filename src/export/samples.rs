@@ -28,7 +28,13 @@ pub enum SampleError {
 /// What [`DirectionalInk::brdf`] refuses.
 pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(["wavelength_nm", "light_polar_deg", "view_polar_deg", "azimuth_deg", "brdf_per_sr"])?;
+    table.write_record([
+        "wavelength_nm",
+        "light_polar_deg",
+        "view_polar_deg",
+        "azimuth_deg",
+        "brdf_per_sr",
+    ])?;
     for (light_deg, view) in directions(ink) {
         for (w, nm) in ink.ink().wavelengths_nm().iter().enumerate() {
             let value = ink.brdf(w, light_deg, view)?;

@@ -1,10 +1,10 @@
 //! A finished study, read back from its folder: what `results.json` says was asked, and the records that answer it.
 
-use crate::report::folder::{OutputFolder, POINTS};
-use crate::study::checked::Study;
-use crate::study::runner::{Collected, Stores};
-use crate::study::seen::{Seen, see};
-use crate::study::sweep::outcome::collect;
+use crate::evaluate::seen::{Seen, see};
+use crate::input::study::Study;
+use crate::run::runner::{Collected, Stores};
+use crate::store::folder::{OutputFolder, POINTS};
+use crate::sweep::outcome::collect;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -71,7 +71,8 @@ impl Stored {
     pub fn read(path: &Path) -> Result<Self, StoredError> {
         let study = study(path)?;
         let stores = stores(path)?;
-        let missing = || StoredError::Unfinished { path: path.to_owned(), finished: 0, asked: study.solves() };
+        let missing =
+            || StoredError::Unfinished { path: path.to_owned(), finished: 0, asked: study.solves() };
         let collected = collect(&study, &stores).ok_or_else(missing)?;
         let (finished, asked) = (collected.finished(), study.solves());
         if finished < asked {

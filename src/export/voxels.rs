@@ -57,7 +57,8 @@ impl Voxels {
         let pigments = self.shares.len() - 1;
         let mut contrast = vec![Complex64::ZERO; self.shares[0].len()];
         for (kind, shares) in self.shares.iter().enumerate() {
-            let inclusion = if kind == 0 { media.inclusions.get(pigments) } else { media.inclusions.get(kind - 1) };
+            let inclusion =
+                if kind == 0 { media.inclusions.get(pigments) } else { media.inclusions.get(kind - 1) };
             let step = inclusion.map_or(Complex64::ZERO, |&eta| square(eta) - binder);
             contrast.iter_mut().zip(shares).for_each(|(v, &share)| *v += step * f64::from(share));
         }
@@ -67,7 +68,8 @@ impl Voxels {
     /// Shares of the pigments by name, and the contrast at one wavelength, on the voxels' centres.
     pub fn image(&self, pigments: &[&str], media: &Media, wavelength_nm: f64) -> Image {
         let share = |(kind, values): (usize, &Vec<f32>)| {
-            let name = if kind == 0 { "share_above_relief".into() } else { format!("share_{}", pigments[kind - 1]) };
+            let name =
+                if kind == 0 { "share_above_relief".into() } else { format!("share_{}", pigments[kind - 1]) };
             PointArray { name, components: 1, values: values.clone() }
         };
         let filled = |(_, values): &(usize, &Vec<f32>)| values.iter().any(|&v| v > 0.0);
@@ -99,7 +101,12 @@ impl Raster {
         }
         for grain in packing.grains() {
             for sphere in &grain.spheres {
-                self.mark_ball(sphere.center_um, sphere.radius_um, (FIRST_PIGMENT + grain.pigment) as u8, &mut marks);
+                self.mark_ball(
+                    sphere.center_um,
+                    sphere.radius_um,
+                    (FIRST_PIGMENT + grain.pigment) as u8,
+                    &mut marks,
+                );
             }
         }
         marks

@@ -1,8 +1,8 @@
 //! The tables that other programs open: spectra and distributions as CSV.
 
-use super::manifest::SpectrumRow;
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
-use crate::appearance::estimate::Estimate;
+use crate::evaluate::manifest::SpectrumRow;
+use crate::numerics::estimate::Estimate;
 use crate::wave::Side;
 
 /// Spectra, one row a wavelength; unknown errors and unfinished values are empty.
@@ -64,7 +64,7 @@ pub fn distributions<'a>(bdfs: impl Iterator<Item = &'a Bdf>) -> csv::Result<Vec
 
 fn row(bdf: &Bdf, lobe: Lobe, order: &OrderMean) -> impl Iterator<Item = String> {
     let incidence = bdf.incidence();
-    let from = if incidence.from == Side::Above { "above" } else { "below" };
+    let from = if incidence.from == Side::Incident { "above" } else { "below" };
     let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
     let place = [
         (1e3 * incidence.wavelength_um).to_string(),
@@ -95,7 +95,7 @@ fn finish(table: csv::Writer<Vec<u8>>) -> csv::Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::record::tests::two_orders;
+    use crate::store::record::tests::two_orders;
 
     #[test]
     fn tables_are_rectangular_and_unknown_errors_are_empty() {

@@ -1,0 +1,308 @@
+//! One solve of an explicit geometry: the `inputs` object of a reference case, as JSON or TOML.
+
+use crate::wave::{Ball, Body, Incidence, Media, Scene, Shape, Side, Stratum};
+use num_complex::Complex64;
+use serde::Deserialize;
+use std::path::Path;
+use thiserror::Error;
+
+/// A geometry with its media and light, as written; lengths in µm, angles in degrees.
+///
+/// `n_below` is the half-space z < 0 that the light comes from, `n_above` the one beyond z > H.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseInputs {
+    pub wavelength: f64,
+    #[serde(default)]
+    pub sigma_deg: f64,
+    #[serde(default)]
+    pub phi_deg: f64,
+    /// Period in x, and in y unless `Ly` is given.
+    #[serde(rename = "L", alias = "Lx", default = "unit")]
+    pub period_x: f64,
+    #[serde(rename = "Ly")]
+    pub period_y: Option<f64>,
+    #[serde(rename = "H")]
+    pub thickness: Option<f64>,
+    pub n_below: Option<f64>,
+    pub n_above: Option<f64>,
+    pub eta_below: Option<[f64; 2]>,
+    pub eta_above: Option<[f64; 2]>,
+    pub eta_binder: Option<[f64; 2]>,
+    /// The side the light comes from: `above` is z < 0.
+    #[serde(default)]
+    pub from: Side,
+    pub spheres: Option<Vec<SphereInput>>,
+    pub cylinders: Option<Vec<CylinderInput>>,
+    pub layers_from_z0: Option<Vec<LayerInput>>,
+    pub sublayers_from_z0: Option<Vec<SublayerInput>>,
+    #[serde(default)]
+    #[allow(dead_code, reason = "free text of reference files")]
+    note: Option<String>,
+}
+
+fn unit() -> f64 {
+    1.0
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereInput {
+    pub center: [f64; 3],
+    pub radius: f64,
+    pub eta: [f64; 2],
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CylinderInput {
+    pub x: f64,
+    pub z: f64,
+    pub radius: f64,
+    pub eta: [f64; 2],
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayerInput {
+    pub thickness: f64,
+    pub eta: [f64; 2],
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SublayerInput {
+    pub thickness: f64,
+    pub eta_background: [f64; 2],
+    #[serde(default)]
+    pub bars: Vec<BarInput>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarInput {
+    pub x0: f64,
+    pub x1: f64,
+    pub eta: [f64; 2],
+}
+
+/// Why a case cannot be solved.
+#[derive(Debug, Error)]
+pub enum CaseError {
+    #[error("cannot read {path}: {source}; check the path and its permissions")]
+    Read { path: String, source: std::io::Error },
+    #[error("{path} is not a case: {message}; {remedy}")]
+    Parse { path: String, message: String, remedy: &'static str },
+    #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
+    Range { field: String, value: f64, allowed: String, remedy: String },
+    #[error("{field}: {found}; {remedy}")]
+    Field { field: String, found: String, remedy: String },
+    #[error(transparent)]
+    Wave(#[from] crate::wave::WaveError),
+}
+
+/// A checked case, ready to be discretised.
+#[derive(Clone, Debug)]
+pub struct Case {
+    pub scene: Scene,
+    pub media: Media,
+    pub incidence: Incidence,
+}
+
+impl Case {
+    /// Reads a case file: the inputs themselves, or an object that holds them as `inputs`.
+    pub fn read(path: &Path) -> Result<Case, CaseError> {
+        let name = path.display().to_string();
+        let text =
+            std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: name.clone(), source })?;
+        let toml = path.extension().is_some_and(|e| e == "toml");
+        Case::parse(&text, toml).map_err(|error| match error {
+            CaseError::Parse { message, remedy, .. } => CaseError::Parse { path: name, message, remedy },
+            other => other,
+        })
+    }
+
+    /// Parses JSON, or TOML when `toml` is set.
+    pub fn parse(text: &str, toml: bool) -> Result<Case, CaseError> {
+        let inputs = if toml { from_toml(text)? } else { from_json(text)? };
+        Case::from_inputs(&inputs)
+    }
+
+    /// Checks the inputs and builds the scene.
+    pub fn from_inputs(inputs: &CaseInputs) -> Result<Case, CaseError> {
+        super::case_checks::check(inputs)?;
+        let mut builder = Builder::default();
+        let strata = builder.strata(inputs)?;
+        let scene = Scene {
+            period_um: [inputs.period_x, inputs.period_y.unwrap_or(inputs.period_x)],
+            strata,
+            bodies: builder.bodies(inputs)?,
+        };
+        let media = Media {
+            incident: half_space("n_below", inputs.n_below, inputs.eta_below)?,
+            exit: half_space("n_above", inputs.n_above, inputs.eta_above)?,
+            backgrounds: builder.backgrounds,
+            inclusions: builder.inclusions,
+        };
+        let incidence = Incidence {
+            wavelength_um: inputs.wavelength,
+            polar_deg: inputs.sigma_deg,
+            azimuth_deg: inputs.phi_deg,
+            from: inputs.from,
+        };
+        scene.check(&media)?;
+        incidence.check()?;
+        check_thickness(inputs, &scene)?;
+        scene.check_overlaps()?;
+        Ok(Case { scene, media, incidence })
+    }
+}
+
+fn from_toml(text: &str) -> Result<CaseInputs, CaseError> {
+    let fail = |error: toml::de::Error| unreadable(error.to_string(), SYNTAX);
+    let table: toml::Table = toml::from_str(text).map_err(fail)?;
+    let inputs = table.get("inputs").cloned().unwrap_or(toml::Value::Table(table));
+    serde_path_to_error::deserialize(inputs).map_err(misfit)
+}
+
+fn from_json(text: &str) -> Result<CaseInputs, CaseError> {
+    let numbers = ["NaN", "Infinity"].iter().any(|word| text.contains(word));
+    let remedy = if numbers { "JSON knows neither NaN nor Infinity: give finite numbers" } else { SYNTAX };
+    let value: serde_json::Value =
+        serde_json::from_str(text).map_err(|e| unreadable(e.to_string(), remedy))?;
+    let inputs = value.get("inputs").cloned().unwrap_or(value);
+    serde_path_to_error::deserialize(inputs).map_err(misfit)
+}
+
+const SYNTAX: &str = "give the `inputs` of a reference case as JSON, or as TOML in a file that ends in .toml";
+
+/// A value of the wrong type or an unknown key, with its place.
+fn misfit<E: std::fmt::Display>(error: serde_path_to_error::Error<E>) -> CaseError {
+    let place = error.path().to_string();
+    let message = if place == "." { String::new() } else { format!("at `{place}`: ") };
+    unreadable(
+        format!("{message}{}", error.inner()),
+        "correct that entry; lengths in µm, indices [real, imaginary]",
+    )
+}
+
+fn unreadable(message: String, remedy: &'static str) -> CaseError {
+    CaseError::Parse { path: "the text".into(), message, remedy }
+}
+
+/// Collects distinct indices while bodies and strata are read.
+#[derive(Default)]
+struct Builder {
+    backgrounds: Vec<Complex64>,
+    inclusions: Vec<Complex64>,
+}
+
+impl Builder {
+    fn strata(&mut self, inputs: &CaseInputs) -> Result<Vec<Stratum>, CaseError> {
+        let described = [
+            inputs.layers_from_z0.is_some(),
+            inputs.sublayers_from_z0.is_some(),
+            inputs.eta_binder.is_some(),
+        ];
+        if described.iter().filter(|&&d| d).count() != 1 {
+            return Err(CaseError::Field {
+                field: "layer".into(),
+                found: "exactly one of `eta_binder`, `layers_from_z0` and `sublayers_from_z0` must be given"
+                    .into(),
+                remedy: "describe the layer in one way".into(),
+            });
+        }
+        let mut parts: Vec<(f64, [f64; 2])> = Vec::new();
+        if let Some(eta) = inputs.eta_binder {
+            let missing = || field("H", "missing", "give the layer's thickness in µm");
+            parts.push((inputs.thickness.ok_or_else(missing)?, eta));
+        }
+        parts.extend(inputs.layers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta)));
+        parts.extend(inputs.sublayers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta_background)));
+        if parts.is_empty() {
+            return Err(field("layers_from_z0", "empty", "give at least one layer"));
+        }
+        // A film of zero thickness changes nothing and would only ask for a cell of zero height.
+        let solid = parts.into_iter().filter(|p| p.0 != 0.0);
+        let stratum =
+            |(thickness_um, eta)| Stratum { thickness_um, background: index_of(&mut self.backgrounds, eta) };
+        let strata: Vec<Stratum> = solid.map(stratum).collect();
+        if strata.is_empty() {
+            return Err(field("thickness", "0 everywhere", "give the layer a thickness above 0"));
+        }
+        Ok(strata)
+    }
+
+    fn bodies(&mut self, inputs: &CaseInputs) -> Result<Vec<Body>, CaseError> {
+        let mut bodies = Vec::new();
+        for s in inputs.spheres.iter().flatten() {
+            let ball = Ball { center_um: s.center, radius_um: s.radius };
+            bodies.push(self.body(Shape::Balls(vec![ball]), s.eta));
+        }
+        for c in inputs.cylinders.iter().flatten() {
+            bodies.push(self.body(Shape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius }, c.eta));
+        }
+        let mut bottom = 0.0;
+        for sublayer in inputs.sublayers_from_z0.iter().flatten() {
+            let z_um = [bottom, bottom + sublayer.thickness];
+            for bar in sublayer.bars.iter().filter(|_| sublayer.thickness != 0.0) {
+                check_bar(bar, inputs.period_x)?;
+                bodies.push(self.body(Shape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
+            }
+            bottom = z_um[1];
+        }
+        Ok(bodies)
+    }
+
+    fn body(&mut self, shape: Shape, eta: [f64; 2]) -> Body {
+        Body { shape, inclusion: index_of(&mut self.inclusions, eta) }
+    }
+}
+
+fn index_of(list: &mut Vec<Complex64>, [re, im]: [f64; 2]) -> usize {
+    let eta = Complex64::new(re, im);
+    list.iter().position(|e| *e == eta).unwrap_or_else(|| {
+        list.push(eta);
+        list.len() - 1
+    })
+}
+
+fn half_space(name: &str, n: Option<f64>, eta: Option<[f64; 2]>) -> Result<Complex64, CaseError> {
+    match (n, eta) {
+        (Some(_), Some(_)) => {
+            Err(field(name, "given twice, as a real and as a complex index", "give one of them"))
+        }
+        (n, None) => Ok(n.unwrap_or(1.0).into()),
+        (None, Some([re, im])) => Ok(Complex64::new(re, im)),
+    }
+}
+
+fn check_bar(bar: &BarInput, period: f64) -> Result<(), CaseError> {
+    let width = bar.x1 - bar.x0;
+    if width > 0.0 && width <= period * (1.0 + 1e-12) {
+        return Ok(());
+    }
+    let found = format!("from x0 = {} to x1 = {} µm", bar.x0, bar.x1);
+    Err(field(
+        "bars",
+        &found,
+        &format!("x0 < x1 and a width of at most the period, {period} µm, are allowed"),
+    ))
+}
+
+/// The stated H must be the sum of the layers.
+fn check_thickness(inputs: &CaseInputs, scene: &Scene) -> Result<(), CaseError> {
+    let total = scene.thickness_um();
+    match inputs.thickness {
+        Some(h) if (h - total).abs() > 1e-9 * total => Err(field(
+            "H",
+            &format!("{h} µm, but the layers add up to {total} µm"),
+            "make them agree or leave H out",
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn field(field: &str, found: &str, remedy: &str) -> CaseError {
+    CaseError::Field { field: field.into(), found: found.into(), remedy: remedy.into() }
+}

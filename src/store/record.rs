@@ -1,0 +1,189 @@
+//! What is kept of one solve: its propagating orders, its energy receipt and its account.
+
+use crate::wave::{FarField, Incidence, Order};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+/// One finished point: a realisation under one wavelength and direction.
+///
+/// Lengths in nm and µm, angles in degrees, efficiencies as shares of the incident flux. Amplitudes follow
+/// [`Order`]'s conventions; evanescent orders are not kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PointRecord {
+    /// Content hash of everything the numbers depend on; also the file's name.
+    pub key: String,
+    pub realisation: usize,
+    pub incidence: Incidence,
+    pub period_um: [f64; 2],
+    pub reflectance: f64,
+    pub transmittance: f64,
+    pub absorptance: f64,
+    pub account: SolveAccount,
+    pub orders: Vec<OrderRow>,
+}
+
+/// What is kept of a solve, packing or grid that ended without a result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FailureRecord {
+    pub variant: String,
+    pub realisation: usize,
+    /// The solve; `None` where the packing or the grid failed before any solve.
+    pub incidence: Option<Incidence>,
+    pub reason: String,
+}
+
+/// What the solve took and how well it ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolveAccount {
+    pub solver: String,
+    pub steps: usize,
+    pub operator_applications: usize,
+    /// Relative residual of the discrete problem.
+    pub residual: f64,
+    pub seconds: f64,
+}
+
+/// One propagating order as a row of numbers, in the order of the tuple below.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Row", into = "Row")]
+pub struct OrderRow(pub Order);
+
+/// m, n, kx/k0, ky/k0, reflected propagates, transmitted propagates, Re r, Im r, Re t, Im t, e_R, e_T.
+type Row = (i32, i32, f64, f64, bool, bool, f64, f64, f64, f64, f64, f64);
+
+impl From<OrderRow> for Row {
+    fn from(OrderRow(o): OrderRow) -> Row {
+        let ([kx, ky], r, t) = (o.direction, o.reflected, o.transmitted);
+        let efficiencies = (o.reflected_efficiency, o.transmitted_efficiency);
+        let (up, down) = (o.reflected_propagates, o.transmitted_propagates);
+        (o.m, o.n, kx, ky, up, down, r.re, r.im, t.re, t.im, efficiencies.0, efficiencies.1)
+    }
+}
+
+impl From<Row> for OrderRow {
+    fn from((m, n, kx, ky, up, down, r_re, r_im, t_re, t_im, e_r, e_t): Row) -> Self {
+        OrderRow(Order {
+            m,
+            n,
+            direction: [kx, ky],
+            reflected_propagates: up,
+            transmitted_propagates: down,
+            reflected: Complex64::new(r_re, r_im),
+            transmitted: Complex64::new(t_re, t_im),
+            reflected_efficiency: e_r,
+            transmitted_efficiency: e_t,
+        })
+    }
+}
+
+/// A number of a far field is NaN or infinite, so it is no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the far field holds a number that is not finite")]
+pub struct NotFinite;
+
+impl PointRecord {
+    /// Keeps what a solve found. Fails when any number is not finite.
+    pub fn new(
+        key: String,
+        realisation: usize,
+        far_field: &FarField,
+        account: SolveAccount,
+    ) -> Result<Self, NotFinite> {
+        let propagates = |o: &&Order| o.reflected_propagates || o.transmitted_propagates;
+        let record = Self {
+            key,
+            realisation,
+            incidence: far_field.incidence,
+            period_um: far_field.period_um,
+            reflectance: far_field.reflectance,
+            transmittance: far_field.transmittance,
+            absorptance: far_field.absorptance,
+            account,
+            orders: far_field.orders.iter().filter(propagates).copied().map(OrderRow).collect(),
+        };
+        if record.is_finite() { Ok(record) } else { Err(NotFinite) }
+    }
+
+    /// The far field again, without its evanescent orders.
+    pub fn far_field(&self) -> FarField {
+        FarField {
+            incidence: self.incidence,
+            period_um: self.period_um,
+            orders: self.orders.iter().map(|row| row.0).collect(),
+            reflectance: self.reflectance,
+            transmittance: self.transmittance,
+            absorptance: self.absorptance,
+        }
+    }
+
+    /// R + T + A − 1.
+    pub fn energy_error(&self) -> f64 {
+        self.reflectance + self.transmittance + self.absorptance - 1.0
+    }
+
+    fn is_finite(&self) -> bool {
+        let totals = [self.reflectance, self.transmittance, self.absorptance, self.account.residual];
+        let amplitudes = self.orders.iter().flat_map(|OrderRow(o)| {
+            let efficiencies = [o.reflected_efficiency, o.transmitted_efficiency];
+            [o.reflected.re, o.reflected.im, o.transmitted.re, o.transmitted.im]
+                .into_iter()
+                .chain(efficiencies)
+        });
+        totals.into_iter().chain(amplitudes).all(f64::is_finite)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::wave::Side;
+
+    /// A far field of two orders, one of them evanescent, with numbers that need all their digits.
+    pub(crate) fn two_orders() -> FarField {
+        let order = |m, propagates| Order {
+            m,
+            n: 0,
+            direction: [0.1 + f64::from(m), 1.0 / 3.0],
+            reflected_propagates: propagates,
+            transmitted_propagates: propagates,
+            reflected: Complex64::new(0.1, -0.2),
+            transmitted: Complex64::new(2.0_f64.sqrt() / 2.0, 1e-300),
+            reflected_efficiency: 0.05,
+            transmitted_efficiency: 0.5,
+        };
+        FarField {
+            incidence: Incidence {
+                wavelength_um: 0.55,
+                polar_deg: 12.3,
+                azimuth_deg: 0.0,
+                from: Side::Incident,
+            },
+            period_um: [2.0, 1.5],
+            orders: vec![order(0, true), order(9, false)],
+            reflectance: 0.05,
+            transmittance: 0.5,
+            absorptance: 0.45,
+        }
+    }
+
+    pub(crate) fn account() -> SolveAccount {
+        let solver = "krylov".to_owned();
+        SolveAccount { solver, steps: 9, operator_applications: 11, residual: 1e-7, seconds: 0.1 }
+    }
+
+    #[test]
+    fn a_record_reads_back_bit_for_bit() {
+        let record = PointRecord::new("k".into(), 3, &two_orders(), account()).unwrap();
+        let text = serde_json::to_string(&record).unwrap();
+        let back: PointRecord = serde_json::from_str(&text).unwrap();
+        assert_eq!(back, record);
+        assert_eq!(back.far_field().orders, two_orders().orders[..1]);
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_makes_no_record() {
+        let mut far_field = two_orders();
+        far_field.orders[0].transmitted.im = f64::NAN;
+        assert_eq!(PointRecord::new("k".into(), 0, &far_field, account()), Err(NotFinite));
+    }
+}

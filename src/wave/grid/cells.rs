@@ -1,0 +1,154 @@
+//! Where the unknowns live: points in the plane, cells in z, and the discretisation between them.
+
+use super::element::Element;
+use crate::wave::{Scene, WaveError};
+use serde::{Deserialize, Serialize};
+
+/// The discretisation in z (all share the exact boundary conditions of P2 (3.4)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// Exact difference scheme, contrast at the nodes with tent moments.
+    Tents,
+    /// Exact difference scheme with quadratic moments at nodes and midpoints.
+    Quadratic,
+    /// Exact difference scheme with cubic moments at Gauss–Lobatto points.
+    #[default]
+    Cubic,
+    /// Exact difference scheme with quartic moments at Gauss–Lobatto points.
+    Quartic,
+    /// Second differences as in P2 (3.5), with tent moments.
+    SecondDifference,
+}
+
+impl Scheme {
+    /// Planes a cell adds.
+    pub fn degree(self) -> usize {
+        match self {
+            Scheme::Tents | Scheme::SecondDifference => 1,
+            Scheme::Quadratic => 2,
+            Scheme::Cubic => 3,
+            Scheme::Quartic => 4,
+        }
+    }
+}
+
+/// How finely a scene is resolved: points along x and y, cells along z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Resolution {
+    pub nx: usize,
+    pub ny: usize,
+    pub cells: usize,
+    #[serde(default)]
+    pub scheme: Scheme,
+}
+
+impl Resolution {
+    /// Planes that carry unknowns: nodes, and inner points where the scheme has them.
+    pub fn planes(&self) -> usize {
+        self.scheme.degree() * self.cells + 1
+    }
+}
+
+/// The cells in z: node heights and the stratum each cell lies in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    pub resolution: Resolution,
+    pub period_um: [f64; 2],
+    /// cells + 1 heights, from 0 to H.
+    pub nodes_um: Vec<f64>,
+    /// Background medium of each cell.
+    pub background: Vec<usize>,
+    /// Interpolation within a cell.
+    pub element: Element,
+}
+
+impl Grid {
+    /// Shares the cells among the strata by thickness, so that interfaces fall on nodes.
+    ///
+    /// Errors: zero points or cells; fewer cells than strata.
+    pub fn new(scene: &Scene, resolution: Resolution) -> Result<Grid, WaveError> {
+        check_counts(&resolution)?;
+        let shares = share_cells(scene, resolution.cells)?;
+        let (mut nodes_um, mut background) = (vec![0.0], Vec::new());
+        let mut start = 0.0;
+        for (stratum, cells) in scene.strata.iter().zip(shares) {
+            let step = stratum.thickness_um / cells as f64;
+            nodes_um.extend((1..=cells).map(|j| start + step * j as f64));
+            background.extend(std::iter::repeat_n(stratum.background, cells));
+            start += stratum.thickness_um;
+        }
+        Ok(Grid {
+            resolution,
+            period_um: scene.period_um,
+            nodes_um,
+            background,
+            element: Element::new(resolution.scheme.degree()),
+        })
+    }
+
+    /// Height of cell `j`.
+    pub fn height_um(&self, cell: usize) -> f64 {
+        self.nodes_um[cell + 1] - self.nodes_um[cell]
+    }
+
+    pub fn cells(&self) -> usize {
+        self.background.len()
+    }
+
+    pub fn planes(&self) -> usize {
+        self.resolution.planes()
+    }
+
+    /// Points of one plane.
+    pub fn points(&self) -> usize {
+        self.resolution.nx * self.resolution.ny
+    }
+
+    /// Planes a cell touches, both nodes included.
+    pub fn planes_of_cell(&self, cell: usize) -> std::ops::RangeInclusive<usize> {
+        let degree = self.element.degree;
+        degree * cell..=degree * (cell + 1)
+    }
+}
+
+fn check_counts(resolution: &Resolution) -> Result<(), WaveError> {
+    let counts = [("nx", resolution.nx), ("ny", resolution.ny), ("nz (cells)", resolution.cells)];
+    let wrong = counts.into_iter().find(|&(_, count)| count == 0 || count > 100_000);
+    wrong.map_or(Ok(()), |(field, count)| {
+        Err(WaveError::Range {
+            field,
+            value: count as f64,
+            allowed: "1 … 100000",
+            remedy: "choose another resolution",
+        })
+    })
+}
+
+/// Largest-remainder shares with at least one cell a stratum.
+fn share_cells(scene: &Scene, cells: usize) -> Result<Vec<usize>, WaveError> {
+    if cells < scene.strata.len() {
+        return Err(WaveError::Range {
+            field: "nz (cells)",
+            value: cells as f64,
+            allowed: "at least one cell for each stratum",
+            remedy: "raise nz",
+        });
+    }
+    let height = scene.thickness_um();
+    let ideal: Vec<f64> = scene.strata.iter().map(|s| s.thickness_um / height * cells as f64).collect();
+    let mut shares: Vec<usize> = ideal.iter().map(|x| (x.floor() as usize).max(1)).collect();
+    // Add or remove single cells where the share is furthest from the ideal.
+    while shares.iter().sum::<usize>() != cells {
+        let short = shares.iter().sum::<usize>() < cells;
+        let need = |i: &usize| ideal[*i] / shares[*i] as f64;
+        let candidates = (0..shares.len()).filter(|&i| short || shares[i] > 1);
+        let best = candidates.max_by(|a, b| {
+            let order = need(a).total_cmp(&need(b));
+            if short { order } else { order.reverse() }
+        });
+        let i = best.expect("cells ≥ strata leaves a stratum to change");
+        shares[i] = if short { shares[i] + 1 } else { shares[i] - 1 };
+    }
+    Ok(shares)
+}
