@@ -170,19 +170,23 @@ def check_cxf(np):
         claim("CxF read by Argyll's cxf2ti3, largest difference of 45:0", error, 1e-5)
     if shutil.which("spec2cie"):
         with tempfile.TemporaryDirectory() as scratch:
-            out = pathlib.Path(scratch) / "out.ti3"
-            command = ["spec2cie", "-i", "D65", "-o", "1931_2", EXPORT / "spectra.ti3", out]
+            out = pathlib.Path(scratch) / "out.sp"
+            command = ["spec2cie", "-n", "-i", "D65", "-o", "1931_2", EXPORT / "spectra.sp", out]
             done = subprocess.run(command, capture_output=True, text=True)
             if not out.exists():
                 print(done.stdout, done.stderr)
                 claim("CGATS read by Argyll's spec2cie", 1, 0)
                 return
-            rows, own = argyll_rows(out), argyll_rows(EXPORT / "spectra.ti3")
+            rows, own = argyll_rows(out), argyll_rows(EXPORT / "spectra.sp")
             claim("CGATS read by spec2cie, largest difference of 45:0", spectrum_error(rows[0], known), 1e-5)
-            lab = lambda row: np.array([float(row[k]) for k in ("LAB_L", "LAB_A", "LAB_B")])
-            theirs = lab(rows[0]) if len(rows) else 0
-            # Argyll's Lab is relative to D50 unless told otherwise: shown, not judged
-            print(f"        Lab here {lab(own[0]).round(2)}, spec2cie {theirs.round(2)}")
+            # -n appends Lab under the illuminant asked for behind the columns of the file
+            lab = lambda row, names: np.array([float(row[k]) for k in names])
+            theirs = [lab(row, ("LAB_L:2", "LAB_A:2", "LAB_B:2")) for row in rows]
+            here = [lab(row, ("LAB_L", "LAB_A", "LAB_B")) for row in own]
+            print(f"        Lab here {here[0].round(2)}, spec2cie {theirs[0].round(2)}")
+            apart = max(float(np.linalg.norm(a - b)) for a, b in zip(here, theirs))
+            # two summation rules over 10 nm: ΔE up to 0.17 between them
+            claim("Lab against spec2cie, largest distance", apart, 0.17)
 
 
 def argyll_rows(path):
@@ -193,7 +197,8 @@ def argyll_rows(path):
         elif line.startswith("END_DATA"):
             mode = None
         elif mode == "format":
-            fields += line.split()
+            for field in line.split():
+                fields.append(field if field not in fields else field + ":2")
         elif mode == "data" and line.strip():
             cells = [c for c in csv.reader([line.strip()], delimiter=" ")][0]
             rows.append(dict(zip(fields, [c for c in cells if c])))

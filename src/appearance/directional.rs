@@ -142,7 +142,7 @@ impl<'a> DirectionalInk<'a> {
 }
 
 /// The two nodes around an angle with their weights, linear between, the ends beyond.
-pub fn neighbours(nodes_deg: &[f64], at_deg: f64) -> [(usize, f64); 2] {
+fn neighbours(nodes_deg: &[f64], at_deg: f64) -> [(usize, f64); 2] {
     let last = nodes_deg.len() - 1;
     let after = nodes_deg.partition_point(|&deg| deg < at_deg).clamp(1.min(last), last);
     let before = after.saturating_sub(1);

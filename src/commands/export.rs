@@ -33,7 +33,7 @@ pub enum To {
     Mitsuba,
     /// Spectra with Lab, CxF3.
     Cxf,
-    /// Spectra with Lab, CGATS.17 and ArgyllCMS's ti3.
+    /// Spectra with Lab, CGATS.17 and ArgyllCMS's sp.
     Cgats,
     /// Far fields as NumPy arrays.
     Npz,

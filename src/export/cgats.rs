@@ -8,7 +8,7 @@ use std::fmt::Write;
 pub enum Dialect {
     /// `CGATS.17`, the standard's own.
     Standard,
-    /// `CTI3`: what the tools of ArgyllCMS take as a measured chart; no device values, so it fits no profile.
+    /// `SPECT`: what the tools of ArgyllCMS take as measured spectra without device values.
     Argyll,
 }
 
@@ -16,7 +16,7 @@ pub enum Dialect {
 pub fn cgats(print: &Print, dialect: Dialect) -> String {
     let mut out = match dialect {
         Dialect::Standard => "CGATS.17\n\n",
-        Dialect::Argyll => "CTI3\n\n",
+        Dialect::Argyll => "SPECT\n\n",
     }
     .to_owned();
     header(&mut out, print, dialect);
@@ -43,8 +43,8 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("MEASUREMENT_GEOMETRY", "45:0 and uniform sky:0, simulated");
     own("LAB_CONDITIONS", "D65, 2 degree observer");
     if dialect == Dialect::Argyll {
-        own("DEVICE_CLASS", "INPUT");
-        own("COLOR_REP", "LAB");
+        own("SPECTRAL_NORM", "100.000000");
+        own("MEAS_TYPE", "REFLECTIVE");
     }
     let (first, last) = (print.wavelengths_nm.first(), print.wavelengths_nm.last());
     own("SPECTRAL_BANDS", &print.wavelengths_nm.len().to_string());

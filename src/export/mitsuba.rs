@@ -8,7 +8,7 @@
 
 use super::tensor::{Field, tensor_file};
 use crate::appearance::colour::Colorimeter;
-use crate::appearance::directional::{Direction, DirectionalInk, neighbours};
+use crate::appearance::directional::{Direction, DirectionalInk};
 use crate::appearance::ink_on_paper::InkError;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -18,8 +18,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 pub const POINTS: usize = 96;
 /// The renderer divides by the luminance when it draws directions: never 0, at least this share of its mean.
 const LEAST_LUMINANCE: f64 = 1e-4;
-/// Angles of incidence lie at most this far apart, since the renderer is linear between them and T(θ) is not.
-const WIDEST_STEP_DEG: f64 = 6.0;
+/// Angles of incidence lie at most this far apart: between them the renderer keeps the half vector, so that the direction of
+/// view turns with the light. *Measured*, median and 95th percentile: 6° 0.56 % and 3.0 %.
+const WIDEST_STEP_DEG: f64 = 3.0;
 /// Directions nearer to grazing than this have no orders around them.
 const GRAZING_DEG: f64 = 89.9;
 
@@ -170,29 +171,6 @@ fn view(light_deg: f64, [row, column]: [usize; 2], points: usize) -> Option<(Dir
     Some((Direction { polar_deg, azimuth_deg }, out[2]))
 }
 
-/// The value of the table that the renderer reads for a pair of directions: bilinear in the grid, linear in θ_i.
-/// The tests compare it with the formula.
-pub fn lookup(table: &Table, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
-    let (polar, azimuth) = (view.polar_deg.to_radians(), view.azimuth_deg.to_radians());
-    let out = [-polar.sin() * azimuth.cos(), -polar.sin() * azimuth.sin(), polar.cos()];
-    let light = [light_deg.to_radians().sin(), 0.0, light_deg.to_radians().cos()];
-    let sum: [f64; 3] = std::array::from_fn(|i| out[i] + light[i]);
-    let theta = sum[0].hypot(sum[1]).atan2(sum[2]);
-    let phi = if theta > 0.0 { sum[1].atan2(sum[0]) } else { 0.0 };
-    let at = [(phi + PI) / TAU, (theta / FRAC_PI_2).sqrt()];
-    let [row, column] = at.map(|x| (x * (table.points - 1) as f64).clamp(0.0, (table.points - 1) as f64));
-    let bilinear = |slab: &Slab| bilinear(slab, wavelength, table.points, row, column);
-    neighbours(&table.theta_deg, light_deg).iter().map(|&(k, s)| s * bilinear(&table.slabs[k])).sum()
-}
-
-fn bilinear(slab: &Slab, wavelength: usize, points: usize, row: f64, column: f64) -> f64 {
-    let before = |x: f64| (x.floor() as usize).min(points - 2);
-    let (r, c) = (before(row), before(column));
-    let (s, t) = (row - r as f64, column - c as f64);
-    let at = |i: usize, j: usize| slab[(wavelength * points + r + i) * points + c + j];
-    (1.0 - s) * ((1.0 - t) * at(0, 0) + t * at(0, 1)) + s * ((1.0 - t) * at(1, 0) + t * at(1, 1))
-}
-
 /// A scene that renders at once: a ball and a flat patch of the ink on a grey table, lit by a lamp and a pale sky.
 pub fn scene(bsdf_file: &str, title: &str) -> String {
     let title = title.replace("--", "–").replace(['<', '>', '&'], " ");
@@ -215,6 +193,6 @@ mod tests {
 
     #[test]
     fn incidences_keep_the_nodes_and_fill_wide_gaps() {
-        assert_eq!(incidences(&[0.0, 4.0, 13.0]), vec![0.0, 4.0, 8.5, 13.0]);
+        assert_eq!(incidences(&[0.0, 2.0, 7.0]), vec![0.0, 2.0, 4.5, 7.0]);
     }
 }

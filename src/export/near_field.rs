@@ -71,3 +71,39 @@ fn phases(problem: &Problem) -> Vec<Complex64> {
     };
     (0..problem.coverage.grid.points()).map(at).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wave::{Ball, Body, Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side};
+    use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    /// A ball of the binder's own index scatters nothing: the wave is the plane wave itself, at every point.
+    #[test]
+    fn without_contrast_the_wave_is_the_incident_one() {
+        let ball = Ball { center_um: [0.4, 0.3, 0.25], radius_um: 0.2 };
+        let scene =
+            Scene::layer([1.0, 0.8], 0.5, vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }]);
+        let one = Complex64::ONE;
+        let media = Media { incident: one, exit: one, backgrounds: vec![one], inclusions: vec![one] };
+        let incidence =
+            Incidence { wavelength_um: 0.5, polar_deg: 50.0, azimuth_deg: 30.0, from: Side::Incident };
+        let resolution = Resolution { nx: 12, ny: 10, cells: 5, scheme: Scheme::Cubic };
+        let coverage = Arc::new(Coverage::new(&scene, resolution).unwrap());
+        let problem = Problem::new(&coverage, &media, &incidence, Mean::default()).unwrap();
+        let image = image(&problem, &problem.background_wave());
+        let (k, theta, phi) = (TAU / 0.5, 50.0_f64.to_radians(), 30.0_f64.to_radians());
+        let wave = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()].map(|c| k * c);
+        let [nx, ny, nz] = image.points;
+        assert_eq!([nx, ny, nz], [12, 10, 21]);
+        for i in 0..nx * ny * nz {
+            let place = [i % nx, i / nx % ny, i / (nx * ny)];
+            let phase: f64 = (0..3).map(|a| wave[a] * place[a] as f64 * image.spacing_um[a]).sum();
+            let u = &image.arrays[1].values[2 * i..2 * i + 2];
+            // cubic interpolation over a tenth of a micrometre: (k h)^4/384 of the wave
+            let apart = (Complex64::new(f64::from(u[0]), f64::from(u[1])) - Complex64::cis(phase)).norm();
+            assert!(apart < 2e-3, "{place:?}: {apart}");
+        }
+    }
+}

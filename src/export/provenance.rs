@@ -149,7 +149,7 @@ fn media_type(name: &str) -> &'static str {
         "png" => "image/png",
         "html" => "text/html",
         "xml" | "cxf" | "vti" | "vtp" => "application/xml",
-        "cgats" | "ti3" | "txt" | "toml" => "text/plain",
+        "cgats" | "sp" | "txt" | "toml" => "text/plain",
         "npz" => "application/zip",
         _ => "application/octet-stream",
     }

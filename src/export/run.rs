@@ -246,7 +246,7 @@ impl Exporter<'_> {
         let print = self.print("cgats")?;
         let text = |dialect| cgats::cgats(&print, dialect);
         out.add("spectra.cgats", text(cgats::Dialect::Standard), "spectra of the print with Lab, CGATS.17");
-        out.add("spectra.ti3", text(cgats::Dialect::Argyll), "the same for ArgyllCMS");
+        out.add("spectra.sp", text(cgats::Dialect::Argyll), "the same for ArgyllCMS");
         Ok(())
     }
 
