@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::solve::{Born, Direct, Silent, Step};
-use crate::wave::{Ball, Body, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side};
+use crate::wave::{Ball, Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
 use faer::linalg::solvers::Solve;
 use std::ops::ControlFlow;
 

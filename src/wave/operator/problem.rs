@@ -259,12 +259,6 @@ impl Problem {
         }
     }
 
-    /// out ← u₀ − (1 + A⁻¹V) u; the yardstick of all strategies is its norm over that of u₀.
-    pub fn residual(&self, background: &Field, u: &Field, out: &mut Field) {
-        self.scatter(u, out);
-        ndarray::Zip::from(out).and(background).and(u).par_for_each(|r, &b, &x| *r = b - x - *r);
-    }
-
     /// Im⟨u, (A_interior + V) u⟩/κ₀₀, the absorbed share of the incident flux.
     pub fn absorptance(&self, u: &Field) -> f64 {
         let zeros = vec![Complex64::default(); self.harmonics.len()];

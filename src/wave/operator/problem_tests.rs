@@ -1,6 +1,7 @@
 //! Hypotheses of the theory as full matrices on a tiny grid, and refusals.
 
 use super::*;
+use crate::solve::System;
 use crate::wave::{Ball, Body, Resolution, Scheme, Shape};
 
 const SCHEMES: [Scheme; 5] =
