@@ -15,6 +15,7 @@ mod bdf_table;
 pub mod colour;
 pub mod directional;
 pub mod ink_on_paper;
+pub mod kubelka_munk;
 mod layer_optics;
 pub mod paper;
 pub mod picture;

@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 pub mod compare;
+pub mod completions;
 pub mod diagnostics;
 pub mod export;
 pub mod merge;

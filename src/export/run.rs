@@ -65,16 +65,32 @@ pub struct Request {
 pub enum ExportError {
     /// Colours and materials need the ink on its paper.
     #[error("{format} needs the ink on its paper: {reason}")]
-    NoInk { format: &'static str, reason: String },
+    NoInk {
+        /// The format.
+        format: &'static str,
+        /// Why there is none.
+        reason: String,
+    },
     /// The material's frame is vacuum.
     #[error("layer.index_above is {index}; a renderer's material lies in air: allowed is 1")]
-    NotInAir { index: f64 },
+    NotInAir {
+        /// Index of the incident side.
+        index: f64,
+    },
     /// The wavelength is not one of the study's.
     #[error("near field: found {found} nm; allowed is one of the study's wavelengths, {allowed} nm")]
-    Wavelength { found: f64, allowed: String },
+    Wavelength {
+        /// Asked for, nm.
+        found: f64,
+        /// The study's own, nm.
+        allowed: String,
+    },
     /// Too few wavelengths for spectra on a grid of 10 nm.
     #[error("{format} needs at least two multiples of 10 nm inside the study's wavelengths")]
-    TooFewWavelengths { format: &'static str },
+    TooFewWavelengths {
+        /// The format.
+        format: &'static str,
+    },
     /// The appearance refuses.
     #[error(transparent)]
     Ink(#[from] InkError),

@@ -16,16 +16,40 @@ const RESULTS: &str = "results.json";
 pub enum StoredError {
     /// No results there.
     #[error("{} holds no results of `inkwave run`: {reason}", path.display())]
-    NoResults { path: PathBuf, reason: String },
+    NoResults {
+        /// The folder.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
+    },
     /// The study in `results.json` is not the one that was run.
     #[error("{}: the study has hash {found}, its results were made for {expected}", path.display())]
-    Changed { path: PathBuf, found: String, expected: String },
+    Changed {
+        /// The folder.
+        path: PathBuf,
+        /// Content hash of the study.
+        found: String,
+        /// The hash that is written beside it.
+        expected: String,
+    },
     /// Solves are missing.
     #[error("{} is not finished: {finished} of {asked} solves are there", path.display())]
-    Unfinished { path: PathBuf, finished: usize, asked: usize },
+    Unfinished {
+        /// The folder.
+        path: PathBuf,
+        /// Solves that are there.
+        finished: usize,
+        /// Solves of the study.
+        asked: usize,
+    },
     /// The store cannot be opened.
     #[error("cannot open the store of {}: {source}", path.display())]
-    Store { path: PathBuf, source: std::io::Error },
+    Store {
+        /// The folder.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
     /// Records that do not belong together.
     #[error(transparent)]
     Seen(#[from] crate::appearance::bdf::BdfError),

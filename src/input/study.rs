@@ -137,19 +137,13 @@ impl Study {
         PackingRequest { stream: realisation as u64, ..self.packing.clone() }
     }
 
-    /// Indices at one wavelength; the inclusion after the last pigment is what lies above a relief.
+    /// Indices at one wavelength; pigment i is inclusion i.
     pub fn media(&self, wavelength: usize) -> Media {
-        let incident = self.layer.index_above.into();
         Media {
-            incident,
+            incident: self.layer.index_above.into(),
             exit: self.layer.index_below.into(),
             backgrounds: vec![self.layer.binder.index[wavelength]],
-            inclusions: self
-                .pigments
-                .iter()
-                .map(|p| p.material.index[wavelength])
-                .chain([incident])
-                .collect(),
+            inclusions: self.pigments.iter().map(|p| p.material.index[wavelength]).collect(),
         }
     }
 

@@ -11,22 +11,55 @@ use thiserror::Error;
 pub enum ColumnsError {
     /// The file cannot be read.
     #[error("{}: {source}", path.display())]
-    Unreadable { path: PathBuf, source: std::io::Error },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
     /// The file is no table.
     #[error("{}: {source}", path.display())]
-    Broken { path: PathBuf, source: csv::Error },
+    Broken {
+        /// The file.
+        path: PathBuf,
+        /// What the reader found.
+        source: csv::Error,
+    },
     /// The file has no header line.
     #[error("{}: it is empty; the first line names the columns", path.display())]
-    Empty { path: PathBuf },
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
     /// A line has another number of cells than the header.
     #[error(
         "{}, line {line}: {found} cells under {expected} columns{}", path.display(),
         if *comma { "; numbers with a decimal comma need a semicolon between columns (wavelength_nm;kappa)" } else { "" }
     )]
-    Ragged { path: PathBuf, line: u64, found: usize, expected: usize, comma: bool },
+    Ragged {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// Its cells.
+        found: usize,
+        /// Columns of the header.
+        expected: usize,
+        /// Commas separate the columns, so that decimal commas may be the cause.
+        comma: bool,
+    },
     /// A cell is no number.
     #[error("{}, line {line}, column {column}: found {found:?} where a number is needed", path.display())]
-    NoNumber { path: PathBuf, line: u64, column: String, found: String },
+    NoNumber {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// Name of the column.
+        column: String,
+        /// What the cell holds.
+        found: String,
+    },
 }
 
 /// Columns by name, and rows of numbers; an empty cell is `None`.

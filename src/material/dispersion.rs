@@ -25,10 +25,20 @@ use thiserror::Error;
 pub enum DispersionError {
     /// The file cannot be read.
     #[error("{}: {source}", path.display())]
-    Unreadable { path: PathBuf, source: std::io::Error },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
     /// The file is no record of the database.
     #[error("{}: {reason}; expected a record of refractiveindex.info with DATA: - type: tabulated nk, n, k or formula 1 to 9", path.display())]
-    NoRecord { path: PathBuf, reason: String },
+    NoRecord {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
 }
 
 /// What gives one part of the index over a range of wavelengths.
