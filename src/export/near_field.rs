@@ -75,6 +75,7 @@ fn phases(problem: &Problem) -> Vec<Complex64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wave::scene::Material;
     use crate::wave::{Ball, Body, Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side};
     use std::f64::consts::TAU;
     use std::sync::Arc;
@@ -84,7 +85,7 @@ mod tests {
     fn without_contrast_the_wave_is_the_incident_one() {
         let ball = Ball { center_um: [0.4, 0.3, 0.25], radius_um: 0.2 };
         let scene =
-            Scene::layer([1.0, 0.8], 0.5, vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }]);
+            Scene::layer([1.0, 0.8], 0.5, vec![Body { shape: Shape::Balls(vec![ball]), material: Material::Inclusion(0) }]);
         let one = Complex64::ONE;
         let media = Media { incident: one, exit: one, backgrounds: vec![one], inclusions: vec![one] };
         let incidence =

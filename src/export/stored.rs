@@ -3,7 +3,7 @@
 use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
 use crate::run::runner::{Collected, Stores};
-use crate::store::folder::{OutputFolder, POINTS};
+use crate::store::database::RECORDS;
 use crate::sweep::outcome::collect;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -124,7 +124,6 @@ fn study(path: &Path) -> Result<Study, StoredError> {
 fn stores(path: &Path) -> Result<Stores, StoredError> {
     let failed = |source| StoredError::Store { path: path.to_owned(), source };
     let shared = path.join("../..");
-    let place = if !path.join(POINTS).exists() && shared.join(POINTS).exists() { &shared } else { path };
-    let folder = OutputFolder::existing(place);
-    Stores::open(&folder).map_err(failed)
+    let place = if !path.join(RECORDS).exists() && shared.join(RECORDS).exists() { &shared } else { path };
+    Stores::at(place).map_err(failed)
 }

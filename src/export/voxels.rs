@@ -54,11 +54,9 @@ impl Voxels {
     pub fn contrast(&self, media: &Media) -> Vec<Complex64> {
         let square = |eta: Complex64| eta * eta;
         let binder = square(media.backgrounds[0]);
-        let pigments = self.shares.len() - 1;
         let mut contrast = vec![Complex64::ZERO; self.shares[0].len()];
         for (kind, shares) in self.shares.iter().enumerate() {
-            let inclusion =
-                if kind == 0 { media.inclusions.get(pigments) } else { media.inclusions.get(kind - 1) };
+            let inclusion = if kind == 0 { Some(&media.incident) } else { media.inclusions.get(kind - 1) };
             let step = inclusion.map_or(Complex64::ZERO, |&eta| square(eta) - binder);
             contrast.iter_mut().zip(shares).for_each(|(v, &share)| *v += step * f64::from(share));
         }
