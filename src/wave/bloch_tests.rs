@@ -1,6 +1,7 @@
 //! The reduced vector, its ties, and the labels of orders.
 
 use super::*;
+use crate::wave::Coverage;
 use crate::wave::{Ball, Body, Mean, Problem, Resolution, Scene, Scheme, Shape};
 use std::sync::Arc;
 

@@ -24,6 +24,9 @@ pub trait Discretisation: Sized + Send + Sync {
     /// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
     const START: [f64; 2];
 
+    /// Order of convergence in the plane while the grid is coarse and the contrast weak.
+    const PLANE_ORDER: i32;
+
     /// The geometry of a scene on a grid, with coefficients of a relative error.
     fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<Self, WaveError>;
 
@@ -78,6 +81,7 @@ impl Discretisation for Coverage {
     type Judged = Physical;
 
     const START: [f64; 2] = [3.0, 5.4];
+    const PLANE_ORDER: i32 = 4;
 
     fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<Coverage, WaveError> {
         Coverage::within(scene, resolution, error)
@@ -159,6 +163,7 @@ impl Discretisation for NormalMoments {
     type Judged = VectorFarField;
 
     const START: [f64; 2] = [3.2, 7.0];
+    const PLANE_ORDER: i32 = 3;
 
     fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<NormalMoments, WaveError> {
         NormalMoments::within(scene, resolution, error)

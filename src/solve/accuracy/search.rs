@@ -199,7 +199,7 @@ impl<G: Discretisation> Task<'_, G> {
 
     /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
     ///
-    /// For grains 4 and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
+    /// For grains 4 (3 for the vector wave, which folds nothing) and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
     /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
     /// do so in one.
     fn orders(&self, own: Resolution) -> [i32; 2] {
@@ -209,7 +209,7 @@ impl<G: Discretisation> Task<'_, G> {
         let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
             .map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
-        [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
+        [(G::PLANE_ORDER - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
     }
 
     /// Wavelengths per µm in the densest medium.
