@@ -13,6 +13,7 @@ use crate::input::study::Study;
 use crate::run::runner::Collected;
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
+use crate::wave::physical::largest;
 
 /// Illumination of print measurement, seen along the normal (ISO 13655: 45°:0°).
 const PRINT_LIGHT_DEG: f64 = 45.0;
@@ -76,15 +77,15 @@ fn certainty(
     records: Vec<&PointRecord>,
     angle_error_estimate: Option<f64>,
 ) -> Certainty {
-    let largest = |f: &dyn Fn(&PointRecord) -> f64| records.iter().map(|r| f(r)).fold(0.0, f64::max);
+    let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
     Certainty {
         amplitude_error_estimate: collected.resolved.error_estimate,
         reflectance_grid_error: collected.resolved.grid_error.reflectance,
         transmittance_grid_error: collected.resolved.grid_error.transmittance,
         angle_error_estimate,
-        largest_energy_error: largest(&|r| r.energy_error().abs()),
-        largest_residual: largest(&|r| r.account.residual),
+        largest_energy_error: most(&|r| r.energy_error().abs()),
+        largest_residual: most(&|r| r.account.residual),
         mean_steps: steps as f64 / records.len().max(1) as f64,
         operator_applications: records.iter().map(|r| r.account.operator_applications).sum(),
     }

@@ -94,7 +94,7 @@ impl<'de> Deserialize<'de> for AlbedoWritten {
                 Ok(AlbedoWritten::Csv { csv })
             }
         }
-        deserializer.deserialize_any(AlbedoVisitor)
+        deserializer.deserialize_struct("albedo", &["csv"], AlbedoVisitor)
     }
 }
 
@@ -133,6 +133,7 @@ impl<'de> Deserialize<'de> for Pair {
 #[serde(deny_unknown_fields)]
 struct IndexTable {
     n: Option<f64>,
+    #[serde(alias = "kappa")]
     k: Option<f64>,
     built_in: Option<String>,
     csv: Option<String>,
@@ -158,7 +159,7 @@ impl<'de> Deserialize<'de> for IndexWritten {
                 Ok(IndexWritten { n, k, built_in, csv })
             }
         }
-        deserializer.deserialize_any(IndexVisitor)
+        deserializer.deserialize_struct("index", &["n", "k", "kappa", "built_in", "csv"], IndexVisitor)
     }
 }
 

@@ -4,6 +4,7 @@
 //! plot (Fig. 5). The built-in pigments are therefore **synthetic**: smooth sums of Gaussians made for this
 //! project (`validation/data/pigments.json`), not measured data. Measured spectra come from a CSV file.
 
+use crate::numerics::files;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -182,11 +183,9 @@ impl Spectrum {
     pub fn from_csv(path: impl AsRef<Path>) -> Result<Self, SpectrumError> {
         let path = path.as_ref();
         let unreadable = |source| SpectrumError::Unreadable { path: path.into(), source };
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(unreadable)?;
+        let bytes = files::read_bytes(path, files::TABLE).map_err(|error| unreadable(error.into()))?;
+        let mut reader =
+            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes.as_slice());
         let rows = reader.deserialize().collect::<Result<Vec<Row>, _>>().map_err(unreadable)?;
         if rows.len() < 2 {
             return Err(SpectrumError::TooFewRows { path: path.into(), rows: rows.len() });

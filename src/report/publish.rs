@@ -21,6 +21,9 @@ const PICTURE_ANGLES: usize = 61;
 pub enum PublishError {
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// What the page would have shown.
+    #[error("{0}: no result, so nothing is published; try a finer grid or another solver")]
+    Unphysical(String),
     #[error(transparent)]
     Figure(#[from] FigureError),
     #[error(transparent)]
@@ -65,6 +68,10 @@ pub(crate) fn publish_seen(
     seen: &Seen,
     folder: &OutputFolder,
 ) -> Result<Published, PublishError> {
+    if let Some(what) = manifest.unphysical() {
+        folder.begin()?;
+        return Err(PublishError::Unphysical(what));
+    }
     let pictures = pictures(study, seen)?;
     let page = sheet(study, manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
     folder.begin()?;
