@@ -2,7 +2,7 @@
 
 use clap::Args;
 use inkwave::compare::experiment::ComparisonFile;
-use inkwave::solve::{Step, Watch};
+use inkwave::solve::{Registry, Step, Watch};
 use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
         );
     };
-    let comparison = file.run(folder, &mut stop, told).into_diagnostic()?;
+    let comparison = file.run(&Registry::default(), folder, &mut stop, told).into_diagnostic()?;
     comparison.write(&args.output).into_diagnostic()?;
     println!("Comparison: {}", args.output.join("comparison.html").display());
     Ok(())

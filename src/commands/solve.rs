@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
-use inkwave::solve::{Coverages, Goal, SolverChoice, Step, Watch};
+use inkwave::solve::{Coverages, Goal, Registry, Step, Watch};
 use inkwave::wave::{Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
@@ -80,7 +80,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
         );
     }
-    let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
+    let solver = Registry::default().build(&args.solver).into_diagnostic()?;
     let task = Task {
         coverages: &Coverages::of(&case.scene),
         media: &case.media,

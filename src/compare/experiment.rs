@@ -5,7 +5,7 @@ use crate::ink::pack;
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::input::case::{Case, CaseError};
 use crate::solve::accuracy::{AccuracyError, Task, largest_difference};
-use crate::solve::{Coverages, Gmres, Goal, Silent, SolveError, Solver, SolverChoice, Watch};
+use crate::solve::{Coverages, Gmres, Goal, Registry, Silent, SolveError, Solver, Watch};
 use crate::wave::{
     Coverage, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side, WaveError,
 };
@@ -25,8 +25,8 @@ pub struct ComparisonFile {
     pub case: Option<PathBuf>,
     /// A packed layer of equal spheres, instead of `case`.
     pub layer: Option<PackedLayer>,
-    #[serde(default = "default_strategies")]
-    pub strategies: Vec<String>,
+    /// Names of strategies; all of the registry but those for tiny grids unless told.
+    pub strategies: Option<Vec<String>>,
     #[serde(default = "default_schemes")]
     pub schemes: Vec<Scheme>,
     #[serde(default = "default_resolutions")]
@@ -70,10 +70,6 @@ pub struct PackedLayer {
     pub azimuth_deg: f64,
     #[serde(default)]
     pub seed: u64,
-}
-
-fn default_strategies() -> Vec<String> {
-    SolverChoice::NAMES.iter().filter(|&&n| n != "direct").map(|n| n.to_string()).collect()
 }
 
 fn default_schemes() -> Vec<Scheme> {
@@ -132,12 +128,21 @@ impl ComparisonFile {
         toml::from_str(&text).map_err(|e| CompareError::Parse { path: path.into(), message: e.to_string() })
     }
 
-    fn check(&self) -> Result<(), CompareError> {
-        for name in &self.strategies {
-            SolverChoice::named(name)?;
+    /// The strategies to compare, each of them known.
+    fn strategies(&self, registry: &Registry) -> Result<Vec<(String, Box<dyn Solver>)>, CompareError> {
+        let by_name = |name: &String| Ok((name.clone(), registry.build(name)?));
+        match &self.strategies {
+            Some(names) => names.iter().map(by_name).collect(),
+            None => {
+                let all = registry.entries().iter().map(|e| (e.name().to_string(), e.build()));
+                Ok(all.filter(|(_, solver)| solver.most_unknowns().is_none()).collect())
+            }
         }
+    }
+
+    fn check(&self) -> Result<(), CompareError> {
         let empty = [
-            ("strategies", self.strategies.is_empty()),
+            ("strategies", self.strategies.as_ref().is_some_and(Vec::is_empty)),
             ("schemes", self.schemes.is_empty()),
             ("resolutions", self.resolutions.is_empty()),
             ("repeats", self.repeats == 0),
@@ -175,14 +180,16 @@ impl ComparisonFile {
         Ok(Subject { case: layer.case()?, known: None })
     }
 
-    /// Runs every row; `watch` sees each solve's steps and can stop the comparison.
+    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison.
     pub fn run(
         &self,
+        registry: &Registry,
         folder: &Path,
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Row),
     ) -> Result<Comparison, CompareError> {
         self.check()?;
+        let strategies = self.strategies(registry)?;
         let subject = self.subject(folder)?;
         let (truth, reference) = self.reference(&subject)?;
         let mut rows = Vec::new();
@@ -190,8 +197,8 @@ impl ComparisonFile {
             for points in &self.resolutions {
                 let resolution = resolution(&subject.case.scene, *points, *scheme);
                 let coverage = Arc::new(Coverage::new(&subject.case.scene, resolution)?);
-                for name in &self.strategies {
-                    let row = self.row(name, &subject.case, &coverage, &truth, watch)?;
+                for (name, solver) in &strategies {
+                    let row = self.row((name, &**solver), &subject.case, &coverage, &truth, watch)?;
                     told(&row);
                     rows.push(row);
                 }
@@ -231,14 +238,13 @@ impl ComparisonFile {
 
     fn row(
         &self,
-        name: &str,
+        (name, solver): (&str, &dyn Solver),
         case: &Case,
         coverage: &Arc<Coverage>,
         truth: &FarField,
         watch: &mut dyn Watch,
     ) -> Result<Row, CompareError> {
         let mean = Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean };
-        let solver = SolverChoice::named(name)?.build();
         let r = coverage.grid.resolution;
         let mut row = Row {
             strategy: name.to_string(),
@@ -273,7 +279,7 @@ impl ComparisonFile {
                     if repeat == 0 {
                         let far = problem.far_field(&solution.field);
                         row.error = Some(largest_difference(truth, &far));
-                        row.error_estimate = self.estimate(case, &problem, &*solver, &far);
+                        row.error_estimate = self.estimate(case, &problem, solver, &far);
                         row.take(&solution.account, "converged".into(), problem.bytes());
                     }
                 }

@@ -175,7 +175,7 @@ impl<'de> Deserialize<'de> for Strategy {
                 f.write_str("the name of a strategy, or a table such as { krylov = { restart = 60 } }")
             }
             fn visit_str<E: de::Error>(self, name: &str) -> Result<Strategy, E> {
-                let unknown = |_| de::Error::unknown_variant(name, &SolverChoice::NAMES);
+                let unknown = |_| de::Error::unknown_variant(name, SolverChoice::NAMES);
                 SolverChoice::named(name).map(Strategy).map_err(unknown)
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Strategy, A::Error> {

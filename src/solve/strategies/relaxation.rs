@@ -11,7 +11,7 @@ use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::solve::vectors::{dot, norm};
 use crate::wave::operator::banded::ShiftedMean;
-use crate::wave::{Field, Problem};
+use crate::wave::{Field, Mean, Problem};
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 use ndarray::Array2;
@@ -45,6 +45,10 @@ impl Default for Relaxation {
 impl Solver for Relaxation {
     fn name(&self) -> &'static str {
         "relaxation"
+    }
+
+    fn suited_mean(&self) -> Mean {
+        Mean { absorbing: false, ..Mean::default() }
     }
 
     fn solve_from(
