@@ -12,7 +12,9 @@ use inkwave::report::publish::{Published, publish};
 use inkwave::run::runner;
 use inkwave::run::runner::{Collected, RunError, RunSettings};
 use inkwave::solve::accuracy::AccuracyError;
+use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
+use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 
@@ -33,7 +35,7 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs) -> miette::Result<()> {
     let study = load(&args.study).map_err(study_report)?;
     let path = output_path(args, &study);
-    let folder = OutputFolder::open(&path).map_err(folder_report)?;
+    let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
     let settings = RunSettings { jobs: args.jobs.map(usize::from) };
     let collected = runner::run(&study, &folder, settings, &progress);
@@ -42,6 +44,7 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
         folder.discard_when_empty();
         run_report(error)
     })?;
+    tell_damages(&collected.damages);
     let published = publish(&study, &collected, &folder).into_diagnostic()?;
     tell(&study, &collected, &published, &folder, progress.stopped())
 }
@@ -80,6 +83,13 @@ fn output_path(args: &RunArgs, study: &Study) -> PathBuf {
     let name = || args.study.file_stem().map_or_else(|| "study".into(), PathBuf::from);
     let own = || study.output.folder.as_ref().map(PathBuf::from);
     args.output.clone().or_else(own).unwrap_or_else(|| Path::new("out").join(name()))
+}
+
+/// Says what was found damaged in a store.
+pub(super) fn tell_damages(damages: &[Damage]) {
+    if let Some(told) = in_words(damages) {
+        eprintln!("{told}");
+    }
 }
 
 pub(super) fn folder_report(error: FolderError) -> miette::Report {

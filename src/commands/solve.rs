@@ -4,6 +4,7 @@ use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, Registry, Step, Watch};
+use inkwave::wave::contrast::coverage::error_for;
 use inkwave::wave::{Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
@@ -81,8 +82,13 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         );
     }
     let solver = Registry::default().build(&args.solver).into_diagnostic()?;
+    // A grid of one's own choice may be as fine as it likes.
+    let coverages = match args.nz {
+        Some(_) => Coverages::of(&case.scene),
+        None => Coverages::within(&case.scene, error_for(args.accuracy.unwrap_or(DEFAULT_ACCURACY))),
+    };
     let task = Task {
-        coverages: &Coverages::of(&case.scene),
+        coverages: &coverages,
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },

@@ -2,11 +2,12 @@
 
 use super::diagnostics::study_report;
 use super::progress::Progress;
-use super::run::{folder_report, run_report};
+use super::run::{folder_report, run_report, tell_damages};
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::run::runner::RunSettings;
 use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Reported, publish};
 use inkwave::sweep::units::Shard;
 use inkwave::sweep::{Sweep, folder, load, plan, run as runner};
@@ -49,21 +50,27 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         return tell_plan(&sweep, args.json, settings);
     }
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
+    let part = shard.unwrap_or(Shard::ALL);
+    part.check(&sweep).map_err(|most| too_many_shards(part, most))?;
     let path = output_path(args, shard);
-    let folder = OutputFolder::open(&path).map_err(folder_report)?;
+    let folder = OutputFolder::open(&path, Holds::Sweep).map_err(folder_report)?;
     folder.begin().map_err(folder_report)?;
     folder::write(&sweep, &folder).map_err(folder_report)?;
     if args.retry_failed {
         runner::forget_failures(&folder).into_diagnostic()?;
     }
     let progress = Progress::new(StopFlag::listen());
-    let part = shard.unwrap_or(Shard::ALL);
     progress.expect(runner::solves(&sweep, part));
     let tally = runner::run(&sweep, &folder, part, settings, &progress);
     progress.finish();
     let tally = tally.map_err(run_report)?;
+    tell_damages(&tally.damages);
     if shard.is_some() {
         return tell_shard(&tally, part, &folder, progress.stopped());
+    }
+    if !tally.publishes {
+        println!("Other processes work on in {} and write the report.", folder.path().display());
+        return Ok(());
     }
     let reported = publish(&sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, progress.stopped())
@@ -93,7 +100,7 @@ fn tell_shard(
     folder: &OutputFolder,
     stopped: bool,
 ) -> miette::Result<()> {
-    let runner::Tally { asked, finished, failed } = *tally;
+    let runner::Tally { asked, finished, failed, .. } = *tally;
     let Shard { index, count } = shard;
     println!("Shard {index}/{count} in {}: {finished} of {asked} solves finished", folder.path().display());
     if stopped || finished + failed < asked {
@@ -107,6 +114,12 @@ fn tell_shard(
         return Err(miette!(help = help, "{failed} of {asked} solves have no result"));
     }
     Ok(())
+}
+
+fn too_many_shards(shard: Shard, most: usize) -> miette::Report {
+    let help =
+        "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
+    miette!(help = help, "--shard: found {} parts; this sweep can be divided into 1 to {most}", shard.count)
 }
 
 fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {

@@ -81,7 +81,7 @@ impl Comparison {
     fn table(&self) -> Result<Vec<u8>, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         self.rows.iter().try_for_each(|row| writer.serialize(row))?;
-        Ok(writer.into_inner().unwrap_or_default())
+        writer.into_inner().map_err(|error| error.into_error().into())
     }
 
     fn residuals(&self) -> Result<Vec<u8>, csv::Error> {
@@ -104,7 +104,7 @@ impl Comparison {
                 ])?;
             }
         }
-        Ok(writer.into_inner().unwrap_or_default())
+        writer.into_inner().map_err(|error| error.into_error().into())
     }
 
     /// File name and plot.

@@ -5,6 +5,7 @@ use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
+use crate::wave::contrast::coverage::{EXACT, error_for};
 use crate::wave::{Incidence, Media, Scheme, Side};
 use num_complex::Complex64;
 use serde::Serialize;
@@ -105,6 +106,15 @@ impl WantedResolution {
             Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
         }
     }
+
+    /// Relative error of the contrast's coefficients that is nothing beside the grid's: a grid of one's own choice may
+    /// be as fine as it likes.
+    pub fn coverage_error(&self) -> f64 {
+        match *self {
+            Self::Accuracy { amplitude, .. } => error_for(amplitude),
+            Self::Grid { .. } => EXACT,
+        }
+    }
 }
 
 /// What the results look like; no solve depends on it.
@@ -167,6 +177,11 @@ impl Study {
             above.chain(below)
         };
         (0..self.wavelengths_nm.len()).flat_map(of_wavelength).collect()
+    }
+
+    /// Volume of the cell, µm³.
+    pub fn volume_um3(&self) -> f64 {
+        self.layer.period_um[0] * self.layer.period_um[1] * self.layer.thickness_um
     }
 
     /// Number of solves of one realisation.

@@ -21,8 +21,8 @@ pub(crate) struct Packings<'a> {
     watch: &'a dyn RunWatch,
     first: Option<Packing>,
     latest: Option<(usize, Packing)>,
-    /// Of the realisation and the grid that were last asked for: inks that share a packing share it too.
-    coverage: Option<(usize, Resolution, Arc<Coverage>)>,
+    /// Of the realisation, grid and error that were last asked for: inks that share a packing share it too.
+    coverage: Option<((usize, Resolution, f64), Arc<Coverage>)>,
 }
 
 impl<'a> Packings<'a> {
@@ -47,16 +47,20 @@ impl<'a> Packings<'a> {
         Ok(packing)
     }
 
-    fn coverage(&mut self, realisation: usize, resolution: Resolution) -> Result<Arc<Coverage>, RunError> {
-        if let Some((r, grid, coverage)) = &self.coverage
-            && (*r, *grid) == (realisation, resolution)
-        {
+    fn coverage(
+        &mut self,
+        realisation: usize,
+        resolution: Resolution,
+        error: f64,
+    ) -> Result<Arc<Coverage>, RunError> {
+        let asked = (realisation, resolution, error);
+        if let Some((_, coverage)) = self.coverage.as_ref().filter(|(kept, _)| *kept == asked) {
             return Ok(coverage.clone());
         }
         self.coverage = None;
         let scene = Scene::from_packing(&self.get(realisation)?);
-        let coverage = Arc::new(Coverage::new(&scene, resolution)?);
-        self.coverage = Some((realisation, resolution, coverage.clone()));
+        let coverage = Arc::new(Coverage::within(&scene, resolution, error)?);
+        self.coverage = Some((asked, coverage.clone()));
         Ok(coverage)
     }
 }
@@ -65,7 +69,8 @@ impl<'a> Packings<'a> {
 pub(crate) fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
     let packing = Key::of("packing", &study.packing_request(realisation));
     let key = |point: &Point| {
-        let method = (&resolved.resolution, Mean::default(), &study.solver, &study.goal);
+        let error = study.resolution.coverage_error();
+        let method = (&resolved.resolution, Mean::default(), &study.solver, &study.goal, error);
         Key::of("point", &(&packing, study.indices(point.wavelength), &point.incidence, method))
     };
     study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
@@ -106,7 +111,8 @@ impl RealisationRun<'_> {
         let record = PackingRecord::new(self.realisation, &packing);
         self.stores.packings.put(packing_key.as_str(), &record)?;
         let todo: Vec<&(Point, Key)> = missing.iter().map(|&i| &keyed[i]).collect();
-        let coverage = packings.coverage(self.realisation, self.resolved.resolution)?;
+        let error = self.study.resolution.coverage_error();
+        let coverage = packings.coverage(self.realisation, self.resolved.resolution, error)?;
         for (&i, result) in missing.iter().zip(self.solve_all(&coverage, &todo)?) {
             match result {
                 Some(Ok(point)) => points[i] = Some(point),

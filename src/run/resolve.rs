@@ -11,7 +11,7 @@ use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
 use crate::solve::{Coverages, SolveError};
 use crate::store::identity::Key;
-use crate::store::store::Store;
+use crate::store::{Record, Store};
 use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,10 @@ pub struct Resolved {
     pub error_estimate: f64,
     /// Expected errors of R and T.
     pub grid_error: GridError,
+}
+
+impl Record for Resolved {
+    const KIND: &'static str = "grid";
 }
 
 /// The study's grid: from the store, or from solves on `scene`, which is made when it is needed.
@@ -100,7 +104,8 @@ fn settle(
     probes: &[Probe],
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
-    let (solver, coverages) = (study.solver.build(), Coverages::of(scene));
+    let (solver, coverages) =
+        (study.solver.build(), Coverages::within(scene, study.resolution.coverage_error()));
     let media: Vec<Media> = probes.iter().map(|(wavelength, _)| study.media(*wavelength)).collect();
     let (mean, scheme, goal) = (Mean::default(), study.resolution.scheme(), study.goal);
     let task = |i: usize| {

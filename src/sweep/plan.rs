@@ -141,7 +141,8 @@ fn at_full_size(
     }
     watch.stage(&format!("calibrating with {} at full size", variant.name));
     let scene = Scene::from_packing(&Packings::new(&variant.study, watch).get(0).map_err(stopped)?);
-    let cover = Arc::new(Coverage::new(&scene, full_resolution(trial, &variant.study))?);
+    let error = variant.study.resolution.coverage_error();
+    let cover = Arc::new(Coverage::within(&scene, full_resolution(trial, &variant.study), error)?);
     let solve = time_solves(&variant.study, &cover, jobs, watch)? / volume(&variant.study);
     Ok(Some((variant.name.clone(), solve / trial.solve)))
 }

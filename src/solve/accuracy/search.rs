@@ -6,7 +6,9 @@
 use super::coverages::Coverages;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scheme, Shape, WaveError};
+use crate::wave::{
+    FarField, Grid, Incidence, Mean, Media, Order, Problem, Resolution, Scheme, Shape, WaveError,
+};
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -108,9 +110,9 @@ impl Task<'_> {
             parts[0] = if self.coverages.scene.uniform_in_plane() {
                 0.0
             } else {
-                self.compare(&far_field, resolution, plane, watch)?
+                self.compare(&problem, &far_field, plane, watch)?
             };
-            parts[1] = self.compare(&far_field, resolution, across, watch)?;
+            parts[1] = self.compare(&problem, &far_field, across, watch)?;
         }
         let floor = 1e-13 + RESIDUAL_WEIGHT * solution.account.residual;
         Ok(Estimated {
@@ -127,15 +129,16 @@ impl Task<'_> {
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
+        finer: &Problem,
         far: &FarField,
-        own: Resolution,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
-        let [coarser, finer] = companions;
-        let (problem, solution, _) = match self.solve_coarser(coarser, own, watch)? {
+        let own = finer.coverage.grid.resolution;
+        let [coarse, fine] = companions;
+        let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
-            None => self.solve(finer, watch)?,
+            None => self.solve(fine, watch)?,
         };
         let difference = largest_difference(far, &problem.far_field(&solution.field));
         let used = problem.coverage.grid.resolution;
@@ -181,10 +184,13 @@ impl Task<'_> {
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        own: Resolution,
+        finer: &Problem,
         watch: &mut dyn Watch,
     ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
-        if coarser == own {
+        let own = finer.coverage.grid.resolution;
+        let cells = finer.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
+        let coarser = Resolution { cells, ..coarser };
+        if coarser == own || cells > own.cells {
             return Ok(None);
         }
         let solved = match self.solve(coarser, watch) {

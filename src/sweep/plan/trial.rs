@@ -72,14 +72,14 @@ pub(crate) fn trial(
     let (searched, resolution) = match alike {
         Some(trial) => (None, full_resolution(trial, &study)),
         None => {
-            let folder = tempfile::tempdir()?;
-            let store = Store::open(folder.path())?;
+            let store = Store::in_memory()?;
             let (seconds, found) =
                 timed(|| resolve::<RunError>(&study, &store, watch, || Ok(scene.clone())))?;
             (Some(seconds), found.resolution)
         }
     };
-    let (coverage, cover) = timed(|| Ok(Arc::new(Coverage::new(&scene, resolution)?)))?;
+    let (coverage, cover) =
+        timed(|| Ok(Arc::new(Coverage::within(&scene, resolution, study.resolution.coverage_error())?)))?;
     let solve = time_solves(&study, &cover, jobs, watch)?;
     // Solves with their coverages that the search was worth; an earlier trial's is as long.
     let search = match (searched, alike) {
