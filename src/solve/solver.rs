@@ -1,6 +1,7 @@
 //! The door: what a strategy is asked for, what it reports, and how it fails.
 
 use super::System;
+use super::demand::Size;
 use crate::wave::{Field, Mean, Problem};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -143,6 +144,16 @@ pub trait Solver: Send + Sync {
     /// The mean medium this strategy can work with: relaxation needs a real one, most take any.
     fn suited_mean(&self) -> Mean {
         Mean::default()
+    }
+
+    /// Most bytes that the strategy takes besides the problem itself, for a problem of that size.
+    fn most_bytes(&self, size: &Size) -> f64 {
+        size.fields(50.0)
+    }
+
+    /// The same strategy in `bytes`, where it can do with less than [`Solver::most_bytes`].
+    fn within(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
+        None
     }
 
     /// Most unknowns it takes, for strategies that store a dense matrix; comparisons leave those out unless asked.

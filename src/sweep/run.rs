@@ -230,7 +230,10 @@ impl Worker<'_> {
 
 /// Failures that belong to a variant; all others end the run.
 fn is_failure(error: &RunError) -> bool {
-    matches!(error, RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_))
+    matches!(
+        error,
+        RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_) | RunError::Memory(_)
+    )
 }
 
 /// One realisation of one variant.
@@ -283,7 +286,7 @@ impl Work<'_> {
 
     fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
         let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
-        resolve(self.study, &self.stores.grids, self.watch, scene)
+        resolve(self.study, &self.stores.grids, self.settings.memory, self.watch, scene)
     }
 
     fn realise(&self, packings: &mut Packings) -> Result<Realisation, RunError> {
