@@ -4,6 +4,7 @@
 //! `ink ← wave ← solve ← appearance ← report ← study`.
 
 pub mod appearance;
+pub mod evaluate;
 pub mod ink;
 pub mod report;
 pub mod solve;

@@ -41,10 +41,15 @@ impl Colorimeter {
     /// # Errors
     /// Wrong length, or a value that is not finite.
     pub fn colour(&self, values: &[f64]) -> Result<Colour, ColourError> {
-        let (xyz, white_xyz) = (self.xyz(values)?, self.white_xyz());
+        Ok(self.colour_of(self.xyz(values)?))
+    }
+
+    /// Colour of tristimulus values on this grid's scale (white has Y = 100), uncertainty unknown.
+    pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
+        let white_xyz = self.white_xyz();
         let linear_rgb = self.linear_rgb(xyz);
         let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
-        Ok(Colour {
+        Colour {
             xyz,
             white_xyz,
             lab: lab_of(xyz, white_xyz),
@@ -53,7 +58,7 @@ impl Colorimeter {
             srgb8: srgb.map(|c| (255.0 * c).round() as u8),
             out_of_gamut: linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c)),
             lab_covariance: None,
-        })
+        }
     }
 
     /// Colour of the ensemble's spectrum with the jackknife covariance of Lab: `replicates` are the same

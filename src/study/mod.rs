@@ -27,4 +27,5 @@ pub mod sheet;
 pub mod summary;
 pub mod sweep;
 mod uncertainty;
+pub mod variation;
 pub mod watch;
