@@ -7,9 +7,10 @@ mod support;
 
 use criterion::{BenchmarkId, Criterion};
 use inkwave::appearance::bdf::{Bdf, Lobe, suggested_bandwidth};
-use inkwave::ink::{MethodChoice, PackingRequest, PigmentGrains, pack};
+use inkwave::ink::pack;
+use inkwave::ink::{MethodChoice, PackingRequest, PigmentGrains};
+use inkwave::numerics::fourier::PlaneFft;
 use inkwave::solve::{Gmres, Goal, Silent, Solver, SolverChoice};
-use inkwave::wave::fourier::PlaneFft;
 use inkwave::wave::{Coverage, Field, Mean};
 use serde::Serialize;
 use std::hint::black_box;
@@ -166,5 +167,5 @@ fn write(work: &[Work]) {
     let mut table = csv::Writer::from_writer(Vec::new());
     work.iter().try_for_each(|w| table.serialize(w)).expect("counts are numbers");
     std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder for the counts");
-    inkwave::report::safely::write(&path, &table.into_inner().expect("the table")).expect("the counts' file");
+    inkwave::store::safely::write(&path, &table.into_inner().expect("the table")).expect("the counts' file");
 }

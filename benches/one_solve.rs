@@ -5,8 +5,8 @@
 
 mod support;
 
+use inkwave::numerics::fourier::PlaneFft;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
-use inkwave::wave::fourier::PlaneFft;
 use inkwave::wave::{Coverage, Field, Mean, Resolution, Scheme};
 use std::sync::Arc;
 use std::time::Instant;

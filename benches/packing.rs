@@ -1,7 +1,8 @@
 //! Time of one packing of 10 × 10 × 1 µm on one core.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use inkwave::ink::{MethodChoice, PackingRequest, PigmentGrains, Shape, pack};
+use inkwave::ink::pack;
+use inkwave::ink::{MethodChoice, PackingRequest, PigmentGrains, Shape};
 use std::hint::black_box;
 use std::time::Duration;
 

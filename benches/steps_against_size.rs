@@ -5,7 +5,7 @@
 
 mod support;
 
-use inkwave::report::comparison::{Curve, log_plot};
+use inkwave::compare::pages::{Curve, log_plot};
 use inkwave::solve::{Gmres, Goal, GuidedModes, Silent, Solver};
 use inkwave::wave::Mean;
 use std::path::Path;

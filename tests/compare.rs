@@ -1,7 +1,7 @@
 //! The comparison from its file to its folder.
 
+use inkwave::compare::experiment::ComparisonFile;
 use inkwave::solve::Silent;
-use inkwave::study::compare::ComparisonFile;
 
 const TINY: &str = r#"
 title = "tiny"

@@ -1,10 +1,11 @@
 //! Clusters, mixtures, orientation, agglomerates, walls: what every kind of grain must keep.
 
-use inkwave::ink::shape::Template;
+use inkwave::ink::grains::shape::Template;
+use inkwave::ink::pack;
 use inkwave::ink::statistics::{Estimate, orientation_tensor, section_statistics};
 use inkwave::ink::{
     Agglomeration, EquilibrationSettings, Grain, MethodChoice, Orientation, Packing, PackingRequest,
-    PigmentGrains, Shape, ShareRule, SizeDistribution, pack,
+    PigmentGrains, Shape, ShareRule, SizeDistribution,
 };
 use rayon::prelude::*;
 

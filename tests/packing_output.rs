@@ -1,10 +1,10 @@
 //! Files of a packing run, and the study files under examples/.
 
-use inkwave::ink::output::{
-    cut_picture, grains_csv, perspective_picture, read_packing_json, shape_sheet, spheres_vtp, top_picture,
-    write_report,
-};
-use inkwave::ink::{PackStudy, Packing, ReliefRequest, ReliefRule, pack};
+use inkwave::draw::{cut_picture, perspective_picture, shape_sheet, top_picture};
+use inkwave::ink::pack;
+use inkwave::ink::{Packing, ReliefRequest, ReliefRule};
+use inkwave::input::PackStudy;
+use inkwave::report::packing::{grains_csv, read_packing_json, spheres_vtp, write_report};
 
 const STUDY: &str = r#"
 seed = 2

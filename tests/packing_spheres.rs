@@ -1,7 +1,8 @@
 //! Spheres: guarantees of every delivered packing, and precise refusals.
 
+use inkwave::ink::pack;
 use inkwave::ink::{
-    MethodChoice, PackError, PackProgress, PackWatch, Packing, PackingRequest, PigmentGrains, pack,
+    MethodChoice, PackError, PackProgress, PackWatch, Packing, PackingRequest, PigmentGrains,
 };
 use std::ops::ControlFlow;
 

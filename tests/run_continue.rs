@@ -2,13 +2,14 @@
 
 mod run_support;
 
-use inkwave::report::folder::OutputFolder;
-use inkwave::report::record::PointRecord;
-use inkwave::study::checked::{Point, Study};
-use inkwave::study::load::load;
-use inkwave::study::publish::publish;
-use inkwave::study::runner::{self, RunSettings};
-use inkwave::study::watch::RunWatch;
+use inkwave::input::load::load;
+use inkwave::input::study::{Point, Study};
+use inkwave::report::publish::publish;
+use inkwave::run::runner;
+use inkwave::run::runner::RunSettings;
+use inkwave::run::watch::RunWatch;
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::record::PointRecord;
 use run_support::{TINY, study, succeed};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -83,7 +83,7 @@ fn a_clear_layer_needs_no_packing_and_obeys_fresnel() {
 fn the_examples_are_sound_and_the_first_is_yellow() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     for name in ["yellow.toml", "yellow-full.toml", "production.toml"] {
-        inkwave::study::load::load(&examples.join(name)).unwrap();
+        inkwave::input::load::load(&examples.join(name)).unwrap();
     }
     let coarse = std::fs::read_to_string(examples.join("yellow.toml")).unwrap();
     let coarse = coarse.replace("period_um = 2.4", "period_um = 1.2").replace("step_nm = 20", "step_nm = 50");

@@ -291,7 +291,7 @@ fn the_example_studies_are_sound() {
     for (name, variants) in
         [("paper-study.toml", 260), ("paper-study-small.toml", 12), ("paper-study-errors.toml", 4)]
     {
-        let sweep = inkwave::study::sweep::load::load(&examples.join(name)).unwrap();
+        let sweep = inkwave::sweep::load::load(&examples.join(name)).unwrap();
         assert_eq!(sweep.variants.len(), variants, "{name}");
     }
 }

@@ -1,6 +1,7 @@
 //! Ensembles of packed layers, solved: what the statistical claims share.
 
-use inkwave::ink::{PackingRequest, PigmentGrains, pack};
+use inkwave::ink::pack;
+use inkwave::ink::{PackingRequest, PigmentGrains};
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::{FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use num_complex::Complex64;

@@ -1,6 +1,6 @@
 //! Plots of the report: curves, points with bars and guide lines on logarithmic or linear axes, as SVG.
 
-use inkwave::appearance::figure::{COLOURS, FONT, register_fonts};
+use inkwave::draw::figure::{COLOURS, FONT, register_fonts};
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -45,7 +45,7 @@ pub fn append(path: &Path, manifest: &Manifest, judged: &[Judged]) -> Result<(),
         writer.serialize(night(manifest, &j.measured))?;
     }
     bytes.extend(writer.into_inner()?);
-    Ok(inkwave::report::safely::write(path, &bytes)?)
+    Ok(inkwave::store::safely::write(path, &bytes)?)
 }
 
 fn night(manifest: &Manifest, measured: &Measured) -> Night {

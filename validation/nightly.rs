@@ -18,7 +18,7 @@ mod page;
 
 use claim::{Claim, Findings, Level};
 use clap::Parser;
-use inkwave::report::Store;
+use inkwave::store::Store;
 use manifest::Manifest;
 use serde::{Deserialize, Serialize};
 use std::error::Error;

@@ -5,7 +5,7 @@ use crate::claim::{Check, Table, short};
 use crate::figure::LogPlot;
 use crate::history::{Night, Trend, margins, trend};
 use crate::manifest::Manifest;
-use inkwave::report::safely;
+use inkwave::store::safely;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;

@@ -1,9 +1,10 @@
 //! The layers that benches share: 30 % spheres of 250 nm in a square cell, λ = 0.55 µm, normal incidence.
 #![allow(dead_code, reason = "every bench uses its own part")]
 
-use inkwave::ink::{PackingRequest, PigmentGrains, pack};
+use inkwave::ink::pack;
+use inkwave::ink::{PackingRequest, PigmentGrains};
+use inkwave::numerics::fourier::PlaneFft;
 use inkwave::solve::accuracy::smooth_size;
-use inkwave::wave::fourier::PlaneFft;
 use inkwave::wave::{Coverage, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use num_complex::Complex64;
 use rayon::prelude::*;

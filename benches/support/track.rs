@@ -9,7 +9,7 @@ mod figure;
 
 use clap::Parser;
 use figure::{Curve, LogPlot, Style};
-use inkwave::report::safely;
+use inkwave::store::safely;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -5,7 +5,7 @@
 //! (vacuum on that side; in a medium of index n, dα dβ = n² cos θ dω). One order of one realisation is speckle with a
 //! relative deviation of 1; smoothing and averaging tame it.
 
-use super::estimate::{Estimate, jackknife_covariance};
+use crate::numerics::estimate::{Estimate, jackknife_covariance};
 use crate::wave::{FarField, Incidence, Order};
 use ndarray::Array2;
 use num_complex::Complex64;

@@ -6,7 +6,7 @@
 //! more than half a lattice step away.
 
 use super::bdf::{Bdf, BdfError, Lobe, LobeData, OrderMean, View, totals, view};
-use super::estimate::Estimate;
+use crate::numerics::estimate::Estimate;
 use crate::wave::{FarField, Incidence, Order};
 use ndarray::Array2;
 use std::collections::BTreeMap;

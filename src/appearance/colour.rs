@@ -1,7 +1,7 @@
 //! Colour of a spectrum: XYZ, CIE Lab, sRGB, and colour differences with their uncertainty.
 
-use super::estimate::{Estimate, jackknife_covariance};
 pub use super::tristimulus::{Colorimeter, ColourError};
+use crate::numerics::estimate::{Estimate, jackknife_covariance};
 use colorimetry::lab::CieLab;
 use colorimetry::observer::Observer;
 use colorimetry::xyz::{RelXYZ, XYZ};
@@ -31,11 +31,11 @@ impl Colorimeter {
     /// Colour of a spectrum of reflectance factors (perfect white = 1), uncertainty unknown.
     ///
     /// ```
-    /// use inkwave::appearance::colour::Colorimeter;
+    /// use super::colour::Colorimeter;
     /// let wavelengths_nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
     /// let white = Colorimeter::new(&wavelengths_nm)?.colour(&[1.0; 31])?;
     /// assert_eq!(white.srgb8, [255, 255, 255]);
-    /// # Ok::<(), inkwave::appearance::colour::ColourError>(())
+    /// # Ok::<(), super::colour::ColourError>(())
     /// ```
     ///
     /// # Errors
@@ -116,6 +116,22 @@ impl Colour {
         Some((trace(self.lab_covariance?) + trace(other.lab_covariance?)).sqrt())
     }
 
+    /// Root mean square of ΔE₀₀ that this colour's uncertainty alone would show: √tr(M C), with M the local metric of ΔE₀₀.
+    pub fn delta_e_2000_noise(&self) -> Option<f64> {
+        let covariance = self.lab_covariance?;
+        let square = |by: [f64; 3]| {
+            let moved: [f64; 3] = std::array::from_fn(|i| self.lab[i] + METRIC_STEP * by[i]);
+            (ciede2000(self.lab, moved) / METRIC_STEP).powi(2)
+        };
+        let unit = |i: usize| std::array::from_fn::<f64, 3, _>(|k| if k == i { 1.0 } else { 0.0 });
+        let pair = |i: usize, j: usize| std::array::from_fn::<f64, 3, _>(|k| unit(i)[k] + unit(j)[k]);
+        let metric = |i: usize, j: usize| {
+            if i == j { square(unit(i)) } else { (square(pair(i, j)) - square(unit(i)) - square(unit(j))) / 2.0 }
+        };
+        let trace: f64 = (0..9).map(|k| metric(k / 3, k % 3) * covariance[k / 3][k % 3]).sum();
+        Some(trace.max(0.0).sqrt())
+    }
+
     fn propagate(&self, f: impl Fn([f64; 3]) -> f64) -> Estimate {
         let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, gradient(&f, self.lab)).sqrt());
         Estimate { value: f(self.lab), standard_error }
@@ -159,6 +175,8 @@ fn quadratic_form(c: &[[f64; 3]; 3], g: [f64; 3]) -> f64 {
     (0..3).map(|i| g[i] * row(i)).sum::<f64>().max(0.0)
 }
 
+/// Step of the metric of ΔE₀₀, Lab units.
+const METRIC_STEP: f64 = 1e-2;
 /// Step of the numerical gradients, Lab units.
 const STEP: f64 = 1e-3;
 

@@ -1,4 +1,4 @@
-//! What is seen: bidirectional distribution functions, the paper below, colour and pictures.
+//! What is seen: bidirectional distribution functions, the paper behind, colour, and the picture's numbers.
 //!
 //! The path: [`FarField`](crate::wave::FarField)s of several realisations → [`bdf::Bdf`] (means with standard
 //! errors) and the fits of [`crate::evaluate`] → [`paper`] (a Lambertian substrate behind the layer, light going back and
@@ -11,10 +11,7 @@ pub mod bdf;
 mod bdf_binned;
 mod bdf_table;
 pub mod colour;
-pub mod estimate;
-pub mod figure;
 pub mod paper;
 pub mod picture;
-pub mod plots;
 mod substrate;
 pub mod tristimulus;

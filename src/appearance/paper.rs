@@ -31,6 +31,8 @@ pub use super::substrate::{Albedo, Coupling, Substrate};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+/// Illumination of print measurement (ISO 13655: 45°:0°), the second angle that every colour needs, degrees.
+pub const PRINT_DEG: f64 = 45.0;
 /// Light that never leaves: below this share a layer on paper is a closed box.
 const LEAST_ESCAPE: f64 = 1e-12;
 

@@ -1,8 +1,8 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
 use clap::Args;
+use inkwave::compare::experiment::ComparisonFile;
 use inkwave::solve::{Step, Watch};
-use inkwave::study::compare::ComparisonFile;
 use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let file = ComparisonFile::read(&args.file).into_diagnostic()?;
     let folder = args.file.parent().unwrap_or(Path::new("."));
     let mut stop = Stop(super::stop::StopFlag::listen());
-    let told = |row: &inkwave::report::comparison::Row| {
+    let told = |row: &inkwave::compare::pages::Row| {
         let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
         eprintln!(
             "{:16} {:?} {} × {} × {}: {error}, {} applications, {:.2} s",

@@ -1,7 +1,7 @@
 //! Study errors as a person wants to see them: the line of the file, what is wrong with it, what to try.
 
-use inkwave::study::fault::{Fault, StudyError};
-use inkwave::study::locate::span_of;
+use inkwave::input::fault::{Fault, StudyError};
+use inkwave::input::locate::span_of;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, Severity, SourceCode};
 use std::fmt;
 use std::sync::Arc;

@@ -4,10 +4,10 @@ use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::sweep::tell;
 use clap::Args;
-use inkwave::report::folder::OutputFolder;
-use inkwave::study::sweep::folder::OpenError;
-use inkwave::study::sweep::merge::{MergeError, merge};
-use inkwave::study::sweep::publish::publish;
+use inkwave::store::folder::OutputFolder;
+use inkwave::sweep::folder::OpenError;
+use inkwave::sweep::merge::{MergeError, merge};
+use inkwave::sweep::publish::publish;
 use miette::{IntoDiagnostic, miette};
 use std::path::PathBuf;
 

@@ -2,8 +2,10 @@
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use inkwave::ink::output::write_report;
-use inkwave::ink::{PackProgress, PackStudy, PackWatch, Packing, pack};
+use inkwave::ink::pack;
+use inkwave::ink::{PackProgress, PackWatch, Packing};
+use inkwave::input::PackStudy;
+use inkwave::report::packing::write_report;
 use miette::{IntoDiagnostic, LabeledSpan, NamedSource, Result, WrapErr, miette};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

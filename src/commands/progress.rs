@@ -2,8 +2,8 @@
 
 use super::stop::StopFlag;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
-use inkwave::study::checked::{Point, Study};
-use inkwave::study::watch::RunWatch;
+use inkwave::input::study::{Point, Study};
+use inkwave::run::watch::RunWatch;
 use inkwave::wave::Side;
 use std::io::IsTerminal;
 use std::sync::Mutex;

@@ -4,9 +4,9 @@ use super::merge::open_report;
 use super::run::folder_report;
 use super::sweep::tell;
 use clap::Args;
-use inkwave::report::folder::OutputFolder;
-use inkwave::study::sweep::folder::read;
-use inkwave::study::sweep::publish::publish;
+use inkwave::store::folder::OutputFolder;
+use inkwave::sweep::folder::read;
+use inkwave::sweep::publish::publish;
 use miette::{IntoDiagnostic, miette};
 use std::path::PathBuf;
 

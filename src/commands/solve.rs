@@ -1,9 +1,9 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
 use clap::{Args, ValueEnum};
+use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, SolverChoice, Step, Watch};
-use inkwave::study::case::Case;
 use inkwave::wave::{Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};

@@ -5,11 +5,11 @@ use super::progress::Progress;
 use super::run::{folder_report, run_report};
 use super::stop::StopFlag;
 use clap::Args;
-use inkwave::report::folder::OutputFolder;
-use inkwave::study::runner::RunSettings;
-use inkwave::study::sweep::publish::{Reported, publish};
-use inkwave::study::sweep::units::Shard;
-use inkwave::study::sweep::{Sweep, folder, load, plan, run as runner};
+use inkwave::run::runner::RunSettings;
+use inkwave::store::folder::OutputFolder;
+use inkwave::sweep::publish::{Reported, publish};
+use inkwave::sweep::units::Shard;
+use inkwave::sweep::{Sweep, folder, load, plan, run as runner};
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 

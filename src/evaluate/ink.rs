@@ -7,16 +7,14 @@ use super::regression::{Fits, Normal, Sums};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::colour::{Colorimeter, Colour, ColourError};
-use crate::appearance::estimate::{Estimate, jackknife_covariance};
-use crate::appearance::paper::{MirroredSky, PaperError, Substrate};
+use crate::appearance::paper::{MirroredSky, PRINT_DEG, PaperError, Substrate};
 use crate::appearance::picture::InkPicture;
+use crate::numerics::estimate::{Estimate, jackknife_covariance};
 use ndarray::Array2;
 use std::f64::consts::PI;
 use std::ops::Range;
 use thiserror::Error;
 
-/// Illumination of print measurement, the second angle that every colour needs, degrees.
-pub const PRINT_DEG: f64 = 45.0;
 /// Largest step of the wavelengths that colours are summed over, nm.
 const COLOUR_STEP_NM: f64 = 5.0;
 /// Length of the step in the direction of a residual that a derivative is taken with.
@@ -209,6 +207,31 @@ impl InkOnPaper {
         let plain = meter.colour(&self.colour_values(&self.whole, &quantity))?;
         let full = self.colour_without(None, &quantity)?;
         Ok(std::array::from_fn(|i| full.lab[i] - plain.lab[i]))
+    }
+
+    /// Colour of the whole ensemble, without its uncertainty.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::colour`].
+    pub fn colour_of_mean(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<Colour, InkError> {
+        self.colour_without(None, &quantity)
+    }
+
+    /// What the placing of the directions may cost in T̄ at each wavelength of the spectra: standard deviation over realisations of the
+    /// quadrature error of the fitted curve, over √n.
+    pub fn angle_errors(&self, solved: &[SolvedRealisation]) -> Vec<f64> {
+        let at = |node: usize| {
+            let nm = self.nodes.wavelengths_nm[node];
+            let error = |realisation: &SolvedRealisation| {
+                let strata = &realisation.wavelengths[nearest(&realisation.wavelengths, nm)].strata;
+                let polar_deg = strata.iter().map(|s| s.polar_deg);
+                self.whole[node].quadrature_error(polar_deg, self.layer.exit).transmittance
+            };
+            let errors: Vec<f64> = solved.iter().map(error).collect();
+            let square = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
+            (square / errors.len() as f64).sqrt()
+        };
+        self.places.outputs.clone().map(at).collect()
     }
 
     fn colour_values(&self, layers: &[LayerOnPaper], quantity: &impl Fn(&LayerOnPaper) -> f64) -> Vec<f64> {

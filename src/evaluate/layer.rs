@@ -4,7 +4,7 @@ use super::films::{FilmAt, Films};
 use super::regression::{Fits, Normal, Sums};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength, mean};
 use super::wavelengths::{Shares, SpectralBasis};
-use crate::appearance::estimate::Estimate;
+use crate::numerics::estimate::Estimate;
 use ndarray::Array2;
 
 /// What is known of the light at one angle, shares of the incident power.

@@ -5,8 +5,8 @@
 //! grains stand out of it, the binder sinks: its level is found from the conservation of its volume.
 
 use super::error::PackError;
-use super::packing::Packing;
-use super::volume::merge;
+use super::grains::volume::merge;
+use super::packing::placed::Packing;
 use serde::{Deserialize, Serialize};
 
 /// What is asked of the binder's surface.
@@ -277,7 +277,8 @@ fn smoothed(values: &[f64], n: usize, lines: usize, along: usize, across: usize,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{MethodChoice, PackingRequest, PigmentGrains, pack};
+    use crate::ink::pack;
+    use crate::ink::{MethodChoice, PackingRequest, PigmentGrains};
 
     fn packed(rule: ReliefRule) -> Packing {
         let request = PackingRequest {

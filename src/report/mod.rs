@@ -1,21 +1,7 @@
-//! What is kept: records, manifest, pages and figures.
-//!
-//! [`store`] keeps one small [`record`] for each finished solve; [`folder`] is the place for everything a run
-//! writes, [`safely`] the way it is written; [`manifest`] is `results.json`, [`tables`] the CSV files and [`page`]
-//! the report.
+//! What people read: pages, tables, reports of packings, and the folder of published files.
 
-pub mod folder;
-pub mod manifest;
-pub mod packing_record;
+pub mod packing;
 pub mod page;
-pub mod record;
-pub mod safely;
-pub mod store;
-pub mod sweep_page;
+pub mod publish;
+pub mod sheet;
 pub mod tables;
-
-pub use packing_record::PackingRecord;
-pub use record::{PointRecord, SolveAccount};
-pub use store::Store;
-
-pub mod comparison;

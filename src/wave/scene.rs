@@ -1,6 +1,6 @@
 //! What the wave sees: strata of constant index with bodies inside them, and the media's indices.
 
-use crate::wave::WaveError;
+use super::WaveError;
 use num_complex::Complex64;
 
 /// A ball in µm; `center_um` may lie outside the cell, it is wrapped periodically in x and y.

@@ -2,7 +2,7 @@
 
 use crate::tiny::*;
 use faer::{Mat, Side};
-use inkwave::wave::banded::ShiftedMean;
+use inkwave::wave::operator::banded::ShiftedMean;
 use inkwave::wave::{Field, Mean, Problem};
 use num_complex::Complex64;
 

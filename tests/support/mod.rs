@@ -1,9 +1,9 @@
 //! Reference cases with their expected amplitudes, and short ways to solve and to compare.
 #![allow(dead_code, reason = "every test target uses its own part")]
 
+use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Task, suited_scheme};
 use inkwave::solve::{Account, Coverages, Gmres, Goal, Silent, Solution, Solver};
-use inkwave::study::case::Case;
 use inkwave::wave::{Ball, Body, FarField, Mean, Order, Problem, Resolution, Scheme, Shape};
 use num_complex::Complex64;
 use serde::Deserialize;

@@ -1,7 +1,7 @@
 //! Places where formulas divide by zero or shapes degenerate: right answers or a clear refusal, never NaN.
 
 use crate::support::*;
-use inkwave::study::case::Case;
+use inkwave::input::case::Case;
 use inkwave::wave::{
     Ball, Body, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side,
 };

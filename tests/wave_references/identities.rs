@@ -1,7 +1,7 @@
 //! What holds at any resolution: energy, reciprocity, and the symmetries of space.
 
 use crate::support::*;
-use inkwave::study::case::Case;
+use inkwave::input::case::Case;
 use inkwave::wave::{Incidence, Order, Resolution, Scheme, Shape, Side};
 use num_complex::Complex64;
 use std::f64::consts::TAU;

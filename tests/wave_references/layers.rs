@@ -1,7 +1,7 @@
 //! Homogeneous and layered media: exact at any resolution, and convergent where interfaces miss the nodes.
 
 use crate::support::*;
-use inkwave::study::case::Case;
+use inkwave::input::case::Case;
 use inkwave::wave::{Body, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side, Stratum};
 use num_complex::Complex64;
 use std::f64::consts::TAU;

@@ -4,7 +4,7 @@ use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::ensemble::Layers;
 use crate::figure::{Curve, LogPlot, Style};
 use inkwave::appearance::bdf::{Bdf, Lobe};
-use inkwave::appearance::estimate::Estimate;
+use inkwave::numerics::estimate::Estimate;
 use inkwave::wave::FarField;
 
 pub const CLAIM: Claim = Claim {

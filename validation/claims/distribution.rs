@@ -4,7 +4,7 @@ use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::ensemble::Layers;
 use crate::figure::{Curve, LogPlot, Style};
 use inkwave::appearance::bdf::{Bdf, Lobe, suggested_bandwidth};
-use inkwave::ink::Draws;
+use inkwave::numerics::Draws;
 use inkwave::wave::{FarField, Incidence, Order, Side};
 use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};

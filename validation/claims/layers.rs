@@ -3,7 +3,7 @@
 use crate::claim::{Claim, Findings, Level};
 use crate::formulas::films::{Film, amplitudes};
 use crate::support::references;
-use inkwave::ink::Draws;
+use inkwave::numerics::Draws;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::scene::Stratum;
 use inkwave::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};

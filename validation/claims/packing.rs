@@ -2,11 +2,12 @@
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::figure::{Curve, LogPlot, Style};
+use inkwave::ink::pack;
 use inkwave::ink::statistics::{
     Estimate, PairStatistics, orientation_tensor, pair_statistics_to, section_statistics,
 };
 use inkwave::ink::{
-    EquilibrationSettings, MethodChoice, Orientation, Packing, PackingRequest, PigmentGrains, Shape, pack,
+    EquilibrationSettings, MethodChoice, Orientation, Packing, PackingRequest, PigmentGrains, Shape,
 };
 use rayon::prelude::*;
 use serde_json::Value;

@@ -1,9 +1,9 @@
 //! Pairs of grain centres: pair correlation g(r) and nearest neighbours.
 
 use crate::ink::Packing;
-use crate::ink::bodies::Cell;
-use crate::ink::buckets::Buckets;
-use crate::ink::vector::{V3, norm};
+use crate::ink::packing::bodies::Cell;
+use crate::ink::packing::buckets::Buckets;
+use crate::numerics::vector::{V3, norm};
 use std::f64::consts::PI;
 
 /// Pair counts of one packing in shells of equal width, with what an ideal gas would give.
@@ -110,7 +110,8 @@ fn ideal_share(packing: &Packing, edges: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{Draws, Grain, Sphere};
+    use crate::ink::{Grain, Sphere};
+    use crate::numerics::Draws;
 
     /// Points thrown uniformly between walls must have g = 1: the normalisation itself is on trial.
     #[test]

@@ -1,7 +1,7 @@
 //! Plane sections of the grains and exact chords on lines in them: fraction, profile, two-point probability.
 
 use crate::ink::Packing;
-use crate::ink::volume::merge;
+use crate::ink::grains::volume::merge;
 
 /// What lines parallel to x and y in equally spaced planes z = const see of the pigment.
 ///

@@ -1,0 +1,352 @@
+//! Method comparison: strategies × resolutions × discretisations on one geometry, side by side.
+
+use super::pages::{Comparison, Row};
+use crate::ink::pack;
+use crate::ink::{PackingRequest, PigmentGrains};
+use crate::input::case::{Case, CaseError};
+use crate::solve::accuracy::{AccuracyError, Task, largest_difference};
+use crate::solve::{Coverages, Gmres, Goal, Silent, SolveError, Solver, SolverChoice, Watch};
+use crate::wave::{
+    Coverage, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side, WaveError,
+};
+use num_complex::Complex64;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// A comparison as written (TOML). Lengths in the units of the key names; indices as [re, im].
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComparisonFile {
+    #[serde(default)]
+    pub title: String,
+    /// A case file (relative to this file), instead of `layer`.
+    pub case: Option<PathBuf>,
+    /// A packed layer of equal spheres, instead of `case`.
+    pub layer: Option<PackedLayer>,
+    #[serde(default = "default_strategies")]
+    pub strategies: Vec<String>,
+    #[serde(default = "default_schemes")]
+    pub schemes: Vec<Scheme>,
+    #[serde(default = "default_resolutions")]
+    pub resolutions: Vec<Points>,
+    /// Keeps absorption in ⟨k²⟩; relaxation is then left out. Off by default: all strategies share one problem.
+    #[serde(default)]
+    pub absorbing_mean: bool,
+    #[serde(default = "default_true")]
+    pub mean_depends_on_z: bool,
+    #[serde(default)]
+    pub goal: Goal,
+    /// Solves of each row; the median of their seconds is kept.
+    #[serde(default = "default_repeats")]
+    pub repeats: usize,
+}
+
+/// One resolution of the list.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Points {
+    /// Points along x and y of one period.
+    pub points: usize,
+    /// Cells along z.
+    pub cells: usize,
+}
+
+/// Equal spheres in a binder, between vacuum half-spaces.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PackedLayer {
+    pub period_um: f64,
+    pub thickness_um: f64,
+    pub diameter_nm: f64,
+    pub volume_fraction: f64,
+    pub pigment: [f64; 2],
+    pub binder: [f64; 2],
+    pub wavelength_um: f64,
+    #[serde(default)]
+    pub polar_deg: f64,
+    #[serde(default)]
+    pub azimuth_deg: f64,
+    #[serde(default)]
+    pub seed: u64,
+}
+
+fn default_strategies() -> Vec<String> {
+    SolverChoice::NAMES.iter().filter(|&&n| n != "direct").map(|n| n.to_string()).collect()
+}
+
+fn default_schemes() -> Vec<Scheme> {
+    vec![Scheme::Cubic, Scheme::SecondDifference]
+}
+
+fn default_resolutions() -> Vec<Points> {
+    [(9, 8), (15, 12), (25, 20)].map(|(points, cells)| Points { points, cells }).to_vec()
+}
+
+fn default_true() -> bool {
+    true
+}
+
+fn default_repeats() -> usize {
+    3
+}
+
+/// Why there is no comparison at all; strategies that fail are rows instead.
+#[derive(Debug, Error)]
+pub enum CompareError {
+    #[error("cannot read {path}: {message}; check the path and its permissions")]
+    Read { path: PathBuf, message: String },
+    #[error("{path} is no comparison: {message}")]
+    Parse { path: PathBuf, message: String },
+    #[error("{field} is {found}; allowed is {allowed}: {remedy}")]
+    Field { field: &'static str, found: String, allowed: String, remedy: &'static str },
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    #[error(transparent)]
+    Pack(#[from] crate::ink::PackError),
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    #[error(transparent)]
+    Accuracy(#[from] AccuracyError),
+}
+
+/// The geometry, and the reference amplitudes if its file has them.
+struct Subject {
+    case: Case,
+    known: Option<serde_json::Value>,
+}
+
+impl ComparisonFile {
+    /// Reads a comparison; a plain case file is compared with the default lists.
+    pub fn read(path: &Path) -> Result<ComparisonFile, CompareError> {
+        let read =
+            |message: std::io::Error| CompareError::Read { path: path.into(), message: message.to_string() };
+        let text = std::fs::read_to_string(path).map_err(read)?;
+        if path.extension().is_some_and(|e| e == "json") {
+            let file = format!("case = {:?}", path.file_name().unwrap_or_default());
+            return Ok(toml::from_str(&file).expect("a file name is a valid comparison"));
+        }
+        toml::from_str(&text).map_err(|e| CompareError::Parse { path: path.into(), message: e.to_string() })
+    }
+
+    fn check(&self) -> Result<(), CompareError> {
+        for name in &self.strategies {
+            SolverChoice::named(name)?;
+        }
+        let empty = [
+            ("strategies", self.strategies.is_empty()),
+            ("schemes", self.schemes.is_empty()),
+            ("resolutions", self.resolutions.is_empty()),
+            ("repeats", self.repeats == 0),
+        ];
+        if let Some((field, _)) = empty.into_iter().find(|(_, e)| *e) {
+            let allowed = "at least one".to_string();
+            return Err(CompareError::Field {
+                field,
+                found: "empty".into(),
+                allowed,
+                remedy: "add one or leave it out",
+            });
+        }
+        if self.case.is_some() == self.layer.is_some() {
+            return Err(CompareError::Field {
+                field: "geometry",
+                found: if self.case.is_some() { "given twice" } else { "missing" }.into(),
+                allowed: "exactly one of `case` and `[layer]`".into(),
+                remedy: "name a case file or describe a packed layer",
+            });
+        }
+        Ok(())
+    }
+
+    fn subject(&self, folder: &Path) -> Result<Subject, CompareError> {
+        if let Some(path) = &self.case {
+            let path = folder.join(path);
+            let case = Case::read(&path)?;
+            let json = std::fs::read_to_string(&path).ok().and_then(|t| serde_json::from_str(&t).ok());
+            let known =
+                json.and_then(|v: serde_json::Value| v.get("outputs").and_then(|o| o.get("orders")).cloned());
+            return Ok(Subject { case, known });
+        }
+        let layer = self.layer.as_ref().expect("checked: a case or a layer");
+        Ok(Subject { case: layer.case()?, known: None })
+    }
+
+    /// Runs every row; `watch` sees each solve's steps and can stop the comparison.
+    pub fn run(
+        &self,
+        folder: &Path,
+        watch: &mut dyn Watch,
+        mut told: impl FnMut(&Row),
+    ) -> Result<Comparison, CompareError> {
+        self.check()?;
+        let subject = self.subject(folder)?;
+        let (truth, reference) = self.reference(&subject)?;
+        let mut rows = Vec::new();
+        for scheme in &self.schemes {
+            for points in &self.resolutions {
+                let resolution = resolution(&subject.case.scene, *points, *scheme);
+                let coverage = Arc::new(Coverage::new(&subject.case.scene, resolution)?);
+                for name in &self.strategies {
+                    let row = self.row(name, &subject.case, &coverage, &truth, watch)?;
+                    told(&row);
+                    rows.push(row);
+                }
+            }
+        }
+        Ok(Comparison { title: self.title.clone(), reference, rows })
+    }
+
+    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and cells again.
+    fn reference(&self, subject: &Subject) -> Result<(FarField, String), CompareError> {
+        let most = |f: fn(&Points) -> usize| self.resolutions.iter().map(f).max().unwrap_or(1);
+        let finest = Points { points: 3 * most(|p| p.points) / 2, cells: 3 * most(|p| p.cells) / 2 };
+        let resolution = resolution(&subject.case.scene, finest, Scheme::Cubic);
+        let case = &subject.case;
+        let task = Task {
+            coverages: &Coverages::of(&case.scene),
+            media: &case.media,
+            incidence: &case.incidence,
+            mean: Mean::default(),
+            scheme: Scheme::Cubic,
+            solver: &Gmres::default(),
+            goal: Goal { tolerance: 1e-9, ..Goal::default() },
+            memory: usize::MAX,
+        };
+        let (problem, solution, _) = task.solve(resolution, &mut Silent)?;
+        let mut far = problem.far_field(&solution.field);
+        if let Some(known) = subject.known.as_ref().and_then(|k| k.as_array()) {
+            far.orders.retain_mut(|o| replace(o, known));
+            return Ok((far, "the case file's own amplitudes".into()));
+        }
+        let name = format!(
+            "krylov on {} × {} points and {} cubic cells",
+            resolution.nx, resolution.ny, resolution.cells
+        );
+        Ok((far, name))
+    }
+
+    fn row(
+        &self,
+        name: &str,
+        case: &Case,
+        coverage: &Arc<Coverage>,
+        truth: &FarField,
+        watch: &mut dyn Watch,
+    ) -> Result<Row, CompareError> {
+        let mean = Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean };
+        let solver = SolverChoice::named(name)?.build();
+        let r = coverage.grid.resolution;
+        let mut row = Row {
+            strategy: name.to_string(),
+            scheme: r.scheme,
+            nx: r.nx,
+            ny: r.ny,
+            cells: r.cells,
+            unknowns: 0,
+            error: None,
+            error_estimate: None,
+            residual: f64::NAN,
+            steps: 0,
+            operator_applications: 0,
+            seconds: 0.0,
+            bytes: 0,
+            outcome: String::new(),
+            history: Vec::new(),
+        };
+        let problem = match Problem::new(coverage, &case.media, &case.incidence, mean) {
+            Ok(problem) => problem,
+            Err(error) => {
+                row.outcome = error.to_string();
+                return Ok(row);
+            }
+        };
+        row.unknowns = problem.unknowns();
+        let mut seconds = Vec::new();
+        for repeat in 0..self.repeats {
+            match solver.solve(&problem, self.goal, watch) {
+                Ok(solution) => {
+                    seconds.push(solution.account.seconds);
+                    if repeat == 0 {
+                        let far = problem.far_field(&solution.field);
+                        row.error = Some(largest_difference(truth, &far));
+                        row.error_estimate = self.estimate(case, &problem, &*solver, &far);
+                        row.take(&solution.account, "converged".into(), problem.bytes());
+                    }
+                }
+                Err(cancelled @ SolveError::Cancelled { .. }) => return Err(cancelled.into()),
+                Err(error) => {
+                    let account = error.account().cloned().unwrap_or_default();
+                    seconds.push(account.seconds);
+                    row.take(&account, error.to_string(), problem.bytes());
+                    break;
+                }
+            }
+        }
+        seconds.sort_by(f64::total_cmp);
+        row.seconds = seconds[seconds.len() / 2];
+        Ok(row)
+    }
+
+    /// Difference to a companion with four fifths of the points and cells, where that can be solved.
+    fn estimate(&self, case: &Case, problem: &Problem, solver: &dyn Solver, far: &FarField) -> Option<f64> {
+        let r = problem.coverage.grid.resolution;
+        let fewer = |n: usize| if n == 1 { 1 } else { (4 * n / 5).max(2) };
+        let companion = Resolution { nx: fewer(r.nx), ny: fewer(r.ny), cells: fewer(r.cells), ..r };
+        let coverage = Arc::new(Coverage::new(&case.scene, companion).ok()?);
+        let mean = Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean };
+        let coarse = Problem::new(&coverage, &case.media, &case.incidence, mean).ok()?;
+        let solution = solver.solve(&coarse, self.goal, &mut Silent).ok()?;
+        Some(largest_difference(far, &coarse.far_field(&solution.field)))
+    }
+}
+
+/// Puts a reference order's amplitudes in place; false where the reference does not list it.
+fn replace(order: &mut crate::wave::Order, known: &[serde_json::Value]) -> bool {
+    let same = |k: &&serde_json::Value| {
+        k["m"] == order.m && (k["n"] == order.n || (k["n"].is_null() && order.n == 0))
+    };
+    let Some(found) = known.iter().find(same) else { return false };
+    let amplitude = |key: &str| Some(Complex64::new(found[key][0].as_f64()?, found[key][1].as_f64()?));
+    order.reflected = amplitude("R").unwrap_or(order.reflected);
+    order.transmitted = amplitude("T").unwrap_or(order.transmitted);
+    true
+}
+
+fn resolution(scene: &Scene, points: Points, scheme: Scheme) -> Resolution {
+    let nx = if scene.uniform_in_plane() { 1 } else { points.points };
+    let ny = if scene.uniform_in_y() { 1 } else { points.points };
+    Resolution { nx, ny, cells: points.cells, scheme }
+}
+
+impl PackedLayer {
+    fn case(&self) -> Result<Case, CompareError> {
+        let request = PackingRequest {
+            period_um: [self.period_um; 2],
+            thickness_um: self.thickness_um,
+            pigments: vec![PigmentGrains::spheres(self.diameter_nm, self.volume_fraction)],
+            seed: self.seed,
+            ..PackingRequest::default()
+        };
+        let scene = Scene::from_packing(&pack(&request, &mut ())?);
+        let index = |[re, im]: [f64; 2]| Complex64::new(re, im);
+        let media = Media {
+            above: Complex64::ONE,
+            below: Complex64::ONE,
+            backgrounds: vec![index(self.binder)],
+            inclusions: vec![index(self.pigment)],
+        };
+        let incidence = Incidence {
+            wavelength_um: self.wavelength_um,
+            polar_deg: self.polar_deg,
+            azimuth_deg: self.azimuth_deg,
+            from: Side::Above,
+        };
+        scene.check(&media)?;
+        incidence.check()?;
+        Ok(Case { scene, media, incidence })
+    }
+}

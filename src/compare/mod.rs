@@ -1,0 +1,4 @@
+//! Experiments that compare methods: strategies × grids × discretisations, with their page.
+
+pub mod experiment;
+pub mod pages;

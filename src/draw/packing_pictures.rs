@@ -1,0 +1,193 @@
+//! Pictures of a layer: from above, cut open, in perspective; and a sheet of grain shapes.
+
+use super::OutputError;
+use super::curve_plot::{Frame, bitmap, framed};
+use super::raster::{BACKGROUND, BINDER, Camera, Raster, mix, pigment_colour, shade};
+use crate::ink::{Packing, Shape, Sphere};
+use plotters::prelude::*;
+
+const WIDE: f64 = 860.0;
+
+/// The layer seen along +z (from the light): pigment dimmed with its depth below the binder's surface.
+pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+    let [lx, ly] = packing.period_um();
+    let per_um = WIDE / lx.max(ly);
+    let frame = Frame {
+        x: 0.0..lx,
+        y: 0.0..ly,
+        x_label: "x, µm".into(),
+        y_label: "y, µm".into(),
+        caption: format!("From above, H = {} µm; deeper grains are paler", packing.thickness_um()),
+        size: ((lx * per_um) as u32, (ly * per_um) as u32),
+    };
+    framed(frame, "top view", |w, h| paint_top(packing, w, h))
+}
+
+fn paint_top(packing: &Packing, w: usize, h: usize) -> Raster {
+    let [lx, ly] = packing.period_um();
+    let mut raster = Raster::new(w, h, BINDER);
+    let (sx, sy) = (w as f64 / lx, h as f64 / ly);
+    for (sphere, pigment) in images(packing) {
+        let [cx, cy, cz] = sphere.center_um;
+        let r = sphere.radius_um;
+        for j in ((ly - cy - r) * sy).floor() as i64..=((ly - cy + r) * sy).ceil() as i64 {
+            for i in ((cx - r) * sx).floor() as i64..=((cx + r) * sx).ceil() as i64 {
+                let (x, y) = ((i as f64 + 0.5) / sx, ly - (j as f64 + 0.5) / sy);
+                let square = r * r - (x - cx).powi(2) - (y - cy).powi(2);
+                if square > 0.0 {
+                    let rise = square.sqrt();
+                    let z = cz - rise;
+                    let light =
+                        0.45 + 0.55 * ((rise - 0.4 * (x - cx) + 0.4 * (y - cy)) / (1.15 * r)).max(0.0);
+                    let below = (z - packing.surface_z_um(x, y)).max(0.0) / packing.thickness_um();
+                    let lit = shade(pigment_colour(pigment), light);
+                    raster.set(i, j, z, mix(lit, BINDER, 0.85 * below));
+                }
+            }
+        }
+    }
+    raster
+}
+
+/// Spheres and those periodic images that reach into the cell.
+fn images(packing: &Packing) -> impl Iterator<Item = (Sphere, usize)> + '_ {
+    let [lx, ly] = packing.period_um();
+    let shifts = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (f64::from(i), f64::from(j))));
+    let reaches = |c: f64, r: f64, l: f64| c + r > 0.0 && c - r < l;
+    packing.grains().iter().flat_map(|g| g.spheres.iter().map(move |s| (*s, g.pigment))).flat_map(
+        move |(s, p)| {
+            shifts.clone().filter_map(move |(i, j)| {
+                let [x, y, z] = s.center_um;
+                let moved = Sphere { center_um: [x + i * lx, y + j * ly, z], ..s };
+                let inside = reaches(moved.center_um[0], s.radius_um, lx)
+                    && reaches(moved.center_um[1], s.radius_um, ly);
+                inside.then_some((moved, p))
+            })
+        },
+    )
+}
+
+/// The plane y = Ly/2: pigment, binder and vacuum above the binder; z grows downwards to the paper.
+pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+    let [lx, ly] = packing.period_um();
+    let height = packing.thickness_um();
+    let wide = 1.6 * WIDE;
+    let frame = Frame {
+        x: 0.0..lx,
+        y: height..0.0,
+        x_label: "x, µm".into(),
+        y_label: "z, µm".into(),
+        caption: format!("Cut at y = {:.3} µm (light from above, paper below)", 0.5 * ly),
+        size: (wide as u32, (wide * height / lx).clamp(90.0, 1200.0) as u32),
+    };
+    framed(frame, "cut", |w, h| paint_cut(packing, w, h))
+}
+
+fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
+    let [lx, ly] = packing.period_um();
+    let mut raster = Raster::new(w, h, BACKGROUND);
+    let (sx, sz) = (w as f64 / lx, h as f64 / packing.thickness_um());
+    for i in 0..w {
+        let surface = packing.surface_z_um((i as f64 + 0.5) / sx, 0.5 * ly);
+        for j in 0..h {
+            if (j as f64 + 0.5) / sz > surface {
+                raster.set(i as i64, j as i64, 1.0, BINDER);
+            }
+        }
+    }
+    for (sphere, pigment) in images(packing) {
+        let [cx, cy, cz] = sphere.center_um;
+        let square = sphere.radius_um.powi(2) - (cy - 0.5 * ly).powi(2);
+        if square <= 0.0 {
+            continue;
+        }
+        let r = square.sqrt();
+        for j in ((cz - r) * sz).floor() as i64..=((cz + r) * sz).ceil() as i64 {
+            for i in ((cx - r) * sx).floor() as i64..=((cx + r) * sx).ceil() as i64 {
+                let (x, z) = ((i as f64 + 0.5) / sx, (j as f64 + 0.5) / sz);
+                if (x - cx).powi(2) + (z - cz).powi(2) < square {
+                    raster.set(i, j, 0.0, pigment_colour(pigment));
+                }
+            }
+        }
+    }
+    raster
+}
+
+/// The cell from above and aside, with its edges; the free face z = 0 is up.
+pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+    let [lx, ly] = packing.period_um();
+    let caption = format!("One period, {lx} × {ly} × {} µm (x × y × thickness)", packing.thickness_um());
+    let (w, h) = (1200u32, 760u32);
+    bitmap(w, h + 40, "perspective", |area| {
+        let raster = paint_perspective(packing, 2 * w as usize, 2 * h as usize).halved();
+        let style = ("sans-serif", 20).into_font();
+        area.fill(&WHITE).map_err(|e| e.to_string())?;
+        area.draw(&Text::new(caption, (20, 12), style)).map_err(|e| e.to_string())?;
+        let bits = BitMapElement::with_owned_buffer((0, 40), (w, h), raster.rgb());
+        bits.map_or(Ok(()), |b| area.draw(&b)).map_err(|e| e.to_string())?;
+        area.present().map_err(|e| e.to_string())
+    })
+}
+
+fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
+    let [lx, ly] = packing.period_um();
+    let height = packing.thickness_um();
+    let size = lx.max(ly).max(height);
+    // Heights above the paper, so that up is up.
+    let eye = [0.5 * lx - 0.75 * size, 0.5 * ly - 1.6 * size, 1.35 * size + height];
+    let camera = Camera::new(eye, [0.5 * lx, 0.5 * ly, 0.0], [0.0, 0.0, 1.0], 1.02 * w as f64);
+    let mut raster = Raster::new(w, h, BACKGROUND);
+    for grain in packing.grains() {
+        for s in &grain.spheres {
+            let [x, y, z] = s.center_um;
+            camera.sphere(&mut raster, [x, y, height - z], s.radius_um, pigment_colour(grain.pigment));
+        }
+    }
+    let corner = |k: usize| [(k & 1) as f64 * lx, (k >> 1 & 1) as f64 * ly, (k >> 2 & 1) as f64 * height];
+    for k in 0..8usize {
+        for bit in [1, 2, 4].into_iter().filter(|bit| k & bit == 0) {
+            camera.line(&mut raster, corner(k), corner(k | bit), [70, 70, 70]);
+        }
+    }
+    raster
+}
+
+/// Each pigment's grain side by side, at one scale, with its name and figures.
+pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
+    const TILE: usize = 300;
+    let n = shapes.len().max(1);
+    bitmap((n * TILE) as u32, 400, "sheet of shapes", |area| {
+        area.fill(&WHITE).map_err(|e| e.to_string())?;
+        for (k, (name, shape)) in shapes.iter().enumerate() {
+            let template = shape.template();
+            let raster = paint_shape(&template.spheres, k, 2 * TILE).halved();
+            let left = (k * TILE) as i32;
+            let bits = BitMapElement::with_owned_buffer((left, 0), (TILE as u32, TILE as u32), raster.rgb());
+            bits.map_or(Ok(()), |b| area.draw(&b)).map_err(|e| e.to_string())?;
+            let lines = [
+                format!("{name}: {}, {} sphere(s)", shape.name(), template.spheres.len()),
+                format!("length {:.2} R", template.length),
+                format!("effective diameter {:.3} R", template.effective_diameter()),
+            ];
+            for (row, line) in lines.into_iter().enumerate() {
+                let at = (left + 12, (TILE + 26 * row) as i32);
+                let text = Text::new(line, at, ("sans-serif", 16).into_font());
+                area.draw(&text).map_err(|e| e.to_string())?;
+            }
+        }
+        area.present().map_err(|e| e.to_string())
+    })
+}
+
+fn paint_shape(spheres: &[Sphere], colour: usize, side: usize) -> Raster {
+    let mut raster = Raster::new(side, side, BACKGROUND);
+    let reach =
+        spheres.iter().map(|s| crate::numerics::vector::norm(s.center_um) + s.radius_um).fold(0.0, f64::max);
+    let away = 6.0 * reach;
+    let camera = Camera::new([away, 0.35 * away, 0.3 * away], [0.0; 3], [0.0, 0.0, 1.0], 2.6 * side as f64);
+    for s in spheres {
+        camera.sphere(&mut raster, s.center_um, s.radius_um, pigment_colour(colour));
+    }
+    raster
+}

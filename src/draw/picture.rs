@@ -1,0 +1,127 @@
+//! Paints the picture of P1 Fig. 6: strip and square, with or without axes.
+
+use super::figure::{Anchor, Bitmap, FigureError};
+use crate::appearance::picture::InkPicture;
+
+/// Sizes in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureStyle {
+    /// Side of the square; each angle gets an equal share of it.
+    pub side_px: usize,
+    pub strip_px: usize,
+    pub gap_px: usize,
+    /// Axes and captions around the picture.
+    pub labels: bool,
+}
+
+impl Default for PictureStyle {
+    fn default() -> Self {
+        Self { side_px: 366, strip_px: 90, gap_px: 12, labels: false }
+    }
+}
+
+/// Margins of the labelled picture: left, top, right, bottom.
+const MARGINS: [usize; 4] = [74, 64, 20, 62];
+pub(super) const LABEL_PX: u32 = 15;
+pub(super) const TITLE_PX: u32 = 18;
+const TICKS_DEG: f64 = 20.0;
+
+impl InkPicture {
+    /// The picture as a bitmap; with labels, `title` stands above it.
+    ///
+    /// # Errors
+    /// No angles, strip and square of other sizes than the angles, sides of 0 or more than 20 000 pixels.
+    pub fn render(&self, style: &PictureStyle, title: &str) -> Result<Bitmap, FigureError> {
+        self.check()?;
+        let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
+        let width = left + style.strip_px + style.gap_px + style.side_px + right;
+        let mut bitmap = Bitmap::white(width, top + style.side_px + bottom)?;
+        self.paint(&mut bitmap, [left, top], style);
+        if style.labels {
+            self.label(&mut bitmap, [left, top], style, title)?;
+        }
+        Ok(bitmap)
+    }
+
+    pub(super) fn check(&self) -> Result<(), FigureError> {
+        let expected = self.angles_deg.len();
+        if expected == 0 {
+            return Err(FigureError::Empty { field: "angles_deg" });
+        }
+        let counts = [
+            ("strip", self.strip.len()),
+            ("square rows", self.square.nrows()),
+            ("square columns", self.square.ncols()),
+        ];
+        match counts.into_iter().find(|(_, count)| *count != expected) {
+            Some((field, count)) => Err(FigureError::Count { field, count, expected }),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn paint(&self, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) {
+        let edge = |k: usize| k * style.side_px / self.angles_deg.len();
+        let extent = |k: usize| edge(k + 1) - edge(k);
+        for (row, colour) in self.strip.iter().enumerate() {
+            bitmap.fill([x, y + edge(row)], [style.strip_px, extent(row)], colour.srgb8);
+        }
+        let x = x + style.strip_px + style.gap_px;
+        for ((row, column), colour) in self.square.indexed_iter() {
+            bitmap.fill([x + edge(column), y + edge(row)], [extent(column), extent(row)], colour.srgb8);
+        }
+    }
+
+    fn label(
+        &self,
+        bitmap: &mut Bitmap,
+        [x, y]: [usize; 2],
+        style: &PictureStyle,
+        title: &str,
+    ) -> Result<(), FigureError> {
+        let square = x + style.strip_px + style.gap_px;
+        let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
+        bitmap.text(title, [x as i32, 16], TITLE_PX, Anchor::Left, false)?;
+        let strip_middle = (x + style.strip_px / 2) as i32;
+        bitmap.text("natural light", [strip_middle, y as i32 - 14], LABEL_PX, Anchor::Centre, false)?;
+        bitmap.text(
+            "π × diffuse BRDF",
+            [square as i32 + side / 2, y as i32 - 14],
+            LABEL_PX,
+            Anchor::Centre,
+            false,
+        )?;
+        bitmap.text(
+            "illumination angle, °",
+            [square as i32 + side / 2, bottom + 44],
+            LABEL_PX,
+            Anchor::Centre,
+            false,
+        )?;
+        bitmap.text("viewing angle, °", [16, y as i32 + side / 2], LABEL_PX, Anchor::Centre, true)?;
+        for (name, at) in self.ticks(style.side_px) {
+            bitmap.fill([x - 6, y + at], [5, 1], [0; 3]);
+            bitmap.text(&name, [x as i32 - 10, (y + at) as i32], LABEL_PX, Anchor::Right, false)?;
+            bitmap.fill([square + at, y + style.side_px + 1], [1, 5], [0; 3]);
+            bitmap.text(&name, [(square + at) as i32, bottom + 18], LABEL_PX, Anchor::Centre, false)?;
+        }
+        Ok(())
+    }
+
+    /// Every 20° inside the range of angles: label and offset of the cell's centre.
+    fn ticks(&self, side_px: usize) -> Vec<(String, usize)> {
+        let (first, last) = (self.angles_deg[0], self.angles_deg[self.angles_deg.len() - 1]);
+        let cell = side_px as f64 / self.angles_deg.len() as f64;
+        let reach = (self.angles_deg.len() - 1) as f64 * cell;
+        let offset = |deg: f64| {
+            let share = if last > first { (deg - first) / (last - first) } else { 0.0 };
+            (cell / 2.0 + share * reach) as usize
+        };
+        let multiples = (0..=4).map(|k| TICKS_DEG * f64::from(k));
+        let inside = multiples.filter(|deg| (first..=last).contains(deg));
+        inside.map(|deg| (format!("{deg:.0}"), offset(deg))).collect()
+    }
+}
+
+#[cfg(test)]
+#[path = "picture_tests.rs"]
+mod tests;

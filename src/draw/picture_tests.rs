@@ -1,0 +1,116 @@
+use super::*;
+use crate::appearance::colour::Colorimeter;
+use crate::appearance::ink_on_paper::tests::molecular_ink;
+use crate::appearance::paper::{Coupling, MirroredSky};
+use crate::draw::contact_sheet::{ContactSheet, SHEET_LEFT, SHEET_TOP};
+use ndarray::Array2;
+use std::path::PathBuf;
+
+fn angles(count: usize) -> Vec<f64> {
+    (0..count).map(|i| 60.0 * i as f64 / (count - 1) as f64).collect()
+}
+
+/// Pictures to look at are kept when INKWAVE_PICTURES names a folder.
+fn keep(bitmap: &Bitmap, name: &str) {
+    if let Some(folder) = std::env::var_os("INKWAVE_PICTURES") {
+        bitmap.write_png(PathBuf::from(folder).join(name), &[("Source", "test")]).unwrap();
+    }
+}
+
+fn uniform(value: f64) -> InkPicture {
+    let colour = Colorimeter::new(&[440.0, 550.0, 640.0]).unwrap().colour(&[value; 3]).unwrap();
+    InkPicture { angles_deg: angles(4), strip: vec![colour; 4], square: Array2::from_elem((4, 4), colour) }
+}
+
+#[test]
+fn a_white_lambertian_is_255_everywhere() {
+    let bitmap = uniform(1.0).render(&PictureStyle::default(), "").unwrap();
+    let all = (0..bitmap.width()).flat_map(|x| (0..bitmap.height()).map(move |y| (x, y)));
+    assert!(all.into_iter().all(|(x, y)| bitmap.pixel(x, y) == Some([255; 3])));
+}
+
+#[test]
+fn strip_and_square_are_where_figure_6_has_them() {
+    let ink = molecular_ink("yellow", 0.3, Coupling::Gap);
+    let picture = ink.picture(&angles(61), MirroredSky::Included).unwrap();
+    let style = PictureStyle::default();
+    let bitmap = picture.render(&style, "").unwrap();
+    assert_eq!((bitmap.width(), bitmap.height()), (90 + 12 + 366, 366));
+    assert_eq!(bitmap.pixel(0, 0), Some(picture.strip[0].srgb8));
+    assert_eq!(bitmap.pixel(89, 365), Some(picture.strip[60].srgb8));
+    assert_eq!(bitmap.pixel(96, 100), Some([255; 3]));
+    assert_eq!(bitmap.pixel(102, 365), Some(picture.square[[60, 0]].srgb8));
+    assert_eq!(bitmap.pixel(467, 0), Some(picture.square[[0, 60]].srgb8));
+    let [r, g, b] = picture.square[[0, 0]].srgb8;
+    assert!(r > 180 && g > 160 && b < 130, "yellow: {r} {g} {b}");
+    keep(&bitmap, "yellow.png");
+    let labelled =
+        picture.render(&PictureStyle { labels: true, ..style }, "yellow (synthetic), 30 %, molecular");
+    keep(&labelled.unwrap(), "yellow-labelled.png");
+}
+
+#[test]
+fn a_written_png_has_its_colours_srgb_chunk_and_provenance() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    uniform(0.5)
+        .render(&PictureStyle::default(), "")
+        .unwrap()
+        .write_png(file.path(), &[("Study", "λ, µm")])
+        .unwrap();
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file.reopen().unwrap())).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    assert_eq!(pixels[..3], uniform(0.5).strip[0].srgb8);
+    assert!(reader.info().srgb.is_some());
+    let text = &reader.info().utf8_text[0];
+    assert_eq!((text.keyword.as_str(), text.get_text().unwrap().as_str()), ("Study", "λ, µm"));
+}
+
+#[test]
+fn a_contact_sheet_shows_what_is_there_and_marks_what_is_not() {
+    let shares = [0.05, 0.15, 0.3];
+    let mut pictures: Vec<Vec<Option<InkPicture>>> = ["yellow", "red", "blue", "green"]
+        .map(|pigment| {
+            let picture = |share| {
+                molecular_ink(pigment, share, Coupling::Gap).picture(&angles(13), MirroredSky::Excluded)
+            };
+            shares.map(|share| Some(picture(share).unwrap())).to_vec()
+        })
+        .to_vec();
+    pictures[2][2] = None;
+    let sheet = ContactSheet {
+        title: "Molecular mixtures on paper 0.9 (synthetic pigments)".into(),
+        row_axis: "pigment".into(),
+        rows: ["yellow", "red", "blue", "green"].map(String::from).to_vec(),
+        column_axis: "volume share of pigment".into(),
+        columns: shares.map(|s| format!("{:.0} %", 100.0 * s)).to_vec(),
+        pictures,
+        left_out: Vec::new(),
+    };
+    let style = PictureStyle { side_px: 130, strip_px: 40, gap_px: 6, labels: false };
+    let bitmap = sheet.render(&style).unwrap();
+    let yellow = sheet.pictures[0][0].as_ref().unwrap().strip[0].srgb8;
+    assert_eq!(bitmap.pixel(SHEET_LEFT, SHEET_TOP), Some(yellow));
+    keep(&bitmap, "sheet.png");
+    let ragged = ContactSheet { columns: vec!["one".into()], ..sheet };
+    assert!(ragged.render(&style).is_err());
+}
+
+#[test]
+fn impossible_pictures_are_refused() {
+    let style = PictureStyle::default();
+    let short = InkPicture { strip: Vec::new(), ..uniform(0.5) };
+    assert!(short.render(&style, "").unwrap_err().to_string().contains("strip: 0 entries"));
+    let empty = InkPicture {
+        angles_deg: vec![],
+        strip: vec![],
+        square: Array2::from_elem((0, 0), uniform(0.1).strip[0]),
+    };
+    assert!(empty.render(&style, "").is_err());
+    let huge = PictureStyle { side_px: 30_000, ..style };
+    assert!(uniform(0.5).render(&huge, "").unwrap_err().to_string().contains("30102"));
+    let bitmap = uniform(0.5).render(&style, "").unwrap();
+    assert!(
+        bitmap.write_png("/no/such/folder/x.png", &[]).unwrap_err().to_string().contains("/no/such/folder")
+    );
+}

@@ -1,0 +1,313 @@
+//! Line plots with error bars (spectra, curves against concentration or size) and polar plots of a BRDF.
+//!
+//! Written as SVG or PNG by the ending of the path. Colours are Okabe–Ito, and every series has its own marker too, so
+//! that plots survive colour blindness and a grey printer.
+
+use super::figure::{Bitmap, COLOURS, FONT, FigureError, register_fonts};
+use crate::numerics::estimate::Estimate;
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use std::path::Path;
+
+/// One curve: (x, y with standard error). Points without a known error have no bar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    pub name: String,
+    pub points: Vec<(f64, Estimate)>,
+}
+
+impl Series {
+    /// A curve from parallel columns; the shorter one decides.
+    pub fn new(name: &str, x: &[f64], y: &[Estimate]) -> Self {
+        Self { name: name.into(), points: x.iter().copied().zip(y.iter().copied()).collect() }
+    }
+}
+
+/// A plot on linear axes. Ranges that are `None` follow from the data (y from 0 unless data are negative).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plot {
+    pub title: String,
+    /// With the unit, e.g. "wavelength, nm".
+    pub x_label: String,
+    pub y_label: String,
+    pub x_range: Option<[f64; 2]>,
+    pub y_range: Option<[f64; 2]>,
+    pub series: Vec<Series>,
+}
+
+/// A BRDF or BTDF in one plane: x of the series is the polar angle in degrees, −90 to 90 (negative: towards the light),
+/// y the radius.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PolarPlot {
+    pub title: String,
+    /// Name of the radius with its unit, e.g. "diffuse BRDF, 1/sr".
+    pub label: String,
+    pub series: Vec<Series>,
+}
+
+const SIZE: (u32, u32) = (760, 480);
+const POLAR_SIZE: (u32, u32) = (760, 420);
+
+type Area<B> = DrawingArea<B, Shift>;
+type Chart<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+fn failed(error: impl std::fmt::Display) -> FigureError {
+    FigureError::Draw(error.to_string())
+}
+
+/// Draws on the backend that the path's ending asks for.
+macro_rules! write_by_ending {
+    ($self:ident, $path:ident, $size:expr) => {{
+        let path: &Path = $path.as_ref();
+        register_fonts();
+        $self.check()?;
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+            let mut bitmap = Bitmap::white($size.0 as usize, $size.1 as usize)?;
+            bitmap.draw(|area| $self.draw(area))?;
+            return bitmap.write_png(path, &[("Title", $self.title.as_str())]);
+        }
+        std::fs::write(path, $self.svg()?)
+            .map_err(|e| FigureError::Write { path: path.into(), message: e.to_string() })
+    }};
+}
+
+impl Plot {
+    /// Writes the plot; `.png` gives a bitmap, anything else SVG.
+    ///
+    /// # Errors
+    /// No series or points; numbers that are not finite; a path that cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), FigureError> {
+        write_by_ending!(self, path, SIZE)
+    }
+
+    /// The plot as SVG text.
+    ///
+    /// # Errors
+    /// As [`Plot::write`], without the path.
+    pub fn svg(&self) -> Result<String, FigureError> {
+        self.check()?;
+        svg_of(SIZE, |area| self.draw(area))
+    }
+
+    fn check(&self) -> Result<(), FigureError> {
+        check_series(&self.series)
+    }
+
+    fn draw<'a, B: DrawingBackend + 'a>(&self, area: &Area<B>) -> Result<(), FigureError> {
+        area.fill(&WHITE).map_err(failed)?;
+        let [x0, x1] = self.x_range.unwrap_or_else(|| extent(self.numbers(|p| [p.0; 2]), 0.0, false));
+        let [y0, y1] = self.y_range.unwrap_or_else(|| extent(self.numbers(|p| ends(&p.1)), 0.06, true));
+        let (plot, names) = split(area, &self.series);
+        let mut chart = ChartBuilder::on(&plot)
+            .caption(&self.title, (FONT, 18))
+            .margin(12)
+            .margin_right(24)
+            .x_label_area_size(46)
+            .y_label_area_size(62)
+            .build_cartesian_2d(x0..x1, y0..y1)
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x_label)
+            .y_desc(&self.y_label)
+            .label_style((FONT, 14))
+            .axis_desc_style((FONT, 15))
+            .x_label_formatter(&short)
+            .y_label_formatter(&short)
+            .light_line_style(WHITE)
+            .draw()
+            .map_err(failed)?;
+        for (k, series) in self.series.iter().enumerate() {
+            curve(&mut chart, k, series, |x, y| (x, y))?;
+        }
+        if self.series.len() < 2 { Ok(()) } else { legend(&names, &self.series) }
+    }
+
+    fn numbers<'a>(
+        &'a self,
+        f: impl Fn(&(f64, Estimate)) -> [f64; 2] + 'a,
+    ) -> impl Iterator<Item = f64> + 'a {
+        self.series.iter().flat_map(|s| &s.points).flat_map(f)
+    }
+}
+
+impl PolarPlot {
+    /// Writes the plot; `.png` gives a bitmap, anything else SVG.
+    ///
+    /// # Errors
+    /// As [`Plot::write`].
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), FigureError> {
+        write_by_ending!(self, path, POLAR_SIZE)
+    }
+
+    /// The plot as SVG text.
+    ///
+    /// # Errors
+    /// As [`Plot::write`], without the path.
+    pub fn svg(&self) -> Result<String, FigureError> {
+        self.check()?;
+        svg_of(POLAR_SIZE, |area| self.draw(area))
+    }
+
+    fn check(&self) -> Result<(), FigureError> {
+        check_series(&self.series)
+    }
+
+    fn draw<'a, B: DrawingBackend + 'a>(&self, area: &Area<B>) -> Result<(), FigureError> {
+        area.fill(&WHITE).map_err(failed)?;
+        let values = self.series.iter().flat_map(|s| &s.points).flat_map(|p| ends(&p.1));
+        let step = nice_step(values.fold(0.0, f64::max));
+        let reach = 4.0 * step;
+        let (plot, names) = split(area, &self.series);
+        let mut chart = ChartBuilder::on(&plot)
+            .caption(&self.title, (FONT, 18))
+            .margin(16)
+            .build_cartesian_2d(-1.1 * reach..1.1 * reach, -0.2 * reach..1.1 * reach)
+            .map_err(failed)?;
+        polar_grid(&mut chart, step, &self.label)?;
+        for (k, series) in self.series.iter().enumerate() {
+            curve(&mut chart, k, series, |deg, r| (r * deg.to_radians().sin(), r * deg.to_radians().cos()))?;
+        }
+        if self.series.len() < 2 { Ok(()) } else { legend(&names, &self.series) }
+    }
+}
+
+fn svg_of(
+    size: (u32, u32),
+    paint: impl FnOnce(&DrawingArea<SVGBackend, Shift>) -> Result<(), FigureError>,
+) -> Result<String, FigureError> {
+    register_fonts();
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        paint(&area)?;
+        area.present().map_err(failed)?;
+    }
+    Ok(text)
+}
+
+fn check_series(series: &[Series]) -> Result<(), FigureError> {
+    if series.iter().all(|s| s.points.is_empty()) {
+        return Err(FigureError::Empty { field: "series" });
+    }
+    let finite = |p: &(f64, Estimate)| p.0.is_finite() && ends(&p.1).iter().all(|y| y.is_finite());
+    match series.iter().find(|s| !s.points.iter().all(finite)) {
+        Some(s) => Err(FigureError::Draw(format!("series {:?} has a number that is not finite", s.name))),
+        None => Ok(()),
+    }
+}
+
+/// Ends of the error bar.
+fn ends(y: &Estimate) -> [f64; 2] {
+    let half = y.standard_error.unwrap_or(0.0);
+    [y.value - half, y.value + half]
+}
+
+/// Range of the data with a margin; from 0 if asked and nothing is negative. Never empty.
+fn extent(values: impl Iterator<Item = f64>, margin: f64, from_zero: bool) -> [f64; 2] {
+    let (lo, hi) = values.fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(v), hi.max(v)));
+    let grounded = from_zero && lo >= 0.0;
+    let lo = if grounded { 0.0 } else { lo };
+    let width = if hi > lo { hi - lo } else { lo.abs().max(1.0) };
+    [if grounded { 0.0 } else { lo - margin * width }, if hi > lo { hi } else { lo + width } + margin * width]
+}
+
+/// A round step, four of which reach the value.
+fn nice_step(value: f64) -> f64 {
+    let raw = (value / 4.0).max(1e-30);
+    let decade = 10f64.powf(raw.log10().floor());
+    let steps = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5, 10.0];
+    steps.map(|s| s * decade).into_iter().find(|s| *s >= raw * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
+}
+
+/// Line, error bars and markers of one series; `place` maps (x, y) to the plane.
+fn curve<'a, B: DrawingBackend + 'a>(
+    chart: &mut Chart<'a, B>,
+    k: usize,
+    series: &Series,
+    place: impl Fn(f64, f64) -> (f64, f64),
+) -> Result<(), FigureError> {
+    let colour = COLOURS[k % COLOURS.len()];
+    let at = |p: &(f64, Estimate)| place(p.0, p.1.value);
+    let line = series.points.iter().map(at);
+    chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(failed)?;
+    let bars = series.points.iter().filter(|p| p.1.standard_error.is_some()).map(|p| {
+        let [lo, hi] = ends(&p.1);
+        PathElement::new([place(p.0, lo), place(p.0, hi)], colour.stroke_width(1))
+    });
+    chart.draw_series(bars).map_err(failed)?;
+    let markers =
+        series.points.iter().map(|p| EmptyElement::at(at(p)) + Polygon::new(marker(k), colour.filled()));
+    chart.draw_series(markers).map_err(failed)?;
+    Ok(())
+}
+
+/// Disc, triangle, square, diamond: by position in the list; pixels around the point.
+fn marker(k: usize) -> Vec<(i32, i32)> {
+    match k % 4 {
+        0 => vec![(-1, -3), (1, -3), (3, -1), (3, 1), (1, 3), (-1, 3), (-3, 1), (-3, -1)],
+        1 => vec![(0, -5), (5, 4), (-5, 4)],
+        2 => vec![(-3, -3), (3, -3), (3, 3), (-3, 3)],
+        _ => vec![(0, -5), (5, 0), (0, 5), (-5, 0)],
+    }
+}
+
+/// Names beside the plot, where they cover no data.
+fn legend<B: DrawingBackend>(area: &Area<B>, series: &[Series]) -> Result<(), FigureError> {
+    for (k, s) in series.iter().enumerate() {
+        let colour = COLOURS[k % COLOURS.len()];
+        let entry = EmptyElement::at((8, 56 + 22 * k as i32))
+            + PathElement::new([(0, 0), (24, 0)], colour.stroke_width(2))
+            + Polygon::new(
+                marker(k).into_iter().map(|(x, y)| (x + 12, y)).collect::<Vec<_>>(),
+                colour.filled(),
+            )
+            + Text::new(s.name.clone(), (32, -8), (FONT, 14).into_font());
+        area.draw(&entry).map_err(failed)?;
+    }
+    Ok(())
+}
+
+/// Room for the plot, and for the names of its series on the right (one series needs none).
+fn split<B: DrawingBackend>(area: &Area<B>, series: &[Series]) -> (Area<B>, Area<B>) {
+    let longest = series.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
+    let legend_px = if series.len() < 2 { 0 } else { (48 + 9 * longest as i32).min(320) };
+    area.split_horizontally(area.dim_in_pixel().0 as i32 - legend_px)
+}
+
+/// Up to three decimals, no trailing zeros.
+fn short(value: &f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+/// Half circles at four radii with their values, spokes every 30°.
+fn polar_grid<'a, B: DrawingBackend + 'a>(
+    chart: &mut Chart<'a, B>,
+    step: f64,
+    label: &str,
+) -> Result<(), FigureError> {
+    let grey = RGBColor(170, 170, 170);
+    let point = |deg: f64, r: f64| (r * deg.to_radians().sin(), r * deg.to_radians().cos());
+    let text = |text: String, at, px| Text::new(text, at, (FONT, px).into_font());
+    for k in 1..=4 {
+        let arc = (-90..=90).step_by(3).map(|deg| point(f64::from(deg), step * f64::from(k)));
+        chart.draw_series(LineSeries::new(arc, grey)).map_err(failed)?;
+        let value = text(short(&(step * f64::from(k))), (step * (f64::from(k) - 0.12), -0.1 * step), 13);
+        chart.draw_series([value]).map_err(failed)?;
+    }
+    for deg in (-90..=90).step_by(30) {
+        let deg = f64::from(deg);
+        chart.draw_series(LineSeries::new([(0.0, 0.0), point(deg, 4.0 * step)], grey)).map_err(failed)?;
+        let (x, y) = point(deg, 4.12 * step);
+        let name = text(format!("{deg:.0}°"), (x - 0.12 * step, y + 0.12 * step), 13);
+        chart.draw_series([name]).map_err(failed)?;
+    }
+    chart.draw_series([text(label.into(), (-0.9 * step, -0.42 * step), 15)]).map_err(failed)?;
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "plots_tests.rs"]
+mod tests;

@@ -1,0 +1,150 @@
+//! Small pictures of shaded spheres: a depth buffer, one light, flat colours.
+
+use crate::numerics::vector::{V3, add, cross, dot, norm, scale, sub, unit};
+
+pub type Rgb = [u8; 3];
+
+/// Okabe and Ito's colours, distinct for colour-blind readers; pigments take them in turn.
+pub const COLOURS: [Rgb; 7] = [
+    [230, 159, 0],
+    [0, 114, 178],
+    [0, 158, 115],
+    [204, 121, 167],
+    [213, 94, 0],
+    [86, 180, 233],
+    [240, 228, 66],
+];
+
+pub const BACKGROUND: Rgb = [255, 255, 255];
+/// The transparent binder.
+pub const BINDER: Rgb = [228, 232, 236];
+
+pub fn pigment_colour(pigment: usize) -> Rgb {
+    COLOURS[pigment % COLOURS.len()]
+}
+
+/// Colour times brightness.
+pub fn shade(colour: Rgb, brightness: f64) -> Rgb {
+    colour.map(|c| (f64::from(c) * brightness).clamp(0.0, 255.0) as u8)
+}
+
+pub fn mix(a: Rgb, b: Rgb, share_of_b: f64) -> Rgb {
+    std::array::from_fn(|i| (f64::from(a[i]) * (1.0 - share_of_b) + f64::from(b[i]) * share_of_b) as u8)
+}
+
+/// Pixels in rows from the top, with the depth of what each shows.
+pub struct Raster {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<Rgb>,
+    depth: Vec<f64>,
+}
+
+impl Raster {
+    pub fn new(width: usize, height: usize, background: Rgb) -> Self {
+        let n = width * height;
+        Self { width, height, pixels: vec![background; n], depth: vec![f64::INFINITY; n] }
+    }
+
+    /// Paints a pixel if nothing nearer is there.
+    pub fn set(&mut self, x: i64, y: i64, depth: f64, colour: Rgb) {
+        if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
+            return;
+        }
+        let k = y as usize * self.width + x as usize;
+        if depth < self.depth[k] {
+            self.depth[k] = depth;
+            self.pixels[k] = colour;
+        }
+    }
+
+    pub fn rgb(&self) -> Vec<u8> {
+        self.pixels.iter().flatten().copied().collect()
+    }
+
+    /// Averages 2 × 2 pixels: smooth edges for pictures drawn at twice the size.
+    pub fn halved(&self) -> Self {
+        let mut half = Self::new(self.width / 2, self.height / 2, BACKGROUND);
+        for y in 0..half.height {
+            for x in 0..half.width {
+                let at = |i: usize, j: usize| self.pixels[(2 * y + j) * self.width + 2 * x + i];
+                let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                let mean = |c: usize| (four.iter().map(|p| u32::from(p[c])).sum::<u32>() / 4) as u8;
+                half.pixels[y * half.width + x] = [mean(0), mean(1), mean(2)];
+            }
+        }
+        half
+    }
+}
+
+/// A pinhole camera.
+pub struct Camera {
+    eye: V3,
+    forward: V3,
+    right: V3,
+    up: V3,
+    /// Pixels per unit of tangent.
+    focal: f64,
+}
+
+impl Camera {
+    /// Looks from `eye` at `target`; `up_hint` is drawn upwards.
+    pub fn new(eye: V3, target: V3, up_hint: V3, focal: f64) -> Self {
+        let forward = unit(sub(target, eye));
+        let right = unit(cross(forward, up_hint));
+        Self { eye, forward, right, up: cross(right, forward), focal }
+    }
+
+    /// Pixel (from the centre, y downwards) and distance along the view.
+    pub fn project(&self, p: V3) -> (f64, f64, f64) {
+        let d = sub(p, self.eye);
+        let ahead = dot(d, self.forward);
+        (self.focal * dot(d, self.right) / ahead, -self.focal * dot(d, self.up) / ahead, ahead)
+    }
+
+    fn ray(&self, x: f64, y: f64) -> V3 {
+        let side = add(scale(self.right, x / self.focal), scale(self.up, -y / self.focal));
+        unit(add(self.forward, side))
+    }
+
+    /// Draws a sphere, lit from over the left shoulder.
+    pub fn sphere(&self, raster: &mut Raster, centre: V3, radius: f64, colour: Rgb) {
+        let (u, v, ahead) = self.project(centre);
+        if ahead <= 2.0 * radius {
+            return;
+        }
+        let (cx, cy) = (0.5 * raster.width as f64, 0.5 * raster.height as f64);
+        let reach = 1.3 * self.focal * radius / (ahead - radius);
+        let light = unit(add(scale(self.forward, -1.0), add(scale(self.up, 0.9), scale(self.right, -0.5))));
+        for y in (cy + v - reach).floor() as i64..=(cy + v + reach).ceil() as i64 {
+            for x in (cx + u - reach).floor() as i64..=(cx + u + reach).ceil() as i64 {
+                let ray = self.ray(x as f64 + 0.5 - cx, y as f64 + 0.5 - cy);
+                if let Some(t) = hit(sub(centre, self.eye), radius, ray) {
+                    let normal = scale(sub(add(self.eye, scale(ray, t)), centre), 1.0 / radius);
+                    raster.set(x, y, t, shade(colour, 0.35 + 0.7 * dot(normal, light).max(0.0)));
+                }
+            }
+        }
+    }
+
+    /// Draws a line as a row of points, hidden behind what is nearer.
+    pub fn line(&self, raster: &mut Raster, a: V3, b: V3, colour: Rgb) {
+        let (cx, cy) = (0.5 * raster.width as f64, 0.5 * raster.height as f64);
+        let steps = 4 * raster.width.max(raster.height);
+        for k in 0..=steps {
+            let p = add(a, scale(sub(b, a), k as f64 / steps as f64));
+            let (u, v, _) = self.project(p);
+            let far = norm(sub(p, self.eye));
+            for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] {
+                raster.set((cx + u + dx).floor() as i64, (cy + v + dy).floor() as i64, far, colour);
+            }
+        }
+    }
+}
+
+/// Distance to the first point of a sphere along a unit ray from the origin.
+fn hit(centre: V3, radius: f64, ray: V3) -> Option<f64> {
+    let along = dot(centre, ray);
+    let square = radius * radius - (dot(centre, centre) - along * along);
+    (square > 0.0).then(|| along - square.sqrt())
+}

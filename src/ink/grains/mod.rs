@@ -1,0 +1,8 @@
+//! One grain: its shape as a rigid union of balls, its size, volume, orientation, and grains glued together.
+
+pub mod agglomeration;
+mod name_or_table;
+pub mod orientation;
+pub mod shape;
+pub mod size;
+pub mod volume;

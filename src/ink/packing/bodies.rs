@@ -1,0 +1,146 @@
+//! Bodies in the cell: positions, rotations and the spheres they carry.
+
+use super::placed::{Grain, Sphere};
+use super::plan::Body;
+use crate::numerics::vector::{Rotation, V3, add};
+
+/// The cell: lengths, and the distance after which an image is nearer (infinite across walls).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    pub size: V3,
+    pub walls: bool,
+    half: V3,
+}
+
+impl Cell {
+    pub fn new(period: [f64; 2], thickness: f64, walls: bool) -> Self {
+        let size = [period[0], period[1], thickness];
+        let half = [0.5 * size[0], 0.5 * size[1], if walls { f64::INFINITY } else { 0.5 * size[2] }];
+        Self { size, walls, half }
+    }
+
+    pub fn periodic(&self, axis: usize) -> bool {
+        axis < 2 || !self.walls
+    }
+
+    pub fn wrap(&self, mut p: V3) -> V3 {
+        for (a, (x, size)) in p.iter_mut().zip(&self.size).enumerate() {
+            if self.periodic(a) && !(*x >= 0.0 && *x < *size) {
+                *x -= size * (*x / size).floor();
+                // A tiny negative number rounds up to the period itself.
+                if *x >= *size {
+                    *x = 0.0;
+                }
+            }
+        }
+        p
+    }
+
+    /// From wrapped a to the nearest image of wrapped b.
+    #[inline(always)]
+    pub fn delta(&self, a: V3, b: V3) -> V3 {
+        let mut d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+        for ((d, half), size) in d.iter_mut().zip(&self.half).zip(&self.size) {
+            if *d > *half {
+                *d -= size;
+            } else if *d < -half {
+                *d += size;
+            }
+        }
+        d
+    }
+}
+
+/// Positions of the first `placed` bodies. Sphere arrays are flat; `first[b]..first[b + 1]` belong to body b.
+pub(crate) struct Bodies<'a> {
+    pub cell: Cell,
+    pub bodies: &'a [Body],
+    pub placed: usize,
+    pub centre: Vec<V3>,
+    pub rotation: Vec<Rotation>,
+    pub first: Vec<usize>,
+    pub owner: Vec<u32>,
+    pub radius: Vec<f64>,
+    /// Arms from the body's centre to its spheres, turned.
+    pub arm: Vec<V3>,
+    /// Wrapped centres of the spheres.
+    pub at: Vec<V3>,
+}
+
+impl<'a> Bodies<'a> {
+    pub fn new(cell: Cell, bodies: &'a [Body]) -> Self {
+        let mut first = vec![0];
+        let mut owner = Vec::new();
+        let mut radius = Vec::new();
+        for (b, body) in bodies.iter().enumerate() {
+            radius.extend(body.spheres.iter().map(|s| s.radius_um));
+            owner.resize(radius.len(), b as u32);
+            first.push(radius.len());
+        }
+        let (arm, at) = (vec![[0.0; 3]; radius.len()], vec![[0.0; 3]; radius.len()]);
+        let (centre, rotation) = (vec![[0.0; 3]; bodies.len()], vec![Rotation::IDENTITY; bodies.len()]);
+        Self { cell, bodies, placed: 0, centre, rotation, first, owner, radius, arm, at }
+    }
+
+    /// Sets body b in place and carries its spheres along.
+    pub fn put(&mut self, b: usize, centre: V3, rotation: Rotation) {
+        self.rotation[b] = rotation;
+        let range = self.first[b]..self.first[b + 1];
+        for (arm, sphere) in self.arm[range].iter_mut().zip(&self.bodies[b].spheres) {
+            *arm = rotation.turn(sphere.center_um);
+        }
+        self.shift(b, centre);
+    }
+
+    /// Moves body b without turning it.
+    pub fn shift(&mut self, b: usize, centre: V3) {
+        let centre = self.cell.wrap(centre);
+        self.centre[b] = centre;
+        for s in self.first[b]..self.first[b + 1] {
+            self.at[s] = self.cell.wrap(add(centre, self.arm[s]));
+        }
+    }
+
+    /// Number of spheres of the bodies in place.
+    pub fn spheres(&self) -> usize {
+        self.first[self.placed]
+    }
+
+    /// Lowest and highest point of body b across the layer, relative to its centre.
+    pub fn span_z(&self, b: usize) -> [f64; 2] {
+        let range = self.first[b]..self.first[b + 1];
+        let ends = range.map(|s| [self.arm[s][2] - self.radius[s], self.arm[s][2] + self.radius[s]]);
+        ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
+    }
+
+    /// Axes of the grains of body b, turned.
+    pub fn axes(&self, b: usize) -> impl Iterator<Item = V3> + '_ {
+        self.bodies[b].parts.iter().map(move |p| self.rotation[b].turn(p.axis))
+    }
+
+    /// The grains of the bodies in `keep`, coordinates contiguous.
+    pub fn grains(&self) -> Vec<Grain> {
+        let mut agglomerates = 0;
+        let mut grains = Vec::new();
+        for (b, body) in self.bodies[..self.placed].iter().enumerate() {
+            let agglomerate = (body.parts.len() > 1).then_some(agglomerates);
+            agglomerates += usize::from(agglomerate.is_some());
+            for part in &body.parts {
+                let range = self.first[b] + part.spheres.start..self.first[b] + part.spheres.end;
+                let lead = add(self.centre[b], self.arm[range.start]);
+                let inside = self.cell.wrap(lead);
+                let sphere = |s: usize| {
+                    let p = add(self.centre[b], self.arm[s]);
+                    let shifted =
+                        |a: usize| if inside[a] == lead[a] { p[a] } else { p[a] + (inside[a] - lead[a]) };
+                    Sphere { center_um: std::array::from_fn(shifted), radius_um: self.radius[s] }
+                };
+                let axis = if part.spheres.len() == 1 { part.axis } else { self.rotation[b].turn(part.axis) };
+                let volume_um3 = part.volume_um3;
+                let spheres = range.map(sphere).collect();
+                grains.push(Grain { spheres, pigment: body.pigment, axis, agglomerate, volume_um3 });
+            }
+        }
+        grains
+    }
+}

@@ -1,0 +1,80 @@
+//! A cell grid over the layer that follows single insertions and moves (sequential addition, Monte Carlo).
+
+use super::bodies::Cell;
+use crate::numerics::vector::V3;
+
+/// Spheres by grid cell; a sphere can reach only spheres of the neighbouring cells.
+pub(crate) struct Buckets {
+    count: [usize; 3],
+    scale: V3,
+    members: Vec<Vec<u32>>,
+    /// Neighbouring cells (own one included), each once even when the grid is narrower than three cells.
+    near: Vec<Vec<u32>>,
+}
+
+impl Buckets {
+    /// A grid for so many points whose cells are at least `reach` wide.
+    pub fn new(cell: &Cell, reach: f64, points: usize) -> Self {
+        let count = grid_count(cell, reach, points);
+        let scale = std::array::from_fn(|a| count[a] as f64 / cell.size[a]);
+        let cells = count.iter().product();
+        let near = (0..cells).map(|c| neighbours(c, count, cell)).collect();
+        Self { count, scale, members: vec![Vec::new(); cells], near }
+    }
+
+    pub fn cell_of(&self, p: V3) -> usize {
+        let index = |a: usize| ((p[a] * self.scale[a]) as usize).min(self.count[a] - 1);
+        (index(2) * self.count[1] + index(1)) * self.count[0] + index(0)
+    }
+
+    pub fn insert(&mut self, sphere: usize, cell: usize) {
+        self.members[cell].push(sphere as u32);
+    }
+
+    pub fn remove(&mut self, sphere: usize, cell: usize) {
+        let list = &mut self.members[cell];
+        if let Some(k) = list.iter().position(|s| *s == sphere as u32) {
+            list.swap_remove(k);
+        }
+    }
+
+    /// Spheres in the cells around `cell`.
+    #[inline]
+    pub fn around(&self, cell: usize) -> impl Iterator<Item = usize> + '_ {
+        let lists = self.near[cell].iter().map(|c| &self.members[*c as usize]);
+        lists.flat_map(|list| list.iter().map(|s| *s as usize))
+    }
+}
+
+/// Cells per side, at least `reach` wide, and no more of them than a few per point: small grains in a wide layer
+/// would fill the memory with empty cells.
+pub(crate) fn grid_count(cell: &Cell, reach: f64, points: usize) -> [usize; 3] {
+    let most = (4 * points + 64) as f64;
+    let volume: f64 = cell.size.iter().product();
+    let wide = reach.max((volume / most).cbrt());
+    std::array::from_fn(|a| (cell.size[a] / wide).floor().clamp(1.0, most) as usize)
+}
+
+/// The cells that touch cell `c`, itself included, without repetition, in a fixed order.
+pub(crate) fn neighbours(c: usize, count: [usize; 3], cell: &Cell) -> Vec<u32> {
+    let place = [c % count[0], c / count[0] % count[1], c / (count[0] * count[1])];
+    let along = |a: usize| -> Vec<usize> {
+        let n = count[a] as isize;
+        let mut found: Vec<usize> = (-1..=1)
+            .map(|step| place[a] as isize + step)
+            .filter(|i| cell.periodic(a) || (0..n).contains(i))
+            .map(|i| i.rem_euclid(n) as usize)
+            .collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    };
+    let (xs, ys, zs) = (along(0), along(1), along(2));
+    let mut all = Vec::with_capacity(27);
+    for z in &zs {
+        for y in &ys {
+            all.extend(xs.iter().map(|x| ((z * count[1] + y) * count[0] + x) as u32));
+        }
+    }
+    all
+}

@@ -1,0 +1,130 @@
+//! The independent proof of zero overlap: every pair of spheres that could touch, found by sorting along x.
+//!
+//! Nothing here is shared with the packing methods: no grid, no neighbour list, no wrapped copy of positions.
+
+use super::placed::{Grain, Sphere};
+use crate::ink::error::PackError;
+
+struct Entry {
+    /// Place along x and y within the period.
+    x: f64,
+    y: f64,
+    grain: usize,
+    sphere: Sphere,
+}
+
+/// The smallest gap between spheres of different grains and to the walls, if any is below one largest radius.
+///
+/// Fails with [`PackError::Overlap`] on the worst overlap and with [`PackError::BadInput`] on numbers that are
+/// not finite or grains wider than the period.
+pub fn smallest_gap(
+    period: [f64; 2],
+    thickness: f64,
+    walls: bool,
+    grains: &[Grain],
+) -> Result<Option<f64>, PackError> {
+    check_numbers(period, thickness, walls, grains)?;
+    let mut worst = Worst { gap: f64::INFINITY, pair: (String::new(), String::new()) };
+    let entries = sorted(period, grains);
+    let largest = entries.iter().map(|e| e.sphere.radius_um).fold(0.0, f64::max);
+    for (i, a) in entries.iter().enumerate() {
+        if walls {
+            let to_wall = a.sphere.center_um[2].min(thickness - a.sphere.center_um[2]) - a.sphere.radius_um;
+            worst.hear(to_wall, || (format!("grain {}", a.grain), "a wall".into()));
+        }
+        let window = a.sphere.radius_um + 2.0 * largest;
+        for step in 1..entries.len() {
+            let wrapped = i + step >= entries.len();
+            let b = &entries[(i + step) % entries.len()];
+            if b.x + if wrapped { period[0] } else { 0.0 } - a.x > window {
+                break;
+            }
+            // Too far in y or z to be nearer than the nearest pair so far.
+            let reach = a.sphere.radius_um + b.sphere.radius_um + worst.gap;
+            let dy = (a.y - b.y).abs();
+            let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
+            let far = dy.min(period[1] - dy) > reach || (walls && dz > reach);
+            if !far && a.grain != b.grain {
+                let gap = image_gap(&a.sphere, &b.sphere, period, thickness, walls);
+                worst.hear(gap, || (format!("grain {}", a.grain), format!("grain {}", b.grain)));
+            }
+        }
+    }
+    worst.verdict(largest)
+}
+
+struct Worst {
+    gap: f64,
+    pair: (String, String),
+}
+
+impl Worst {
+    fn hear(&mut self, gap: f64, names: impl FnOnce() -> (String, String)) {
+        if gap < self.gap {
+            self.gap = gap;
+            self.pair = names();
+        }
+    }
+
+    fn verdict(self, largest: f64) -> Result<Option<f64>, PackError> {
+        let (first, second) = self.pair;
+        match self.gap {
+            gap if gap < 0.0 => Err(PackError::Overlap { first, second, overlap_um: -gap }),
+            gap => Ok((gap <= largest).then_some(gap)),
+        }
+    }
+}
+
+/// Gap of the nearest images.
+fn image_gap(a: &Sphere, b: &Sphere, period: [f64; 2], thickness: f64, walls: bool) -> f64 {
+    let nearest = |d: f64, l: f64| d - l * (d / l).round();
+    let dx = nearest(a.center_um[0] - b.center_um[0], period[0]);
+    let dy = nearest(a.center_um[1] - b.center_um[1], period[1]);
+    let dz = a.center_um[2] - b.center_um[2];
+    let dz = if walls { dz } else { nearest(dz, thickness) };
+    (dx * dx + dy * dy + dz * dz).sqrt() - a.radius_um - b.radius_um
+}
+
+fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<Entry> {
+    let spheres = grains.iter().enumerate().flat_map(|(grain, g)| g.spheres.iter().map(move |s| (grain, *s)));
+    let entry = |(grain, sphere): (usize, Sphere)| Entry {
+        x: sphere.center_um[0].rem_euclid(period[0]),
+        y: sphere.center_um[1].rem_euclid(period[1]),
+        grain,
+        sphere,
+    };
+    let mut entries: Vec<Entry> = spheres.map(entry).collect();
+    entries.sort_by(|a, b| a.x.total_cmp(&b.x));
+    entries
+}
+
+fn check_numbers(period: [f64; 2], thickness: f64, walls: bool, grains: &[Grain]) -> Result<(), PackError> {
+    let lengths = [period[0], period[1], thickness];
+    if lengths.iter().any(|l| !(l.is_finite() && *l > 0.0)) {
+        let found = format!("{lengths:?} µm");
+        return Err(PackError::input("period and thickness", found, "finite and above 0", "check the cell"));
+    }
+    for (k, grain) in grains.iter().enumerate() {
+        let sound = |s: &Sphere| s.center_um.iter().all(|c| c.is_finite()) && s.radius_um > 0.0;
+        if grain.spheres.is_empty() || !grain.spheres.iter().all(sound) {
+            let found = format!("{:?}", grain.spheres);
+            let allowed = "finite centres and radii above 0";
+            return Err(PackError::input(format!("grain {k}"), found, allowed, "check the coordinates"));
+        }
+        let periodic = if walls { 2 } else { 3 };
+        for (axis, length) in lengths.iter().enumerate().take(periodic) {
+            let end = |sign: f64| grain.spheres.iter().map(move |s| sign * s.center_um[axis] + s.radius_um);
+            let extent = end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max);
+            if extent > *length {
+                let allowed = format!("at most the period, {length} µm");
+                return Err(PackError::input(
+                    format!("extent of grain {k}"),
+                    extent,
+                    allowed,
+                    "widen the cell",
+                ));
+            }
+        }
+    }
+    Ok(())
+}

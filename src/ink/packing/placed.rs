@@ -1,0 +1,222 @@
+//! Grains in place: a packing exists only when an independent pass has found no overlap in it.
+
+use super::overlap;
+use crate::ink::error::PackError;
+use crate::ink::relief::Relief;
+use crate::numerics::vector::{V3, norm, sub};
+use serde::{Deserialize, Serialize};
+
+/// A sphere of pigment, µm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sphere {
+    pub center_um: [f64; 3],
+    pub radius_um: f64,
+}
+
+impl Sphere {
+    pub fn volume_um3(&self) -> f64 {
+        4.0 / 3.0 * std::f64::consts::PI * self.radius_um.powi(3)
+    }
+
+    /// Distance of the surfaces without any wrap; negative when they overlap.
+    pub fn gap_to(&self, other: &Self) -> f64 {
+        norm(sub(self.center_um, other.center_um)) - self.radius_um - other.radius_um
+    }
+}
+
+/// A rigid union of spheres. The coordinates of one grain are contiguous (never wrapped apart) and its first
+/// centre lies in the cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grain {
+    pub spheres: Vec<Sphere>,
+    /// Index into the request's pigments.
+    pub pigment: usize,
+    /// Unit vector along the symmetry axis (z for a sphere).
+    pub axis: V3,
+    /// Number of the agglomerate the grain is glued into, if any.
+    pub agglomerate: Option<usize>,
+    /// Volume of the union of the spheres, µm³.
+    pub volume_um3: f64,
+}
+
+impl Grain {
+    /// A grain on its own; the axis runs from the first to the last centre.
+    pub fn new(spheres: Vec<Sphere>, pigment: usize) -> Self {
+        let ends = spheres.first().zip(spheres.last());
+        let axis = ends
+            .map_or([0.0, 0.0, 1.0], |(a, b)| crate::numerics::vector::unit(sub(b.center_um, a.center_um)));
+        let volume_um3 = crate::ink::grains::volume::union_volume(&spheres).um3;
+        Self { spheres, pigment, axis, agglomerate: None, volume_um3 }
+    }
+
+    /// Centre of mass of the spheres, each weighted by its volume; not wrapped.
+    pub fn centre_um(&self) -> V3 {
+        let total: f64 = self.spheres.iter().map(|s| s.radius_um.powi(3)).sum();
+        let mut centre = [0.0; 3];
+        for s in &self.spheres {
+            let weight = s.radius_um.powi(3) / total;
+            (0..3).for_each(|a| centre[a] += weight * s.center_um[a]);
+        }
+        centre
+    }
+}
+
+/// The way the grains came to their places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    SequentialAddition,
+    Relaxation,
+    /// The coordinates were given.
+    Given,
+}
+
+/// The share of one pigment: what was asked and what whole grains give.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    pub requested_fraction: f64,
+    pub achieved_fraction: f64,
+    /// Standard error of the achieved fraction from the union volume (zero with a closed form).
+    pub fraction_error: f64,
+    pub grains: usize,
+    /// Factor applied to the drawn sizes (1 unless the share is met by scaling).
+    pub size_factor: f64,
+}
+
+/// How a packing was made.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Account {
+    pub method: Method,
+    pub seed: u64,
+    pub stream: u64,
+    /// Attempts of sequential addition or steps of relaxation.
+    pub steps: u64,
+    /// Monte Carlo sweeps after that.
+    pub sweeps: u64,
+    /// Share of Monte Carlo moves accepted after tuning.
+    pub acceptance: Option<f64>,
+    /// Smallest distance between two surfaces (or to a wall), looked for up to one largest radius.
+    pub smallest_gap_um: Option<f64>,
+    /// Notes for the reader, such as a fallback of the automatic method.
+    pub notes: Vec<String>,
+}
+
+impl Account {
+    pub(crate) fn new(method: Method, seed: u64, stream: u64) -> Self {
+        let (acceptance, smallest_gap_um) = (None, None);
+        Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes: Vec::new() }
+    }
+}
+
+/// Grains in a cell that is periodic in x and y, with hard walls at z = 0 and z = H or periodic in z too.
+///
+/// It can be built only through an all-pairs check that shares no code with the packing methods.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Packing {
+    period_um: [f64; 2],
+    thickness_um: f64,
+    walls: bool,
+    grains: Vec<Grain>,
+    shares: Vec<Share>,
+    account: Account,
+    relief: Option<Relief>,
+}
+
+impl Packing {
+    /// A packing of given grains; fails when two of them, or a grain and a wall, overlap.
+    pub fn from_grains(
+        period_um: [f64; 2],
+        thickness_um: f64,
+        walls: bool,
+        grains: Vec<Grain>,
+    ) -> Result<Self, PackError> {
+        let kinds = grains.iter().map(|g| g.pigment + 1).max().unwrap_or(0);
+        let box_um3 = period_um[0] * period_um[1] * thickness_um;
+        let share = |pigment: usize| {
+            let own = grains.iter().filter(|g| g.pigment == pigment);
+            let fraction = own.clone().map(|g| g.volume_um3).sum::<f64>() / box_um3;
+            let (requested_fraction, achieved_fraction) = (fraction, fraction);
+            let grains = own.count();
+            Share { requested_fraction, achieved_fraction, fraction_error: 0.0, grains, size_factor: 1.0 }
+        };
+        let shares = (0..kinds).map(share).collect();
+        let account = Account::new(Method::Given, 0, 0);
+        Self::proven(period_um, thickness_um, walls, grains, shares, account)
+    }
+
+    /// The only way in: every pair is checked here.
+    pub(crate) fn proven(
+        period_um: [f64; 2],
+        thickness_um: f64,
+        walls: bool,
+        grains: Vec<Grain>,
+        shares: Vec<Share>,
+        mut account: Account,
+    ) -> Result<Self, PackError> {
+        account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
+        Ok(Self { period_um, thickness_um, walls, grains, shares, account, relief: None })
+    }
+
+    pub(crate) fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.account.notes.extend(notes);
+        self
+    }
+
+    pub(crate) fn with_relief(self, relief: Relief) -> Self {
+        Self { relief: Some(relief), ..self }
+    }
+
+    pub fn period_um(&self) -> [f64; 2] {
+        self.period_um
+    }
+
+    pub fn thickness_um(&self) -> f64 {
+        self.thickness_um
+    }
+
+    /// False when the cell is periodic in z too.
+    pub fn walls(&self) -> bool {
+        self.walls
+    }
+
+    pub fn grains(&self) -> &[Grain] {
+        &self.grains
+    }
+
+    pub fn shares(&self) -> &[Share] {
+        &self.shares
+    }
+
+    /// Volume share asked of this pigment (0 for an unknown one); see [`crate::ink::Relief`] for what it refers to.
+    pub fn requested_fraction(&self, pigment: usize) -> f64 {
+        self.shares.get(pigment).map_or(0.0, |s| s.requested_fraction)
+    }
+
+    /// Volume share that whole grains of this pigment give; the remainder is the difference of the two.
+    pub fn achieved_fraction(&self, pigment: usize) -> f64 {
+        self.shares.get(pigment).map_or(0.0, |s| s.achieved_fraction)
+    }
+
+    pub fn method(&self) -> Method {
+        self.account.method
+    }
+
+    pub fn account(&self) -> &Account {
+        &self.account
+    }
+
+    pub fn relief(&self) -> Option<&Relief> {
+        self.relief.as_ref()
+    }
+
+    /// Height of the binder's surface above the paper (the face z = H) at (x, y): the binder fills
+    /// H − height ≤ z ≤ H between the grains, and vacuum the rest. Without relief it is H everywhere.
+    pub fn surface_height_um(&self, x_um: f64, y_um: f64) -> f64 {
+        self.relief.as_ref().map_or(self.thickness_um, |r| r.height_um(x_um, y_um))
+    }
+
+    /// The same surface as a coordinate: z = H − height.
+    pub fn surface_z_um(&self, x_um: f64, y_um: f64) -> f64 {
+        self.thickness_um - self.surface_height_um(x_um, y_um)
+    }
+}

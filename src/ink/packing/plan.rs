@@ -1,0 +1,253 @@
+//! The list of rigid bodies to be placed: how many grains, how large, glued to which.
+
+use super::placed::{Share, Sphere};
+use super::request::{PackingRequest, PigmentGrains, ShareRule};
+use crate::ink::error::PackError;
+use crate::ink::grains::agglomeration;
+use crate::ink::grains::agglomeration::Agglomeration;
+use crate::ink::grains::orientation::Field;
+use crate::ink::grains::shape::Template;
+use crate::ink::relief;
+use crate::numerics::Draws;
+use crate::numerics::vector::{V3, norm, scale};
+use std::ops::Range;
+
+/// A rigid body in its own frame: one grain, or the grains of one agglomerate.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub pigment: usize,
+    pub spheres: Vec<Sphere>,
+    pub parts: Vec<Part>,
+    /// Radius of the sphere about the origin that holds the body.
+    pub reach: f64,
+}
+
+/// One grain of a body.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub spheres: Range<usize>,
+    pub axis: V3,
+    pub volume_um3: f64,
+}
+
+/// Everything the packing methods need to know about the request.
+pub(crate) struct Plan {
+    pub bodies: Vec<Body>,
+    pub fields: Vec<Option<Field>>,
+    pub shares: Vec<Share>,
+    /// Cell volume, µm³.
+    pub box_um3: f64,
+}
+
+impl Plan {
+    /// Checks the request and draws the grains.
+    pub fn new(request: &PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
+        request.check()?;
+        let [lx, ly] = request.period_um;
+        let dry = request
+            .relief
+            .as_ref()
+            .map_or(request.thickness_um, |r| relief::dry_height_um(r, request.thickness_um));
+        let mut bodies = Vec::new();
+        let mut shares = Vec::new();
+        for (k, pigment) in request.pigments.iter().enumerate() {
+            let template = pigment.shape.template();
+            check_size(request, k, pigment, &template)?;
+            let (sizes, share) = draw_sizes(pigment, &template, lx * ly * dry, draws)?;
+            let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
+            bodies.extend(group(k, request, grains, &template, draws)?);
+            shares.push(share);
+        }
+        let fields = request.pigments.iter().map(|p| p.orientation.field()).collect();
+        Ok(Self { bodies, fields, shares, box_um3: lx * ly * request.thickness_um })
+    }
+
+    /// The same cell with fewer bodies.
+    pub fn subset(&self, kept: &[usize]) -> Self {
+        let bodies = kept.iter().map(|b| self.bodies[*b].clone()).collect();
+        Self { bodies, fields: self.fields.clone(), shares: self.shares.clone(), box_um3: self.box_um3 }
+    }
+
+    pub fn grains(&self) -> usize {
+        self.bodies.iter().map(|b| b.parts.len()).sum()
+    }
+
+    /// Pigment volume over cell volume when every grain is in place.
+    pub fn fraction(&self) -> f64 {
+        self.bodies.iter().map(Body::volume_um3).sum::<f64>() / self.box_um3
+    }
+}
+
+impl Body {
+    pub fn volume_um3(&self) -> f64 {
+        self.parts.iter().map(|p| p.volume_um3).sum()
+    }
+
+    pub fn single_sphere(&self) -> bool {
+        self.spheres.len() == 1 && self.spheres[0].center_um == [0.0; 3]
+    }
+}
+
+/// The widest body the cell can hold: half of the shortest period.
+fn widest(request: &PackingRequest) -> f64 {
+    let lateral = 0.5 * request.period_um[0].min(request.period_um[1]);
+    if request.walls { lateral } else { lateral.min(0.5 * request.thickness_um) }
+}
+
+fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Template) -> Result<(), PackError> {
+    let radius = p.size.radius_um(p.size.largest_nm(), t);
+    let field = format!("pigment[{k}].size");
+    let extent = 2.0 * radius * reach(&t.spheres);
+    if extent > widest(request) {
+        let found = format!("{:.1} nm across for the largest grain", 1e3 * extent);
+        let allowed = format!("at most half the period, {:.1} nm", 1e3 * widest(request));
+        return Err(PackError::input(field, found, allowed, "widen period_um or take smaller grains"));
+    }
+    if request.walls && radius * thinnest(&t.spheres) > request.thickness_um {
+        let found = format!("{:.1} nm thick for the largest grain", 1e3 * radius * thinnest(&t.spheres));
+        let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
+        return Err(PackError::input(field, found, allowed, "thicken the layer or take smaller grains"));
+    }
+    Ok(())
+}
+
+fn reach(spheres: &[Sphere]) -> f64 {
+    spheres.iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
+}
+
+/// The smallest extent among the directions of a fine half sphere: what a wall can ask for.
+fn thinnest(spheres: &[Sphere]) -> f64 {
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let directions = (0..400).map(|i| {
+        let z = (i as f64 + 0.5) / 400.0;
+        let (s, c) = (golden * i as f64).sin_cos();
+        let planar = (1.0 - z * z).sqrt();
+        [planar * c, planar * s, z]
+    });
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let extent = |n: V3| {
+        let end = |sign: f64| {
+            spheres.iter().map(move |s| sign * crate::numerics::vector::dot(s.center_um, n) + s.radius_um)
+        };
+        end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max)
+    };
+    directions.chain(axes).map(extent).fold(f64::MAX, f64::min)
+}
+
+fn grain(template: &Template, radius: f64) -> Body {
+    let spheres: Vec<Sphere> = template
+        .spheres
+        .iter()
+        .map(|s| Sphere { center_um: scale(s.center_um, radius), radius_um: s.radius_um * radius })
+        .collect();
+    let volume_um3 = template.volume.um3 * radius.powi(3);
+    let part = Part { spheres: 0..spheres.len(), axis: [0.0, 0.0, 1.0], volume_um3 };
+    Body { pigment: 0, reach: reach(&spheres), spheres, parts: vec![part] }
+}
+
+/// More grains than this are a slip in the units.
+const MOST_GRAINS: usize = 5_000_000;
+
+/// Thickest radii of the grains whose volumes come nearest to the share of `volume`.
+fn draw_sizes(
+    pigment: &PigmentGrains,
+    template: &Template,
+    volume: f64,
+    draws: &mut Draws,
+) -> Result<(Vec<f64>, Share), PackError> {
+    let target = pigment.volume_fraction * volume;
+    let mut radii: Vec<f64> = Vec::new();
+    let mut sum = 0.0;
+    while sum < target {
+        let radius = pigment.size.radius_um(pigment.size.draw_nm(draws), template);
+        let own = template.volume.um3 * radius.powi(3);
+        if sum + own - target > target - sum {
+            break;
+        }
+        radii.push(radius);
+        sum += own;
+        if radii.len() > MOST_GRAINS {
+            let allowed = format!("at most {MOST_GRAINS} grains in the cell");
+            let advice = "check the units of size and period";
+            return Err(PackError::input("pigment.size", format!("radius {radius} µm"), allowed, advice));
+        }
+    }
+    let scaled = pigment.share == ShareRule::ScaleSizes && sum > 0.0;
+    let size_factor = if scaled { (target / sum).cbrt() } else { 1.0 };
+    radii.iter_mut().for_each(|r| *r *= size_factor);
+    let achieved_fraction = sum * size_factor.powi(3) / volume;
+    let fraction_error = achieved_fraction * template.volume.error_um3 / template.volume.um3;
+    let grains = radii.len();
+    let requested_fraction = pigment.volume_fraction;
+    Ok((radii, Share { requested_fraction, achieved_fraction, fraction_error, grains, size_factor }))
+}
+
+/// Glues the stated share of the grains into agglomerates, in the order in which they were drawn.
+fn group(
+    k: usize,
+    request: &PackingRequest,
+    mut grains: Vec<Body>,
+    template: &Template,
+    draws: &mut Draws,
+) -> Result<Vec<Body>, PackError> {
+    grains.iter_mut().for_each(|g| g.pigment = k);
+    let Some(rule) = &request.pigments[k].agglomeration else { return Ok(grains) };
+    let sticky = (rule.degree * grains.len() as f64).round() as usize;
+    let mut bodies = grains.split_off(sticky);
+    let mut left = grains.as_slice();
+    while !left.is_empty() {
+        let n = rule.draw_count(draws).min(left.len());
+        bodies.push(agglomerate(k, request, &left[..n], template, draws)?);
+        left = &left[n..];
+    }
+    Ok(bodies)
+}
+
+/// Draws of one agglomerate before it counts as too large.
+const DRAWS_OF_AGGLOMERATE: usize = 200;
+
+fn agglomerate(
+    k: usize,
+    request: &PackingRequest,
+    grains: &[Body],
+    template: &Template,
+    draws: &mut Draws,
+) -> Result<Body, PackError> {
+    let members: Vec<Vec<Sphere>> = grains.iter().map(|g| g.spheres.clone()).collect();
+    let mut best = f64::MAX;
+    for _ in 0..DRAWS_OF_AGGLOMERATE {
+        let glued = agglomeration::glue(&members, draws);
+        let body = joined(k, grains, glued, template);
+        let thick = if request.walls { thinnest(&body.spheres) } else { 0.0 };
+        if 2.0 * body.reach <= widest(request) && thick <= request.thickness_um {
+            return Ok(body);
+        }
+        best = best.min(2.0 * body.reach);
+    }
+    Err(agglomeration::too_large(k, grains.len(), best, widest(request).min(request.thickness_um)))
+}
+
+fn joined(k: usize, grains: &[Body], glued: Vec<agglomeration::Placed>, template: &Template) -> Body {
+    let mut spheres: Vec<Sphere> = Vec::new();
+    let mut parts = Vec::new();
+    for (grain, placed) in grains.iter().zip(glued) {
+        let start = spheres.len();
+        spheres.extend(placed.spheres);
+        let volume_um3 = grain.volume_um3();
+        let axis = if template.spheres.len() == 1 { [0.0, 0.0, 1.0] } else { placed.axis };
+        parts.push(Part { spheres: start..spheres.len(), axis, volume_um3 });
+    }
+    let total: f64 = spheres.iter().map(|s| s.radius_um.powi(3)).sum();
+    let centre = spheres.iter().fold([0.0; 3], |c, s| {
+        crate::numerics::vector::add(c, scale(s.center_um, s.radius_um.powi(3) / total))
+    });
+    spheres.iter_mut().for_each(|s| s.center_um = crate::numerics::vector::sub(s.center_um, centre));
+    Body { pigment: k, reach: reach(&spheres), spheres, parts }
+}
+
+impl Agglomeration {
+    /// Agglomerates of exactly `grains` grains.
+    pub fn of(grains: usize, degree: f64) -> Self {
+        Self { degree, grains: agglomeration::GrainCount::Constant(grains) }
+    }
+}

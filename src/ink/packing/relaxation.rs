@@ -1,0 +1,456 @@
+//! Relaxation of overlaps (P1 section 3): elastic repulsion, motion without inertia, Euler steps.
+//!
+//! Overlapping spheres push each other apart with F = L, L = (1 + ε)(R₁ + R₂) − distance; a wall acts like the
+//! mirror image of the sphere. Bodies follow μ v = F, J ω = M = Σ rᵢ × Fᵢ. Only bodies on the moving list are
+//! looked at; whoever is pushed joins it. A batch ends when the true overlap (ε = 0) is gone.
+
+use super::bodies::Bodies;
+use super::fewer;
+use super::neighbours::Neighbours;
+use super::plan::Plan;
+use super::request::RelaxationSettings;
+use super::sequential::{MARGIN, scatter};
+use super::watch::{PackProgress, PackWatch};
+use crate::ink::error::PackError;
+use crate::ink::grains::orientation::Field;
+use crate::numerics::Draws;
+use crate::numerics::vector::{Rotation, V3, add, cross, dot, norm, scale, sub};
+use std::ops::ControlFlow;
+
+/// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed length (the
+/// time of 10 × 10 × 1 µm cases is flat between 0.7 and 1.0).
+const SKIN_RADII: f64 = 0.9;
+/// Steps between two looks at whether the energy still falls.
+const PATIENCE: u64 = 400;
+/// Inflation below which a stalled relaxation is given up.
+const LEAST_INFLATION: f64 = 2e-4;
+/// Steps after which hooked clusters are looked for, the part of the bodies that counts as few, and how often.
+const TANGLE_PATIENCE: u64 = 50;
+const FEW: f64 = 0.02;
+const MOST_THROWS: u64 = 100;
+const REPORT: u64 = 20;
+
+/// What one evaluation of the forces found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Found {
+    pub energy: f64,
+    pub overlap: f64,
+    pub relative: f64,
+}
+
+/// Places every body of the plan; returns the number of steps.
+pub(crate) fn relax_all(
+    bodies: &mut Bodies,
+    plan: &Plan,
+    settings: &RelaxationSettings,
+    draws: &mut Draws,
+    watch: &mut dyn PackWatch,
+) -> Result<u64, PackError> {
+    let mut relaxation = Relaxation::new(bodies, plan, settings);
+    let batches = settings.batches.min(plan.bodies.len().max(1));
+    for batch in 1..=batches {
+        relaxation.insert(plan.bodies.len() * batch / batches, draws);
+        relaxation.run(draws, watch)?;
+    }
+    Ok(relaxation.steps)
+}
+
+pub(crate) struct Relaxation<'r, 'a> {
+    bodies: &'r mut Bodies<'a>,
+    plan: &'r Plan,
+    settings: &'r RelaxationSettings,
+    list: Neighbours,
+    moving: Vec<u32>,
+    moves: Vec<bool>,
+    loads: Loads,
+    /// Largest step of each body.
+    limit: Vec<f64>,
+    pub inflation: f64,
+    step: f64,
+    steps: u64,
+    batch_start: u64,
+    /// Whether any body has more than one sphere.
+    clusters: bool,
+    thrown_again: u64,
+    /// Step at which the neighbour lists were made last.
+    listed: u64,
+    mean_radius: f64,
+}
+
+impl<'r, 'a> Relaxation<'r, 'a> {
+    pub fn new(bodies: &'r mut Bodies<'a>, plan: &'r Plan, settings: &'r RelaxationSettings) -> Self {
+        let n = plan.bodies.len();
+        let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
+        let thinnest = |b: &super::plan::Body| b.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
+        let arm2 = |b: &super::plan::Body| {
+            b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max)
+        };
+        let limit = plan.bodies.iter().map(|b| settings.step_limit_radii * thinnest(b)).collect();
+        let inertia = plan.bodies.iter().map(|b| settings.rotational_viscosity * arm2(b)).collect();
+        Self {
+            list: Neighbours::new(bodies, settings.inflation, SKIN_RADII * mean),
+            bodies,
+            plan,
+            settings,
+            moving: Vec::new(),
+            moves: vec![false; n],
+            loads: Loads::new(inertia),
+            limit,
+            inflation: settings.inflation,
+            step: settings.step,
+            steps: 0,
+            batch_start: 0,
+            clusters: plan.bodies.iter().any(|b| !b.single_sphere()),
+            thrown_again: 0,
+            listed: 0,
+            mean_radius: mean,
+        }
+    }
+
+    /// Throws bodies in at random until `upto` of them are in the cell; all of them move.
+    fn insert(&mut self, upto: usize, draws: &mut Draws) {
+        self.rest();
+        let places = scattered(self.bodies, upto - self.bodies.placed, draws);
+        for (b, place) in (self.bodies.placed..upto).zip(places) {
+            let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
+            scatter(self.bodies, b, place, field, draws);
+            self.moves[b] = true;
+            self.moving.push(b as u32);
+        }
+        self.bodies.placed = upto;
+        self.batch_start = self.steps;
+        self.inflation = self.settings.inflation;
+        self.step = self.settings.step;
+        self.list.remake(self.bodies, self.inflation);
+    }
+
+    /// Forgets the forces of the last look; bodies still in (inflated) contact stay on the moving list.
+    fn rest(&mut self) {
+        self.moves.fill(false);
+        for b in self.loads.joined.iter().map(|b| *b as usize) {
+            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
+            (self.loads.touched[b], self.moves[b]) = (false, true);
+        }
+        self.moving = std::mem::take(&mut self.loads.joined);
+    }
+
+    fn run(&mut self, draws: &mut Draws, watch: &mut dyn PackWatch) -> Result<(), PackError> {
+        let limit = self.settings.max_steps.saturating_sub(self.steps);
+        match self.settle(limit, draws, watch)? {
+            None => Ok(()),
+            Some(left) => Err(self.not_reached(&left, draws, watch)),
+        }
+    }
+
+    /// Steps until no overlap is left (`None`) or until it stalls or the limit is met (what is left).
+    pub fn settle(
+        &mut self,
+        limit: u64,
+        draws: &mut Draws,
+        watch: &mut dyn PackWatch,
+    ) -> Result<Option<Found>, PackError> {
+        let start = self.steps;
+        let (mut before, mut milestone, mut mark) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        loop {
+            let found = self.forces(draws);
+            if found.overlap <= 0.0 {
+                return Ok(None);
+            }
+            if self.steps.is_multiple_of(REPORT) {
+                self.report(&found, watch)?;
+            }
+            if self.steps - start >= limit {
+                return Ok(Some(found));
+            }
+            if (self.steps - self.batch_start + 1).is_multiple_of(PATIENCE) {
+                if found.energy > 0.8 * milestone && !self.deflate() {
+                    return Ok(Some(found));
+                }
+                milestone = found.energy;
+            }
+            if self.clusters && (self.steps - self.batch_start + 1).is_multiple_of(TANGLE_PATIENCE) {
+                if found.energy > 0.5 * mark {
+                    self.untangle(draws);
+                }
+                mark = found.energy;
+            }
+            let factor = if found.energy > before { 0.7 } else { 1.03 };
+            self.step = (factor * self.step).clamp(0.05, self.settings.step);
+            before = found.energy;
+            self.advance();
+            self.steps += 1;
+        }
+    }
+
+    /// Clusters can hook into each other, and no push parts them: when only a few bodies still overlap and do not
+    /// come free, they are thrown in anew.
+    fn untangle(&mut self, draws: &mut Draws) {
+        let strain = fewer::strain(self.bodies);
+        let hooked: Vec<usize> = (0..strain.len()).filter(|b| strain[*b] > 0.0).collect();
+        let few = (FEW * strain.len() as f64).max(4.0) as usize;
+        if hooked.len() > few || self.thrown_again >= MOST_THROWS {
+            return;
+        }
+        self.thrown_again += 1;
+        let size = self.bodies.cell.size;
+        for b in hooked {
+            let place = std::array::from_fn(|a| draws.between(0.0, size[a]));
+            let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
+            scatter(self.bodies, b, place, field, draws);
+            self.loads.touch(b);
+            if !self.moves[b] {
+                self.moves[b] = true;
+                self.moving.push(b as u32);
+            }
+        }
+        // Forces found for the old places must not move the bodies in their new ones.
+        for k in 0..self.loads.joined.len() {
+            let b = self.loads.joined[k] as usize;
+            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
+        }
+        self.list.remake(self.bodies, self.inflation);
+    }
+
+    /// Halves the inflation of a stalled relaxation; false when that has been tried to the end.
+    fn deflate(&mut self) -> bool {
+        self.inflation *= 0.5;
+        self.inflation >= LEAST_INFLATION
+    }
+
+    /// Forces and torques on the bodies of the moving list and on those they push.
+    fn forces(&mut self, draws: &mut Draws) -> Found {
+        let mut found = Found::default();
+        for k in 0..self.moving.len() {
+            let b = self.moving[k] as usize;
+            for s in self.bodies.first[b]..self.bodies.first[b + 1] {
+                self.wall(b, s, &mut found);
+                self.pairs(b, s, &mut found, draws);
+            }
+        }
+        found
+    }
+
+    fn pairs(&mut self, b: usize, s: usize, found: &mut Found, draws: &mut Draws) {
+        let bodies = &*self.bodies;
+        let (p, r, wider) = (bodies.at[s], bodies.radius[s], 1.0 + self.inflation);
+        let mut push = [0.0; 3];
+        let mut pushed = false;
+        for t in self.list.of(s).iter().map(|t| *t as usize) {
+            let d = bodies.cell.delta(p, bodies.at[t]);
+            let sum = r + bodies.radius[t];
+            let reach = sum * wider;
+            let d2 = dot(d, d);
+            if d2 >= reach * reach {
+                continue;
+            }
+            let other = bodies.owner[t] as usize;
+            if other < b && self.moves[other] {
+                continue; // met from the other side
+            }
+            let distance = d2.sqrt();
+            let depth = reach - distance;
+            // Coincident centres have no line of action: any direction will do.
+            let away = if distance > 1e-9 * sum {
+                scale(d, depth / distance)
+            } else {
+                scale(draws.direction(), depth)
+            };
+            push = sub(push, away);
+            pushed = true;
+            self.loads.act(other, bodies.arm[t], away);
+            found.hear(0.5 * depth * depth, sum * (1.0 + MARGIN) - distance, sum);
+        }
+        if pushed {
+            self.loads.act(b, bodies.arm[s], push);
+        }
+    }
+
+    /// A wall repels like the sphere's own image behind it: L = 2 (R (1 + ε) − distance to the wall).
+    fn wall(&mut self, b: usize, s: usize, found: &mut Found) {
+        if !self.bodies.cell.walls {
+            return;
+        }
+        let (z, r, top) = (self.bodies.at[s][2], self.bodies.radius[s], self.bodies.cell.size[2]);
+        for (distance, sign) in [(z, 1.0), (top - z, -1.0)] {
+            let depth = r * (1.0 + self.inflation) - distance;
+            if depth > 0.0 {
+                self.loads.act(b, self.bodies.arm[s], [0.0, 0.0, sign * 2.0 * depth]);
+                let margin = MARGIN * (r + top);
+                found.hear(depth * depth, r + margin - distance, r);
+            }
+        }
+    }
+
+    /// One Euler step of every touched body, which then form the new moving list.
+    fn advance(&mut self) {
+        let h = self.step / self.settings.translational_viscosity;
+        let ramp = self.ramp();
+        let aligning = self.aligning(ramp);
+        let mut outrun = false;
+        for k in 0..self.loads.joined.len() {
+            let b = self.loads.joined[k] as usize;
+            self.loads.touched[b] = false;
+            let force = std::mem::take(&mut self.loads.force[b]);
+            let torque = std::mem::take(&mut self.loads.torque[b]);
+            let mut by = scale(force, h);
+            let mut turn = [0.0; 3];
+            if self.loads.inertia[b] > 0.0 {
+                turn = add(scale(torque, h / self.loads.inertia[b]), self.alignment(b, ramp, &aligning));
+            }
+            let reach = self.plan.bodies[b].reach;
+            let length = norm(by) + norm(turn) * reach;
+            if length > self.limit[b] {
+                by = scale(by, self.limit[b] / length);
+                turn = scale(turn, self.limit[b] / length);
+            }
+            let centre = add(self.bodies.centre[b], by);
+            if turn == [0.0; 3] {
+                self.bodies.shift(b, centre);
+            } else {
+                self.bodies.put(b, centre, self.bodies.rotation[b].then(Rotation::by(turn)));
+            }
+            let range = self.bodies.first[b]..self.bodies.first[b + 1];
+            outrun |= range.into_iter().any(|s| self.list.outrun(&self.bodies.cell, s, self.bodies.at[s]));
+        }
+        self.moving.iter().for_each(|b| self.moves[*b as usize] = false);
+        self.loads.joined.iter().for_each(|b| self.moves[*b as usize] = true);
+        std::mem::swap(&mut self.moving, &mut self.loads.joined);
+        self.loads.joined.clear();
+        if outrun {
+            self.list.adapt(self.steps - self.listed, self.mean_radius);
+            self.list.remake(self.bodies, self.inflation);
+            self.listed = self.steps;
+        }
+    }
+
+    /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.
+    fn ramp(&self) -> f64 {
+        let steps = self.settings.aligning_steps as f64;
+        if steps > 0.0 { (1.0 - (self.steps - self.batch_start) as f64 / steps).max(0.0) } else { 0.0 }
+    }
+
+    /// Pigments whose order still falls short of what their field asks for.
+    fn aligning(&self, ramp: f64) -> Vec<bool> {
+        let falls_short = |(pigment, field): (usize, &Option<Field>)| {
+            let Some(field) = field.filter(|f| ramp > 0.0 && f.kappa != 0.0) else { return false };
+            let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
+            let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
+            let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));
+            n > 0.0 && field.wants_more(sum / n)
+        };
+        self.plan.fields.iter().enumerate().map(falls_short).collect()
+    }
+
+    /// The turn that the aligning field adds to a step.
+    fn alignment(&self, b: usize, ramp: f64, aligning: &[bool]) -> V3 {
+        let body = &self.plan.bodies[b];
+        match &self.plan.fields[body.pigment] {
+            Some(field) if aligning[body.pigment] => {
+                let torque = scale(field.torque(self.bodies.axes(b)), 1.0 / body.parts.len() as f64);
+                // At 45° the torque is ½.
+                scale(torque, 2.0 * ramp * self.settings.aligning_deg_per_step.to_radians())
+            }
+            _ => [0.0; 3],
+        }
+    }
+
+    fn report(&self, found: &Found, watch: &mut dyn PackWatch) -> Result<(), PackError> {
+        let placed = &self.plan.bodies[..self.bodies.placed];
+        let progress = PackProgress {
+            stage: "relaxation",
+            step: self.steps,
+            grains_placed: placed.iter().map(|b| b.parts.len()).sum(),
+            grains_wanted: self.plan.grains(),
+            fraction: placed.iter().map(|b| b.volume_um3()).sum::<f64>() / self.plan.box_um3,
+            overlap_energy: found.energy,
+            largest_overlap_um: found.overlap,
+        };
+        match watch.progress(&progress) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(PackError::Stopped { stage: progress.stage, steps: self.steps }),
+        }
+    }
+
+    fn not_reached(&self, found: &Found, draws: &mut Draws, watch: &mut dyn PackWatch) -> PackError {
+        let fewer = match fewer::fit_fewer(self.bodies, self.plan, self.settings, draws, watch) {
+            Ok(fewer) => fewer,
+            Err(stopped) => return stopped,
+        };
+        PackError::NotReached {
+            requested: self.plan.fraction(),
+            reached: fewer.iter().map(|b| self.plan.bodies[*b].volume_um3()).sum::<f64>() / self.plan.box_um3,
+            placed: fewer.iter().map(|b| self.plan.bodies[*b].parts.len()).sum(),
+            wanted: self.plan.grains(),
+            steps: self.steps,
+            largest_overlap_um: found.overlap,
+            relative_overlap: found.relative,
+            advice: "lower the volume fraction to what was reached, take smaller grains or a thicker layer (walls \
+                     cost density), or allow more relaxation.max_steps"
+                .into(),
+        }
+    }
+
+    /// Bodies in place, all of them moving.
+    pub fn start_all(&mut self) {
+        self.moving = (0..self.bodies.placed as u32).collect();
+        self.moves.fill(true);
+        self.batch_start = self.steps;
+        self.list.remake(self.bodies, self.inflation);
+    }
+}
+
+/// Uniform places in the cell, sorted by region so that neighbours in space are neighbours in memory. (The
+/// bodies are shuffled, hence each still gets a uniform place.)
+fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
+    let size = bodies.cell.size;
+    let mut places: Vec<V3> = (0..n).map(|_| std::array::from_fn(|a| draws.between(0.0, size[a]))).collect();
+    let side = (bodies.cell.size.iter().product::<f64>() / n.max(1) as f64).cbrt() * 2.0;
+    let region = |p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64);
+    places.sort_by_cached_key(region);
+    places
+}
+
+/// Forces and torques of one step, and the bodies that feel any.
+struct Loads {
+    force: Vec<V3>,
+    torque: Vec<V3>,
+    touched: Vec<bool>,
+    joined: Vec<u32>,
+    /// The squared arm that stands for J/μ; zero for single spheres.
+    inertia: Vec<f64>,
+}
+
+impl Loads {
+    fn new(inertia: Vec<f64>) -> Self {
+        let n = inertia.len();
+        let (force, torque) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+        Self { force, torque, touched: vec![false; n], joined: Vec::new(), inertia }
+    }
+
+    /// Adds a force at an arm from the centre of body b.
+    #[inline(always)]
+    fn act(&mut self, b: usize, arm: V3, force: V3) {
+        self.force[b] = add(self.force[b], force);
+        if self.inertia[b] > 0.0 {
+            self.torque[b] = add(self.torque[b], cross(arm, force));
+        }
+        self.touch(b);
+    }
+
+    #[inline(always)]
+    fn touch(&mut self, b: usize) {
+        if !self.touched[b] {
+            self.touched[b] = true;
+            self.joined.push(b as u32);
+        }
+    }
+}
+
+impl Found {
+    #[inline(always)]
+    fn hear(&mut self, energy: f64, overlap: f64, sum: f64) {
+        self.energy += energy;
+        self.overlap = self.overlap.max(overlap);
+        self.relative = self.relative.max(overlap / sum);
+    }
+}

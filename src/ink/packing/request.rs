@@ -1,0 +1,243 @@
+//! What is asked of a packing: the cell, the pigments and the way to pack them.
+
+use crate::ink::error::PackError;
+use crate::ink::grains::agglomeration::Agglomeration;
+use crate::ink::grains::orientation::Orientation;
+use crate::ink::grains::shape::Shape;
+use crate::ink::grains::size::SizeDistribution;
+use crate::ink::relief::ReliefRequest;
+use serde::{Deserialize, Serialize};
+
+/// A packing to be made; see [`super::pack`]. All lengths as their names say.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PackingRequest {
+    pub period_um: [f64; 2],
+    pub thickness_um: f64,
+    pub pigments: Vec<PigmentGrains>,
+    pub method: MethodChoice,
+    /// Hard walls at z = 0 and z = H; false makes the cell periodic in z too.
+    pub walls: bool,
+    pub seed: u64,
+    /// Number of the realisation: an independent stream of the same seed.
+    pub stream: u64,
+    pub sequential: SequentialSettings,
+    pub relaxation: RelaxationSettings,
+    /// Hard-body Monte Carlo after the packing, if asked.
+    pub equilibration: Option<EquilibrationSettings>,
+    /// A binder surface below the tops of the grains, if asked.
+    pub relief: Option<ReliefRequest>,
+}
+
+impl Default for PackingRequest {
+    fn default() -> Self {
+        Self {
+            period_um: [10.0, 10.0],
+            thickness_um: 1.0,
+            pigments: Vec::new(),
+            method: MethodChoice::Auto,
+            walls: true,
+            seed: 1,
+            stream: 0,
+            sequential: SequentialSettings::default(),
+            relaxation: RelaxationSettings::default(),
+            equilibration: None,
+            relief: None,
+        }
+    }
+}
+
+/// The grains of one pigment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PigmentGrains {
+    #[serde(default)]
+    pub shape: Shape,
+    pub size: SizeDistribution,
+    /// Union volume of the grains over the volume of the layer (with relief: over the dry volume, see
+    /// [`crate::ink::Relief`]).
+    pub volume_fraction: f64,
+    #[serde(default)]
+    pub orientation: Orientation,
+    #[serde(default)]
+    pub agglomeration: Option<Agglomeration>,
+    #[serde(default)]
+    pub share: ShareRule,
+}
+
+impl PigmentGrains {
+    /// Spheres of one diameter.
+    pub fn spheres(diameter_nm: f64, volume_fraction: f64) -> Self {
+        Self::of(Shape::Sphere, diameter_nm, volume_fraction)
+    }
+
+    /// Grains of one shape and one effective diameter.
+    pub fn of(shape: Shape, effective_diameter_nm: f64, volume_fraction: f64) -> Self {
+        Self {
+            shape,
+            size: SizeDistribution::diameter_nm(effective_diameter_nm),
+            volume_fraction,
+            orientation: Orientation::Random,
+            agglomeration: None,
+            share: ShareRule::NearestGrain,
+        }
+    }
+}
+
+/// How whole grains meet a volume share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShareRule {
+    /// The number of grains whose volume comes nearest; the remainder is stated.
+    #[default]
+    NearestGrain,
+    /// The same number, and all sizes multiplied by the factor that makes the share exact (stated too).
+    ScaleSizes,
+}
+
+/// The method to use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodChoice {
+    /// Sequential addition up to [`AUTO_LIMIT`] of the volume open to grains, relaxation above.
+    #[default]
+    Auto,
+    SequentialAddition,
+    Relaxation,
+}
+
+/// P1 section 3 calls < 30 % dilute for spheres; elongated grains block earlier, hence the margin.
+pub const AUTO_LIMIT: f64 = 0.22;
+
+/// Limits of random sequential addition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SequentialSettings {
+    /// Attempts for one grain before the packing counts as blocked.
+    pub attempts_per_grain: u64,
+}
+
+impl Default for SequentialSettings {
+    fn default() -> Self {
+        Self { attempts_per_grain: 200_000 }
+    }
+}
+
+/// Relaxation of overlaps (P1 section 3), first-order dynamics μ v = F, J ω = M with Euler steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RelaxationSettings {
+    /// Part of an overlap that each of two free spheres gives way in one step: time step × stiffness / μ.
+    pub step: f64,
+    /// Largest displacement of a sphere in one step, in radii (P1: 0.2).
+    pub step_limit_radii: f64,
+    /// Forces already act at this relative distance before contact.
+    pub inflation: f64,
+    /// Grains are added in this many equal batches, each relaxed before the next.
+    pub batches: usize,
+    pub max_steps: u64,
+    /// Viscosity of translation, μ, relative to the time scale of `step`.
+    pub translational_viscosity: f64,
+    /// Viscosity of rotation, J, relative to μ times the square of the grain's longest arm.
+    pub rotational_viscosity: f64,
+    /// Aligning torque at the start of a batch: degrees per step of a freely turning grain at 45° to the field.
+    pub aligning_deg_per_step: f64,
+    /// Steps over which that torque ramps down to zero.
+    pub aligning_steps: u64,
+}
+
+impl Default for RelaxationSettings {
+    fn default() -> Self {
+        Self {
+            step: 0.5,
+            step_limit_radii: 0.2,
+            inflation: 0.005,
+            batches: 1,
+            max_steps: 20_000,
+            translational_viscosity: 1.0,
+            rotational_viscosity: 2.0,
+            aligning_deg_per_step: 3.0,
+            aligning_steps: 100,
+        }
+    }
+}
+
+/// Hard-body Monte Carlo after the packing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EquilibrationSettings {
+    /// One sweep tries one move per grain. Spheres at 30 % need about 200, at 50 % about 2500.
+    pub sweeps: u64,
+}
+
+impl PackingRequest {
+    /// Checks every number that can be judged before a grain is drawn.
+    pub fn check(&self) -> Result<(), PackError> {
+        let lengths = [self.period_um[0], self.period_um[1], self.thickness_um];
+        if lengths.iter().any(|l| !(l.is_finite() && *l > 0.0)) {
+            let found = format!("{lengths:?} µm");
+            return Err(PackError::input(
+                "period_um and thickness_um",
+                found,
+                "finite, above 0",
+                "set the cell",
+            ));
+        }
+        let total: f64 = self.pigments.iter().map(|p| p.volume_fraction).sum();
+        for (k, pigment) in self.pigments.iter().enumerate() {
+            check_pigment(k, pigment)?;
+        }
+        if total > FCC {
+            let allowed = "a sum of at most 0.74 (the densest packing of equal spheres)";
+            return Err(PackError::input("sum of volume_fraction", total, allowed, "lower the shares"));
+        }
+        self.relaxation.check()?;
+        self.relief.iter().try_for_each(|r| r.check(self.thickness_um, self.walls))
+    }
+}
+
+/// π/√18.
+const FCC: f64 = 0.740_480_489_693_061;
+
+fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
+    let share = pigment.volume_fraction;
+    if !(share.is_finite() && (0.0..=1.0).contains(&share)) {
+        let field = format!("pigment[{k}].volume_fraction");
+        return Err(PackError::input(
+            field,
+            share,
+            "0 to 1",
+            "give the share of the layer's volume, not percent",
+        ));
+    }
+    let agglomeration = pigment.agglomeration.as_ref().and_then(Agglomeration::defect);
+    let defects =
+        [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
+    match defects.into_iter().flatten().next() {
+        None => Ok(()),
+        Some((field, found, allowed)) => {
+            Err(PackError::input(format!("pigment[{k}].{field}"), found, allowed, "correct this entry"))
+        }
+    }
+}
+
+impl RelaxationSettings {
+    fn check(&self) -> Result<(), PackError> {
+        let ranges = [
+            ("relaxation.step", self.step, 0.01, 1.0),
+            ("relaxation.step_limit_radii", self.step_limit_radii, 0.001, 1.0),
+            ("relaxation.inflation", self.inflation, 1e-6, 0.05),
+            ("relaxation.batches", self.batches as f64, 1.0, 1000.0),
+            ("relaxation.max_steps", self.max_steps as f64, 1.0, 1e9),
+            ("relaxation.translational_viscosity", self.translational_viscosity, 0.1, 100.0),
+            ("relaxation.rotational_viscosity", self.rotational_viscosity, 0.1, 100.0),
+            ("relaxation.aligning_deg_per_step", self.aligning_deg_per_step, 0.0, 20.0),
+        ];
+        match ranges.into_iter().find(|(_, v, low, high)| !(low..=high).contains(&v)) {
+            None => Ok(()),
+            Some((field, v, low, high)) => {
+                Err(PackError::input(field, v, format!("{low} to {high}"), "leave it out for the default"))
+            }
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Random sequential addition (P1 section 3, the dilute case): a grain that overlaps is thrown again.
+
+use super::bodies::{Bodies, Cell};
+use super::buckets::Buckets;
+use super::plan::Plan;
+use super::watch::{PackProgress, PackWatch};
+use crate::ink::error::PackError;
+use crate::ink::grains::orientation::{Field, draw_rotation};
+use crate::numerics::Draws;
+use crate::numerics::vector::{Rotation, V3, dot};
+
+/// Gaps below this share of the radii's sum count as overlap, so that rounding cannot spoil the final proof.
+pub(crate) const MARGIN: f64 = 1e-10;
+
+/// Attempts between two reports to the watch.
+const REPORT: u64 = 100_000;
+
+/// Places every body of the plan, in its order; returns the number of attempts.
+pub(crate) fn add_all(
+    bodies: &mut Bodies,
+    plan: &Plan,
+    attempts_per_grain: u64,
+    draws: &mut Draws,
+    watch: &mut dyn PackWatch,
+) -> Result<u64, PackError> {
+    let widest = bodies.radius.iter().copied().fold(0.0, f64::max);
+    let mut grid = Buckets::new(&bodies.cell, 2.0 * widest * (1.0 + 1e-6), bodies.radius.len());
+    let mut attempts = 0;
+    let mut volume = 0.0;
+    for b in 0..plan.bodies.len() {
+        let limit = attempts + attempts_per_grain;
+        loop {
+            attempts += 1;
+            let field = plan.fields[plan.bodies[b].pigment].as_ref();
+            if throw(bodies, &grid, b, field, draws) {
+                break;
+            }
+            if attempts % REPORT == 0 {
+                report(bodies, plan, attempts, volume, watch)?;
+            }
+            if attempts >= limit {
+                return Err(blocked(bodies, plan, attempts, volume));
+            }
+        }
+        (bodies.first[b]..bodies.first[b + 1]).for_each(|s| grid.insert(s, grid.cell_of(bodies.at[s])));
+        bodies.placed = b + 1;
+        volume += plan.bodies[b].volume_um3();
+    }
+    Ok(attempts)
+}
+
+/// One attempt: a uniform place between the walls and a fresh orientation; true when nothing is in the way.
+fn throw(bodies: &mut Bodies, grid: &Buckets, b: usize, field: Option<&Field>, draws: &mut Draws) -> bool {
+    let rotation =
+        if bodies.bodies[b].single_sphere() { Rotation::IDENTITY } else { draw_rotation(field, draws) };
+    let centre = std::array::from_fn(|a| draws.between(0.0, bodies.cell.size[a]));
+    bodies.put(b, centre, rotation);
+    is_free(bodies, grid, b)
+}
+
+/// True when body b overlaps neither a wall nor a body in the grid (itself apart).
+pub(crate) fn is_free(bodies: &Bodies, grid: &Buckets, b: usize) -> bool {
+    let range = bodies.first[b]..bodies.first[b + 1];
+    if bodies.cell.walls && !between_walls(&bodies.cell, bodies.centre[b], bodies.span_z(b)) {
+        return false;
+    }
+    range.into_iter().all(|s| {
+        let (p, r) = (bodies.at[s], bodies.radius[s]);
+        grid.around(grid.cell_of(p)).all(|t| {
+            let d = bodies.cell.delta(p, bodies.at[t]);
+            let reach = (r + bodies.radius[t]) * (1.0 + MARGIN);
+            dot(d, d) >= reach * reach || bodies.owner[t] == b as u32
+        })
+    })
+}
+
+fn between_walls(cell: &Cell, centre: V3, span: [f64; 2]) -> bool {
+    let margin = MARGIN * cell.size[2];
+    centre[2] + span[0] >= margin && centre[2] + span[1] <= cell.size[2] - margin
+}
+
+fn report(
+    bodies: &Bodies,
+    plan: &Plan,
+    attempts: u64,
+    volume: f64,
+    watch: &mut dyn PackWatch,
+) -> Result<(), PackError> {
+    let progress = PackProgress {
+        stage: "sequential addition",
+        step: attempts,
+        grains_placed: plan.bodies[..bodies.placed].iter().map(|b| b.parts.len()).sum(),
+        grains_wanted: plan.grains(),
+        fraction: volume / plan.box_um3,
+        overlap_energy: 0.0,
+        largest_overlap_um: 0.0,
+    };
+    match watch.progress(&progress) {
+        std::ops::ControlFlow::Continue(()) => Ok(()),
+        std::ops::ControlFlow::Break(()) => {
+            Err(PackError::Stopped { stage: progress.stage, steps: attempts })
+        }
+    }
+}
+
+fn blocked(bodies: &Bodies, plan: &Plan, attempts: u64, volume: f64) -> PackError {
+    let placed = plan.bodies[..bodies.placed].iter().map(|b| b.parts.len()).sum();
+    PackError::NotReached {
+        requested: plan.fraction(),
+        reached: volume / plan.box_um3,
+        placed,
+        wanted: plan.grains(),
+        steps: attempts,
+        largest_overlap_um: 0.0,
+        relative_overlap: 0.0,
+        advice:
+            "sequential addition is blocked (spheres saturate at 0.384): use method = \"relaxation\", raise \
+                 sequential.attempts_per_grain or lower the volume fraction"
+                .into(),
+    }
+}
+
+/// A random start that may overlap, for the relaxation: at `place`, or between the walls at the same share of
+/// the height that the turned grain can use.
+pub(crate) fn scatter(bodies: &mut Bodies, b: usize, place: V3, field: Option<&Field>, draws: &mut Draws) {
+    let single = bodies.bodies[b].single_sphere();
+    let rotation = if single { Rotation::IDENTITY } else { draw_rotation(field, draws) };
+    bodies.put(b, place, rotation);
+    if bodies.cell.walls {
+        let [low, high] = bodies.span_z(b);
+        let height = bodies.cell.size[2];
+        let room = height - (high - low);
+        // A grain too long for the layer as it is turned starts in the middle; the walls will turn it.
+        let z = if room > 0.0 { place[2] / height * room - low } else { 0.5 * (height - high - low) };
+        bodies.shift(b, [place[0], place[1], z]);
+    }
+}

@@ -1,0 +1,254 @@
+//! From the file as written to a [`Study`]: every fault found at once, none let through.
+
+mod angles;
+mod index;
+mod paper;
+mod pigments;
+
+pub(crate) use pigments::largest_extents_nm;
+
+use super::fault::{Allowed, Fault, Faults};
+use super::file::{LayerTable, LightTable, OutputTable, ResolutionTable, SamplingName, SolverTable, StudyFile};
+use super::forms::ThicknessWritten;
+use super::study::{Layer, Output, Study, WantedResolution};
+use super::variation::{CellRule, LightRule, THICKNESS_CUT, Variation};
+use crate::solve::Goal;
+use std::path::Path;
+
+/// More wavelengths or angles than this are a slip of the pen.
+const LONGEST_LIST: usize = 10_000;
+/// Packings of varied cells unless told.
+const VARIED_CELLS: usize = 24;
+/// Packings of fixed cells unless told.
+const FIXED_CELLS: usize = 4;
+
+/// Checks every field of `file`. CSV paths are relative to `folder`; `name` titles a study without a title.
+///
+/// # Errors
+/// All faults of the file, each with its field, what was found, what is allowed and what to try.
+pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
+    let mut faults = Faults::default();
+    let wavelengths_nm = wavelengths(&file.light, &mut faults);
+    let period_um = period(file, &mut faults);
+    let mut layer = layer(&file.layer, period_um, &wavelengths_nm, folder, &mut faults);
+    let pigments = pigments::pigments(file, period_um, &wavelengths_nm, folder, &mut faults);
+    let dissolved = pigments::dissolved(file, &wavelengths_nm, folder, &mut faults);
+    layer.binder = pigments::solution(layer.binder, &dissolved, &pigments);
+    let packing = pigments::packing(file, period_um, &pigments, &mut faults);
+    let paper = paper::paper(file, &wavelengths_nm, folder, &mut faults);
+    let angles = angles::angles(file, paper.coupling, &mut faults);
+    let resolution = resolution(&file.resolution, &mut faults);
+    let goal = goal(&file.solver, &resolution, &mut faults);
+    counts(file, &mut faults);
+    let variation = variation(file, &wavelengths_nm, &mut faults);
+    // Without grains and with an even thickness all realisations are the same.
+    let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
+    let realisations = if alike { 1 } else { realisations(file) };
+    let study = Study {
+        title: file.title.clone().unwrap_or_else(|| name.to_owned()),
+        layer,
+        pigments,
+        dissolved,
+        packing,
+        paper,
+        wavelengths_nm,
+        angles,
+        realisations,
+        variation,
+        resolution,
+        solver: file.solver.strategy.0,
+        goal,
+        output: output(&file.output),
+    };
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+}
+
+fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
+    let list = match (&light.wavelengths_nm, light.from_nm, light.to_nm, light.step_nm) {
+        (Some(list), None, None, None) => list.clone(),
+        (None, Some(from), Some(to), Some(step)) => wavelength_range(from, to, step, faults),
+        _ => {
+            let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm";
+            let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
+            faults.push(Fault::new("light", "another mixture of keys", allowed, remedy));
+            return Vec::new();
+        }
+    };
+    let field = if light.wavelengths_nm.is_some() { "light.wavelengths_nm" } else { "light.from_nm" };
+    let allowed = Allowed::between(100.0, 10_000.0, "nm");
+    check_list(field, &list, allowed, "give vacuum wavelengths in nm, 400 to 700 for the visible", faults);
+    list
+}
+
+fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f64> {
+    let before = faults.0.len();
+    faults.number("light.step_nm", step, Allowed::above(0.0, 1e4, "nm"), "20 is usual");
+    faults.number("light.from_nm", from, Allowed::between(100.0, 1e4, "nm"), "400 is usual");
+    if !(to >= from && to <= 1e4) {
+        let allowed = format!("from from_nm = {from} to 10000 nm");
+        faults.push(Fault::new("light.to_nm", to, allowed, "700 is usual"));
+    }
+    let count = ((to - from) / step + 1e-9).floor();
+    if faults.0.len() == before && count >= LONGEST_LIST as f64 {
+        let allowed = format!("a step that gives fewer than {LONGEST_LIST} wavelengths");
+        faults.push(Fault::new("light.step_nm", step, allowed, "20 is usual"));
+    }
+    if faults.0.len() > before {
+        return vec![from];
+    }
+    (0..=count as usize).map(|i| from + i as f64 * step).collect()
+}
+
+/// A list must have entries, all allowed and rising.
+fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults: &mut Faults) {
+    if list.is_empty() || list.len() > LONGEST_LIST {
+        let found = format!("{} entries", list.len());
+        faults.push(Fault::new(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy));
+    }
+    let wrong = list.iter().position(|&value| !allowed.holds(value));
+    if let Some(i) = wrong {
+        faults.number(&format!("{field}[{i}]"), list[i], allowed, remedy);
+    } else if let Some(i) = (1..list.len()).find(|&i| list[i] <= list[i - 1]) {
+        let found = format!("{} after {}", list[i], list[i - 1]);
+        faults.push(Fault::new(
+            format!("{field}[{i}]"),
+            found,
+            "rising values",
+            "sort the list, without repeats",
+        ));
+    }
+}
+
+fn layer(table: &LayerTable, period_um: [f64; 2], wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Layer {
+    let allowed = Allowed::above(0.0, 1000.0, "µm");
+    let ThicknessWritten { mean, std } = table.thickness_um;
+    faults.number("layer.thickness_um", mean, allowed, "a printed layer is about 1 µm thick");
+    if mean > 0.0 {
+        let allowed = Allowed::between(0.0, mean / (THICKNESS_CUT + 1.0), "µm");
+        let remedy = "a tenth of the mean is usual; at most a quarter of it keeps every layer thicker than nothing";
+        faults.number("layer.thickness_um.std", std, allowed, remedy);
+    }
+    let allowed = Allowed::between(0.1, 10.0, "");
+    let remedy = "give the real refractive index, 1 for air";
+    faults.number("layer.index_above", table.index_above, allowed, remedy);
+    faults.number("layer.index_below", table.index_below, allowed, remedy);
+    Layer {
+        period_um,
+        thickness_um: mean,
+        index_above: table.index_above,
+        index_below: table.index_below,
+        binder: index::tabulate("layer.binder.index", &table.binder.index, wavelengths_nm, folder, faults),
+    }
+}
+
+/// Nominal period of the cells: as written, or what the grains need.
+fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
+    let Some(written) = file.layer.period_um else {
+        if file.layer.cell == CellRule::Fixed {
+            let allowed = "one number or [x, y], µm, for cell = \"fixed\"";
+            faults.push(Fault::new("layer.period_um", "nothing", allowed, "write period_um = 2.4, or let cells vary"));
+        }
+        return [pigments::nominal_period_um(file); 2];
+    };
+    let remedy = "1.6 µm is usual for varied cells; leave it out, and it follows from the grains";
+    for period in written.0 {
+        faults.number("layer.period_um", period, Allowed::above(0.0, 1000.0, "µm"), remedy);
+    }
+    written.0
+}
+
+/// How realisations differ.
+fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
+    let thickness_std_um = file.layer.thickness_um.std;
+    Variation { cell: file.layer.cell, thickness_std_um, light: light_rule(&file.light, wavelengths_nm, faults) }
+}
+
+/// Ranges are shifted from realisation to realisation, lists are solved as they are.
+fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Faults) -> LightRule {
+    let last = wavelengths_nm.len().saturating_sub(1);
+    let range = light.wavelengths_nm.is_none() && light.sampling == SamplingName::Shifted && last > 0;
+    if let Some(count) = light.per_realisation {
+        let remedy = "10 to 16 is usual; it needs a range of wavelengths";
+        whole("light.per_realisation", count, 2..=LONGEST_LIST, remedy, faults);
+        if !range {
+            let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
+            faults.push(Fault::new("light.per_realisation", count, allowed, "give a range, or leave it out"));
+        }
+    }
+    if !range {
+        return LightRule::Listed;
+    }
+    let strata = light.per_realisation.unwrap_or(last).max(1);
+    LightRule::Shifted { range_nm: [wavelengths_nm[0], wavelengths_nm[last]], strata }
+}
+
+/// Packings unless told.
+fn realisations(file: &StudyFile) -> usize {
+    file.run.realisations.unwrap_or(match file.layer.cell {
+        CellRule::Varied => VARIED_CELLS,
+        CellRule::Fixed => FIXED_CELLS,
+    })
+}
+
+fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution {
+    let scheme = table.scheme;
+    match (table.accuracy, table.points_per_um, table.planes_per_um) {
+        (accuracy, None, None) => {
+            let accuracy = accuracy.unwrap_or(1e-2);
+            let remedy = "1e-2 for pictures, 1e-3 for numbers to publish";
+            faults.number("resolution.accuracy", accuracy, Allowed::between(1e-6, 0.3, ""), remedy);
+            WantedResolution::Accuracy { amplitude: accuracy, scheme }
+        }
+        (None, Some(points_per_um), Some(planes_per_um)) => {
+            let allowed = Allowed::between(2.0, 400.0, "per µm");
+            faults.number("resolution.points_per_um", points_per_um, allowed, "12 to 16 is usual");
+            faults.number("resolution.planes_per_um", planes_per_um, allowed, "20 to 40 is usual");
+            WantedResolution::Grid { points_per_um, planes_per_um, scheme }
+        }
+        _ => {
+            let allowed = "either accuracy alone, or both points_per_um and planes_per_um";
+            faults.push(Fault::new(
+                "resolution",
+                "another mixture of keys",
+                allowed,
+                "write accuracy = 1e-2",
+            ));
+            WantedResolution::Accuracy { amplitude: 1e-2, scheme }
+        }
+    }
+}
+
+fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults) -> Goal {
+    let tolerance = table.tolerance.unwrap_or(match resolution {
+        // Three times the residual is what it may do to an amplitude: a few percent of the accuracy.
+        WantedResolution::Accuracy { amplitude, .. } => (1e-2 * amplitude).clamp(1e-13, 1e-3),
+        WantedResolution::Grid { .. } => Goal::default().tolerance,
+    });
+    let remedy = "leave it out: a hundredth of resolution.accuracy is ample";
+    faults.number("solver.tolerance", tolerance, Allowed::between(1e-13, 1e-2, ""), remedy);
+    whole("solver.max_applications", table.max_applications, 1..=1_000_000, "2000 is usual", faults);
+    Goal { tolerance, max_applications: table.max_applications }
+}
+
+fn counts(file: &StudyFile, faults: &mut Faults) {
+    whole("run.realisations", realisations(file), 1..=100_000, "24 small cells are a fair start", faults);
+    whole("output.picture_pixels", file.output.picture_pixels, 16..=8192, "360 is usual", faults);
+}
+
+fn output(table: &OutputTable) -> Output {
+    let OutputTable { folder, picture_pixels, mirrored_sky } = table.clone();
+    Output { folder, picture_pixels, mirrored_sky }
+}
+
+fn whole(
+    field: &str,
+    value: usize,
+    allowed: std::ops::RangeInclusive<usize>,
+    remedy: &str,
+    faults: &mut Faults,
+) {
+    if !allowed.contains(&value) {
+        let range = format!("whole numbers from {} to {}", allowed.start(), allowed.end());
+        faults.push(Fault::new(field, value, range, remedy));
+    }
+}

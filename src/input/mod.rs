@@ -1,0 +1,19 @@
+//! What was asked: files as written, checked, every fault found at once.
+//!
+//! The path of a study: [`file`](mod@file) (as written) → [`check`](mod@check) → [`study::Study`] (with its content hash). A
+//! [`case`] is one explicit geometry.
+
+pub mod case;
+mod case_checks;
+pub mod check;
+pub mod fault;
+pub mod file;
+pub mod forms;
+pub mod load;
+pub mod locate;
+pub mod pack_study;
+pub mod study;
+pub mod variation;
+
+pub use pack_study::PackStudy;
+pub use study::Study;

@@ -1,0 +1,228 @@
+//! A study that has passed every check: the only input a run takes.
+
+use super::variation::{Variation, stratified_deg};
+use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
+use crate::ink::{PackingRequest, PigmentGrains};
+use crate::material::spectra::{Spectrum, molecular_mixture};
+use crate::solve::{Goal, SolverChoice};
+use crate::store::identity::Key;
+use crate::wave::{Incidence, Media, Scheme, Side};
+use num_complex::Complex64;
+use serde::Serialize;
+
+/// All that was asked, checked. Built by [`super::check`] alone.
+#[derive(Clone, Debug, Serialize)]
+pub struct Study {
+    pub title: String,
+    pub layer: Layer,
+    pub pigments: Vec<Pigment>,
+    /// Pigments without grains (`diameter_nm = "molecular"`); they are part of `layer.binder`'s index.
+    pub dissolved: Vec<Dissolved>,
+    /// The packing of the nominal cell; realisations differ in their cell and random stream.
+    pub packing: PackingRequest,
+    pub paper: Paper,
+    /// Vacuum wavelengths, nm, rising.
+    pub wavelengths_nm: Vec<f64>,
+    pub angles: Angles,
+    pub realisations: usize,
+    /// How realisations differ.
+    pub variation: Variation,
+    pub resolution: WantedResolution,
+    pub solver: SolverChoice,
+    pub goal: Goal,
+    pub output: Output,
+}
+
+/// The periodic cell 0 ≤ z ≤ thickness and its surroundings.
+#[derive(Clone, Debug, Serialize)]
+pub struct Layer {
+    pub period_um: [f64; 2],
+    pub thickness_um: f64,
+    pub index_above: f64,
+    pub index_below: f64,
+    pub binder: Material,
+}
+
+/// One kind of grain.
+#[derive(Clone, Debug, Serialize)]
+pub struct Pigment {
+    pub name: String,
+    pub grains: PigmentGrains,
+    pub material: Material,
+}
+
+/// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
+#[derive(Clone, Debug, Serialize)]
+pub struct Dissolved {
+    pub name: String,
+    /// Share of the layer's volume.
+    pub volume_fraction: f64,
+    pub material: Material,
+}
+
+/// A material by its index n + iκ at every wavelength of the study.
+#[derive(Clone, Debug, Serialize)]
+pub struct Material {
+    /// For people: a constant, the name of a built-in spectrum, or the path of a table.
+    pub source: String,
+    /// At the study's wavelengths.
+    pub index: Vec<Complex64>,
+    /// At any wavelength between them.
+    #[serde(skip)]
+    pub spectrum: Spectrum,
+    /// What is dissolved in it: shares of its own volume, and indices.
+    #[serde(skip)]
+    pub dissolved: Vec<(f64, Spectrum)>,
+}
+
+impl Material {
+    /// η at a vacuum wavelength within the study's range.
+    pub fn index_at(&self, wavelength_um: f64) -> Complex64 {
+        // the check has proven the ends of the range, and a spectrum answers between its ends
+        let of = |spectrum: &Spectrum| spectrum.index(wavelength_um).unwrap_or(Complex64::new(f64::NAN, 0.0));
+        let own = of(&self.spectrum);
+        if self.dissolved.is_empty() {
+            return own;
+        }
+        let shares: Vec<_> = self.dissolved.iter().map(|(share, spectrum)| (*share, of(spectrum))).collect();
+        molecular_mixture(own, &shares)
+    }
+}
+
+/// The Lambertian substrate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Paper {
+    /// For people: the albedo itself, or where its table comes from.
+    pub source: String,
+    pub albedo: Albedo,
+    pub coupling: Coupling,
+}
+
+/// Directions of the light.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Angles {
+    /// Polar angles that every realisation is solved at, degrees from the normal, below 90, rising.
+    pub exact_deg: Vec<f64>,
+    /// Further directions over the hemisphere of the incident side, one in each equal stratum of cos²θ; 0 where only single
+    /// angles were asked for.
+    pub strata: usize,
+    /// The same from the exit side; 0 where the layer is statistically the same from both sides.
+    pub exit_strata: usize,
+    /// Azimuth of the plane of incidence, degrees; that of a varied cell adds to it.
+    pub azimuth_deg: f64,
+    /// Largest angle of the picture's axes.
+    pub picture_max_deg: f64,
+    /// Why there are neither paper nor colour, where the angles are the reason.
+    pub no_paper: Option<String>,
+}
+
+impl Angles {
+    /// Solves of one wavelength.
+    pub fn count(&self) -> usize {
+        self.exact_deg.len() + self.strata + self.exit_strata
+    }
+}
+
+/// A wanted accuracy, or the grid itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WantedResolution {
+    /// Largest error of any order's amplitude.
+    Accuracy { amplitude: f64, scheme: Scheme },
+    /// Points and planes per µm.
+    Grid { points_per_um: f64, planes_per_um: f64, scheme: Scheme },
+}
+
+impl WantedResolution {
+    /// The discretisation in z.
+    pub fn scheme(&self) -> Scheme {
+        match *self {
+            Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
+        }
+    }
+}
+
+/// What the results look like; no solve depends on it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Output {
+    pub folder: Option<String>,
+    pub picture_pixels: usize,
+    pub mirrored_sky: MirroredSky,
+}
+
+/// One solve of the study.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Point {
+    pub realisation: usize,
+    /// Place of the wavelength among those of the realisation.
+    pub wavelength: usize,
+    pub incidence: Incidence,
+}
+
+impl Study {
+    /// Content hash of everything the results depend on: all but the title and the output's form.
+    pub fn key(&self) -> Key {
+        let spectra: Vec<&Spectrum> = self.pigments.iter().map(|p| &p.material.spectrum).collect();
+        let binder = (&self.layer.binder.spectrum, &self.layer.binder.dissolved);
+        let ensemble = (&self.layer, &self.pigments, spectra, binder, &self.packing, self.realisations, &self.variation);
+        let light = (&self.paper, &self.wavelengths_nm, &self.angles);
+        Key::of("study", &(ensemble, light, &self.resolution, &self.solver, &self.goal))
+    }
+
+    /// The packing of a realisation: its own cell, and its own stream of the study's seed.
+    pub fn packing_request(&self, realisation: usize) -> PackingRequest {
+        let draw = self.draw(realisation);
+        PackingRequest {
+            stream: realisation as u64,
+            period_um: draw.period_um,
+            thickness_um: draw.thickness_um,
+            ..self.packing.clone()
+        }
+    }
+
+    /// Indices at one wavelength; the inclusion after the last pigment is what lies above a relief.
+    pub fn media(&self, wavelength_um: f64) -> Media {
+        let above = self.layer.index_above.into();
+        let inclusions = self.pigments.iter().map(|p| p.material.index_at(wavelength_um));
+        Media {
+            above,
+            below: self.layer.index_below.into(),
+            backgrounds: vec![self.layer.binder.index_at(wavelength_um)],
+            inclusions: inclusions.chain([above]).collect(),
+        }
+    }
+
+    /// The same indices for a content hash: above, below, binder, pigments.
+    pub fn indices(&self, wavelength_um: f64) -> Vec<Complex64> {
+        let Media { above, below, backgrounds, inclusions } = self.media(wavelength_um);
+        [above, below].into_iter().chain(backgrounds).chain(inclusions).collect()
+    }
+
+    /// All solves of one realisation, in their order: wavelength; exact angles, strata, strata from the exit side.
+    pub fn points(&self, realisation: usize) -> Vec<Point> {
+        let draw = self.draw(realisation);
+        let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
+        let above = exact_deg.iter().copied().chain(stratified_deg(*strata, draw.direction));
+        let mut directions: Vec<(Side, f64)> = above.map(|deg| (Side::Above, deg)).collect();
+        directions.extend(stratified_deg(*exit_strata, draw.direction).into_iter().map(|deg| (Side::Below, deg)));
+        let at = |(wavelength, nm): (usize, f64)| {
+            let point = move |&(from, polar_deg): &(Side, f64)| {
+                let incidence =
+                    Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg: draw.azimuth_deg, from };
+                Point { realisation, wavelength, incidence }
+            };
+            directions.iter().map(point).collect::<Vec<_>>()
+        };
+        self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
+    }
+
+    /// Number of solves of one realisation.
+    pub fn solves_each(&self) -> usize {
+        self.solved_wavelengths() * self.angles.count()
+    }
+
+    /// Number of solves of the whole study.
+    pub fn solves(&self) -> usize {
+        self.realisations * self.solves_each()
+    }
+}

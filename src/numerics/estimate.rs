@@ -1,0 +1,114 @@
+//! A number with its standard error, and the jackknife that gives it where a formula is not linear.
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// A value and its standard error (one standard deviation of the value); `None` where one realisation leaves
+/// it unknown. Unknown is not zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    pub value: f64,
+    pub standard_error: Option<f64>,
+}
+
+impl Estimate {
+    /// A value without a known error.
+    pub fn unknown_error(value: f64) -> Self {
+        Self { value, standard_error: None }
+    }
+
+    /// Mean of independent samples and s/√n with the unbiased s² (n − 1); no samples give 0, error unknown.
+    pub fn of_mean(samples: &[f64]) -> Self {
+        let n = samples.len() as f64;
+        let value = samples.iter().sum::<f64>() / n.max(1.0);
+        let square = samples.iter().map(|x| (x - value).powi(2)).sum::<f64>();
+        let standard_error = (samples.len() > 1).then(|| (square / (n - 1.0) / n).sqrt());
+        Self { value, standard_error }
+    }
+
+    /// A statistic of the whole ensemble with the jackknife error of its leave-one-out replicates.
+    pub fn jackknife(whole: f64, replicates: &[f64]) -> Self {
+        let columns: Vec<[f64; 1]> = replicates.iter().map(|&x| [x]).collect();
+        let variance = jackknife_covariance(&columns).map(|c| c[0][0]);
+        Self { value: whole, standard_error: variance.map(f64::sqrt) }
+    }
+}
+
+/// Factor on a standard error of `degrees` degrees of freedom that gives a 95 % interval (Student's t); `None` without any.
+pub fn coverage_factor_95(degrees: usize) -> Option<f64> {
+    let law = StudentsT::new(0.0, 1.0, degrees as f64).ok()?;
+    Some(law.inverse_cdf(0.975))
+}
+
+/// Jackknife covariance (n − 1)/n Σ_r (x_r − x̄)(x_r − x̄)ᵀ of a statistic from its n leave-one-out replicates
+/// (Efron & Stein 1981); for a mean it is exactly the square of s/√n. `None` for fewer than two.
+pub fn jackknife_covariance<const N: usize>(replicates: &[[f64; N]]) -> Option<[[f64; N]; N]> {
+    let n = replicates.len() as f64;
+    if replicates.len() < 2 {
+        return None;
+    }
+    let mean: [f64; N] = std::array::from_fn(|i| replicates.iter().map(|x| x[i]).sum::<f64>() / n);
+    let entry = |i: usize, j: usize| {
+        let products = replicates.iter().map(|x| (x[i] - mean[i]) * (x[j] - mean[j]));
+        products.sum::<f64>() * (n - 1.0) / n
+    };
+    Some(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
+}
+
+/// Means that leave one sample out: (Σ − x_r)/(n − 1), element by element. Empty for fewer than two samples.
+pub fn leave_one_out_means(samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    if samples.len() < 2 {
+        return Vec::new();
+    }
+    let others =
+        |r: usize| samples.iter().enumerate().filter(move |(s, _)| *s != r).map(|(_, x)| x.as_slice());
+    (0..samples.len()).map(|r| mean_of(others(r))).collect()
+}
+
+/// Element-wise mean of equally long rows; empty for no rows.
+pub fn mean_of<'a>(rows: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
+    let (mut sum, mut count) = (Vec::<f64>::new(), 0usize);
+    for row in rows {
+        sum.resize(row.len(), 0.0);
+        sum.iter_mut().zip(row).for_each(|(s, x)| *s += x);
+        count += 1;
+    }
+    sum.iter_mut().for_each(|s| *s /= count as f64);
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_jackknife_of_a_mean_is_its_standard_error() {
+        let samples = [0.3, 1.7, -0.4, 2.2, 0.9];
+        let rows: Vec<Vec<f64>> = samples.iter().map(|&x| vec![x]).collect();
+        let replicates: Vec<f64> = leave_one_out_means(&rows).iter().map(|x| x[0]).collect();
+        let direct = Estimate::of_mean(&samples);
+        let jack = Estimate::jackknife(direct.value, &replicates);
+        // identity, five additions
+        approx::assert_relative_eq!(
+            jack.standard_error.unwrap(),
+            direct.standard_error.unwrap(),
+            max_relative = 1e-14
+        );
+    }
+
+    #[test]
+    fn intervals_follow_students_law() {
+        // tables: t(0.975; 1) = 12.706, t(0.975; 23) = 2.069
+        assert!((coverage_factor_95(1).unwrap() - 12.706).abs() < 1e-3);
+        assert!((coverage_factor_95(23).unwrap() - 2.069).abs() < 1e-3);
+        assert_eq!(coverage_factor_95(0), None);
+    }
+
+    #[test]
+    fn one_sample_leaves_the_error_unknown() {
+        assert_eq!(Estimate::of_mean(&[0.4]), Estimate { value: 0.4, standard_error: None });
+        assert_eq!(Estimate::jackknife(0.4, &[0.4]).standard_error, None);
+        assert_eq!(Estimate::of_mean(&[]), Estimate { value: 0.0, standard_error: None });
+        assert!(leave_one_out_means(&[vec![1.0]]).is_empty());
+    }
+}

@@ -1,0 +1,99 @@
+//! Coordinates of the grains as CSV (one row per sphere) and JSON (with the account of the packing).
+
+use crate::draw::OutputError;
+use crate::ink::{Grain, Packing, Relief};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+#[derive(Serialize)]
+struct Row {
+    grain: usize,
+    pigment: usize,
+    agglomerate: Option<usize>,
+    x_um: f64,
+    y_um: f64,
+    z_um: f64,
+    radius_um: f64,
+    axis_x: f64,
+    axis_y: f64,
+    axis_z: f64,
+}
+
+/// One row per sphere: grain, pigment, agglomerate (empty if none), centre, radius, axis of the grain.
+pub fn grains_csv(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let fail = |e: String| OutputError::Make { what: "CSV of grains".into(), reason: e };
+    for (number, grain) in packing.grains().iter().enumerate() {
+        let [axis_x, axis_y, axis_z] = grain.axis;
+        for sphere in &grain.spheres {
+            let [x_um, y_um, z_um] = sphere.center_um;
+            let (pigment, agglomerate, radius_um) = (grain.pigment, grain.agglomerate, sphere.radius_um);
+            let row = Row {
+                grain: number,
+                pigment,
+                agglomerate,
+                x_um,
+                y_um,
+                z_um,
+                radius_um,
+                axis_x,
+                axis_y,
+                axis_z,
+            };
+            writer.serialize(row).map_err(|e| fail(e.to_string()))?;
+        }
+    }
+    writer.into_inner().map_err(|e| fail(e.to_string()))
+}
+
+/// Cell, conventions, account, shares, relief and all grains; numbers carry every digit of the f64.
+pub fn packing_json(packing: &Packing) -> Vec<u8> {
+    let value = json!({
+        "conventions": {
+            "length": "µm",
+            "z": "0 at the free face, H at the paper",
+            "size": "an effective diameter is that of the sphere of equal union volume",
+            "fraction": "union volume over the volume of the layer; with relief over the dry volume",
+        },
+        "period_um": packing.period_um(),
+        "thickness_um": packing.thickness_um(),
+        "walls": packing.walls(),
+        "account": packing.account(),
+        "shares": packing.shares(),
+        "relief": packing.relief().map(relief_json),
+        "grains": packing.grains(),
+    });
+    let mut text = serde_json::to_vec_pretty(&value).unwrap_or_default();
+    text.push(b'\n');
+    text
+}
+
+fn relief_json(relief: &Relief) -> serde_json::Value {
+    json!({
+        "rule": relief.rule(),
+        "dry_height_um": relief.dry_height_um(),
+        "mean_height_um": relief.mean_height_um(),
+        "rms_height_um": relief.rms_height_um(),
+        "rms_surface_um": relief.rms_surface_um(),
+        "protruding_share": relief.protruding_share(),
+        "fraction_below": relief.fraction_below(),
+        "balance_error": relief.balance_error(),
+    })
+}
+
+#[derive(Deserialize)]
+struct Read {
+    period_um: [f64; 2],
+    thickness_um: f64,
+    walls: bool,
+    grains: Vec<Grain>,
+}
+
+/// The grains of a JSON file, proven again to be free of overlap (the account and the relief are not read back).
+pub fn read_packing_json(path: &std::path::Path) -> Result<Packing, OutputError> {
+    let fail = |reason: String| OutputError::Read { path: path.into(), reason };
+    let text = std::fs::read(path).map_err(|e| fail(e.to_string()))?;
+    let read: Read = serde_json::from_slice(&text).map_err(|e| fail(e.to_string()))?;
+    Packing::from_grains(read.period_um, read.thickness_um, read.walls, read.grains)
+        .map_err(|e| fail(e.to_string()))
+}

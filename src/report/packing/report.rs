@@ -1,0 +1,109 @@
+//! The folder of a packing run: coordinates, pictures, statistics and a page that shows them.
+
+use super::files::write_whole;
+use super::{grains_csv, packing_json, spheres_vtp};
+use crate::draw::curve_plot;
+use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
+use crate::ink::statistics::{Curve, Statistics, gather};
+use crate::ink::{Packing, Shape};
+use std::path::{Path, PathBuf};
+
+/// Writes everything about the realisations of one study into `folder`; every file is whole or absent.
+///
+/// `pigments` gives the name and the shape of each. Returns the statistics and the page's path.
+pub fn write_report(
+    folder: &Path,
+    title: &str,
+    pigments: &[(String, Shape)],
+    packings: &[Packing],
+) -> Result<(Statistics, PathBuf), OutputError> {
+    for (k, packing) in packings.iter().enumerate() {
+        write_whole(&folder.join(format!("grains_{k:03}.csv")), &grains_csv(packing)?)?;
+        write_whole(&folder.join(format!("packing_{k:03}.json")), &packing_json(packing))?;
+        write_whole(&folder.join(format!("spheres_{k:03}.vtp")), spheres_vtp(packing).as_bytes())?;
+    }
+    if let Some(first) = packings.first() {
+        write_whole(&folder.join("top.png"), &top_picture(first)?)?;
+        write_whole(&folder.join("cut.png"), &cut_picture(first)?)?;
+        write_whole(&folder.join("perspective.png"), &perspective_picture(first)?)?;
+    }
+    write_whole(&folder.join("shapes.png"), &shape_sheet(pigments)?)?;
+    let statistics = gather(packings);
+    write_whole(&folder.join("statistics.csv"), &scalars_csv(&statistics)?)?;
+    for curve in &statistics.curves {
+        write_whole(&folder.join(format!("{}.csv", curve.name)), &curve_csv(curve)?)?;
+        write_whole(&folder.join(format!("{}.svg", curve.name)), curve_plot(curve)?.as_bytes())?;
+    }
+    let page = folder.join("index.html");
+    write_whole(&page, html(title, packings, &statistics).as_bytes())?;
+    Ok((statistics, page))
+}
+
+fn scalars_csv(statistics: &Statistics) -> Result<Vec<u8>, OutputError> {
+    let rows = statistics.scalars.iter().map(|(name, unit, value)| {
+        vec![name.clone(), unit.clone(), value.mean.to_string(), or_empty(value.standard_error)]
+    });
+    csv_of(&["quantity", "unit", "mean", "standard_error"], rows)
+}
+
+fn curve_csv(curve: &Curve) -> Result<Vec<u8>, OutputError> {
+    let point = |(x, y): (&f64, &crate::ink::statistics::Estimate)| {
+        vec![x.to_string(), y.mean.to_string(), or_empty(y.standard_error)]
+    };
+    csv_of(&[&curve.x_label, &curve.y_label, "standard error"], curve.x.iter().zip(&curve.y).map(point))
+}
+
+fn or_empty(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |v| v.to_string())
+}
+
+fn csv_of(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Result<Vec<u8>, OutputError> {
+    let fail = |e: String| OutputError::making("CSV of statistics")(e);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(header).map_err(|e| fail(e.to_string()))?;
+    for row in rows {
+        writer.write_record(&row).map_err(|e| fail(e.to_string()))?;
+    }
+    writer.into_inner().map_err(|e| fail(e.to_string()))
+}
+
+const STYLE: &str = "body{font:16px sans-serif;max-width:75em;margin:2em auto;padding:0 1em}img{max-width:100%}\
+                     td,th{padding:.15em .8em;text-align:left;border-bottom:1px solid #ddd}table{border-collapse:collapse}";
+
+fn html(title: &str, packings: &[Packing], statistics: &Statistics) -> String {
+    let mut page = format!(
+        "<!doctype html><meta charset=\"utf-8\"><title>{0}</title><style>{STYLE}</style><h1>{0}</h1>\n",
+        escaped(title)
+    );
+    page += &format!(
+        "<p>{} realisation(s). Errors are standard errors over realisations.</p>\n",
+        statistics.realisations
+    );
+    page += "<h2>How it was made</h2><table><tr><th>realisation<th>method<th>steps<th>sweeps<th>smallest gap, µm<th>notes</tr>\n";
+    for (k, packing) in packings.iter().enumerate() {
+        let a = packing.account();
+        let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
+        let notes = escaped(&a.notes.join("; "));
+        page += &format!(
+            "<tr><td>{k}<td>{:?}<td>{}<td>{}<td>{gap}<td>{notes}</tr>\n",
+            a.method, a.steps, a.sweeps
+        );
+    }
+    page += "</table>\n<h2>Figures</h2><table><tr><th>quantity<th>mean<th>standard error<th>unit</tr>\n";
+    for (name, unit, value) in &statistics.scalars {
+        let error = value.standard_error.map_or("–".into(), |e| format!("{e:.2e}"));
+        page += &format!("<tr><td>{}<td>{:.6}<td>{error}<td>{unit}</tr>\n", escaped(name), value.mean);
+    }
+    page += "</table>\n<h2>Pictures</h2>\n";
+    page += "<p>Effective diameter: of the sphere of equal union volume; R is the thickest radius.</p>\n";
+    let curves = statistics.curves.iter().map(|c| format!("{}.svg", c.name));
+    let pictures = ["shapes.png", "top.png", "cut.png", "perspective.png"].map(String::from);
+    for file in pictures.into_iter().chain(curves) {
+        page += &format!("<p><img src=\"{file}\" alt=\"{file}\"></p>\n");
+    }
+    page
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

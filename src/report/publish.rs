@@ -1,0 +1,115 @@
+//! From the finished solves to the folder a person opens: `results.json`, tables, picture and page.
+
+use super::sheet::sheet;
+use super::tables;
+use crate::appearance::bdf::BdfError;
+use crate::appearance::picture::InkPicture;
+use crate::draw::figure::{Bitmap, FigureError};
+use crate::draw::picture::PictureStyle;
+use crate::evaluate::ink::InkError;
+use crate::evaluate::manifest::{Manifest, Status};
+use crate::evaluate::seen::{Seen, see};
+use crate::evaluate::summary::summarise;
+use crate::input::study::Study;
+use crate::run::runner::Collected;
+use crate::store::folder::{FolderError, OutputFolder};
+
+/// Rows and columns of the picture.
+const PICTURE_ANGLES: usize = 61;
+/// Why the results could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum PublishError {
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    #[error(transparent)]
+    Ink(#[from] InkError),
+    #[error(transparent)]
+    Bdf(#[from] BdfError),
+    #[error("cannot write a table: {0}")]
+    Table(#[from] csv::Error),
+    #[error("cannot write results.json: {0}")]
+    Json(#[from] serde_json::Error),
+    #[error("cannot write the report: {0}")]
+    Page(#[from] minijinja::Error),
+    #[error("cannot use the system's folder for temporary files: {0}")]
+    Temporary(#[from] std::io::Error),
+}
+
+/// What was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Published {
+    pub status: Status,
+    /// L*, a*, b* and C* under natural light in words, where there is a colour.
+    pub colour: Option<String>,
+}
+
+/// Writes everything that the finished solves allow; takes the partial mark away when all are finished.
+///
+/// # Errors
+/// Files that cannot be written, or records that do not belong together.
+pub fn publish(
+    study: &Study,
+    collected: &Collected,
+    folder: &OutputFolder,
+) -> Result<Published, PublishError> {
+    let seen = see(study, collected)?;
+    publish_seen(study, &summarise(study, collected, &seen), &seen, folder)
+}
+
+/// Writes what has been seen already.
+pub(crate) fn publish_seen(
+    study: &Study,
+    manifest: &Manifest<&Study>,
+    seen: &Seen,
+    folder: &OutputFolder,
+) -> Result<Published, PublishError> {
+    let pictures = pictures(study, seen)?;
+    let page = sheet(study, manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
+    folder.begin()?;
+    if let Some(pictures) = &pictures {
+        folder.write("picture.png", &pictures.plain)?;
+        folder.write("picture-with-axes.png", &pictures.labelled)?;
+    }
+    folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
+    let amplitude_error = manifest.certainty.amplitude_error_estimate;
+    folder.write("bdf.csv", &tables::distributions(seen.bdfs.iter(), amplitude_error)?)?;
+    folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
+    folder.write("report.html", page.html()?.as_bytes())?;
+    if manifest.status == Status::Complete {
+        folder.complete()?;
+    }
+    Ok(Published { status: manifest.status, colour: page.colour.map(|colour| colour.in_words) })
+}
+
+/// The picture of P1 Fig. 6 as PNG, with and without axes.
+struct Pictures {
+    plain: Vec<u8>,
+    labelled: Vec<u8>,
+}
+
+/// None where the wavelengths or angles cannot carry a colour.
+fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError> {
+    let Ok(ink) = &seen.ink else { return Ok(None) };
+    let step = study.angles.picture_max_deg / (PICTURE_ANGLES - 1) as f64;
+    let angles: Vec<f64> = (0..PICTURE_ANGLES).map(|i| i as f64 * step).collect();
+    let picture = match ink.picture(&angles, study.output.mirrored_sky) {
+        Err(InkError::Colour(_)) => return Ok(None),
+        picture => picture?,
+    };
+    let style = PictureStyle { side_px: study.output.picture_pixels, ..PictureStyle::default() };
+    let plain = png(&picture, &style, study)?;
+    let labelled = png(&picture, &PictureStyle { labels: true, ..style }, study)?;
+    Ok(Some(Pictures { plain, labelled }))
+}
+
+fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> Result<Vec<u8>, PublishError> {
+    let bitmap: Bitmap = picture.render(style, "")?;
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("picture.png");
+    let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());
+    let text = [("Title", study.title.as_str()), ("Software", &program), ("Study", &key)];
+    bitmap.write_png(&path, &text)?;
+    Ok(std::fs::read(path)?)
+}

@@ -1,0 +1,169 @@
+//! What the report page says of a study.
+
+mod figures;
+mod tables;
+
+use super::page::{ColourBlock, ColourRow, Page, Picture, png_data};
+use crate::appearance::paper::{Coupling, MirroredSky};
+use crate::draw::figure::FigureError;
+use crate::evaluate::manifest::{ColourNote, Manifest, Status};
+use crate::evaluate::seen::Seen;
+use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
+use crate::ink::{PigmentGrains, SizeDistribution};
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+
+/// The page of a run; `picture` is the labelled picture as PNG.
+///
+/// # Errors
+/// A figure cannot be drawn.
+pub fn sheet(
+    study: &Study,
+    manifest: &Manifest<&Study>,
+    seen: &Seen,
+    picture: Option<&[u8]>,
+) -> Result<Page, FigureError> {
+    let picture = picture.map(|png| Picture { data: png_data(png), caption: picture_caption(study) });
+    Ok(Page {
+        title: study.title.clone(),
+        summary: summary(study),
+        partial: partial(manifest, seen),
+        picture,
+        colour: colour_block(manifest),
+        figures: figures::figures(study, manifest, seen)?,
+        certainty: tables::certainty(manifest, seen),
+        asked: tables::asked(study),
+        packings: tables::packings(study, manifest),
+        failures: tables::failures(manifest),
+        limits: tables::limits(study),
+        provenance: tables::provenance(study, manifest),
+    })
+}
+
+fn summary(study: &Study) -> String {
+    let shares = study.pigments.iter().map(|p| {
+        let share = percent(p.grains.volume_fraction);
+        format!("{share} % {} ({}s of {})", p.name, p.grains.shape.name(), size(&p.grains))
+    });
+    let dissolved = study
+        .dissolved
+        .iter()
+        .map(|d| format!("{} % {} (molecular mixture)", percent(d.volume_fraction), d.name));
+    let shares: Vec<String> = shares.chain(dissolved).collect();
+    let pigments = if shares.is_empty() { "A clear layer".to_owned() } else { shares.join(" and ") };
+    let paper = match (study.angles.strata, study.paper.coupling) {
+        (0, _) => String::new(),
+        (_, Coupling::Gap) => format!(", on paper of albedo {}", study.paper.source),
+        (_, Coupling::OpticalContact { .. }) => {
+            format!(", in optical contact with paper of albedo {}", study.paper.source)
+        }
+    };
+    format!("{pigments} in a layer {} µm thick{paper}.", study.layer.thickness_um)
+}
+
+/// The grains' size: one diameter, or the largest.
+fn size(grains: &PigmentGrains) -> String {
+    match grains.size {
+        SizeDistribution::Constant { value_nm, .. } => format!("{value_nm} nm"),
+        _ => format!("up to {:.0} nm", grains.size.largest_nm()),
+    }
+}
+
+fn percent(share: f64) -> f64 {
+    (share * 1e4).round() / 1e2
+}
+
+fn partial(manifest: &Manifest<&Study>, seen: &Seen) -> Option<String> {
+    if manifest.status == Status::Complete {
+        return None;
+    }
+    let (solves, realisations) = (manifest.solves, manifest.realisations);
+    let rest = match &seen.ink {
+        Ok(_) => format!("The numbers below are means over {} realisations.", seen.realisations),
+        Err(reason) => format!("There is no colour yet: {reason}."),
+    };
+    Some(format!(
+        "{} of {} solves are finished ({} of {} realisations complete). {rest} Run the study again to continue.",
+        solves.finished, solves.asked, realisations.finished, realisations.asked
+    ))
+}
+
+fn picture_caption(study: &Study) -> String {
+    let sky = match study.output.mirrored_sky {
+        MirroredSky::Included => "with the sky it mirrors",
+        MirroredSky::Excluded => "without the sky it mirrors",
+    };
+    format!(
+        "Left: the ink under natural light (a uniform sky, {sky}), viewing angle 0° at the top to {max}° at the \
+         bottom. Right: π times its diffuse BRDF, viewing angle downwards, illumination angle to the right. A \
+         perfect white would be white everywhere.",
+        max = study.angles.picture_max_deg
+    )
+}
+
+fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
+    let first = manifest.colours.first()?;
+    let [r, g, b] = first.colour.srgb8;
+    let conditions = manifest.colours.iter().map(|note| note.conditions.clone()).collect();
+    let row = |name: &str, of: &dyn Fn(&ColourNote) -> Estimate| ColourRow {
+        name: name.to_owned(),
+        values: manifest.colours.iter().map(|note| with_error(of(note), 2)).collect(),
+    };
+    let lab = |i: usize| {
+        move |note: &ColourNote| Estimate {
+            value: note.colour.lab[i],
+            standard_error: note.lab_standard_error.map(|errors| errors[i]),
+        }
+    };
+    let srgb = |note: &ColourNote| note.colour.srgb8.map(|c| c.to_string()).join(" ");
+    let mut rows = vec![
+        row("L*", &lab(0)),
+        row("a*", &lab(1)),
+        row("b*", &lab(2)),
+        row("C*", &|note| note.chroma),
+        row("h, °", &|note| note.hue_deg),
+    ];
+    rows.push(ColourRow { name: "sRGB".into(), values: manifest.colours.iter().map(srgb).collect() });
+    let in_words = format!(
+        "L* {}, a* {}, b* {}, C* {} under {}",
+        with_error(lab(0)(first), 2),
+        with_error(lab(1)(first), 2),
+        with_error(lab(2)(first), 2),
+        with_error(first.chroma, 2),
+        first.conditions
+    );
+    Some(ColourBlock {
+        hex: format!("#{r:02x}{g:02x}{b:02x}"),
+        conditions,
+        rows,
+        note: colour_note(manifest),
+        in_words,
+    })
+}
+
+fn colour_note(manifest: &Manifest<&Study>) -> String {
+    let mut note = format!(
+        "Under {NATURAL_LIGHT}: a uniform sky, seen along the normal; {LIT_AT_45}: lit at 45°, seen along the normal, as \
+         prints are measured. CIE 1931 observer, illuminant D65. C* is the chroma, h the hue. The patch shows the first column; ± is one \
+         standard error: chance over packings, and the grid."
+    );
+    let outside: Vec<&str> =
+        manifest.colours.iter().filter(|c| c.colour.out_of_gamut).map(|c| c.conditions.as_str()).collect();
+    if !outside.is_empty() {
+        let line = format!(
+            " The colour at {} lies outside sRGB: screens show the nearest they can.",
+            outside.join(" and ")
+        );
+        note.push_str(&line);
+    }
+    note
+}
+
+/// `12.3 ± 0.4`; a lone value where the error is unknown.
+fn with_error(estimate: Estimate, digits: usize) -> String {
+    let value = format!("{:.digits$}", estimate.value).replace('-', "−");
+    match estimate.standard_error {
+        Some(error) => format!("{value} ± {error:.digits$}"),
+        None => value,
+    }
+}

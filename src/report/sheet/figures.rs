@@ -1,0 +1,147 @@
+//! The page's plots.
+
+use super::LIT_AT_45;
+use crate::draw::figure::FigureError;
+use crate::draw::plots::{Plot, Series};
+use crate::evaluate::manifest::{Manifest, SpectrumRow};
+use crate::evaluate::seen::Seen;
+use crate::evaluate::summary::NATURAL_LIGHT;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use crate::report::page::{Figure, svg_data};
+use std::f64::consts::PI;
+
+/// Wavelengths of the curves of the BRDF, nm: the nearest ones of the study are shown.
+const SHOWN_NM: [f64; 3] = [450.0, 550.0, 650.0];
+/// Viewing angles of those curves.
+const BRDF_STEP_DEG: f64 = 5.0;
+/// Light of those curves.
+const LIGHT_DEG: f64 = 45.0;
+
+/// All plots that the finished solves allow.
+pub(crate) fn figures(
+    study: &Study,
+    manifest: &Manifest<&Study>,
+    seen: &Seen,
+) -> Result<Vec<Figure>, FigureError> {
+    let rows = &manifest.spectra;
+    let all = [seen_spectra(rows), layer_spectra(rows), other_angles(rows), brdf(study, seen)];
+    let drawn = all.into_iter().flatten().map(|(heading, plot, caption)| {
+        Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
+    });
+    drawn.collect()
+}
+
+type Drawing = Option<(&'static str, Plot, String)>;
+
+fn spectrum(rows: &[SpectrumRow], name: &str, of: impl Fn(&SpectrumRow) -> Option<Estimate>) -> Series {
+    let points = rows.iter().filter_map(|row| Some((row.wavelength_nm, of(row)?))).collect();
+    Series { name: name.to_owned(), points }
+}
+
+fn against_wavelength(y_label: &str, series: Vec<Series>) -> Option<Plot> {
+    let series: Vec<Series> = series.into_iter().filter(|s| !s.points.is_empty()).collect();
+    let plot = Plot { x_label: "wavelength, nm".into(), y_label: y_label.into(), ..Plot::default() };
+    (!series.is_empty()).then_some(Plot { series, y_range: Some([0.0, 1.0]), ..plot })
+}
+
+fn seen_spectra(rows: &[SpectrumRow]) -> Drawing {
+    let series = vec![
+        spectrum(rows, NATURAL_LIGHT, |row| row.natural_light),
+        spectrum(rows, LIT_AT_45, |row| row.lit_at_45),
+    ];
+    let caption = format!(
+        "What the eye receives from the ink on its paper, as a share of what a perfect white would send: under {NATURAL_LIGHT} \
+         and at {LIT_AT_45} (π × BRDF). Bars are standard errors: chance over realisations, and the grid."
+    );
+    Some(("The ink on its paper", against_wavelength("share of a perfect white", series)?, caption))
+}
+
+fn layer_spectra(rows: &[SpectrumRow]) -> Drawing {
+    let angle = rows.first()?.polar_deg;
+    let rows = &at_angle(rows, angle);
+    let series = vec![
+        spectrum(rows, "reflected", |row| Some(row.reflectance)),
+        spectrum(rows, "reflected, specular", |row| Some(row.specular_reflectance)),
+        spectrum(rows, "transmitted", |row| Some(row.transmittance)),
+        spectrum(rows, "transmitted, specular", |row| Some(row.specular_transmittance)),
+        spectrum(rows, "absorbed", |row| Some(row.absorptance)),
+    ];
+    let caption = format!(
+        "The layer alone, without paper, lit at {angle:.0}°: shares of the light reflected, transmitted and absorbed \
+         add up to 1. “Specular” is the part that goes on as a mirror image or straight through."
+    );
+    Some(("The layer alone", against_wavelength("share of the light", series)?, caption))
+}
+
+/// Curves of one kind that a plot of every angle takes.
+const MOST_CURVES: usize = 6;
+
+/// R and T at all angles solved: against wavelength for a few of them, against the angle for many.
+fn other_angles(rows: &[SpectrumRow]) -> Drawing {
+    let mut angles: Vec<f64> = rows.iter().map(|row| row.polar_deg).collect();
+    angles.dedup();
+    if angles.len() < 2 {
+        return None;
+    }
+    let caption = "The layer alone at every angle that was solved for: shares of the light reflected (R) and transmitted (T).";
+    let plot = if angles.len() <= MOST_CURVES {
+        let of = |&deg: &f64| {
+            let rows = at_angle(rows, deg);
+            let reflected = spectrum(&rows, &format!("R, {deg:.0}°"), |row| Some(row.reflectance));
+            [reflected, spectrum(&rows, &format!("T, {deg:.0}°"), |row| Some(row.transmittance))]
+        };
+        against_wavelength("share of the light", angles.iter().flat_map(of).collect())?
+    } else {
+        let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
+        let of = |w: usize| {
+            let rows: Vec<&SpectrumRow> = rows.iter().filter(|row| row.wavelength_nm == wavelengths[w]).collect();
+            let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| Series {
+                name: format!("{name}, {:.0} nm", wavelengths[w]),
+                points: rows.iter().map(|row| (row.polar_deg, of(row))).collect(),
+            };
+            [curve("R", &|row| row.reflectance), curve("T", &|row| row.transmittance)]
+        };
+        let series = shown(&wavelengths).into_iter().flat_map(of).collect();
+        let plot = Plot { x_label: "angle of incidence, °".into(), y_label: "share of the light".into(), ..Plot::default() };
+        Plot { series, y_range: Some([0.0, 1.0]), ..plot }
+    };
+    Some(("Every angle solved", plot, caption.to_owned()))
+}
+
+fn at_angle(rows: &[SpectrumRow], polar_deg: f64) -> Vec<SpectrumRow> {
+    rows.iter().filter(|row| row.polar_deg == polar_deg).cloned().collect()
+}
+
+fn brdf(study: &Study, seen: &Seen) -> Drawing {
+    let ink = seen.ink.as_ref().ok()?;
+    let light = ink.at(LIGHT_DEG.min(study.angles.picture_max_deg)).ok()?;
+    let steps = (study.angles.picture_max_deg / BRDF_STEP_DEG).floor() as usize;
+    let degrees: Vec<f64> = (0..=steps).map(|i| i as f64 * BRDF_STEP_DEG).collect();
+    let views: Vec<_> = degrees.iter().map(|&deg| ink.at(deg)).collect::<Result<_, _>>().ok()?;
+    let spectra: Vec<Vec<Estimate>> =
+        views.iter().map(|view| ink.spectrum(|layer| PI * layer.brdf(&light, view)).estimates()).collect();
+    let curve = |w: usize| {
+        let values: Vec<Estimate> = spectra.iter().map(|spectrum| spectrum[w]).collect();
+        Series::new(&format!("{:.0} nm", study.wavelengths_nm[w]), &degrees, &values)
+    };
+    let series = shown(&study.wavelengths_nm).into_iter().map(curve).collect();
+    let caption = format!(
+        "π × diffuse BRDF of the ink on its paper, lit at {:.0}°, mean over the azimuth, against the viewing angle. A \
+         matt white would be 1 everywhere.",
+        light.polar_deg
+    );
+    let (x_label, y_label) = ("viewing angle, °".to_owned(), "π × BRDF".to_owned());
+    let plot = Plot { x_label, y_label, series, ..Plot::default() };
+    Some(("How it changes with the viewing angle", plot, caption))
+}
+
+/// Places of the study's wavelengths nearest to the shown ones, without repeats.
+fn shown(wavelengths_nm: &[f64]) -> Vec<usize> {
+    let distance = |w: usize, nm: f64| (wavelengths_nm[w] - nm).abs();
+    let nearest =
+        |&nm: &f64| (0..wavelengths_nm.len()).min_by(|&a, &b| distance(a, nm).total_cmp(&distance(b, nm)));
+    let mut places: Vec<usize> = SHOWN_NM.iter().filter_map(nearest).collect();
+    places.dedup();
+    places
+}

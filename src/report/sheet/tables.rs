@@ -1,0 +1,261 @@
+//! The page's tables: how sure, what was asked, packings, limits, provenance.
+
+use super::percent;
+use crate::appearance::paper::{Coupling, MirroredSky};
+use crate::evaluate::manifest::{Budget, ColourNote, Manifest, SpectrumRow};
+use crate::evaluate::seen::Seen;
+use crate::ink::Method;
+use crate::input::study::{Study, WantedResolution};
+use crate::input::variation::{CellRule, LightRule};
+use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
+
+fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
+    Meant { name: name.to_owned(), value, meaning: meaning.into() }
+}
+
+pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> {
+    let certainty = &manifest.certainty;
+    let several = seen.realisations > 1;
+    let ensemble =
+        if several { "independent packings averaged" } else { "one packing: its chance is unknown" };
+    let mut rows = vec![meant("realisations", seen.realisations.to_string(), ensemble)];
+    if let Some(noise) = manifest.colours.first().and_then(|c| c.lab_standard_error) {
+        let length = noise.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let meaning = "standard error of the colour, as a distance in Lab; its parts follow";
+        rows.push(meant("colour", format!("ΔE {length:.2}"), meaning));
+    }
+    rows.extend(manifest.colours.first().map(budget).unwrap_or_default());
+    if let (Some(factor), degrees) = (certainty.coverage_factor_95, certainty.degrees_of_freedom) {
+        let meaning = format!("95 % intervals are ± this many standard errors (Student's t, {degrees} degrees of freedom)");
+        rows.push(meant("95 %", format!("× {factor:.2}"), meaning));
+    }
+    if let Some(error) = largest_error(&manifest.spectra) {
+        let meaning = "largest standard error of the layer's R or T";
+        rows.push(meant("spectra", format!("± {error:.4}"), meaning));
+    }
+    if let Some(error) = certainty.angle_error_estimate {
+        let meaning =
+            "standard error of the mean transmittance over the hemisphere from the placing of the directions, at the worst wavelength";
+        rows.push(meant("angles", format!("{error:.1e}"), meaning));
+    }
+    rows.extend([
+        meant(
+            "grid, R and T",
+            format!("{:.1e}, {:.1e}", certainty.reflectance_grid_error, certainty.transmittance_grid_error),
+            "expected errors from the grid, by comparison with a coarser one at the hardest wavelengths and angles; part of \
+             all error bars",
+        ),
+        meant(
+            "grid, orders",
+            format!("{:.1e}", certainty.amplitude_error_estimate),
+            "expected error of the complex amplitudes of single orders, from coarser and finer grids; sums over orders are \
+             better known",
+        ),
+        meant(
+            "energy",
+            format!("{:.1e}", certainty.largest_energy_error),
+            "largest |R + T + A − 1| of all solves: nothing is lost or invented",
+        ),
+        meant(
+            "residual",
+            format!("{:.1e}", certainty.largest_residual),
+            format!("largest relative residual, after {:.0} steps on average", certainty.mean_steps),
+        ),
+    ]);
+    rows
+}
+
+/// Which part of the first colour's error is how large: what dominates tells what to buy.
+fn budget(note: &ColourNote) -> Vec<Meant> {
+    let Budget { chance_and_cell, angles, wavelengths, grid, residual } = note.budget;
+    let parts = [
+        ("… chance and cell", chance_and_cell, "random packings in cells of their own: more realisations lessen it"),
+        ("… angles", angles, "directions over the hemisphere: more of them (angles.count) or more realisations lessen it"),
+        ("… grid", Some(grid), "resolution.accuracy lessens it"),
+        ("… residual", Some(residual), "solver.tolerance lessens it"),
+        ("… wavelengths", Some(wavelengths), "what their spacing would cost; the colour is corrected for it, and chance holds the rest"),
+    ];
+    let row = |(name, part, meaning): (&str, Option<f64>, &str)| Some(meant(name, format!("ΔE {:.3}", part?), meaning));
+    parts.into_iter().filter_map(row).collect()
+}
+
+fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
+    let errors = rows.iter().flat_map(|row| [row.reflectance, row.transmittance]);
+    errors.filter_map(|estimate| estimate.standard_error).reduce(f64::max)
+}
+
+pub(crate) fn asked(study: &Study) -> Vec<Named> {
+    let layer = &study.layer;
+    let [x, y] = layer.period_um;
+    let cell = match study.variation.cell {
+        CellRule::Fixed => format!("{x} × {y} µm, repeated sideways"),
+        CellRule::Varied => format!("about {x:.1} × {y:.1} µm, repeated sideways; another size, shape and azimuth in every realisation"),
+    };
+    let uneven = match study.variation.thickness_std_um {
+        0.0 => String::new(),
+        std => format!(" ± {std}"),
+    };
+    let cell = format!("{cell}; {}{uneven} µm thick", layer.thickness_um);
+    let surroundings = format!("above {}, below {}", layer.index_above, layer.index_below);
+    let mut rows = vec![
+        Named::new("cell", cell),
+        Named::new("binder", format!("index {}", layer.binder.source)),
+        Named::new("half-spaces", format!("index {surroundings}")),
+    ];
+    rows.extend(study.pigments.iter().map(|pigment| {
+        let grains = &pigment.grains;
+        let size = format!("{}, {}", grains.shape.name(), super::size(grains));
+        let share = percent(grains.volume_fraction);
+        Named::new(
+            format!("pigment {}", pigment.name),
+            format!("{share} %, {size}; index {}", pigment.material.source),
+        )
+    }));
+    rows.extend(study.dissolved.iter().map(|d| {
+        let share = percent(d.volume_fraction);
+        let value =
+            format!("{share} %, dissolved in the binder (grain size → 0); index {}", d.material.source);
+        Named::new(format!("pigment {}", d.name), value)
+    }));
+    if study.angles.strata > 0 {
+        rows.push(Named::new("paper", paper(study)));
+    }
+    rows.extend([
+        Named::new("wavelengths", list(&study.wavelengths_nm, "nm")),
+        Named::new("angles", angles(study)),
+    ]);
+    rows
+}
+
+/// What the bars hold.
+fn held(study: &Study) -> &'static str {
+    match (study.variation.cell, study.variation.light) {
+        (CellRule::Varied, LightRule::Shifted { .. }) => {
+            "Error bars hold chance, cell, directions and wavelengths (every realisation has its own, by the jackknife over \
+             realisations), the grid and the solver's residual."
+        }
+        (CellRule::Varied, LightRule::Listed) => {
+            "Error bars hold chance, cell and directions (every realisation has its own, by the jackknife over realisations), the grid \
+             and the solver's residual. The wavelengths were listed: what lies between them is not held."
+        }
+        (CellRule::Fixed, _) => {
+            "The cell is fixed: error bars hold chance and directions (by the jackknife over realisations), the grid and the solver's \
+             residual, but not what the period does, which can be many times as much. cell = \"varied\" holds it."
+        }
+    }
+}
+
+fn angles(study: &Study) -> String {
+    let solved = list(&study.angles.exact_deg, "°");
+    match study.angles.strata {
+        0 => solved,
+        strata => format!("{solved}, and {strata} over the hemisphere, others in every realisation"),
+    }
+}
+
+fn paper(study: &Study) -> String {
+    let coupling = match study.paper.coupling {
+        Coupling::Gap => "behind a thin air gap".to_owned(),
+        Coupling::OpticalContact { index } => format!("in contact, scatterers in index {index}"),
+    };
+    let sky = match study.output.mirrored_sky {
+        MirroredSky::Included => "with",
+        MirroredSky::Excluded => "without",
+    };
+    format!("albedo {}, {coupling}; natural light {sky} the mirrored sky", study.paper.source)
+}
+
+fn list(values: &[f64], unit: &str) -> String {
+    match values {
+        [first, .., last] if values.len() > 8 => {
+            format!("{} from {first:.1} to {last:.1} {unit}", values.len())
+        }
+        _ => {
+            let all: Vec<String> = values.iter().map(|v| format!("{v:.1}")).collect();
+            format!("{} {unit}", all.join(", "))
+        }
+    }
+}
+
+pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<PackingRow> {
+    let rows = manifest.packings.iter().flat_map(|packing| {
+        study.pigments.iter().zip(&packing.shares).map(|(pigment, share)| PackingRow {
+            realisation: packing.realisation + 1,
+            pigment: pigment.name.clone(),
+            grains: share.grains,
+            asked: format!("{:.2}", 100.0 * share.requested_fraction),
+            reached: format!("{:.2}", 100.0 * share.achieved_fraction),
+            method: match packing.method {
+                Method::SequentialAddition => format!("sequential addition, {} attempts", packing.steps),
+                Method::Relaxation => format!("relaxation of overlaps, {} steps", packing.steps),
+                Method::Given => "given".to_owned(),
+            },
+        })
+    });
+    rows.collect()
+}
+
+pub(crate) fn failures(manifest: &Manifest<&Study>) -> Vec<FailureRow> {
+    let row = |note: &crate::evaluate::manifest::FailureNote| FailureRow {
+        point: format!(
+            "realisation {}, {} nm, {:.1}°",
+            note.realisation + 1,
+            note.wavelength_nm,
+            note.polar_deg
+        ),
+        reason: note.reason.clone(),
+    };
+    manifest.failures.iter().map(row).collect()
+}
+
+pub(crate) fn limits(study: &Study) -> Vec<String> {
+    let mut lines = vec![
+        "The wave equation is solved as a scalar one: the field and its slope are continuous everywhere. That is exact for \
+         s-polarised light on plane layers; unpolarised light, and p-polarised light above all at slanting angles, is \
+         approximated."
+            .to_owned(),
+        "Every grain is there: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell repeats \
+         sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
+            .to_owned(),
+    ];
+    if study.variation.thickness_std_um == 0.0 {
+        let line = "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
+                    thickness they wash out: thickness_um = { mean = …, std = … } draws one.";
+        lines.push(line.to_owned());
+    }
+    lines.push(held(study).to_owned());
+    if study.pigments.iter().any(|p| p.material.source.contains("synthetic")) {
+        let line = "Built-in spectra are synthetic: smooth curves like those of printing inks, not measured pigments. Bring \
+                    your own with index = { csv = \"…\" }.";
+        lines.push(line.to_owned());
+    }
+    if study.solved_wavelengths() < 8 && study.angles.strata > 0 {
+        let line = "Fewer than 8 wavelengths: the colour of a spectrum with steep edges can be off by several ΔE.";
+        lines.push(line.to_owned());
+    }
+    lines
+}
+
+pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Provenance {
+    let r = manifest.resolution;
+    let grid = match study.resolution {
+        WantedResolution::Accuracy { amplitude, .. } => {
+            format!("chosen for amplitude errors of {amplitude:.0e}")
+        }
+        WantedResolution::Grid { .. } => "as asked".to_owned(),
+    };
+    let resolution = format!("{} × {} points, {} cells ({} planes), {grid}", r.nx, r.ny, r.cells, r.planes());
+    let solver = study.solver.build().name();
+    Provenance {
+        program: manifest.program.clone(),
+        rows: vec![
+            Named::code("study", manifest.study_hash.clone()),
+            Named::new("program", format!("{}, method {}", manifest.program, manifest.method_version)),
+            Named::new("seed", manifest.seed.to_string()),
+            Named::new("grid", resolution),
+            Named::new("solver", format!("{solver}, to a residual of {:.0e}", study.goal.tolerance)),
+            Named::new("solves", format!("{} of {}", manifest.solves.finished, manifest.solves.asked)),
+            Named::new("time in solves", format!("{:.1} s", manifest.solve_seconds)),
+        ],
+    }
+}

@@ -1,0 +1,8 @@
+//! Carries a study out: a point (one solve), a realisation (one packing), the study, its resolution, work side by side.
+
+pub mod crew;
+pub mod point;
+pub(crate) mod realisation;
+pub mod resolve;
+pub mod runner;
+pub mod watch;

@@ -1,0 +1,189 @@
+//! The grid of a study: as asked, or chosen for the accuracy that was asked; with its error in either case.
+//!
+//! Three probes on the first packing stand for the whole study: the shortest wavelength at the smallest and
+//! at the largest angle, and the wavelength at which grains and binder differ most. The largest of
+//! their error estimates is the study's.
+
+use super::point::Stopper;
+use super::watch::RunWatch;
+use crate::input::study::{Pigment, Study, WantedResolution};
+use crate::input::variation::{Draw, stratified_deg};
+use crate::solve::accuracy::grid_error::GridError;
+use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
+use crate::solve::{Coverages, SolveError};
+use crate::store::identity::Key;
+use crate::store::store::Store;
+use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
+use serde::{Deserialize, Serialize};
+
+/// Most bytes of one solve.
+const MEMORY: usize = 8_000_000_000;
+
+/// The grid that all solves of a study share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resolved {
+    /// Of the first realisation's cell.
+    pub resolution: Resolution,
+    /// Period of that cell, µm.
+    pub period_um: [f64; 2],
+    /// Thickness of its layer, µm.
+    pub thickness_um: f64,
+    /// Largest expected error of an order's complex amplitude, over the probes.
+    pub error_estimate: f64,
+    /// Expected errors of R and T.
+    pub grid_error: GridError,
+}
+
+impl Resolved {
+    /// The grid of another cell: no coarser than the first one's.
+    pub fn for_cell(&self, draw: &Draw) -> Resolution {
+        let points = |own: usize, first_um: f64, um: f64| {
+            let wanted = (own as f64 * um / first_um * (1.0 - 1e-9)).ceil() as usize;
+            if own == 1 { 1 } else { smooth_size(wanted.max(1)) }
+        };
+        let (own, first) = (self.resolution, self.period_um);
+        let cells = (own.cells as f64 * draw.thickness_um / self.thickness_um * (1.0 - 1e-9)).ceil();
+        if draw.period_um == first && draw.thickness_um == self.thickness_um {
+            return own;
+        }
+        Resolution {
+            nx: points(own.nx, first[0], draw.period_um[0]),
+            ny: points(own.ny, first[1], draw.period_um[1]),
+            cells: (cells as usize).max(1),
+            scheme: own.scheme,
+        }
+    }
+}
+
+/// The study's grid: from the store, or from solves on `scene`, which is made when it is needed.
+///
+/// # Errors
+/// The accuracy is out of reach, or a probe cannot be solved.
+pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
+    study: &Study,
+    store: &Store<Resolved>,
+    watch: &dyn RunWatch,
+    scene: impl FnOnce() -> Result<Scene, E>,
+) -> Result<Resolved, E> {
+    let probes = probes(study);
+    let key = key(study, &probes);
+    if let Some(resolved) = store.get(key.as_str()) {
+        return Ok(resolved);
+    }
+    let scene = scene()?;
+    watch.stage("estimating the error of the grid");
+    let resolved = settle(study, &scene, &probes, watch)?;
+    store.put(key.as_str(), &resolved)?;
+    Ok(resolved)
+}
+
+/// The study's grid if the store has it.
+pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
+    store.get(key(study, &probes(study)).as_str())
+}
+
+/// Content hash of all that the choice of the grid depends on.
+fn key(study: &Study, probes: &[Incidence]) -> Key {
+    let packing = Key::of("packing", &study.packing_request(0));
+    let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
+    let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
+    Key::of("resolution", &(packing, media, probes, method))
+}
+
+/// True when the user stopped the search, which is no failure.
+pub fn is_stop(error: &AccuracyError) -> bool {
+    matches!(error, AccuracyError::Solve(SolveError::Cancelled { .. }))
+}
+
+fn probes(study: &Study) -> Vec<Incidence> {
+    let azimuth_deg = study.draw(0).azimuth_deg;
+    let incidence = |nm: f64, polar_deg: f64| Incidence {
+        wavelength_um: nm * 1e-3,
+        polar_deg,
+        azimuth_deg,
+        from: Side::Above,
+    };
+    let contrast = |nm: f64| {
+        let binder = study.layer.binder.index_at(1e-3 * nm);
+        let of = |p: &Pigment| {
+            let eta = p.material.index_at(1e-3 * nm);
+            ((eta * eta - binder * binder) / (nm * nm)).norm()
+        };
+        study.pigments.iter().map(of).fold(0.0, f64::max)
+    };
+    let slanted = stratified_deg(study.angles.strata, 0.5).into_iter().chain(study.angles.exact_deg.iter().copied());
+    let (smallest, largest) = (study.angles.exact_deg[0], slanted.fold(0.0, f64::max));
+    let nm = &study.wavelengths_nm;
+    let strongest = nm.iter().copied().max_by(|&a, &b| contrast(a).total_cmp(&contrast(b))).unwrap_or(nm[0]);
+    let mut probes = vec![incidence(nm[0], smallest), incidence(nm[0], largest), incidence(strongest, smallest)];
+    probes.dedup();
+    probes
+}
+
+fn settle(
+    study: &Study,
+    scene: &Scene,
+    probes: &[Incidence],
+    watch: &dyn RunWatch,
+) -> Result<Resolved, AccuracyError> {
+    let (solver, coverages) = (study.solver.build(), Coverages::of(scene));
+    let media: Vec<Media> = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
+    let (mean, scheme, goal) = (Mean::default(), study.resolution.scheme(), study.goal);
+    let task = |i: usize| {
+        let (media, incidence) = (&media[i], &probes[i]);
+        Task { coverages: &coverages, media, incidence, mean, scheme, solver: &*solver, goal, memory: MEMORY }
+    };
+    let draw = study.draw(0);
+    let (mut resolution, mut error_estimate) = (None, 0.0_f64);
+    for task in (0..probes.len()).map(task) {
+        let probed = probe(study, &draw, &task, resolution, watch)?;
+        error_estimate = error_estimate.max(probed.error_estimate);
+        resolution = Some(probed.problem.coverage.grid.resolution);
+    }
+    let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
+    let tasks: Vec<Task> = (0..probes.len()).map(task).collect();
+    let grid_error = GridError::measure(&tasks, resolution, &mut Stopper(watch))?;
+    let Draw { period_um, thickness_um, .. } = draw;
+    Ok(Resolved { resolution, period_um, thickness_um, error_estimate, grid_error })
+}
+
+/// Tries the grid found so far and refines it for this probe where that is asked.
+fn probe(
+    study: &Study,
+    draw: &Draw,
+    task: &Task,
+    before: Option<Resolution>,
+    watch: &dyn RunWatch,
+) -> Result<Estimated, AccuracyError> {
+    let watch = &mut Stopper(watch);
+    let accuracy = match study.resolution {
+        WantedResolution::Grid { points_per_um, planes_per_um, scheme } => {
+            let grid = grid(draw, points_per_um, planes_per_um, scheme);
+            return task.solve_with_estimate(grid, watch);
+        }
+        WantedResolution::Accuracy { amplitude, .. } => amplitude,
+    };
+    if let Some(resolution) = before {
+        let tried = task.solve_with_estimate(resolution, watch)?;
+        if tried.error_estimate <= accuracy {
+            return Ok(tried);
+        }
+    }
+    let refined = task.solve_to_accuracy(accuracy, watch)?;
+    let (fine, Some(coarse)) = (refined.problem.coverage.grid.resolution, before) else { return Ok(refined) };
+    let both = Resolution {
+        nx: fine.nx.max(coarse.nx),
+        ny: fine.ny.max(coarse.ny),
+        cells: fine.cells.max(coarse.cells),
+        scheme: fine.scheme,
+    };
+    if both == fine { Ok(refined) } else { task.solve_with_estimate(both, watch) }
+}
+
+/// Points and cells for the asked points and planes per µm: at least that fine, in sizes that transform fast.
+fn grid(draw: &Draw, points_per_um: f64, planes_per_um: f64, scheme: Scheme) -> Resolution {
+    let points = draw.period_um.map(|period| smooth_size((points_per_um * period).ceil() as usize));
+    let planes = planes_per_um * draw.thickness_um;
+    let cells = (planes / scheme.degree() as f64).ceil().max(1.0) as usize;
+    Resolution { nx: points[0], ny: points[1], cells, scheme }
+}

@@ -1,0 +1,149 @@
+//! Carries a study out: for each realisation a packing and a coverage, for each wavelength and angle a solve.
+//!
+//! Every finished solve is in the store before the next begins, so a run that is stopped, or killed, leaves
+//! what it finished, and the same study continues there. Solves that are in the store already, from whichever
+//! study, are not repeated.
+
+use super::realisation::{Packings, RealisationRun, point_keys};
+use super::resolve;
+use super::resolve::{Resolved, resolve};
+use super::watch::RunWatch;
+use crate::ink::PackError;
+use crate::input::study::{Point, Study};
+use crate::solve::accuracy::AccuracyError;
+use crate::store::folder::{FolderError, GRIDS, OutputFolder, PACKINGS, POINTS};
+use crate::store::packing_record::PackingRecord;
+use crate::store::record::{FailureRecord, PointRecord};
+use crate::store::store::Store;
+use crate::wave::{Scene, WaveError};
+use std::io;
+
+/// How to run, as opposed to what.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunSettings {
+    /// Solves at a time; the number of threads when nothing is said. Fewer need less memory.
+    pub jobs: Option<usize>,
+}
+
+/// All that a run has, finished or not.
+#[derive(Clone, Debug)]
+pub struct Collected {
+    pub resolved: Resolved,
+    pub realisations: Vec<Realisation>,
+}
+
+/// One realisation's records, in the order of [`Study::points`]; `None` where a solve is missing.
+#[derive(Clone, Debug)]
+pub struct Realisation {
+    pub packing: PackingRecord,
+    pub points: Vec<Option<PointRecord>>,
+    pub failures: Vec<Failure>,
+}
+
+/// A solve that ended without a result.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    pub point: Point,
+    pub reason: String,
+}
+
+/// Why a run ended without collecting anything.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    #[error("realisation {}: {source}", realisation + 1)]
+    Packing { realisation: usize, source: PackError },
+    #[error(transparent)]
+    Resolution(#[from] AccuracyError),
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    #[error("cannot keep a result: {0}")]
+    Store(#[from] io::Error),
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("stopped before the first solve")]
+    Stopped,
+}
+
+impl Collected {
+    /// Solves that are there.
+    pub fn finished(&self) -> usize {
+        self.realisations.iter().map(|r| r.points.iter().flatten().count()).sum()
+    }
+
+    pub fn failures(&self) -> impl Iterator<Item = &Failure> {
+        self.realisations.iter().flat_map(|r| &r.failures)
+    }
+
+    /// Realisations of which every solve is there.
+    pub fn complete(&self) -> impl Iterator<Item = &Realisation> {
+        self.realisations.iter().filter(|r| r.points.iter().all(Option::is_some))
+    }
+}
+
+/// Runs `study` into `folder` until it is finished, stopped, or nothing more can be done.
+///
+/// # Errors
+/// The first packing or the resolution fails, or records cannot be written. A solve that fails is kept as a
+/// [`Failure`] and does not stop the others.
+pub fn run(
+    study: &Study,
+    folder: &OutputFolder,
+    settings: RunSettings,
+    watch: &dyn RunWatch,
+) -> Result<Collected, RunError> {
+    let stores = Stores::open(folder)?;
+    let mut packings = Packings::new(study, watch);
+    let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
+    let resolved = resolve(study, &stores.grids, watch, scene).map_err(stopped)?;
+    let keys = |realisation| point_keys(study, &resolved, realisation);
+    let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));
+    let kept = kept.count();
+    if kept < study.solves() {
+        folder.begin()?;
+    }
+    watch.begins(study, kept);
+    let mut realisations = Vec::new();
+    for realisation in 0..study.realisations {
+        if watch.stop() && !realisations.is_empty() {
+            break;
+        }
+        let run =
+            RealisationRun { study, resolved: &resolved, stores: &stores, settings, watch, realisation };
+        match run.finish(&mut packings).map_err(stopped) {
+            Err(RunError::Stopped) => break,
+            result => realisations.push(result?),
+        }
+    }
+    if realisations.is_empty() { Err(RunError::Stopped) } else { Ok(Collected { resolved, realisations }) }
+}
+
+/// A stop is no failure of packing or grid.
+pub(crate) fn stopped(error: RunError) -> RunError {
+    match error {
+        RunError::Packing { source: PackError::Stopped { .. }, .. } => RunError::Stopped,
+        RunError::Resolution(error) if resolve::is_stop(&error) => RunError::Stopped,
+        other => other,
+    }
+}
+
+pub(crate) struct Stores {
+    pub points: Store<PointRecord>,
+    pub packings: Store<PackingRecord>,
+    pub grids: Store<Resolved>,
+    /// Solves that have failed before and are not tried again; a study of its own tries them anew.
+    pub failures: Option<Store<FailureRecord>>,
+}
+
+impl Stores {
+    pub fn open(folder: &OutputFolder) -> io::Result<Self> {
+        let open = |name| folder.path().join(name);
+        Ok(Self {
+            points: Store::open(open(POINTS))?,
+            packings: Store::open(open(PACKINGS))?,
+            grids: Store::open(open(GRIDS))?,
+            failures: None,
+        })
+    }
+}

@@ -1,0 +1,9 @@
+//! From a wanted accuracy to a grid, and from solves on two grids to an error estimate.
+
+pub mod coverages;
+pub mod grid_error;
+mod resolution;
+mod search;
+
+pub use resolution::smooth_size;
+pub use search::*;

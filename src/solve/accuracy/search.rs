@@ -1,0 +1,299 @@
+//! How fine is fine enough: error estimates from coarser companions, and resolutions chosen for an accuracy.
+//!
+//! A result is compared with one that has a fifth fewer points in the plane and one that has a fifth fewer cells
+//! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
+
+use super::coverages::Coverages;
+use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
+use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::wave::{FarField, Incidence, Mean, Media, Order, Problem, Resolution, Scheme, Shape, WaveError};
+use num_complex::Complex64;
+use thiserror::Error;
+
+pub use super::resolution::smooth_size;
+
+/// Share of points or cells that a companion keeps.
+const COMPANION: f64 = 0.8;
+/// Amplitude error per unit of residual: trapped waves amplify it a little.
+const RESIDUAL_WEIGHT: f64 = 3.0;
+/// The two differences scatter; with this factor the estimate covers nine cases of ten.
+const SAFETY: f64 = 1.4;
+/// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
+const FINE: [f64; 2] = [8.0, 3.3];
+/// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
+const START: [f64; 2] = [3.0, 5.4];
+/// Resolutions tried before giving up.
+const LEVELS: usize = 24;
+
+/// One solve to be made: everything but the resolution.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    pub coverages: &'a Coverages<'a>,
+    pub media: &'a Media,
+    pub incidence: &'a Incidence,
+    pub mean: Mean,
+    pub scheme: Scheme,
+    pub solver: &'a dyn Solver,
+    pub goal: Goal,
+    /// Most bytes that one solve may take.
+    pub memory: usize,
+}
+
+/// A solve with its error estimate.
+pub struct Estimated {
+    pub problem: Problem,
+    pub solution: Solution,
+    pub far_field: FarField,
+    /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
+    pub error_estimate: f64,
+    /// The estimate's parts: plane, z.
+    pub parts: [f64; 2],
+    /// Seconds for coverage and factors.
+    pub seconds_setup: f64,
+    /// Seconds for the companions.
+    pub seconds_estimate: f64,
+}
+
+/// Why no result of the asked accuracy exists.
+#[derive(Debug, Error)]
+pub enum AccuracyError {
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    #[error(
+        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
+         and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
+         a smaller cell, or more memory"
+    )]
+    NotReached { asked: f64, reached: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
+    #[error(
+        "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {need_gb:.2} GB of the \
+         {allowed_gb:.2} GB allowed; ask for less accuracy, a smaller cell, or more memory"
+    )]
+    TooLarge { asked: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
+    #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
+    Accuracy(f64),
+}
+
+impl Task<'_> {
+    /// Solves at one resolution.
+    pub fn solve(
+        &self,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<(Problem, Solution, f64), AccuracyError> {
+        let clock = std::time::Instant::now();
+        let coverage = self.coverages.at(resolution)?;
+        let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
+        let setup = clock.elapsed().as_secs_f64();
+        let solution = self.solver.solve(&problem, self.goal, watch)?;
+        Ok((problem, solution, setup))
+    }
+
+    /// Solves at one resolution and estimates the error from two companions.
+    pub fn solve_with_estimate(
+        &self,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated, AccuracyError> {
+        let (problem, solution, seconds_setup) = self.solve(resolution, watch)?;
+        let far_field = problem.far_field(&solution.field);
+        let clock = std::time::Instant::now();
+        let mut parts = [0.0; 2];
+        if problem.has_contrast() {
+            let uniform = problem.coverage.uniform;
+            let plane = [COMPANION, 1.0 / COMPANION].map(|factor| scaled_plane(resolution, factor, uniform));
+            let across = [scaled_cells(resolution, COMPANION), scaled_cells(resolution, 1.0 / COMPANION)];
+            parts[0] = if self.coverages.scene.uniform_in_plane() {
+                0.0
+            } else {
+                self.compare(&far_field, resolution, plane, watch)?
+            };
+            parts[1] = self.compare(&far_field, resolution, across, watch)?;
+        }
+        let floor = 1e-13 + RESIDUAL_WEIGHT * solution.account.residual;
+        Ok(Estimated {
+            error_estimate: SAFETY * (parts[0] + parts[1]) + floor,
+            seconds_estimate: clock.elapsed().as_secs_f64(),
+            problem,
+            solution,
+            far_field,
+            parts,
+            seconds_setup,
+        })
+    }
+
+    /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
+    fn compare(
+        &self,
+        far: &FarField,
+        own: Resolution,
+        companions: [Resolution; 2],
+        watch: &mut dyn Watch,
+    ) -> Result<f64, AccuracyError> {
+        let [coarser, finer] = companions;
+        let (problem, solution, _) = match self.solve_coarser(coarser, own, watch)? {
+            Some(solved) => solved,
+            None => self.solve(finer, watch)?,
+        };
+        let difference = largest_difference(far, &problem.far_field(&solution.field));
+        let used = problem.coverage.grid.resolution;
+        Ok(difference * error_share(own, used, self.orders(own)))
+    }
+
+    /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
+    ///
+    /// For grains 4 and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
+    /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
+    /// do so in one.
+    fn orders(&self, own: Resolution) -> [i32; 2] {
+        let upright = self.coverages.scene.bodies.iter().any(|b| matches!(b.shape, Shape::BarY { .. }));
+        let sharp =
+            i32::from(self.coverages.scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
+        let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
+            .map(|l| l * self.waves_per_um());
+        let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
+        [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
+    }
+
+    /// Wavelengths per µm in the densest medium.
+    fn waves_per_um(&self) -> f64 {
+        let all = self.media.backgrounds.iter().chain(&self.media.inclusions);
+        all.map(|eta| eta.norm()).fold(1.0, f64::max) / self.incidence.wavelength_um
+    }
+
+    /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.
+    fn is_strong(&self) -> bool {
+        let square = |eta: &Complex64| eta * eta;
+        let strong = |b: &Complex64| {
+            self.media.inclusions.iter().any(|i| (square(i) - square(b)).norm() > square(b).norm())
+        };
+        self.media.backgrounds.iter().any(strong)
+    }
+
+    /// Solves the coarser companion; cells too high for the wave are made only as low as they must be.
+    fn solve_coarser(
+        &self,
+        coarser: Resolution,
+        own: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
+        if coarser == own {
+            return Ok(None);
+        }
+        let solved = match self.solve(coarser, watch) {
+            Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) if needed < own.cells => {
+                self.solve(Resolution { cells: needed, ..coarser }, watch)
+            }
+            other => other,
+        };
+        match solved {
+            Err(stopped @ AccuracyError::Solve(SolveError::Cancelled { .. })) => Err(stopped),
+            other => Ok(other.ok()),
+        }
+    }
+
+    /// Refines plane and z separately until the estimate meets `accuracy`.
+    pub fn solve_to_accuracy(
+        &self,
+        accuracy: f64,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated, AccuracyError> {
+        if !(1e-9..=0.5).contains(&accuracy) {
+            return Err(AccuracyError::Accuracy(accuracy));
+        }
+        let mut task = *self;
+        task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
+        let mut resolution = task.start(accuracy);
+        let mut last: Option<Estimated> = None;
+        let mut refused: Option<WaveError> = None;
+        for _ in 0..LEVELS {
+            if task.bytes(resolution) > task.memory {
+                return Err(match &last {
+                    Some(estimated) => task.not_reached(accuracy, estimated, resolution),
+                    None => task.too_large(accuracy, resolution),
+                });
+            }
+            let estimated = match task.solve_with_estimate(resolution, watch) {
+                Err(AccuracyError::Wave(refusal)) => {
+                    let Some(finer) = raised(resolution, &refusal) else { return Err(refusal.into()) };
+                    (resolution, refused) = (finer, Some(refusal));
+                    continue;
+                }
+                other => other?,
+            };
+            if estimated.error_estimate <= accuracy {
+                return Ok(estimated);
+            }
+            resolution = refine(resolution, estimated.parts, accuracy);
+            last = Some(estimated);
+        }
+        match last {
+            Some(estimated) => Err(task.not_reached(accuracy, &estimated, resolution)),
+            None => Err(refused.map_or(AccuracyError::Accuracy(accuracy), AccuracyError::Wave)),
+        }
+    }
+
+    /// First resolution of the search.
+    fn start(&self, accuracy: f64) -> Resolution {
+        let finer = (1e-2 / accuracy).max(1.0);
+        let waves = self.waves_per_um();
+        let points =
+            |period: f64| smooth_size((START[0] * finer.powf(0.25) * waves * period).ceil() as usize);
+        let nx = if self.coverages.scene.uniform_in_plane() {
+            1
+        } else {
+            points(self.coverages.scene.period_um[0])
+        };
+        let ny =
+            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1]) };
+        let planes = START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
+        let cells = (planes / self.scheme.degree() as f64).ceil() as usize;
+        Resolution { nx, ny, cells: cells.max(self.coverages.scene.strata.len()).max(2), scheme: self.scheme }
+    }
+
+    /// Bytes of a solve: some 40 basis vectors, factors, coverage.
+    fn bytes(&self, r: Resolution) -> usize {
+        r.nx * r.ny * r.planes() * size_of::<Complex64>() * 50
+    }
+
+    fn too_large(&self, asked: f64, r: Resolution) -> AccuracyError {
+        let [need_gb, allowed_gb] = [self.bytes(r), self.memory].map(|bytes| bytes as f64 / 1e9);
+        AccuracyError::TooLarge { asked, nx: r.nx, ny: r.ny, cells: r.cells, need_gb, allowed_gb }
+    }
+
+    fn not_reached(&self, asked: f64, last: &Estimated, next: Resolution) -> AccuracyError {
+        let r = last.problem.coverage.grid.resolution;
+        let gb = |bytes: usize| bytes as f64 / 1e9;
+        AccuracyError::NotReached {
+            asked,
+            reached: last.error_estimate,
+            nx: r.nx,
+            ny: r.ny,
+            cells: r.cells,
+            need_gb: gb(self.bytes(next)),
+            allowed_gb: gb(self.memory),
+        }
+    }
+}
+
+/// The scheme that reaches an accuracy with the fewest planes: higher cells pay once the planes are needed anyway.
+pub fn suited_scheme(accuracy: f64) -> Scheme {
+    if accuracy < 3e-3 { Scheme::Quartic } else { Scheme::Cubic }
+}
+
+/// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
+///
+/// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
+/// converge more slowly.
+pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
+    let counts =
+        |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
+    let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
+    let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
+    let difference = |(a, b): (&Order, &Order)| {
+        (a.reflected - b.reflected).norm().max((a.transmitted - b.transmitted).norm())
+    };
+    pairs.map(difference).fold(0.0, f64::max)
+}

@@ -1,0 +1,102 @@
+//! BiCGSTAB (van der Vorst 1992): short recurrences, eight vectors whatever the number of steps.
+//!
+//! Our own: the maintained complex implementation in the linear-algebra crate used elsewhere can neither be
+//! cancelled nor watched. Erratic without absorption, where GMRES is the better choice.
+
+use crate::solve::ledger::{Ledger, flat};
+use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::vectors::{dot, norm};
+use crate::wave::{Field, Problem};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+/// BiCGSTAB; two operator applications a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bicgstab {
+    /// Restarts from the true residual when the recurrence breaks down or has drifted.
+    pub most_restarts: usize,
+}
+
+impl Default for Bicgstab {
+    fn default() -> Bicgstab {
+        Bicgstab { most_restarts: 20 }
+    }
+}
+
+impl Solver for Bicgstab {
+    fn name(&self) -> &'static str {
+        "bicgstab"
+    }
+
+    fn solve_from(
+        &self,
+        problem: &Problem,
+        start: Option<&Field>,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<Solution, SolveError> {
+        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+        ledger.holds_vectors(8);
+        let mut u = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
+        let mut r = ledger.background.clone();
+        let first = if start.is_some() { ledger.measure(&u, &mut r) } else { 1.0 };
+        ledger.note(first)?;
+        for _ in 0..=self.most_restarts {
+            if ledger.reached() {
+                return Ok(ledger.finish(u));
+            }
+            recurrence(&mut ledger, &mut u, &mut r)?;
+            let residual = ledger.measure(&u, &mut r);
+            if !residual.is_finite() || residual > 1e4 {
+                return Err(ledger.diverged(f64::INFINITY));
+            }
+            if !ledger.reached() {
+                ledger.judge("use solver = \"krylov\"")?;
+            }
+        }
+        Err(ledger.not_converged("the recurrence keeps breaking down; use solver = \"krylov\""))
+    }
+}
+
+/// Runs until the recursive residual meets the goal, breaks down, or uses up the applications.
+fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), SolveError> {
+    let shadow = r.clone();
+    let shape = r.dim();
+    let (mut p, mut v, mut s, mut t) =
+        (r.clone(), Field::zeros(shape), Field::zeros(shape), Field::zeros(shape));
+    let mut rho = dot(flat(&shadow), flat(r));
+    while !ledger.exhausted() {
+        apply(ledger, &p, &mut v);
+        let alpha = rho / dot(flat(&shadow), flat(&v));
+        ndarray::Zip::from(&mut s).and(&*r).and(&v).par_for_each(|s, &r, &v| *s = r - alpha * v);
+        apply(ledger, &s, &mut t);
+        let omega = dot(flat(&t), flat(&s)) / norm(flat(&t)).powi(2);
+        if !(alpha.is_finite() && omega.is_finite()) || omega.norm() < 1e-14 {
+            return Ok(());
+        }
+        ndarray::Zip::from(&mut *u).and(&p).and(&s).par_for_each(|u, &p, &s| *u += alpha * p + omega * s);
+        ndarray::Zip::from(&mut *r).and(&s).and(&t).par_for_each(|r, &s, &t| *r = s - omega * t);
+        ledger.account.steps += 1;
+        let residual = norm(flat(r)) / ledger.scale();
+        ledger.note(residual)?;
+        if residual <= 0.9 * ledger.goal.tolerance || residual > 1e4 {
+            return Ok(());
+        }
+        let next = dot(flat(&shadow), flat(r));
+        let beta = next / rho * (alpha / omega);
+        rho = next;
+        ndarray::Zip::from(&mut p)
+            .and(&*r)
+            .and(&v)
+            .par_for_each(|p, &r, &v| *p = r + beta * (*p - omega * v));
+    }
+    Ok(())
+}
+
+/// out ← (1 + A⁻¹V) x.
+fn apply(ledger: &mut Ledger, x: &Field, out: &mut Field) {
+    ledger.problem.scatter(x, out);
+    ndarray::Zip::from(out).and(x).par_for_each(|o, &x: &Complex64| *o += x);
+    ledger.account.operator_applications += 1;
+}

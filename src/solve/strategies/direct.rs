@@ -1,0 +1,104 @@
+//! The referee: the assembled matrix 1 + A⁻¹V by dense LU, for tiny grids only.
+
+use crate::solve::ledger::{Ledger, flat};
+use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::wave::{Field, Problem};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+/// Dense LU; refuses problems above `max_unknowns` (16 bytes times their square, and their cube in time).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Direct {
+    pub max_unknowns: usize,
+}
+
+impl Default for Direct {
+    fn default() -> Direct {
+        Direct { max_unknowns: 4000 }
+    }
+}
+
+impl Solver for Direct {
+    fn name(&self) -> &'static str {
+        "direct"
+    }
+
+    fn solve_from(
+        &self,
+        problem: &Problem,
+        _start: Option<&Field>,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<Solution, SolveError> {
+        let n = problem.unknowns();
+        if n > self.max_unknowns {
+            return Err(SolveError::Setting {
+                field: "unknowns for solver = \"direct\"",
+                value: n.to_string(),
+                allowed: format!("at most {}", self.max_unknowns),
+                remedy: "use a coarser grid, another solver, or raise direct.max_unknowns".into(),
+            });
+        }
+        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+        let matrix = assemble(problem, &mut ledger);
+        ledger.account.bytes = 2 * n * n * size_of::<Complex64>();
+        let solved = dense_solve(&matrix, flat(&ledger.background));
+        let field = Field::from_shape_vec(problem.shape(), solved).expect("as many values as unknowns");
+        let mut scratch = Field::zeros(problem.shape());
+        let residual = ledger.measure(&field, &mut scratch);
+        ledger.account.steps = 1;
+        ledger.note(residual)?;
+        if !ledger.reached() {
+            return Err(ledger.not_converged("the matrix is nearly singular; change the grid a little"));
+        }
+        Ok(ledger.finish(field))
+    }
+}
+
+/// Columns of 1 + A⁻¹V, one after the other, by applying it to unit vectors.
+fn assemble(problem: &Problem, ledger: &mut Ledger) -> Vec<Complex64> {
+    let n = problem.unknowns();
+    let (mut unit, mut column) = (Field::zeros(problem.shape()), Field::zeros(problem.shape()));
+    let mut matrix = Vec::with_capacity(n * n);
+    for j in 0..n {
+        unit.as_slice_mut().expect("fields are contiguous")[j] = Complex64::ONE;
+        problem.scatter(&unit, &mut column);
+        ledger.account.operator_applications += 1;
+        matrix.extend_from_slice(flat(&column));
+        matrix[j * n + j] += 1.0;
+        unit.as_slice_mut().expect("fields are contiguous")[j] = Complex64::default();
+    }
+    matrix
+}
+
+/// Bytes of stack that LAPACK gets.
+#[cfg(feature = "lapack")]
+const LAPACK_STACK: usize = 64 << 20;
+
+/// Solves with a column-major matrix through LAPACK.
+#[cfg(feature = "lapack")]
+fn dense_solve(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
+    use ndarray::{ArrayView1, ArrayView2};
+    use ndarray_linalg::Solve;
+    let n = right.len();
+    let transposed = ArrayView2::from_shape((n, n), matrix).expect("a square matrix");
+    let solve = || transposed.t().to_owned().solve(&ArrayView1::from(right).to_owned());
+    // OpenBLAS keeps its work area on the stack: the 2 MB of an ordinary thread overflow now and then.
+    let solved = std::thread::scope(|scope| {
+        let roomy = std::thread::Builder::new().stack_size(LAPACK_STACK).spawn_scoped(scope, solve);
+        roomy.expect("a thread for LAPACK").join().expect("LAPACK does not panic")
+    });
+    solved.map_or_else(|_| vec![Complex64::new(f64::NAN, f64::NAN); n], |x| x.to_vec())
+}
+
+/// Solves with a column-major matrix through faer.
+#[cfg(not(feature = "lapack"))]
+fn dense_solve(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
+    use faer::linalg::solvers::Solve;
+    use faer::{ColRef, MatRef};
+    let n = right.len();
+    let solved =
+        MatRef::from_column_major_slice(matrix, n, n).partial_piv_lu().solve(ColRef::from_slice(right));
+    (0..n).map(|i| solved[i]).collect()
+}

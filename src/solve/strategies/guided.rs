@@ -1,0 +1,191 @@
+//! Guided modes of the mean slab, treated exactly: what makes large transparent cells hard.
+//!
+//! Near its guided modes the mean slab is almost singular, and there are more of them the larger the cell. Let Φ
+//! collect the near-null node profiles, Q = ΦᵀAΦ and S = Φᵀ(A + V)Φ. Replacing Q by S in the mean operator's
+//! inverse multiplies it from the right by C = 1 + Φ (S⁻¹ − Q⁻¹) (AΦ)ᵀ: sparse products, one small dense solve, no
+//! operator application, and the residual that GMRES sees stays the true one (Galerkin coarse correction; V enters by
+//! its Fourier coefficients at differences of harmonics). Q couples modes of one harmonic only.
+
+use crate::wave::Problem;
+use faer::linalg::solvers::{DenseSolveCore, PartialPivLu, Solve};
+use faer::{ColRef, Mat, Side};
+use ndarray::Array2;
+use num_complex::Complex64;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use std::ops::AddAssign;
+
+/// When and how far guided modes are treated.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GuidedModes {
+    /// Modes with |eigenvalue| below this multiple of k0² count as near-null; 0 switches the correction off.
+    pub threshold: f64,
+    /// At most this many (the nearest to null): the dense block costs their cube once, and 16 bytes times their square.
+    pub most: usize,
+    /// Mean absorption Im⟨k²⟩/k0² above which guided modes are damped, so that only `most_damped` pay.
+    pub damped: f64,
+    /// At most this many where they are damped.
+    pub most_damped: usize,
+}
+
+impl Default for GuidedModes {
+    fn default() -> GuidedModes {
+        GuidedModes { threshold: 0.4, most: 4500, damped: 0.02, most_damped: 250 }
+    }
+}
+
+/// One mode: a harmonic and values at the nodes.
+struct Mode {
+    harmonic: usize,
+    /// |eigenvalue| of the mean operator, damping included.
+    eigenvalue: f64,
+    nodes: Vec<f64>,
+}
+
+/// C, ready to be applied to fields.
+pub(crate) struct Correction {
+    modes: Vec<Mode>,
+    /// AΦ at the nodes.
+    images: Vec<Vec<Complex64>>,
+    /// S, factorised.
+    galerkin: PartialPivLu<Complex64>,
+    /// Per harmonic, its first mode and its block of Q⁻¹.
+    mean_inverses: Vec<(usize, Mat<Complex64>)>,
+    harmonics: usize,
+    stride: usize,
+}
+
+impl GuidedModes {
+    /// The correction for a problem, or none where it would not pay.
+    pub(crate) fn correction(&self, problem: &Problem) -> Option<Correction> {
+        let k0_squared = (TAU / problem.incidence.wavelength_um).powi(2);
+        if self.threshold <= 0.0 {
+            return None;
+        }
+        let damped = problem.mean.mean_absorption() > self.damped * k0_squared;
+        let limit = self.threshold * k0_squared;
+        let mut modes: Vec<Mode> = (0..problem.harmonics.len())
+            .into_par_iter()
+            .flat_map_iter(|i| modes_of(problem, i, limit))
+            .collect();
+        modes.sort_by(|a, b| a.eigenvalue.total_cmp(&b.eigenvalue));
+        modes.truncate(if damped { self.most_damped } else { self.most });
+        modes.sort_by_key(|m| m.harmonic);
+        if modes.is_empty() { None } else { Some(Correction::new(problem, modes)) }
+    }
+}
+
+/// Near-null eigenvectors of one harmonic's mean operator on the nodes.
+fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
+    let ends = problem.end_conditions(harmonic);
+    let (diagonal, off) = problem.mean.node_matrix(harmonic, ends);
+    let mass = problem.mean.node_mass();
+    let n = diagonal.len();
+    let scaled = |i: usize, j: usize| {
+        let value = if i == j { diagonal[i].re } else { off[i.min(j)].re };
+        let reach = i.abs_diff(j) <= 1;
+        if reach { value / (mass[i] * mass[j]).sqrt() } else { 0.0 }
+    };
+    let Ok(eigen) = Mat::from_fn(n, n, scaled).self_adjoint_eigen(Side::Lower) else {
+        return Vec::new();
+    };
+    // A mode that radiates into a half-space is as far from null as its damping.
+    let damping = |e: usize| {
+        let [first, last] = [0, n - 1].map(|j| eigen.U()[(j, e)].powi(2) / mass[j]);
+        ends[0].im * first + ends[1].im * last
+    };
+    let size = |e: usize| eigen.S()[e].hypot(damping(e));
+    let near = (0..n).filter(|&e| size(e) < limit);
+    let mode = |e: usize| Mode {
+        harmonic,
+        eigenvalue: size(e),
+        nodes: (0..n).map(|j| eigen.U()[(j, e)] / mass[j].sqrt()).collect(),
+    };
+    near.map(mode).collect()
+}
+
+impl Correction {
+    fn new(problem: &Problem, modes: Vec<Mode>) -> Correction {
+        let image = |m: &Mode| {
+            let (diagonal, off) = problem.mean.node_matrix(m.harmonic, problem.end_conditions(m.harmonic));
+            (0..diagonal.len())
+                .map(|j| {
+                    let below = if j > 0 { off[j - 1] * m.nodes[j - 1] } else { Complex64::default() };
+                    let above = if j < off.len() { off[j] * m.nodes[j + 1] } else { Complex64::default() };
+                    diagonal[j] * m.nodes[j] + below + above
+                })
+                .collect::<Vec<_>>()
+        };
+        let images: Vec<Vec<Complex64>> = modes.iter().map(image).collect();
+        let mean_block = |i: usize, j: usize| {
+            if modes[i].harmonic != modes[j].harmonic {
+                return Complex64::default();
+            }
+            modes[i].nodes.iter().zip(&images[j]).map(|(a, b)| a * b).sum::<Complex64>()
+        };
+        let mut galerkin = contrast_block(problem, &modes);
+        let mut mean_inverses = Vec::new();
+        let mut first = 0;
+        for group in modes.chunk_by(|a, b| a.harmonic == b.harmonic) {
+            let block = Mat::from_fn(group.len(), group.len(), |i, j| mean_block(first + i, first + j));
+            galerkin.as_mut().submatrix_mut(first, first, group.len(), group.len()).add_assign(&block);
+            mean_inverses.push((first, block.partial_piv_lu().inverse()));
+            first += group.len();
+        }
+        let (harmonics, stride) = (problem.harmonics.len(), problem.coverage.grid.element.degree);
+        Correction { galerkin: galerkin.partial_piv_lu(), modes, images, mean_inverses, harmonics, stride }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let nodes: usize = self.images.iter().map(|image| image.len()).sum();
+        (self.modes.len().pow(2) + nodes) * size_of::<Complex64>() + nodes * size_of::<f64>()
+    }
+
+    /// v ← C v.
+    pub fn apply(&self, v: &mut [Complex64]) {
+        let at = |node: usize, harmonic: usize| node * self.stride * self.harmonics + harmonic;
+        let project = |(mode, image): (&Mode, &Vec<Complex64>)| {
+            image.iter().enumerate().map(|(j, a)| a * v[at(j, mode.harmonic)]).sum::<Complex64>()
+        };
+        let projected: Vec<Complex64> = self.modes.iter().zip(&self.images).map(project).collect();
+        let projected = ColRef::from_slice(&projected);
+        let mut change = self.galerkin.solve(projected);
+        for (first, inverse) in &self.mean_inverses {
+            let part = inverse * projected.subrows(*first, inverse.nrows());
+            part.iter().enumerate().for_each(|(i, p)| change[first + i] -= p);
+        }
+        for (mode, c) in self.modes.iter().zip(change.iter()) {
+            mode.nodes.iter().enumerate().for_each(|(j, a)| v[at(j, mode.harmonic)] += a * c);
+        }
+    }
+}
+
+/// ΦᵀVΦ: Σ_p Ŵ_p(l − l') f_i(p) f_j(p), with the mean solution's values f on the planes.
+fn contrast_block(problem: &Problem, modes: &[Mode]) -> Mat<Complex64> {
+    let planes = problem.shape().0;
+    let profiles: Vec<Vec<Complex64>> =
+        modes.iter().map(|m| problem.mean.profile_on_planes(m.harmonic, &m.nodes)).collect();
+    let [nx, ny] = [problem.coverage.grid.resolution.nx, problem.coverage.grid.resolution.ny];
+    // Planes run fastest, so that a pair of harmonics reads one stretch of memory.
+    let mut spectra = Array2::zeros((nx * ny, planes));
+    for p in 0..planes {
+        spectra.column_mut(p).iter_mut().zip(problem.contrast_spectrum(p)).for_each(|(s, w)| *s = w);
+    }
+    let spectrum_of = |i: usize, j: usize| {
+        let [a, b] = [i, j].map(|k| problem.harmonics.orders[modes[k].harmonic]);
+        let wrap = |axis: usize, n: usize| (a[axis] - b[axis]).rem_euclid(n as i32) as usize;
+        spectra.row(wrap(0, nx) * ny + wrap(1, ny))
+    };
+    let column = |j: usize| {
+        let entry = |i: usize| {
+            let products = profiles[i].iter().zip(&profiles[j]).zip(spectrum_of(i, j));
+            products.map(|((f, g), w)| w * f * g).sum::<Complex64>()
+        };
+        (0..modes.len()).map(entry).collect::<Vec<_>>()
+    };
+    let columns: Vec<Vec<Complex64>> = (0..modes.len()).into_par_iter().map(column).collect();
+    Mat::from_fn(modes.len(), modes.len(), |i, j| columns[j][i])
+}

@@ -1,0 +1,133 @@
+//! Axes: from lists, ranges and cases to labelled settings.
+
+use super::file::AxisTable;
+use crate::input::fault::{Allowed, Fault, Faults};
+use toml::{Table, Value};
+
+/// Most values of one axis.
+const LONGEST_AXIS: usize = 10_000;
+
+/// An axis with its checked values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    pub name: String,
+    pub zip: Option<String>,
+    pub settings: Vec<Setting>,
+}
+
+/// One value of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    pub label: String,
+    /// The value in words, which conditions may name too.
+    pub value: String,
+    pub set: Table,
+}
+
+impl Axis {
+    /// Reads `[[axis]]` number `i`.
+    pub fn read(i: usize, table: &AxisTable, faults: &mut Faults) -> Self {
+        let of = |key: &str| format!("axis[{i}].{key}");
+        let last = |field: &String| field.rsplit(['.', ']']).next().unwrap_or(field).to_owned();
+        let name = table.name.clone().or_else(|| table.field.as_ref().map(last));
+        let settings = match (&table.field, table.case.is_empty()) {
+            (Some(field), true) => values(i, field, table, faults),
+            (None, false) => table.case.iter().map(Setting::from).collect(),
+            _ => {
+                let allowed = "either a field with its values, or [[axis.case]] entries";
+                let remedy = "write for example field = \"pigment[0].diameter_nm\" and values = [100, 300]";
+                faults.push(Fault::new(of("field"), "both or neither", allowed, remedy));
+                Vec::new()
+            }
+        };
+        let name = name.unwrap_or_else(|| {
+            let remedy = "write for example name = \"ink\"";
+            faults.push(Fault::new(of("name"), "nothing", "a name for an axis of cases", remedy));
+            String::new()
+        });
+        let axis = Self { name, zip: table.zip.clone(), settings };
+        axis.check_labels(&of("labels"), faults);
+        axis
+    }
+
+    fn check_labels(&self, field: &str, faults: &mut Faults) {
+        for (k, setting) in self.settings.iter().enumerate() {
+            if self.settings[..k].iter().any(|earlier| earlier.label == setting.label) {
+                let found = format!("{:?} twice", setting.label);
+                let remedy = "give each value its own label, and no value twice";
+                faults.push(Fault::new(field, found, "labels that differ", remedy));
+            }
+        }
+    }
+
+    /// Places of the values that a condition names: a label, a value, or a list of them.
+    pub fn matching(&self, wanted: &Value) -> Vec<usize> {
+        let all = match wanted {
+            Value::Array(list) => list.iter().map(in_words).collect(),
+            one => vec![in_words(one)],
+        };
+        let fits = |s: &Setting| all.iter().any(|word| *word == s.label || *word == s.value);
+        (0..self.settings.len()).filter(|&k| fits(&self.settings[k])).collect()
+    }
+}
+
+impl From<&super::file::CaseTable> for Setting {
+    fn from(case: &super::file::CaseTable) -> Self {
+        Self { label: case.label.clone(), value: case.label.clone(), set: case.set.clone() }
+    }
+}
+
+fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<Setting> {
+    let list = match (&table.values, table.from, table.to) {
+        (Some(values), None, None) if table.step.is_none() && table.count.is_none() => values.clone(),
+        (None, Some(from), Some(to)) => range(i, table, from, to, faults),
+        _ => Vec::new(),
+    };
+    if list.is_empty() {
+        let allowed = "either values = […], or from, to and one of step and count";
+        let remedy = "write for example values = [100, 300]";
+        faults.push(Fault::new(format!("axis[{i}].values"), "no values", allowed, remedy));
+    }
+    if let Some(labels) = table.labels.as_ref().filter(|labels| labels.len() != list.len()) {
+        let (found, allowed) = (format!("{} labels", labels.len()), format!("{} labels", list.len()));
+        faults.push(Fault::new(format!("axis[{i}].labels"), found, allowed, "one label for each value"));
+    }
+    let setting = |(k, value): (usize, &Value)| Setting {
+        label: table.labels.as_ref().and_then(|l| l.get(k).cloned()).unwrap_or_else(|| in_words(value)),
+        value: in_words(value),
+        set: Table::from_iter([(field.to_owned(), value.clone())]),
+    };
+    list.iter().enumerate().map(setting).collect()
+}
+
+fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -> Vec<Value> {
+    let count = match (table.step, table.count) {
+        (Some(step), None) => {
+            let allowed = Allowed::above(0.0, f64::MAX, "");
+            faults.number(&format!("axis[{i}].step"), step, allowed, "a step from `from` towards `to`");
+            ((to - from) / step + 1e-9).floor() + 1.0
+        }
+        (None, Some(count)) => count as f64,
+        _ => return Vec::new(),
+    };
+    if !(to >= from && (1.0..=LONGEST_AXIS as f64).contains(&count)) {
+        let (found, allowed) =
+            (format!("{from} to {to}"), format!("a rising range of 1 to {LONGEST_AXIS} values"));
+        faults.push(Fault::new(format!("axis[{i}].to"), found, allowed, "raise `to` or the step"));
+        return Vec::new();
+    }
+    let step = table.step.unwrap_or(if count > 1.0 { (to - from) / (count - 1.0) } else { 0.0 });
+    // Twelve digits: 0.15 + 3 × 0.05 is meant to be 0.3.
+    let rounded = |x: f64| format!("{x:.11e}").parse::<f64>().unwrap_or(x);
+    (0..count as usize).map(|k| Value::Float(rounded(from + k as f64 * step))).collect()
+}
+
+/// A value as a person writes it: 100 and 100.0 are the same.
+pub fn in_words(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Integer(n) => n.to_string(),
+        Value::Float(x) => x.to_string(),
+        other => other.to_string(),
+    }
+}

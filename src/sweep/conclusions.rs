@@ -1,0 +1,247 @@
+//! Conclusions as inequalities: statement, measured value with its standard error, verdict.
+
+use super::axes::Axis;
+use super::expand::{Draft, check_where, matches};
+use super::file::{ConclusionTable, Quantity, Where};
+use super::outcome::Outcome;
+use crate::input::fault::{Fault, Faults};
+use crate::numerics::estimate::Estimate;
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Two-sided confidence of a verdict: 95 %.
+const QUANTILE: f64 = 0.975;
+
+/// A checked conclusion about variants by their number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    pub id: String,
+    pub statement: String,
+    pub quantity: Quantity,
+    pub wavelength_nm: Option<f64>,
+    pub plus: Vec<usize>,
+    pub minus: Vec<usize>,
+    pub at_least: Option<f64>,
+    pub at_most: Option<f64>,
+}
+
+/// What the sweep says about a claim.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judged {
+    pub id: String,
+    pub statement: String,
+    /// In words, such as "C*(a) − C*(b) ≥ 5".
+    pub inequality: String,
+    pub measured: Option<Estimate>,
+    pub verdict: Verdict,
+    /// Why it is undecided, and what a decision would take.
+    pub remark: String,
+}
+
+/// Confirmed and refuted hold with 95 % confidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    Confirmed,
+    Refuted,
+    Undecided,
+}
+
+impl Verdict {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Confirmed => "confirmed",
+            Self::Refuted => "refuted",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// Finds the variants that the conclusions speak of.
+pub fn claims(
+    tables: &[ConclusionTable],
+    axes: &[Axis],
+    drafts: &[Draft],
+    faults: &mut Faults,
+) -> Vec<Claim> {
+    let tables = tables.iter().enumerate();
+    tables.map(|(i, table)| claim(&format!("conclusion[{i}]"), table, axes, drafts, faults)).collect()
+}
+
+fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Claim {
+    let mut places = |key: &str, list: &[Where]| -> Vec<usize> {
+        let one = |(k, condition): (usize, &Where)| {
+            one_variant(&format!("{at}.{key}[{k}]"), condition, axes, drafts, faults)
+        };
+        list.iter().enumerate().filter_map(one).collect()
+    };
+    let (plus, minus) = (places("plus", &table.plus), places("minus", &table.minus));
+    let spectral = matches!(table.quantity, Quantity::Transmittance | Quantity::Reflectance);
+    let mut wrong = |key: &str, found: &str, allowed: &str| {
+        faults.push(Fault::new(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml"));
+    };
+    if spectral && table.wavelength_nm.is_none() {
+        wrong("wavelength_nm", "nothing", "one of the study's wavelengths");
+    }
+    if table.at_least.is_none() && table.at_most.is_none() {
+        wrong("at_least", "nothing", "a bound: at_least, at_most or both");
+    }
+    if table.quantity == Quantity::DeltaE && (table.plus.len(), table.minus.len()) != (1, 1) {
+        wrong("plus", "other numbers of colours", "one colour in plus and one in minus");
+    }
+    Claim {
+        id: table.id.clone(),
+        statement: table.statement.clone(),
+        quantity: table.quantity,
+        wavelength_nm: table.wavelength_nm,
+        plus,
+        minus,
+        at_least: table.at_least,
+        at_most: table.at_most,
+    }
+}
+
+fn one_variant(
+    field: &str,
+    condition: &Where,
+    axes: &[Axis],
+    drafts: &[Draft],
+    faults: &mut Faults,
+) -> Option<usize> {
+    check_where(field, condition, axes, faults);
+    let fitting: Vec<usize> =
+        (0..drafts.len()).filter(|&d| matches(condition, axes, &drafts[d].place)).collect();
+    if let [one] = fitting[..] {
+        return Some(one);
+    }
+    let found = format!("{} variants", fitting.len());
+    faults.push(Fault::new(
+        field,
+        found,
+        "exactly one variant",
+        "name a value for every axis that has several",
+    ));
+    None
+}
+
+/// Judges a claim by the outcomes of all variants.
+pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
+    let (verdict, measured, remark) = match measure(claim, outcomes) {
+        Err(missing) => (Verdict::Undecided, None, format!("no value of {missing} yet: finish the sweep")),
+        Ok((estimate, fewest)) => {
+            let (verdict, remark) = decide(claim, estimate, fewest);
+            (verdict, Some(estimate), remark)
+        }
+    };
+    let (id, statement) = (claim.id.clone(), claim.statement.clone());
+    Judged { id, statement, inequality: inequality(claim, outcomes), measured, verdict, remark }
+}
+
+/// The measured value, and the fewest realisations behind it.
+fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Estimate, usize), String> {
+    let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
+    let several = all().map(|o| o.realisations).filter(|&n| n > 1).min().unwrap_or(0);
+    if claim.quantity == Quantity::DeltaE {
+        let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
+        let missing = || if a.colour.is_none() { a.name.clone() } else { b.name.clone() };
+        return a.delta_e_2000(b).map(|difference| (difference, several)).ok_or_else(missing);
+    }
+    let (mut value, mut variance, mut known) = (0.0, 0.0, true);
+    for (sign, &v) in claim.plus.iter().map(|v| (1.0, v)).chain(claim.minus.iter().map(|v| (-1.0, v))) {
+        let outcome = &outcomes[v];
+        let one = outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or(outcome.name.clone())?;
+        value += sign * one.value;
+        // A layer without grains has no chance in it.
+        known &= one.standard_error.is_some() || outcome.certain;
+        variance += one.standard_error.unwrap_or(0.0).powi(2);
+    }
+    Ok((Estimate { value, standard_error: known.then(|| variance.sqrt()) }, several))
+}
+
+fn decide(claim: &Claim, measured: Estimate, fewest: usize) -> (Verdict, String) {
+    let Some(error) = measured.standard_error else {
+        return (
+            Verdict::Undecided,
+            "the standard error is unknown: 2 or more realisations are needed".into(),
+        );
+    };
+    let above = claim.at_least.map(|bound| measured.value - bound);
+    let below = claim.at_most.map(|bound| bound - measured.value);
+    let margin = above.into_iter().chain(below).fold(f64::INFINITY, f64::min);
+    let reach = error * student(fewest);
+    if margin.abs() > reach || error == 0.0 {
+        return (if margin >= 0.0 { Verdict::Confirmed } else { Verdict::Refuted }, String::new());
+    }
+    let needed = fewest as f64 * (2.0 * error / margin).powi(2);
+    let remark = if needed < 1e6 {
+        format!(
+            "about {:.0} realisations instead of {fewest}, if the value stays",
+            needed.ceil().max(fewest as f64 + 1.0)
+        )
+    } else {
+        "the value sits on the bound".into()
+    };
+    (Verdict::Undecided, remark)
+}
+
+/// Quantile of Student's t for a mean of n realisations; one where nothing varies.
+fn student(realisations: usize) -> f64 {
+    let freedom = realisations.saturating_sub(1).max(1) as f64;
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(QUANTILE))
+}
+
+fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
+    let symbol = match (claim.quantity, claim.wavelength_nm) {
+        (Quantity::Chroma, _) => "C*".to_owned(),
+        (Quantity::Lightness, _) => "L*".to_owned(),
+        (Quantity::Hue, _) => "h".to_owned(),
+        (Quantity::Transmittance, nm) => format!("T{:.0}", nm.unwrap_or(0.0)),
+        (Quantity::Reflectance, nm) => format!("R{:.0}", nm.unwrap_or(0.0)),
+        (Quantity::DeltaE, _) => {
+            let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));
+            return bounded(claim, &format!("ΔE₀₀({}; {})", name(&claim.plus), name(&claim.minus)));
+        }
+    };
+    let term = |v: &usize| format!("{symbol}({})", outcomes[*v].labels.join(", "));
+    let plus: Vec<String> = claim.plus.iter().map(term).collect();
+    let minus: String = claim.minus.iter().map(|v| format!(" − {}", term(v))).collect();
+    bounded(claim, &format!("{}{minus}", plus.join(" + ")))
+}
+
+fn bounded(claim: &Claim, what: &str) -> String {
+    let bound = |x: f64| x.to_string().replace('-', "−");
+    match (claim.at_least, claim.at_most) {
+        (Some(low), Some(high)) => format!("{} ≤ {what} ≤ {}", bound(low), bound(high)),
+        (Some(low), None) => format!("{what} ≥ {}", bound(low)),
+        (_, high) => format!("{what} ≤ {}", bound(high.unwrap_or(f64::INFINITY))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(value: f64, error: f64, n: usize) -> Verdict {
+        let claim = Claim {
+            id: "1".into(),
+            statement: String::new(),
+            quantity: Quantity::Chroma,
+            wavelength_nm: None,
+            plus: vec![],
+            minus: vec![],
+            at_least: Some(5.0),
+            at_most: None,
+        };
+        decide(&claim, Estimate { value, standard_error: Some(error) }, n).0
+    }
+
+    #[test]
+    fn a_verdict_needs_a_margin_beyond_students_t() {
+        // t of 3 degrees of freedom is 3.18
+        assert_eq!(verdict(8.3, 1.0, 4), Verdict::Confirmed);
+        assert_eq!(verdict(8.0, 1.0, 4), Verdict::Undecided);
+        assert_eq!(verdict(1.7, 1.0, 4), Verdict::Refuted);
+        assert_eq!(verdict(7.1, 1.0, 100), Verdict::Confirmed);
+        assert_eq!(verdict(5.1, 0.0, 0), Verdict::Confirmed);
+    }
+}

@@ -1,0 +1,199 @@
+//! Curves against concentration and grain size (P1 section 6): transmittance of the layer where the pigment absorbs most,
+//! and chroma on paper.
+
+use super::load::Sweep;
+use super::outcome::Outcome;
+use super::sheets::Sheet;
+use crate::draw::plots::{Plot, Series};
+use crate::evaluate::manifest::SpectrumRow;
+use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use std::collections::BTreeMap;
+
+/// What a variant is made of, as far as curves sort it; sizes in hundredths of a nm, shares in millionths, so that
+/// equal numbers are equal.
+#[derive(Clone, Debug, PartialEq)]
+struct Make {
+    share: u64,
+    size: u64,
+    /// Pigments, shapes, orientations, agglomeration; the same for molecular mixtures of the same pigments.
+    kind: String,
+    pigments: String,
+}
+
+/// The number that a curve runs over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Abscissa {
+    Share,
+    Size,
+}
+
+/// All curves of a sheet; none where neither share nor size has several values.
+pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Plot> {
+    let shown = sheet.variants.iter().flatten().flatten();
+    let made: Vec<(usize, Make)> =
+        shown.filter_map(|&v| Some((v, Make::of(&sweep.variants[v].study)?))).collect();
+    let Some(&(first, _)) = made.first() else { return Vec::new() };
+    let nm = strongest_nm(&sweep.variants[first].study);
+    let transmittance = |v: usize| {
+        let near = |row: &&SpectrumRow| (row.wavelength_nm - nm).abs() < 1e-6;
+        Some(outcomes[v].spectra.iter().find(near)?.transmittance)
+    };
+    let chroma = |v: usize| Some(outcomes[v].colour.as_ref()?.chroma());
+    let of_t = format!("transmittance at {nm:.0} nm");
+    let mut plots = Vec::new();
+    for x in [Abscissa::Share, Abscissa::Size] {
+        for (label, y) in [(of_t.as_str(), &transmittance as &dyn Fn(usize) -> _), ("chroma C*", &chroma)] {
+            plots.extend(plot(sheet, &made, x, label, y, most_curves));
+        }
+    }
+    plots
+}
+
+fn plot(
+    sheet: &Sheet,
+    made: &[(usize, Make)],
+    x: Abscissa,
+    y_label: &str,
+    y: &dyn Fn(usize) -> Option<Estimate>,
+    most_curves: usize,
+) -> Option<Plot> {
+    let mut series: Vec<Series> = Vec::new();
+    for name in names(made, x) {
+        let mut points: BTreeMap<u64, Estimate> = BTreeMap::new();
+        for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
+            if let Some(value) = y(*v) {
+                points.entry(make.at(x)).or_insert(value);
+            }
+        }
+        let points: Vec<(f64, Estimate)> = points.into_iter().map(|(k, y)| (in_units(k, x), y)).collect();
+        // A molecular mixture alone is no curve.
+        if points.len() > 1 {
+            series.push(Series { name: name.in_words(made), points });
+        }
+    }
+    series.truncate(most_curves);
+    let x_label = match x {
+        Abscissa::Share => "pigment volume concentration, %",
+        Abscissa::Size => "effective grain diameter, nm (0: molecular)",
+    };
+    let title = if sheet.caption.is_empty() { String::new() } else { format!("{}: ", sheet.caption) };
+    let against = if x == Abscissa::Share { "concentration" } else { "grain size" };
+    (!series.is_empty()).then(|| Plot {
+        title: format!("{title}{y_label} against {against}"),
+        x_label: x_label.into(),
+        y_label: y_label.into(),
+        series,
+        ..Plot::default()
+    })
+}
+
+/// Makes that differ in more than the abscissa, in their order of appearance; molecular mixtures belong to all sizes.
+fn names(made: &[(usize, Make)], x: Abscissa) -> Vec<Make> {
+    let mut names: Vec<Make> = Vec::new();
+    for (_, make) in made {
+        let name = match x {
+            Abscissa::Share => Make { share: 0, ..make.clone() },
+            Abscissa::Size if make.size == 0 => continue,
+            Abscissa::Size => Make { size: 0, ..make.clone() },
+        };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+fn in_units(k: u64, x: Abscissa) -> f64 {
+    match x {
+        Abscissa::Share => k as f64 * 1e-4,
+        Abscissa::Size => k as f64 * 1e-2,
+    }
+}
+
+impl Make {
+    /// `None` for layers without pigment and for grains of several sizes.
+    fn of(study: &Study) -> Option<Self> {
+        let grains = || study.pigments.iter().map(|p| &p.grains);
+        let dissolved = study.dissolved.iter().map(|d| d.volume_fraction);
+        let share: f64 = grains().map(|g| g.volume_fraction).chain(dissolved).sum();
+        let sizes: Option<Vec<f64>> = grains().map(one_size).collect();
+        let sizes = sizes?;
+        let size = sizes.first().copied().unwrap_or(0.0);
+        if share == 0.0 || sizes.iter().any(|&s| s != size) || (size > 0.0 && !study.dissolved.is_empty()) {
+            return None;
+        }
+        let names = study.pigments.iter().map(|p| p.name.as_str());
+        let mut names: Vec<&str> = names.chain(study.dissolved.iter().map(|d| d.name.as_str())).collect();
+        names.sort_unstable();
+        let mut kinds: Vec<String> = grains().map(kind).collect();
+        kinds.dedup();
+        let relief = if study.packing.relief.is_some() { ", relief" } else { "" };
+        Some(Self {
+            share: (share * 1e6).round() as u64,
+            size: (size * 1e2).round() as u64,
+            kind: kinds.join(" and ") + relief,
+            pigments: names.join(" + "),
+        })
+    }
+
+    fn at(&self, x: Abscissa) -> u64 {
+        if x == Abscissa::Share { self.share } else { self.size }
+    }
+
+    fn belongs(&self, name: &Self, x: Abscissa) -> bool {
+        let same_ink = self.pigments == name.pigments;
+        let same_kind = self.kind == name.kind;
+        match x {
+            Abscissa::Share => same_ink && same_kind && self.size == name.size,
+            Abscissa::Size => same_ink && self.share == name.share && (same_kind || self.size == 0),
+        }
+    }
+
+    /// The curve's name; the pigments only where they differ.
+    fn in_words(&self, made: &[(usize, Self)]) -> String {
+        let mut words = Vec::new();
+        if made.iter().any(|(_, other)| other.pigments != self.pigments) {
+            words.push(self.pigments.clone());
+        }
+        if self.share > 0 {
+            words.push(format!("{} %", in_units(self.share, Abscissa::Share)));
+        }
+        match (self.size, self.kind.is_empty()) {
+            (0, true) => words.push("molecular".into()),
+            (0, false) => words.push(self.kind.clone()),
+            (size, _) => words.push(format!("{} nm {}", in_units(size, Abscissa::Size), self.kind)),
+        }
+        words.join(", ")
+    }
+}
+
+fn one_size(grains: &PigmentGrains) -> Option<f64> {
+    match grains.size {
+        SizeDistribution::Constant { value_nm, .. } => Some(value_nm),
+        _ => None,
+    }
+}
+
+fn kind(grains: &PigmentGrains) -> String {
+    let orientation = match grains.orientation {
+        Orientation::Random => "",
+        Orientation::InPlane { .. } => ", lying",
+        Orientation::Perpendicular { .. } => ", standing",
+        Orientation::Along { .. } => ", aligned",
+    };
+    let agglomerated = grains.agglomeration.as_ref().is_some_and(|a| a.degree > 0.0);
+    let agglomerated = if agglomerated { ", agglomerated" } else { "" };
+    format!("{}s{orientation}{agglomerated}", grains.shape.name())
+}
+
+/// The wavelength at which the strongest pigment absorbs most.
+fn strongest_nm(study: &Study) -> f64 {
+    let materials =
+        || study.pigments.iter().map(|p| &p.material).chain(study.dissolved.iter().map(|d| &d.material));
+    let kappa = |w: usize| materials().map(|m| m.index[w].im).fold(0.0, f64::max);
+    let all = 0..study.wavelengths_nm.len();
+    let strongest = all.max_by(|&a, &b| kappa(a).total_cmp(&kappa(b)));
+    study.wavelengths_nm[strongest.unwrap_or(0)]
+}

@@ -1,0 +1,165 @@
+//! From axes to variants: products and zips, less the exclusions, with overrides.
+
+use super::axes::Axis;
+use super::field;
+use super::file::{SweepFile, Where};
+use crate::input::fault::{Fault, Faults};
+use toml::Table;
+
+/// Most variants of one sweep.
+const MOST_VARIANTS: usize = 100_000;
+
+/// A variant not yet checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draft {
+    /// File name made of the labels.
+    pub name: String,
+    /// Place on every axis.
+    pub place: Vec<usize>,
+    pub study: Table,
+}
+
+/// All variants in the order of the axes, the last axis fastest.
+pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults) -> Vec<Draft> {
+    for (i, exclude) in file.exclude.iter().enumerate() {
+        check_where(&format!("exclude[{i}].where"), &exclude.condition, axes, faults);
+    }
+    for (i, rule) in file.overrides.iter().enumerate() {
+        check_where(&format!("override[{i}].where"), &rule.condition, axes, faults);
+    }
+    let places = places(axes, faults);
+    if !faults.0.is_empty() {
+        return Vec::new();
+    }
+    let kept = |place: &Vec<usize>| !file.exclude.iter().any(|e| matches(&e.condition, axes, place));
+    let drafts: Vec<Draft> =
+        places.into_iter().filter(kept).map(|place| draft(file, base, axes, place, faults)).collect();
+    check_names(&drafts, faults);
+    drafts
+}
+
+/// True when a variant's place fulfils a condition.
+pub fn matches(condition: &Where, axes: &[Axis], place: &[usize]) -> bool {
+    condition.iter().all(|(name, wanted)| {
+        let axis = axes.iter().position(|axis| axis.name == *name);
+        axis.is_some_and(|a| axes[a].matching(wanted).contains(&place[a]))
+    })
+}
+
+/// A condition names axes that exist and values that they have.
+pub fn check_where(field: &str, condition: &Where, axes: &[Axis], faults: &mut Faults) {
+    for (name, wanted) in condition {
+        let field = format!("{field}.{name}");
+        match axes.iter().find(|axis| axis.name == *name) {
+            None => {
+                let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
+                let allowed = format!("the axes {}", names.join(", "));
+                faults.push(Fault::new(field, format!("{name:?}"), allowed, "name one of the axes"));
+            }
+            Some(axis) if axis.matching(wanted).is_empty() => {
+                let labels: Vec<&str> = axis.settings.iter().map(|s| s.label.as_str()).collect();
+                let allowed = format!("one of {}", labels.join(", "));
+                faults.push(Fault::new(field, wanted, allowed, "name a label or value of the axis"));
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// Every combination of the groups of axes.
+fn places(axes: &[Axis], faults: &mut Faults) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (a, axis) in axes.iter().enumerate() {
+        let same = |group: &&mut Vec<usize>| axis.zip.is_some() && axes[group[0]].zip == axis.zip;
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(a),
+            None => groups.push(vec![a]),
+        }
+    }
+    let lengths: Vec<usize> = groups.iter().map(|group| axes[group[0]].settings.len()).collect();
+    for (group, length) in groups.iter().zip(&lengths) {
+        if let Some(&odd) = group.iter().find(|&&a| axes[a].settings.len() != *length) {
+            let found = format!("{} values", axes[odd].settings.len());
+            let allowed = format!("{length} values, as its zipped axis {:?}", axes[group[0]].name);
+            faults.push(Fault::new(
+                format!("axis[{odd}].zip"),
+                found,
+                allowed,
+                "make the lists equally long",
+            ));
+        }
+    }
+    let count = lengths.iter().try_fold(1usize, |all, &n| all.checked_mul(n)).unwrap_or(usize::MAX);
+    if count > MOST_VARIANTS {
+        let allowed = format!("at most {MOST_VARIANTS} combinations");
+        faults.push(Fault::new("axis", format!("{count} combinations"), allowed, "shorten the axes"));
+    }
+    if !faults.0.is_empty() {
+        return Vec::new();
+    }
+    (0..count).map(|n| place(n, axes.len(), &groups, &lengths)).collect()
+}
+
+fn place(mut n: usize, axes: usize, groups: &[Vec<usize>], lengths: &[usize]) -> Vec<usize> {
+    let mut place = vec![0; axes];
+    for (group, length) in groups.iter().zip(lengths).rev() {
+        group.iter().for_each(|&a| place[a] = n % length);
+        n /= length;
+    }
+    place
+}
+
+fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, faults: &mut Faults) -> Draft {
+    let mut study = base.clone();
+    let settings = axes.iter().zip(&place).enumerate();
+    let of_axes = settings.map(|(a, (axis, &k))| (format!("axis[{a}].field"), &axis.settings[k].set));
+    let rules = file.overrides.iter().enumerate().filter(|(_, r)| matches(&r.condition, axes, &place));
+    let of_rules = rules.map(|(i, rule)| (format!("override[{i}].set"), &rule.set));
+    for (source, fields) in of_axes.chain(of_rules) {
+        for (name, value) in fields {
+            if let Err(reason) = field::set(&mut study, name, value) {
+                let fault =
+                    Fault::new(&source, name, format!("fields of a study; {reason}"), "correct the name");
+                if !faults.0.contains(&fault) {
+                    faults.push(fault);
+                }
+            }
+        }
+    }
+    let labels = axes.iter().zip(&place).map(|(axis, &k)| axis.settings[k].label.as_str());
+    let name = labels.map(slug).collect::<Vec<_>>().join("-");
+    Draft { name: if name.is_empty() { "study".into() } else { name }, place, study }
+}
+
+/// Letters, digits, dots and underscores; everything else becomes one underscore.
+fn slug(label: &str) -> String {
+    let kept = |c: char| match c {
+        'µ' => 'u',
+        c if c.is_ascii_alphanumeric() || ".+".contains(c) => c,
+        _ => '_',
+    };
+    let text: String = label.chars().map(kept).collect();
+    text.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_")
+}
+
+fn check_names(drafts: &[Draft], faults: &mut Faults) {
+    let mut names: Vec<&str> = drafts.iter().map(|d| d.name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        let remedy = "give the axes labels that differ in their letters and digits";
+        faults.push(Fault::new(
+            "axis",
+            format!("{:?} twice", pair[0]),
+            "variants with different names",
+            remedy,
+        ));
+    }
+    if drafts.is_empty() && faults.0.is_empty() {
+        faults.push(Fault::new(
+            "exclude",
+            "every variant",
+            "exclusions that leave some",
+            "remove an exclusion",
+        ));
+    }
+}

@@ -1,0 +1,91 @@
+//! The folder of a sweep.
+//!
+//! ```text
+//! sweep.json                       axes, variants, conclusions        inputs/…             tables that variants read
+//! variants/<name>/study.toml       each variant as a study of its own, beside its results
+//! points/ packings/ grids/ failures/   the store that all variants share
+//! sweep.csv  conclusions.csv  contact-sheet*.png  report.html          PARTIAL while not all is finished
+//! ```
+
+use super::load::{Input, Outline, Place, Sweep, Variant};
+use crate::input::fault::StudyError;
+use crate::run::runner::Stores;
+use crate::store::folder::{FolderError, OutputFolder};
+use crate::store::store::Store;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Outline of the sweep.
+pub const OUTLINE: &str = "sweep.json";
+/// Solves, packings and grids that failed.
+pub const FAILURES: &str = "failures";
+/// One folder for each variant.
+pub const VARIANTS: &str = "variants";
+
+/// Why a folder holds no sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    #[error("{} holds no sweep: {reason}", path.display())]
+    NoSweep { path: PathBuf, reason: String },
+    #[error(transparent)]
+    Variant(#[from] StudyError),
+}
+
+/// Writes all that the folder needs to be reported without the sweep file.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
+    let make = |path: PathBuf| -> Result<(), FolderError> {
+        std::fs::create_dir_all(&path).map_err(|source| FolderError::NotWritable { path, source })
+    };
+    for Input { path, bytes } in &sweep.inputs {
+        make(folder.path().join(path).parent().unwrap_or(Path::new("")).to_owned())?;
+        folder.write(path, bytes)?;
+    }
+    for Variant { name, text, .. } in &sweep.variants {
+        make(folder.path().join(VARIANTS).join(name))?;
+        folder.write(&format!("{VARIANTS}/{name}/study.toml"), text.as_bytes())?;
+    }
+    let outline = serde_json::to_vec_pretty(&sweep.outline).unwrap_or_default();
+    folder.write(OUTLINE, &outline)
+}
+
+/// Reads the sweep back from its folder.
+///
+/// # Errors
+/// No sweep there, or files of it that were changed or lost.
+pub fn read(path: &Path) -> Result<Sweep, OpenError> {
+    let no_sweep = |reason: String| OpenError::NoSweep { path: path.to_owned(), reason };
+    let text = std::fs::read(path.join(OUTLINE)).map_err(|e| no_sweep(format!("{OUTLINE}: {e}")))?;
+    let outline: Outline = serde_json::from_slice(&text).map_err(|e| no_sweep(format!("{OUTLINE}: {e}")))?;
+    let variant = |place: &Place| -> Result<Variant, OpenError> {
+        let file = path.join(VARIANTS).join(&place.name).join("study.toml");
+        let text =
+            std::fs::read_to_string(&file).map_err(|e| no_sweep(format!("{}: {e}", file.display())))?;
+        Ok(Variant { name: place.name.clone(), study: crate::input::load::load(&file)?, text })
+    };
+    let variants = outline.variants.iter().map(variant).collect::<Result<Vec<_>, _>>()?;
+    let inputs = inputs(path).map_err(|e| no_sweep(format!("inputs: {e}")))?;
+    Ok(Sweep { outline, variants, inputs })
+}
+
+fn inputs(path: &Path) -> io::Result<Vec<Input>> {
+    let mut found = Vec::new();
+    let Ok(folders) = std::fs::read_dir(path.join("inputs")) else { return Ok(found) };
+    for folder in folders {
+        for file in std::fs::read_dir(folder?.path())? {
+            let file = file?.path();
+            let name = file.strip_prefix(path).unwrap_or(&file).to_string_lossy().into_owned();
+            found.push(Input { path: name, bytes: std::fs::read(&file)? });
+        }
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(found)
+}
+
+/// The store of a sweep, which remembers failures.
+pub(crate) fn stores(folder: &OutputFolder) -> io::Result<Stores> {
+    let failures = Some(Store::open(folder.path().join(FAILURES))?);
+    Ok(Stores { failures, ..Stores::open(folder)? })
+}

@@ -1,0 +1,270 @@
+//! From a sweep file to checked variants.
+
+use super::axes::Axis;
+use super::conclusions;
+use super::conclusions::Claim;
+use super::expand::{Draft, expand};
+use super::file::{Base, SheetTable, SweepFile, Where};
+use crate::input::check::check;
+use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::file::StudyFile;
+use crate::input::load::{remedy, syntax};
+use crate::input::study::Study;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Faults of variants that are shown; the others mostly repeat them.
+const SHOWN_FAULTS: usize = 5;
+
+/// A sweep whose variants are all checked.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    pub outline: Outline,
+    pub variants: Vec<Variant>,
+    /// Tables that the variants read, kept with the results.
+    pub inputs: Vec<Input>,
+}
+
+/// All of a sweep but its studies: the file `sweep.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outline {
+    pub title: String,
+    pub axes: Vec<AxisOutline>,
+    pub sheet: SheetTable,
+    /// The variant that colour differences refer to.
+    pub reference: usize,
+    pub claims: Vec<Claim>,
+    pub variants: Vec<Place>,
+}
+
+/// An axis and the captions of its values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AxisOutline {
+    pub name: String,
+    pub labels: Vec<String>,
+}
+
+impl AxisOutline {
+    /// A value's caption where it stands alone: `paper 0.9`, but `yellow` rather than `ink yellow`.
+    pub fn named(&self, k: usize) -> String {
+        let label = &self.labels[k];
+        let speaks = label.chars().next().is_some_and(char::is_alphabetic);
+        if speaks { label.clone() } else { format!("{} {label}", self.name) }
+    }
+}
+
+/// A variant's name and its place on every axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    pub name: String,
+    pub place: Vec<usize>,
+}
+
+/// One study of the sweep.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    pub name: String,
+    pub study: Study,
+    /// The study as a file of its own, to be put into `variants/<name>`.
+    pub text: String,
+}
+
+/// A table read by some variant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// Relative to the sweep's folder.
+    pub path: String,
+    pub bytes: Vec<u8>,
+}
+
+/// Reads and checks the sweep file at `path`, and every variant of it.
+///
+/// # Errors
+/// The file or its base cannot be read, is no TOML, or some variant is not allowed.
+pub fn load(path: &Path) -> Result<Sweep, StudyError> {
+    let (text, file): (String, SweepFile) = read(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let base = match &file.base {
+        Base::Table(table) => table.clone(),
+        Base::Path(base) => read::<Table>(&folder.join(base))?.1,
+    };
+    let mut faults = Faults::default();
+    let axes: Vec<Axis> =
+        file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
+    let drafts = expand(&file, &base, &axes, &mut faults);
+    let stem = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
+    let title = file.title.clone().unwrap_or(stem);
+    let base_folder = match &file.base {
+        Base::Path(base) => folder.join(base).parent().map_or_else(PathBuf::new, Path::to_owned),
+        Base::Table(_) => folder.to_owned(),
+    };
+    let mut reading = Reading { path, title: &title, axes: &axes, folder: &base_folder, inputs: Vec::new() };
+    let mut variants = Vec::new();
+    for draft in &drafts {
+        variants.extend(reading.variant(draft, &mut faults)?);
+    }
+    let outline = outline(&file, title.clone(), &axes, &drafts, &mut faults);
+    if faults.0.is_empty() {
+        return Ok(Sweep { outline, variants, inputs: reading.inputs });
+    }
+    let more = faults.0.len().saturating_sub(SHOWN_FAULTS);
+    faults.0.truncate(SHOWN_FAULTS);
+    if let (Some(last), true) = (faults.0.last_mut(), more > 0) {
+        last.remedy.push_str(&format!(" ({more} more of this kind)"));
+    }
+    Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
+}
+
+fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<(String, T), StudyError> {
+    let unreadable = |source| StudyError::Unreadable { path: path.to_owned(), source };
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let value = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+    Ok((text, value))
+}
+
+fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
+    let names = |axis: &Axis| axis.settings.iter().map(|s| s.label.clone()).collect();
+    let known = |name: &String| axes.iter().any(|axis| axis.name == *name);
+    for (key, name) in [("rows", &file.sheet.rows), ("columns", &file.sheet.columns)] {
+        if let Some(name) = name.as_ref().filter(|name| !known(name)) {
+            let field = format!("sheet.{key}");
+            faults.push(Fault::new(
+                field,
+                format!("{name:?}"),
+                "the name of an axis",
+                "name one of the axes",
+            ));
+        }
+    }
+    let sound = faults.0.is_empty();
+    let claims = if sound { conclusions::claims(&file.conclusion, axes, drafts, faults) } else { Vec::new() };
+    let everything = Where::new();
+    let reference = file.reference.as_ref().unwrap_or(&everything);
+    let first = drafts.iter().position(|d| super::expand::matches(reference, axes, &d.place));
+    if first.is_none() && sound {
+        let remedy = "name axes and values of a variant that is not excluded";
+        faults.push(Fault::new("reference", "no such variant", "a variant of the sweep", remedy));
+    }
+    Outline {
+        title,
+        axes: axes.iter().map(|a| AxisOutline { name: a.name.clone(), labels: names(a) }).collect(),
+        sheet: file.sheet.clone(),
+        reference: first.unwrap_or(0),
+        claims,
+        variants: drafts.iter().map(|d| Place { name: d.name.clone(), place: d.place.clone() }).collect(),
+    }
+}
+
+/// What reading the variants needs.
+struct Reading<'a> {
+    path: &'a Path,
+    title: &'a str,
+    axes: &'a [Axis],
+    folder: &'a Path,
+    inputs: Vec<Input>,
+}
+
+impl Reading<'_> {
+    /// `None` after a fault of the values.
+    fn variant(&mut self, draft: &Draft, faults: &mut Faults) -> Result<Option<Variant>, StudyError> {
+        let mut table = draft.study.clone();
+        table.insert("title".into(), Value::String(self.heading(draft)));
+        let text = toml::to_string(&table).unwrap_or_default();
+        let file: StudyFile = toml::from_str(&text).map_err(|error| {
+            let message = error.message().trim().to_owned();
+            StudyError::Syntax {
+                path: self.path.to_owned(),
+                text: text.clone(),
+                span: error.span(),
+                remedy: remedy(&message),
+                message: format!("variant {}: {message}", draft.name),
+            }
+        })?;
+        match check(&file, self.folder, &draft.name) {
+            Ok(study) => {
+                self.keep_inputs(&mut table)?;
+                let text = toml::to_string(&table).unwrap_or_default();
+                Ok(Some(Variant { name: draft.name.clone(), study, text }))
+            }
+            Err(found) => {
+                found.into_iter().for_each(|fault| self.fault(draft, fault, faults));
+                Ok(None)
+            }
+        }
+    }
+
+    fn heading(&self, draft: &Draft) -> String {
+        let labels = self.axes.iter().zip(&draft.place).map(|(axis, &k)| axis.settings[k].label.as_str());
+        let labels = labels.collect::<Vec<_>>().join(", ");
+        if labels.is_empty() { self.title.to_owned() } else { format!("{}: {labels}", self.title) }
+    }
+
+    /// A variant's fault, said once: at the axis that set the field, else at the base.
+    fn fault(&self, draft: &Draft, fault: Fault, faults: &mut Faults) {
+        let sets = |axis: &Axis, k: usize| {
+            axis.settings[k].set.keys().any(|name| same_field(&draft.study, name, &fault.field))
+        };
+        let axis = self.axes.iter().zip(&draft.place).position(|(axis, &k)| sets(axis, k));
+        let field = axis.map_or(format!("base.{}", fault.field), |a| format!("axis[{a}].values"));
+        let end = format!("for {}", fault.field);
+        let known =
+            |f: &Fault| f.field == field && f.found.starts_with(&fault.found) && f.found.ends_with(&end);
+        if !faults.0.iter().any(known) {
+            let found = format!("{} in variant {} {end}", fault.found, draft.name);
+            faults.push(Fault { field, found, ..fault });
+        }
+    }
+
+    /// Copies the CSV tables that the study names, and names the copies instead.
+    fn keep_inputs(&mut self, study: &mut Table) -> Result<(), StudyError> {
+        for csv in csv_fields(study) {
+            let Value::String(name) = csv else { continue };
+            let from = self.folder.join(name.as_str());
+            let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
+            let bytes = std::fs::read(&from).map_err(unreadable)?;
+            let file =
+                from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
+            let path = format!("inputs/{}/{file}", &blake3::hash(&bytes).to_hex()[..8]);
+            *name = format!("../../{path}");
+            let input = Input { path, bytes };
+            if !self.inputs.contains(&input) {
+                self.inputs.push(input);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `pigment.0.index`, `pigment.yellow.index` and `pigment[0].index.k` speak of the same field of `study`, as far
+/// as the shorter one goes.
+fn same_field(study: &Table, one: &str, other: &str) -> bool {
+    let steps = |name: &str| -> Vec<String> {
+        name.split(['.', '[', ']']).filter(|step| !step.is_empty()).map(str::to_owned).collect()
+    };
+    let (one, other) = (steps(one), steps(other));
+    let name_of = |array: &str, i: &str| -> Option<String> {
+        Some(study.get(array)?.get(i.parse::<usize>().ok()?)?.get("name")?.as_str()?.to_owned())
+    };
+    let same = |k: usize| {
+        let named = || k == 1 && name_of(&other[0], &other[1]).is_some_and(|name| name == one[1]);
+        one[k] == other[k] || one[k] == "*" || named()
+    };
+    (0..one.len().min(other.len())).all(same)
+}
+
+/// Every `csv` of an index in a study.
+fn csv_fields(study: &mut Table) -> Vec<&mut Value> {
+    let mut found = Vec::new();
+    for (key, value) in study.iter_mut() {
+        match value {
+            Value::String(_) if key == "csv" => found.push(value),
+            Value::Table(table) => found.extend(csv_fields(table)),
+            Value::Array(items) => {
+                found.extend(items.iter_mut().filter_map(Value::as_table_mut).flat_map(csv_fields));
+            }
+            _ => {}
+        }
+    }
+    found
+}

@@ -1,0 +1,119 @@
+//! What one variant has come to, finished or not.
+
+use super::file::Quantity;
+use super::load::{Sweep, Variant};
+use crate::appearance::colour::Colour;
+use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
+use crate::evaluate::summary::NATURAL_LIGHT;
+use crate::input::study::Point;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use crate::run::realisation::point_keys;
+use crate::run::resolve;
+use crate::run::runner::{Collected, Failure, Realisation, Stores};
+use crate::store::identity::Key;
+
+/// The numbers of a variant that tables and conclusions use.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub name: String,
+    /// Captions of its place on every axis.
+    pub labels: Vec<String>,
+    pub solves: Count,
+    /// Solves that failed; packings and grids that failed count as one.
+    pub failures: usize,
+    pub reason: Option<String>,
+    /// Complete realisations.
+    pub realisations: usize,
+    /// True when chance plays no part: no grains.
+    pub certain: bool,
+    /// Under natural light, seen along the normal.
+    pub colour: Option<Colour>,
+    pub spectra: Vec<SpectrumRow>,
+}
+
+impl Outcome {
+    /// A variant of which there is nothing yet.
+    pub fn nothing(sweep: &Sweep, number: usize) -> Self {
+        let Variant { name, study, .. } = &sweep.variants[number];
+        let outline = &sweep.outline;
+        let labels = outline.axes.iter().zip(&outline.variants[number].place);
+        Self {
+            name: name.clone(),
+            labels: labels.map(|(axis, &k)| axis.labels[k].clone()).collect(),
+            solves: Count { asked: study.solves(), finished: 0 },
+            failures: 0,
+            reason: None,
+            realisations: 0,
+            certain: study.pigments.is_empty(),
+            colour: None,
+            spectra: Vec::new(),
+        }
+    }
+
+    /// The numbers of a variant's manifest.
+    pub fn with(self, manifest: &Manifest<&Study>) -> Self {
+        let natural = manifest.colours.iter().find(|note| note.conditions == NATURAL_LIGHT);
+        Self {
+            solves: manifest.solves,
+            failures: manifest.failures.len(),
+            reason: manifest.failures.first().map(|failure| failure.reason.clone()),
+            realisations: manifest.realisations.finished,
+            colour: natural.map(|note| note.colour),
+            spectra: manifest.spectra.clone(),
+            ..self
+        }
+    }
+
+    /// One number with its error, if it is there. An unfinished variant counts with its complete realisations.
+    pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Estimate> {
+        let near = |row: &&SpectrumRow| (row.wavelength_nm - wavelength_nm.unwrap_or(f64::NAN)).abs() < 1e-6;
+        let row = || self.spectra.iter().find(near).filter(|_| self.realisations > 0);
+        let colour = self.colour.as_ref();
+        match quantity {
+            Quantity::Chroma => colour.map(Colour::chroma),
+            Quantity::Hue => colour.map(Colour::hue_deg),
+            Quantity::Lightness => colour.map(|c| lab(c, 0)),
+            Quantity::Transmittance => row().map(|row| row.transmittance),
+            Quantity::Reflectance => row().map(|row| row.reflectance),
+            Quantity::DeltaE => None,
+        }
+    }
+}
+
+impl Outcome {
+    /// ΔE₀₀ to another variant's colour; a colour in which nothing is uncertain counts as exact.
+    pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
+        let colour = |o: &Self| {
+            let exact = o.certain.then_some([[0.0; 3]; 3]);
+            o.colour.map(|c| Colour { lab_covariance: c.lab_covariance.or(exact), ..c })
+        };
+        Some(colour(self)?.delta_e_2000(&colour(other)?))
+    }
+}
+
+/// L*, a* or b* with its error.
+pub fn lab(colour: &Colour, i: usize) -> Estimate {
+    Estimate { value: colour.lab[i], standard_error: colour.lab_standard_error().map(|e| e[i]) }
+}
+
+/// What the store has of a study, without computing anything. `None` before the first packing and grid.
+pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
+    let resolved = resolve::kept(study, &stores.grids)?;
+    let realisation = |r: usize| {
+        let packing = stores.packings.get(Key::of("packing", &study.packing_request(r)).as_str())?;
+        let keyed = point_keys(study, &resolved, r);
+        let points: Vec<_> = keyed.iter().map(|(_, key)| stores.points.get(key.as_str())).collect();
+        let failed = |((point, key), found): (&(Point, Key), &Option<_>)| match found {
+            Some(_) => None,
+            None => {
+                let record = stores.failures.as_ref()?.get(key.as_str())?;
+                Some(Failure { point: *point, reason: record.reason })
+            }
+        };
+        let failures = keyed.iter().zip(&points).filter_map(failed).collect();
+        Some(Realisation { packing, points, failures })
+    };
+    let realisations: Vec<Realisation> = (0..study.realisations).filter_map(realisation).collect();
+    (!realisations.is_empty()).then_some(Collected { resolved, realisations })
+}

@@ -1,0 +1,155 @@
+//! What the page of a sweep says.
+
+use super::conclusions::Judged;
+use super::curves;
+use super::load::Sweep;
+use super::outcome::Outcome;
+use super::publish::{Reported, numbers};
+use super::sheets::Sheet;
+use super::sweep_page::{ConclusionRow, SweepPage, VariantRow};
+use crate::draw::figure::FigureError;
+use crate::draw::plots::{Plot, Series};
+use crate::numerics::estimate::Estimate;
+use crate::report::page::{Picture, png_data, svg_data};
+
+/// Most spectra in one figure: colours of the palette.
+const MOST_CURVES: usize = 7;
+/// Most figures of spectra on the page.
+const MOST_FIGURES: usize = 24;
+
+pub(crate) fn page(
+    sweep: &Sweep,
+    reported: &Reported,
+    sheets: &[Sheet],
+    drawn: &[Vec<u8>],
+) -> Result<SweepPage, FigureError> {
+    let outline = &sweep.outline;
+    let reference = &reported.outcomes[outline.reference];
+    let (complete, all) = (reported.complete(), sweep.variants.len());
+    let partial = (complete < all).then(|| partial(reported, complete, all));
+    let picture =
+        |(sheet, png): (&Sheet, &Vec<u8>)| Picture { data: png_data(png), caption: sheet.caption.clone() };
+    Ok(SweepPage {
+        title: outline.title.clone(),
+        summary: format!("{all} variants over {} axes.", outline.axes.len()),
+        partial,
+        sheets: sheets.iter().zip(drawn).map(picture).collect(),
+        conclusions: reported.conclusions.iter().map(conclusion).collect(),
+        axes: outline.axes.iter().map(|axis| axis.name.clone()).collect(),
+        reference: reference.name.clone(),
+        variants: reported.outcomes.iter().map(|outcome| row(outcome, reference)).collect(),
+        figures: figures(sweep, sheets, &reported.outcomes)?,
+        program: crate::evaluate::summary::program(),
+    })
+}
+
+fn partial(reported: &Reported, complete: usize, all: usize) -> String {
+    let failures = reported.failures();
+    let failed = if failures == 0 {
+        String::new()
+    } else {
+        format!(" {failures} failures are recorded; --retry-failed tries them again.")
+    };
+    format!("{complete} of {all} variants are finished.{failed} Run the sweep again to continue.")
+}
+
+fn conclusion(judged: &Judged) -> ConclusionRow {
+    ConclusionRow {
+        id: judged.id.clone(),
+        statement: judged.statement.clone(),
+        inequality: judged.inequality.clone(),
+        measured: judged.measured.map_or_else(|| "–".into(), |m| with_error(m, 4)),
+        verdict: judged.verdict.name().into(),
+        remark: judged.remark.clone(),
+    }
+}
+
+fn row(outcome: &Outcome, reference: &Outcome) -> VariantRow {
+    let numbers = numbers(outcome, reference);
+    let all = outcome.solves;
+    let state = match (&outcome.reason, all.finished) {
+        (Some(reason), _) => format!("{} failed: {reason}", outcome.failures),
+        (None, 0) => "not computed".into(),
+        (None, n) if n < all.asked => format!("{n} of {} solves", all.asked),
+        _ => String::new(),
+    };
+    VariantRow {
+        labels: outcome.labels.clone(),
+        link: (all.finished > 0).then(|| format!("variants/{}/report.html", outcome.name)),
+        hex: outcome.colour.as_ref().map(|c| hex(c.srgb8)),
+        numbers: (0..6).map(|i| numbers.map_or_else(String::new, |n| with_error(n[i], 2))).collect(),
+        state,
+    }
+}
+
+fn hex([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// `12.3 ± 0.4`; nothing for no number.
+fn with_error(estimate: Estimate, digits: usize) -> String {
+    if !estimate.value.is_finite() {
+        return String::new();
+    }
+    let value = format!("{:.digits$}", estimate.value).replace('-', "−");
+    match estimate.standard_error.filter(|&error| error > 0.0) {
+        Some(error) => format!("{value} ± {error:.digits$}"),
+        None => value,
+    }
+}
+
+/// Value and standard error for a CSV file; empty where unknown.
+pub(crate) fn cells(estimate: Option<Estimate>) -> [String; 2] {
+    let text = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or_else(String::new, |x| x.to_string());
+    [text(estimate.map(|e| e.value)), text(estimate.and_then(|e| e.standard_error))]
+}
+
+/// Curves against concentration and size; then spectra of the layer's transmittance: one figure for each row of each
+/// sheet, one curve for each column.
+fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, FigureError> {
+    let mut figures = Vec::new();
+    for sheet in sheets {
+        for plot in curves::plots(sweep, sheet, outcomes, MOST_CURVES) {
+            figures.push(drawn(&plot));
+        }
+        for (name, row) in sheet.rows.iter().zip(&sheet.variants) {
+            let words = [sheet.caption.as_str(), &sheet.row_axis, name];
+            let caption = words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" · ");
+            figures.extend(figure(&caption, &sheet.columns, row, outcomes).transpose());
+            if figures.len() >= MOST_FIGURES {
+                return figures.into_iter().collect();
+            }
+        }
+    }
+    figures.into_iter().collect()
+}
+
+fn figure(
+    caption: &str,
+    columns: &[String],
+    row: &[Option<usize>],
+    outcomes: &[Outcome],
+) -> Result<Option<Picture>, FigureError> {
+    let curve = |(name, v): (&String, &Option<usize>)| {
+        let rows = &outcomes[(*v)?].spectra;
+        let x: Vec<f64> = rows.iter().map(|row| row.wavelength_nm).collect();
+        let y: Vec<Estimate> = rows.iter().map(|row| row.transmittance).collect();
+        (!x.is_empty()).then(|| Series::new(name, &x, &y))
+    };
+    let series: Vec<Series> = columns.iter().zip(row).filter_map(curve).take(MOST_CURVES).collect();
+    if series.is_empty() {
+        return Ok(None);
+    }
+    let plot = Plot {
+        title: caption.to_owned(),
+        x_label: "wavelength, nm".into(),
+        y_label: "transmittance of the layer".into(),
+        series,
+        ..Plot::default()
+    };
+    drawn(&plot).map(Some)
+}
+
+fn drawn(plot: &Plot) -> Result<Picture, FigureError> {
+    Ok(Picture { data: svg_data(&plot.svg()?), caption: plot.title.clone() })
+}

@@ -1,0 +1,168 @@
+//! Trials of single variants: what packing, covering, the search for a grid and a solve cost.
+
+use crate::ink::PigmentGrains;
+use crate::input::variation::CellRule;
+use crate::input::check::largest_extents_nm;
+use crate::input::study::{Point, Study, WantedResolution};
+use crate::run::crew::work_through;
+use crate::run::point::solve_point;
+use crate::run::realisation::Packings;
+use crate::run::resolve::resolve;
+use crate::run::runner::RunError;
+use crate::run::watch::RunWatch;
+use crate::solve::accuracy::smooth_size;
+use crate::store::store::Store;
+use crate::wave::{Coverage, Resolution, Scene};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
+const TRIAL_PERIOD_UM: f64 = 1.6;
+/// Solves are repeated until they have taken so long in all, or are so many.
+const LEAST_SECONDS: f64 = 0.5;
+const MOST_SOLVES: usize = 60;
+/// Cost of one variant that was tried, in core seconds a µm³.
+pub(crate) struct Trial {
+    pub variant: usize,
+    pub period_um: [f64; 2],
+    pub thickness_um: f64,
+    pub wanted: WantedResolution,
+    pub density: f64,
+    pub packing: f64,
+    pub coverage: f64,
+    pub grid: f64,
+    /// Solves that the search for the grid is worth.
+    pub search: f64,
+    pub solve: f64,
+    pub resolution: Resolution,
+}
+
+pub(crate) fn volume(study: &Study) -> f64 {
+    study.layer.period_um[0] * study.layer.period_um[1] * study.layer.thickness_um
+}
+
+/// Grains a µm³, about: what packings cost, and how finely light is scattered.
+pub(crate) fn density(study: &Study) -> f64 {
+    let of = |grains: &PigmentGrains| grains.volume_fraction / (1e-3 * grains.size.largest_nm()).powi(3);
+    study.pigments.iter().map(|p| of(&p.grains)).sum()
+}
+
+/// The study in a cell as small as a trial's.
+fn in_small_cell(study: &Study) -> Study {
+    if study.variation.cell == CellRule::Varied {
+        // Varied cells are as small as they may be.
+        return study.clone();
+    }
+    let longest =
+        study.pigments.iter().map(|p| 2e-3 * largest_extents_nm(&p.grains).1).fold(TRIAL_PERIOD_UM, f64::max);
+    let mut small = study.clone();
+    small.layer.period_um = study.layer.period_um.map(|period| period.min(longest));
+    small.packing.period_um = small.layer.period_um;
+    small
+}
+
+/// Tries a variant; `alike` is an earlier trial that wanted the same resolution, and has found a grid for it.
+pub(crate) fn trial(
+    variant: usize,
+    full: &Study,
+    alike: Option<&Trial>,
+    jobs: usize,
+    watch: &dyn RunWatch,
+) -> Result<Trial, RunError> {
+    let study = in_small_cell(full);
+    let mut packings = Packings::new(&study, watch);
+    // Grains are packed on one core, while the others wait.
+    let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
+    let packing = packing * rayon::current_num_threads() as f64;
+    let (searched, resolution) = match alike {
+        Some(trial) => (None, full_resolution(trial, &study)),
+        None => {
+            let folder = tempfile::tempdir()?;
+            let store = Store::open(folder.path())?;
+            let (seconds, found) =
+                timed(|| resolve::<RunError>(&study, &store, watch, || Ok(scene.clone())))?;
+            (Some(seconds), found.resolution)
+        }
+    };
+    let (coverage, cover) = timed(|| Ok(Arc::new(Coverage::new(&scene, resolution)?)))?;
+    let solve = time_solves(&study, &cover, jobs, watch)?;
+    // Solves with their coverages that the search was worth; an earlier trial's is as long.
+    let search = match (searched, alike) {
+        (None, Some(trial)) => trial.search,
+        (seconds, _) => seconds.unwrap_or(0.0) / (coverage + solve).max(1e-9),
+    };
+    let grid = search * (coverage + solve);
+    let each = 1.0 / volume(&study);
+    Ok(Trial {
+        variant,
+        period_um: study.layer.period_um,
+        thickness_um: study.layer.thickness_um,
+        wanted: study.resolution,
+        density: density(full),
+        packing: packing * each,
+        coverage: coverage * each,
+        grid: grid * each,
+        search,
+        solve: solve * each,
+        resolution,
+    })
+}
+
+/// Core seconds, and what was made.
+fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
+    let (clock, before) = (Instant::now(), processor_seconds());
+    let made = make()?;
+    let wall = clock.elapsed().as_secs_f64();
+    // Ticks of a hundredth of a second say nothing of less than a few of them.
+    let used = processor_seconds().zip(before).map(|(after, before)| after - before).filter(|&s| s > 0.1);
+    Ok((used.unwrap_or(wall), made))
+}
+
+/// Processor time of this process where the system tells it (Linux): other programs on the machine do not count.
+fn processor_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The second field, the name in brackets, may hold spaces; user and system ticks are the 14th and 15th.
+    let mut ticks = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let mut next = || ticks.next()?.parse::<f64>().ok();
+    Some((next()? + next()?) / 100.0)
+}
+
+/// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
+pub(crate) fn time_solves(
+    study: &Study,
+    coverage: &Arc<Coverage>,
+    jobs: usize,
+    watch: &dyn RunWatch,
+) -> Result<f64, RunError> {
+    let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
+    let solve = |i: usize| {
+        // A failure costs about what a success does.
+        let _ = solve_point(study, coverage, &chosen[i], "trial", watch);
+    };
+    let (mut seconds, mut solves) = (0.0, 0);
+    while seconds < LEAST_SECONDS && solves < MOST_SOLVES {
+        let (more, ()) = timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?;
+        if watch.stop() {
+            return Err(RunError::Stopped);
+        }
+        seconds += more;
+        solves += chosen.len();
+    }
+    Ok(seconds / solves as f64)
+}
+
+/// The points and cells a µm of a trial in another cell.
+pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
+    let scaled = |n: usize, axis: usize| match n {
+        1 => 1,
+        n => smooth_size((n as f64 * study.layer.period_um[axis] / trial.period_um[axis]).ceil() as usize),
+    };
+    let r = trial.resolution;
+    let cells = (r.cells as f64 * study.layer.thickness_um / trial.thickness_um).ceil() as usize;
+    Resolution { nx: scaled(r.nx, 0), ny: scaled(r.ny, 1), cells, ..r }
+}
+
+fn spread(points: &[Point], count: usize) -> Vec<Point> {
+    let count = count.clamp(1, points.len());
+    (0..count).map(|k| points[(2 * k + 1) * points.len() / (2 * count)]).collect()
+}

@@ -1,0 +1,183 @@
+//! From the store to what a person opens, at any time: every variant's page, table, contact sheets, conclusions.
+
+use super::conclusions::{Judged, judge};
+use super::folder;
+use super::folder::VARIANTS;
+use super::load::Sweep;
+use super::outcome::{Outcome, collect, lab};
+use super::page;
+use super::run::stage_key;
+use super::sheets::{Sheet, sheets};
+use crate::appearance::picture::InkPicture;
+use crate::draw::figure::FigureError;
+use crate::draw::picture::PictureStyle;
+use crate::evaluate::seen::{Seen, see};
+use crate::evaluate::summary::summarise;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use crate::report::publish::{PublishError, publish_seen};
+use crate::run::runner::Stores;
+use crate::store::folder::OutputFolder;
+
+/// Rows and columns of a picture on a contact sheet.
+const SHEET_ANGLES: usize = 31;
+const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap_px: 4, labels: false };
+
+/// What a report has found.
+#[derive(Clone, Debug)]
+pub struct Reported {
+    pub outcomes: Vec<Outcome>,
+    pub conclusions: Vec<Judged>,
+}
+
+impl Reported {
+    /// Variants of which every solve is there.
+    pub fn complete(&self) -> usize {
+        self.outcomes.iter().filter(|o| o.solves.finished == o.solves.asked).count()
+    }
+
+    /// Solves that have failed, over all variants.
+    pub fn failures(&self) -> usize {
+        self.outcomes.iter().map(|o| o.failures).sum()
+    }
+}
+
+/// Writes everything that the store allows; takes the partial mark away when all variants are finished.
+///
+/// # Errors
+/// Files that cannot be written, or records that do not belong together.
+pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, PublishError> {
+    folder.begin()?;
+    let stores = folder::stores(folder)?;
+    let (mut outcomes, mut pictures) = (Vec::new(), Vec::new());
+    for number in 0..sweep.variants.len() {
+        let (outcome, picture) = variant(sweep, number, &stores, folder)?;
+        outcomes.push(outcome);
+        pictures.push(picture);
+    }
+    let conclusions: Vec<Judged> = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
+    let reported = Reported { outcomes, conclusions };
+    let sheets = sheets(&sweep.outline);
+    let drawn = draw(&sweep.outline.title, &sheets, &pictures)?;
+    for (i, png) in drawn.iter().enumerate() {
+        folder.write(&sheet_name(i, drawn.len()), png)?;
+    }
+    folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
+    folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
+    let html = page::page(sweep, &reported, &sheets, &drawn)?.html()?;
+    folder.write("report.html", html.as_bytes())?;
+    if reported.complete() == sweep.variants.len() {
+        folder.complete()?;
+    }
+    Ok(reported)
+}
+
+/// `contact-sheet.png`, or numbered from 1 where there are several.
+fn sheet_name(i: usize, count: usize) -> String {
+    if count == 1 { "contact-sheet.png".into() } else { format!("contact-sheet-{}.png", i + 1) }
+}
+
+fn variant(
+    sweep: &Sweep,
+    number: usize,
+    stores: &Stores,
+    folder: &OutputFolder,
+) -> Result<(Outcome, Option<InkPicture>), PublishError> {
+    let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
+    let outcome = |outcome| with_stage_failures(outcome, study, stores);
+    let Some(collected) = collect(study, stores) else { return Ok((outcome(nothing), None)) };
+    let seen = see(study, &collected)?;
+    let manifest = summarise(study, &collected, &seen);
+    let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
+    publish_seen(study, &manifest, &seen, &of_variant)?;
+    Ok((outcome(nothing.with(&manifest)), picture(study, &seen)))
+}
+
+fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {
+    let step = study.angles.picture_max_deg / (SHEET_ANGLES - 1) as f64;
+    let angles: Vec<f64> = (0..SHEET_ANGLES).map(|i| i as f64 * step).collect();
+    seen.ink.as_ref().ok()?.picture(&angles, study.output.mirrored_sky).ok()
+}
+
+/// Packings and grids that failed.
+fn with_stage_failures(mut outcome: Outcome, study: &Study, stores: &Stores) -> Outcome {
+    let failed = |r: usize| stores.failures.as_ref()?.get(stage_key(study, r).as_str());
+    for record in (0..study.realisations).filter_map(failed) {
+        outcome.failures += 1;
+        outcome.reason.get_or_insert(record.reason);
+    }
+    outcome
+}
+
+/// Every contact sheet as PNG.
+fn draw(
+    title: &str,
+    sheets: &[Sheet],
+    pictures: &[Option<InkPicture>],
+) -> Result<Vec<Vec<u8>>, PublishError> {
+    let scratch = tempfile::tempdir()?;
+    let path = scratch.path().join("sheet.png");
+    let one = |sheet: &Sheet| -> Result<Vec<u8>, PublishError> {
+        let sheet = sheet.contact_sheet(title, pictures);
+        let write = || -> Result<(), FigureError> {
+            sheet.render(&SHEET_STYLE)?.write_png(&path, &[("Title", sheet.title.as_str())])
+        };
+        write()?;
+        Ok(std::fs::read(&path)?)
+    };
+    sheets.iter().map(one).collect()
+}
+
+const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
+
+/// L*, a*, b*, C*, h and ΔE₀₀ to the reference; `None` without a colour.
+pub(crate) fn numbers(outcome: &Outcome, reference: &Outcome) -> Option<[Estimate; 6]> {
+    let colour = outcome.colour.as_ref()?;
+    let difference = match outcome.delta_e_2000(reference) {
+        // No difference to itself, and no error of it.
+        Some(_) if outcome.name == reference.name => Estimate::unknown_error(0.0),
+        difference => difference.unwrap_or(Estimate::unknown_error(f64::NAN)),
+    };
+    Some([lab(colour, 0), lab(colour, 1), lab(colour, 2), colour.chroma(), colour.hue_deg(), difference])
+}
+
+/// `sweep.csv`: one row a variant.
+fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let axes = sweep.outline.axes.iter().map(|axis| axis.name.clone());
+    let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
+    let columns = NUMBERS.iter().flat_map(|name| [(*name).to_owned(), format!("{name}_standard_error")]);
+    table.write_record(std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns))?;
+    for outcome in outcomes {
+        let (o, all) = (outcome, outcome.solves);
+        let counts = [all.asked, all.finished, o.failures, o.realisations].map(|n| n.to_string());
+        let numbers = numbers(o, &outcomes[sweep.outline.reference]);
+        let cells = (0..NUMBERS.len()).flat_map(|i| page::cells(numbers.map(|n| n[i])));
+        table.write_record(
+            std::iter::once(o.name.clone()).chain(o.labels.clone()).chain(counts).chain(cells),
+        )?;
+    }
+    table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+}
+
+/// `conclusions.csv`.
+fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record([
+        "id",
+        "statement",
+        "inequality",
+        "measured",
+        "standard_error",
+        "verdict",
+        "remark",
+    ])?;
+    for c in conclusions {
+        let [value, error] = page::cells(c.measured);
+        let texts = [&c.id, &c.statement, &c.inequality, &value, &error];
+        table.write_record(
+            texts.into_iter().map(String::as_str).chain([c.verdict.name(), c.remark.as_str()]),
+        )?;
+    }
+    table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+}

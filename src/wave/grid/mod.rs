@@ -1,0 +1,6 @@
+//! Where the unknowns live: points in the plane, cells in z, and the interpolation within a cell.
+
+mod cells;
+pub mod element;
+
+pub use cells::{Grid, Resolution, Scheme};

@@ -1,0 +1,176 @@
+//! Shifted mean problems in plane values: (a D + b Ã) u = f with D the lumped mass and Ã = E⁻ᵀ A E⁻¹.
+//!
+//! E maps nodes and bubbles to values on planes. In plane values the contrast is diagonal at every point, so that
+//! strategies which split the operator (relaxation, convergent Born) work on both factors pointwise. One banded
+//! symmetric system per harmonic, factorised without pivoting: both uses have a definite real or imaginary part.
+
+use super::mean::NodeCoefficients;
+use crate::wave::Problem;
+use crate::wave::grid::element::MAX_DEGREE;
+use ndarray::{Array2, Array3, Axis, s};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// Harmonics treated together by one thread.
+const BLOCK: usize = 96;
+const SIZE: usize = MAX_DEGREE + 1;
+
+/// Factors L D Lᵀ of a shifted mean operator.
+pub struct ShiftedMean {
+    /// Rows × (degree + 1) × harmonics: 1/pivot, then L's entries 1 … degree to the left.
+    factors: Array3<Complex64>,
+    degree: usize,
+}
+
+impl ShiftedMean {
+    /// Factorises a D + b Ã.
+    pub fn new(problem: &Problem, mass_factor: Complex64, mean_factor: Complex64) -> ShiftedMean {
+        let degree = problem.coverage.grid.element.degree;
+        let (rows, harmonics) = problem.shape();
+        let mass = problem.mean.plane_mass();
+        let mut factors = Array3::zeros((rows, degree + 1, harmonics));
+        let columns = factors.axis_iter_mut(Axis(2)).into_par_iter().enumerate();
+        columns.with_min_len(BLOCK).for_each(|(i, mut out)| {
+            let mut band = problem.mean.plane_band(i, problem.end_conditions(i));
+            band.iter_mut().for_each(|z| *z *= mean_factor);
+            band.column_mut(0).iter_mut().zip(&mass).for_each(|(z, &m)| *z += mass_factor * m);
+            factorise(&mut band, degree);
+            out.assign(&band);
+        });
+        ShiftedMean { factors, degree }
+    }
+
+    /// Solves in place; rows are planes, columns harmonics.
+    pub fn solve(&self, y: &mut Array2<Complex64>) {
+        let rows = y.nrows();
+        y.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter().enumerate().for_each(|(b, mut y)| {
+            let factors = self.factors.slice(s![.., .., b * BLOCK..b * BLOCK + y.ncols()]);
+            for r in 0..rows {
+                for k in 1..=self.degree.min(r) {
+                    let (before, mut here) = y.multi_slice_mut((s![r - k, ..], s![r, ..]));
+                    let step = ndarray::Zip::from(&mut here).and(&before).and(factors.slice(s![r, k, ..]));
+                    step.for_each(|y, &b, &l| *y -= l * b);
+                }
+            }
+            for r in (0..rows).rev() {
+                y.row_mut(r).zip_mut_with(&factors.slice(s![r, 0, ..]), |y, d| *y *= d);
+                for k in 1..=self.degree.min(rows - 1 - r) {
+                    let (mut here, after) = y.multi_slice_mut((s![r, ..], s![r + k, ..]));
+                    let step = ndarray::Zip::from(&mut here).and(&after).and(factors.slice(s![r + k, k, ..]));
+                    step.for_each(|y, &a, &l| *y -= l * a);
+                }
+            }
+        });
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.factors.len() * size_of::<Complex64>()
+    }
+}
+
+/// In place: column 0 becomes 1/pivot, column k the factor L(r, r − k).
+fn factorise(band: &mut Array2<Complex64>, degree: usize) {
+    for r in 0..band.nrows() {
+        let reach = degree.min(r);
+        // Entries from the leftmost: products L(r, j) d_j first, divided by d_c afterwards.
+        for k in (1..=reach).rev() {
+            let c = r - k;
+            let inner = (1..=reach - k).map(|q| (k + q, q)).filter(|&(_, q)| q <= degree.min(c));
+            let sum: Complex64 = inner.map(|(a, q)| band[[r, a]] * band[[c, q]]).sum();
+            band[[r, k]] -= sum;
+        }
+        for k in 1..=reach {
+            let scaled = band[[r, k]] * band[[r - k, 0]];
+            let product = band[[r, k]] * scaled;
+            band[[r, 0]] -= product;
+            band[[r, k]] = scaled;
+        }
+        band[[r, 0]] = 1.0 / band[[r, 0]];
+    }
+}
+
+impl super::mean::MeanOperator {
+    /// Lumped mass of every plane: the Gauss–Lobatto weights of the cells it touches.
+    pub fn plane_mass(&self) -> Vec<f64> {
+        let degree = self.element.degree;
+        let mut mass = vec![0.0; degree * self.heights.len() + 1];
+        for (j, h) in self.heights.iter().enumerate() {
+            self.element.weights.iter().enumerate().for_each(|(q, w)| mass[degree * j + q] += w * h);
+        }
+        mass
+    }
+
+    /// Ã of one harmonic as a band: rows × (degree + 1), column k the entry (r, r − k).
+    pub fn plane_band(&self, harmonic: usize, ends: [Complex64; 2]) -> Array2<Complex64> {
+        let degree = self.element.degree;
+        let rows = degree * self.heights.len() + 1;
+        let mut band = Array2::zeros((rows, degree + 1));
+        (band[[0, 0]], band[[rows - 1, 0]]) = (ends[0], ends[1]);
+        for cell in 0..self.heights.len() {
+            let element = self.plane_element(cell, harmonic);
+            for a in 0..=degree {
+                (0..=a).for_each(|b| band[[degree * cell + a, a - b]] += element[a][b]);
+            }
+        }
+        band
+    }
+
+    /// One cell's matrix between its planes.
+    fn plane_element(&self, cell: usize, harmonic: usize) -> [[Complex64; SIZE]; SIZE] {
+        let degree = self.element.degree;
+        let node = NodeCoefficients::new(self.kz2(cell, harmonic), self.heights[cell], self.scheme);
+        let mut matrix = [[Complex64::default(); SIZE]; SIZE];
+        (matrix[0][0], matrix[degree][degree]) = (node.diagonal, node.diagonal);
+        (matrix[0][degree], matrix[degree][0]) = (node.off, node.off);
+        for bubble in 0..degree - 1 {
+            let (g, d) =
+                (self.bubble_functional(cell, bubble, harmonic), self.bubble(cell, bubble, harmonic));
+            for a in 0..=degree {
+                (0..=degree).for_each(|b| matrix[a][b] += d * g[a] * g[b]);
+            }
+        }
+        matrix
+    }
+
+    /// A bubble's amplitude as a linear function of the cell's plane values.
+    fn bubble_functional(&self, cell: usize, bubble: usize, harmonic: usize) -> [Complex64; SIZE] {
+        let degree = self.element.degree;
+        let mut g = [Complex64::default(); SIZE];
+        for q in 1..degree {
+            let amplitude = self.element.amplitudes[bubble][q - 1];
+            g[q] = amplitude.into();
+            g[0] -= amplitude * self.left_share[q - 1][[cell, harmonic]];
+            g[degree] -= amplitude * self.left_share[degree - q - 1][[cell, harmonic]];
+        }
+        g
+    }
+
+    /// Plane values → nodes and bubbles, in place (E⁻¹).
+    pub fn to_unknowns(&self, planes: &mut Array2<Complex64>) {
+        let degree = self.element.degree;
+        for cell in (0..self.heights.len()).filter(|_| degree > 1) {
+            let rows = s![degree * cell..=degree * (cell + 1), ..];
+            let mut part = planes.slice_mut(rows);
+            part.axis_iter_mut(Axis(1)).into_par_iter().enumerate().with_min_len(256).for_each(
+                |(i, mut u)| {
+                    let values: [Complex64; SIZE] =
+                        std::array::from_fn(|q| if q <= degree { u[q] } else { 0.0.into() });
+                    for bubble in 0..degree - 1 {
+                        let g = self.bubble_functional(cell, bubble, i);
+                        u[1 + bubble] = g.iter().zip(&values).map(|(g, v)| g * v).sum();
+                    }
+                },
+            );
+        }
+    }
+
+    /// Nodes and bubbles → plane values (E).
+    pub fn to_planes(&self, unknowns: &Array2<Complex64>) -> Array2<Complex64> {
+        let mut planes = Array2::zeros(unknowns.dim());
+        planes.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, mut row)| {
+            self.plane_values(unknowns.view(), p, row.as_slice_mut().expect("rows are contiguous"));
+        });
+        planes
+    }
+}

@@ -1,0 +1,336 @@
+//! The mean operator A: Δ + k̄² with the half-spaces' exact conditions, one tridiagonal system per harmonic.
+//!
+//! In a cell of height h with kz² = k̄² − kx² − ky² the exact difference scheme (Tikhonov–Samarskii) reads
+//! o (U_{j+1} + U_{j−1}) − 2 o cos(kz h) U_j with o = kz / sin(kz h); P2 (3.5) has o = 1/h instead. Only decaying
+//! exponentials occur, so strongly evanescent harmonics cannot overflow (the slip of P2 (2.10)).
+//! Rows of a field: node j is row `degree · j`, the cell's bubbles follow it; columns are harmonics.
+
+use crate::wave::grid::element::{Element, MAX_DEGREE};
+use crate::wave::{Grid, Scheme};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// Harmonics treated together by one thread: a column of some 50 planes stays in the second-level cache.
+const BLOCK: usize = 192;
+
+/// Node coefficients of one cell for one harmonic: coupling, and the cell's share of each node's diagonal.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeCoefficients {
+    pub off: Complex64,
+    pub diagonal: Complex64,
+}
+
+impl NodeCoefficients {
+    pub fn new(kz2: Complex64, h: f64, scheme: Scheme) -> NodeCoefficients {
+        if scheme == Scheme::SecondDifference {
+            let off = Complex64::from(1.0 / h);
+            return NodeCoefficients { off, diagonal: 0.5 * h * kz2 - off };
+        }
+        let x2 = kz2 * (h * h);
+        if x2.norm() < SMALL {
+            let off = 1.0 / (h * sinc_series(x2));
+            return NodeCoefficients { off, diagonal: -off * cosine_series(x2) };
+        }
+        let ikz = Complex64::I * decaying_root(kz2);
+        let (step, square) = ((ikz * h).exp(), (ikz * (2.0 * h)).exp());
+        NodeCoefficients {
+            off: 2.0 * ikz * step / (square - 1.0),
+            diagonal: -ikz * (square + 1.0) / (square - 1.0),
+        }
+    }
+}
+
+/// Share of the left node in the mean medium's solution at the fraction t of a cell: sin(kz h (1−t))/sin(kz h).
+pub fn left_share(kz2: Complex64, h: f64, t: f64, scheme: Scheme) -> Complex64 {
+    let s = 1.0 - t;
+    if scheme == Scheme::SecondDifference {
+        return s.into();
+    }
+    let x2 = kz2 * (h * h);
+    if x2.norm() < SMALL {
+        return s * sinc_series(x2 * (s * s)) / sinc_series(x2);
+    }
+    let ikz = Complex64::I * decaying_root(kz2);
+    (ikz * (h * t)).exp() * (1.0 - (ikz * (2.0 * h * s)).exp()) / (1.0 - (ikz * (2.0 * h)).exp())
+}
+
+/// |kz h|² below which Taylor series replace the exponentials, which would cancel.
+const SMALL: f64 = 2.5e-3;
+
+/// sin x / x from x²; the first term left out is below 1e-16 for |x| ≤ 0.05.
+fn sinc_series(x2: Complex64) -> Complex64 {
+    1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 72.0)))
+}
+
+fn cosine_series(x2: Complex64) -> Complex64 {
+    1.0 - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0 * (1.0 - x2 / 56.0)))
+}
+
+/// √z with Im ≥ 0, so that e^{i√z s} decays or stays bounded for s > 0.
+pub fn decaying_root(z: Complex64) -> Complex64 {
+    let root = z.sqrt();
+    if root.im < 0.0 { -root } else { root }
+}
+
+/// A, factorised: rows of the arrays are cells or nodes, columns harmonics.
+pub struct MeanOperator {
+    pub(crate) scheme: Scheme,
+    pub(crate) element: Element,
+    pub(crate) heights: Vec<f64>,
+    /// k̄² of each cell.
+    mean_k2: Vec<Complex64>,
+    /// kx² + ky² of each harmonic.
+    lateral_k2: Vec<f64>,
+    off: Array2<Complex64>,
+    inverse_pivot: Array2<Complex64>,
+    /// One array per inner point of a cell.
+    pub(crate) left_share: Vec<Array2<Complex64>>,
+}
+
+impl MeanOperator {
+    /// `kappa` are the half-spaces' normal wavenumbers (above, below) of each harmonic.
+    pub fn new(
+        grid: &Grid,
+        mean_k2: Vec<Complex64>,
+        lateral_k2: Vec<f64>,
+        kappa: [&[Complex64]; 2],
+    ) -> MeanOperator {
+        let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
+        let scheme = grid.resolution.scheme;
+        let shape = (heights.len(), lateral_k2.len());
+        let mut operator = MeanOperator {
+            scheme,
+            element: grid.element.clone(),
+            left_share: Vec::new(),
+            off: Array2::zeros(shape),
+            inverse_pivot: Array2::zeros((shape.0 + 1, shape.1)),
+            heights,
+            mean_k2,
+            lateral_k2,
+        };
+        operator.factorise(kappa);
+        operator.left_share =
+            grid.element.points[1..grid.element.degree].iter().map(|&t| operator.shares(t)).collect();
+        operator
+    }
+
+    pub(crate) fn kz2(&self, cell: usize, harmonic: usize) -> Complex64 {
+        self.mean_k2[cell] - self.lateral_k2[harmonic]
+    }
+
+    fn shares(&self, t: f64) -> Array2<Complex64> {
+        let mut shares = Array2::zeros(self.off.dim());
+        shares.outer_iter_mut().into_par_iter().enumerate().for_each(|(j, mut row)| {
+            for (i, value) in row.iter_mut().enumerate() {
+                *value = left_share(self.kz2(j, i), self.heights[j], t, self.scheme);
+            }
+        });
+        shares
+    }
+
+    fn factorise(&mut self, kappa: [&[Complex64]; 2]) {
+        let (heights, mean_k2, lateral_k2, scheme) =
+            (&self.heights, &self.mean_k2, &self.lateral_k2, self.scheme);
+        let columns =
+            self.off.axis_iter_mut(Axis(1)).into_par_iter().zip(self.inverse_pivot.axis_iter_mut(Axis(1)));
+        columns.enumerate().with_min_len(BLOCK).for_each(|(i, (mut off, mut pivots))| {
+            let ends = [kappa[0][i], kappa[1][i]].map(|k| Complex64::I * k);
+            let mut diagonal = ends[0];
+            for (j, &h) in heights.iter().enumerate() {
+                let cell = NodeCoefficients::new(mean_k2[j] - lateral_k2[i], h, scheme);
+                let inverse = guarded_inverse(diagonal + cell.diagonal, cell.off);
+                (off[j], pivots[j]) = (cell.off, inverse);
+                diagonal = cell.diagonal - cell.off * cell.off * inverse;
+            }
+            let last = heights.len();
+            pivots[last] = guarded_inverse(diagonal + ends[1], off[last - 1]);
+        });
+    }
+
+    /// Diagonal of A on a bubble.
+    pub(crate) fn bubble(&self, cell: usize, bubble: usize, harmonic: usize) -> Complex64 {
+        let h = self.heights[cell];
+        self.kz2(cell, harmonic) * (h * self.element.lambda[bubble]) - 1.0 / h
+    }
+
+    /// Values on a plane from the unknowns: nodes as they are; inside a cell the mean solution and the bubbles.
+    pub fn plane_values(&self, u: ArrayView2<Complex64>, plane: usize, out: &mut [Complex64]) {
+        let degree = self.element.degree;
+        let (cell, point) = (plane / degree, plane % degree);
+        if point == 0 {
+            return out.copy_from_slice(row(&u, plane));
+        }
+        let nodes = row(&u, degree * cell).iter().zip(row(&u, degree * (cell + 1)));
+        let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1].row(cell));
+        for ((out, (a, b)), (l, r)) in out.iter_mut().zip(nodes).zip(left.iter().zip(right)) {
+            *out = l * a + r * b;
+        }
+        for (i, bubble) in self.element.bubbles.iter().enumerate() {
+            let value = bubble[point - 1];
+            out.iter_mut().zip(row(&u, degree * cell + 1 + i)).for_each(|(out, b)| *out += value * b);
+        }
+    }
+
+    /// Loads y_p on planes → right-hand sides of nodes and bubbles, in place (transpose of the plane values).
+    pub fn load(&self, y: &mut Array2<Complex64>) {
+        self.load_block(&mut y.view_mut(), 0);
+    }
+
+    fn load_block(&self, y: &mut ArrayViewMut2<Complex64>, first: usize) {
+        let degree = self.element.degree;
+        for cell in (0..self.heights.len()).filter(|_| degree > 1) {
+            let (mut below, mut rest) = y.view_mut().split_at(Axis(0), degree * cell + 1);
+            let (mut inner, mut above) = rest.view_mut().split_at(Axis(0), degree - 1);
+            let mut lower = below.row_mut(degree * cell);
+            let mut upper = above.row_mut(0);
+            for point in 1..degree {
+                let width = first..first + inner.ncols();
+                let [left, right] =
+                    [point, degree - point].map(|q| self.left_share[q - 1].slice(s![cell, width.clone()]));
+                let loads = inner.row(point - 1);
+                ndarray::Zip::from(&mut lower).and(left).and(loads).for_each(|n, &w, &y| *n += w * y);
+                ndarray::Zip::from(&mut upper).and(right).and(loads).for_each(|n, &w, &y| *n += w * y);
+            }
+            self.loads_to_bubbles(&mut inner);
+        }
+    }
+
+    fn loads_to_bubbles(&self, inner: &mut ArrayViewMut2<Complex64>) {
+        let count = self.element.degree - 1;
+        for mut column in inner.columns_mut() {
+            let mut loads = [Complex64::default(); MAX_DEGREE];
+            (0..count).for_each(|q| loads[q] = column[q]);
+            for (i, bubble) in self.element.bubbles.iter().enumerate() {
+                column[i] = bubble.iter().zip(&loads).map(|(b, y)| b * y).sum();
+            }
+        }
+    }
+
+    /// A⁻¹ applied in place; with `loads`, `y` holds loads on planes, otherwise rows of nodes and bubbles.
+    pub fn solve(&self, y: &mut Array2<Complex64>, loads: bool) {
+        y.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter().enumerate().for_each(|(b, mut block)| {
+            let first = b * BLOCK;
+            if loads {
+                self.load_block(&mut block, first);
+            }
+            self.solve_nodes(&mut block, first);
+            self.solve_bubbles(&mut block, first);
+        });
+    }
+
+    fn solve_nodes(&self, y: &mut ArrayViewMut2<Complex64>, first: usize) {
+        let (width, cells, stride) = (y.ncols(), self.heights.len(), self.element.degree);
+        let columns = s![.., first..first + width];
+        let (off, pivot) = (self.off.slice(columns), self.inverse_pivot.slice(columns));
+        y.row_mut(0).zip_mut_with(&pivot.row(0), |y, p| *y *= p);
+        for j in 1..=cells {
+            let (before, here) = y.multi_slice_mut((s![stride * (j - 1), ..], s![stride * j, ..]));
+            let step = ndarray::Zip::from(here).and(before).and(off.row(j - 1)).and(pivot.row(j));
+            step.for_each(|y, &mut b, &o, &p| *y = (*y - o * b) * p);
+        }
+        for j in (0..cells).rev() {
+            let (here, after) = y.multi_slice_mut((s![stride * j, ..], s![stride * (j + 1), ..]));
+            let step = ndarray::Zip::from(here).and(after).and(off.row(j)).and(pivot.row(j));
+            step.for_each(|y, &mut a, &o, &p| *y -= o * a * p);
+        }
+    }
+
+    fn solve_bubbles(&self, y: &mut ArrayViewMut2<Complex64>, first: usize) {
+        let degree = self.element.degree;
+        for cell in 0..self.heights.len() {
+            for bubble in 0..degree - 1 {
+                for (i, value) in y.row_mut(degree * cell + 1 + bubble).iter_mut().enumerate() {
+                    *value /= self.bubble(cell, bubble, first + i);
+                }
+            }
+        }
+    }
+
+    /// A u, from the coefficients themselves; `kappa` as in [`MeanOperator::new`], or zeros for the interior part.
+    pub fn apply(&self, u: &Array2<Complex64>, kappa: [&[Complex64]; 2]) -> Array2<Complex64> {
+        let mut out = Array2::zeros(u.dim());
+        let columns = u.axis_iter(Axis(1)).into_par_iter().zip(out.axis_iter_mut(Axis(1)));
+        columns.enumerate().for_each(|(i, (u, mut out))| {
+            let (cells, stride) = (self.heights.len(), self.element.degree);
+            out[0] += Complex64::I * kappa[0][i] * u[0];
+            out[stride * cells] += Complex64::I * kappa[1][i] * u[stride * cells];
+            for j in 0..cells {
+                let cell = NodeCoefficients::new(self.kz2(j, i), self.heights[j], self.scheme);
+                let (a, b) = (u[stride * j], u[stride * (j + 1)]);
+                out[stride * j] += cell.diagonal * a + cell.off * b;
+                out[stride * (j + 1)] += cell.diagonal * b + cell.off * a;
+                for bubble in 0..stride - 1 {
+                    let row = stride * j + 1 + bubble;
+                    out[row] += self.bubble(j, bubble, i) * u[row];
+                }
+            }
+        });
+        out
+    }
+
+    /// Largest Im k̄² of any cell.
+    pub fn mean_absorption(&self) -> f64 {
+        self.mean_k2.iter().map(|k2| k2.im).fold(0.0, f64::max)
+    }
+
+    /// True when k̄² is real, as relaxation needs it.
+    pub fn is_real(&self) -> bool {
+        self.mean_absorption() == 0.0
+    }
+
+    /// Diagonal and off-diagonal of one harmonic's node system; `ends` are iκ of the half-spaces.
+    pub fn node_matrix(&self, harmonic: usize, ends: [Complex64; 2]) -> (Vec<Complex64>, Vec<Complex64>) {
+        let cells = self.heights.len();
+        let mut diagonal = vec![Complex64::default(); cells + 1];
+        (diagonal[0], diagonal[cells]) = (ends[0], ends[1]);
+        let mut off = Vec::with_capacity(cells);
+        for (j, &h) in self.heights.iter().enumerate() {
+            let cell = NodeCoefficients::new(self.kz2(j, harmonic), h, self.scheme);
+            diagonal[j] += cell.diagonal;
+            diagonal[j + 1] += cell.diagonal;
+            off.push(cell.off);
+        }
+        (diagonal, off)
+    }
+
+    /// Lumped mass of each node: half of both cells it touches.
+    pub fn node_mass(&self) -> Vec<f64> {
+        let h = |j: usize| self.heights.get(j).copied().unwrap_or(0.0);
+        (0..=self.heights.len()).map(|j| 0.5 * (h(j) + if j > 0 { h(j - 1) } else { 0.0 })).collect()
+    }
+
+    /// Values on all planes of the mean solution through given node values.
+    pub fn profile_on_planes(&self, harmonic: usize, nodes: &[f64]) -> Vec<Complex64> {
+        let degree = self.element.degree;
+        let value = |plane: usize| {
+            let (cell, point) = (plane / degree, plane % degree);
+            if point == 0 {
+                return nodes[cell].into();
+            }
+            let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1][[cell, harmonic]]);
+            left * nodes[cell] + right * nodes[cell + 1]
+        };
+        (0..=degree * self.heights.len()).map(value).collect()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let shares = self.left_share.iter().map(|s| s.len()).sum::<usize>();
+        (self.off.len() + self.inverse_pivot.len() + shares) * size_of::<Complex64>()
+    }
+}
+
+fn row<'a>(u: &'a ArrayView2<Complex64>, index: usize) -> &'a [Complex64] {
+    u.row(index).to_slice().expect("rows are contiguous")
+}
+
+/// 1/pivot; a pivot that vanishes (a guided mode exactly on the grid) is moved by a part in 10¹² of its row.
+fn guarded_inverse(pivot: Complex64, scale: Complex64) -> Complex64 {
+    let least = 1e-12 * scale.norm().max(1e-300);
+    if pivot.norm() < least { Complex64::from(1.0 / least) } else { 1.0 / pivot }
+}
+
+#[cfg(test)]
+#[path = "mean_tests.rs"]
+mod tests;

@@ -1,0 +1,355 @@
+//! The discrete problem (A + V) u = b, shared by all strategies: mean solve, contrast product, residual.
+//!
+//! Unknowns are harmonics of nodes and, of the bubbles in each cell; see [`super::mean`].
+
+use super::mean::{MeanOperator, decaying_root};
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
+use crate::wave::bloch::BlochVector;
+use crate::wave::{Coverage, Incidence, Media, Scene, Side, WaveError};
+use ndarray::{Array2, ArrayView2};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
+pub type Field = Array2<Complex64>;
+
+/// Largest phase k̄h of a cell with contrast: beyond it the moments no longer resolve the wave.
+const PHASE_LIMIT: f64 = 2.9;
+
+/// How ⟨k²⟩ is chosen. It belongs to the discretisation: all strategies on one problem share it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Mean {
+    /// Averages each cell over the plane instead of the whole layer (P2, below (3.12)).
+    pub depends_on_z: bool,
+    /// Keeps the imaginary part; relaxation needs it left in the contrast (real ⟨k²⟩).
+    pub absorbing: bool,
+}
+
+impl Default for Mean {
+    fn default() -> Mean {
+        Mean { depends_on_z: true, absorbing: true }
+    }
+}
+
+/// One wave problem: immutable and shared between threads.
+pub struct Problem {
+    pub coverage: Arc<Coverage>,
+    pub incidence: Incidence,
+    pub media: Media,
+    pub harmonics: Harmonics,
+    pub mean: MeanOperator,
+    /// Normal wavenumbers of every harmonic in the half-spaces above and below, 1/µm.
+    pub kappa: [Vec<Complex64>; 2],
+    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero, see [`crate::wave::bloch`].
+    pub lateral: Vec<[f64; 2]>,
+    fft: PlaneFft,
+    /// k0²(η² − η_background²) of each channel over the points of a plane (inverse transforms are unnormalised).
+    contrasts: Vec<Complex64>,
+    /// Uniform part of each plane's moment, equally divided.
+    offsets: Vec<Complex64>,
+    /// Compact index of the incident harmonic.
+    incident: usize,
+}
+
+impl Problem {
+    /// Sets up one wavelength and angle on a geometry.
+    ///
+    /// Errors: media or angle out of range, grid too coarse for the propagating orders or for the wavelength.
+    pub fn new(
+        coverage: &Arc<Coverage>,
+        media: &Media,
+        incidence: &Incidence,
+        mean: Mean,
+    ) -> Result<Problem, WaveError> {
+        incidence.check()?;
+        let grid = &coverage.grid;
+        let harmonics = Harmonics::new(grid.resolution.nx, grid.resolution.ny);
+        let k0 = TAU / incidence.wavelength_um;
+        let bloch = BlochVector::new(coverage, media, incidence)?;
+        bloch.check_orders(coverage, media, k0)?;
+        let lateral: Vec<[f64; 2]> = harmonics.orders.iter().map(|&o| bloch.lateral(o)).collect();
+        let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
+        let kappa_in =
+            |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
+        let kappa: [Vec<Complex64>; 2] = [kappa_in(media.above), kappa_in(media.below)];
+        let mean_k2 = mean_wavenumbers(coverage, media, k0, mean);
+        let [m, n] = bloch.incident;
+        let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
+        check_phase(coverage, &mean_k2, lateral_k2[incident])?;
+        let points = grid.points() as f64;
+        let contrast = |c: &crate::wave::contrast::coverage::Channel| {
+            let [inclusion, background] = [media.inclusions[c.inclusion], media.backgrounds[c.background]];
+            (inclusion * inclusion - background * background) * (k0 * k0)
+        };
+        let single: Vec<Complex64> = coverage.channels.iter().map(contrast).collect();
+        let folded =
+            coverage.pairs.iter().map(|&[a, b]| single[a] * single[b] * if a == b { 1.0 } else { 2.0 });
+        let contrasts = single.iter().copied().chain(folded).map(|c| c / points);
+        Ok(Problem {
+            contrasts: contrasts.collect(),
+            offsets: plane_offsets(coverage, media, k0, &mean_k2),
+            mean: MeanOperator::new(grid, mean_k2, lateral_k2, [&kappa[0], &kappa[1]]),
+            fft: PlaneFft::new(grid.resolution.nx, grid.resolution.ny),
+            coverage: coverage.clone(),
+            incidence: *incidence,
+            media: media.clone(),
+            harmonics,
+            kappa,
+            lateral,
+            incident,
+        })
+    }
+
+    /// Coverage and problem in one step, for a scene that is solved once.
+    pub fn from_scene(
+        scene: &Scene,
+        media: &Media,
+        incidence: &Incidence,
+        resolution: crate::wave::Resolution,
+        mean: Mean,
+    ) -> Result<Problem, WaveError> {
+        scene.check(media)?;
+        Problem::new(&Arc::new(Coverage::new(scene, resolution)?), media, incidence, mean)
+    }
+
+    /// Rows and columns of a field.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.coverage.grid.planes(), self.harmonics.len())
+    }
+
+    /// Number of complex unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.shape().0 * self.shape().1
+    }
+
+    /// Bytes held by the problem itself: factors of the mean operator and coverage, without solver vectors.
+    pub fn bytes(&self) -> usize {
+        self.mean.bytes() + self.coverage.bytes()
+    }
+
+    /// False for layered media whose mean is exact: nothing is left to iterate on.
+    pub fn has_contrast(&self) -> bool {
+        let strength = |c: &Complex64| c.norm() > 0.0;
+        self.contrasts.iter().any(strength) || self.offsets.iter().any(strength)
+    }
+
+    /// b: 2iκ₀₀ in the row of the face that the light enters by, in the incident harmonic (P2 (3.4)).
+    pub fn source(&self) -> Field {
+        let mut b = Field::zeros(self.shape());
+        b[[self.entry_row(), self.incident]] = 2.0 * Complex64::I * self.incident_kappa();
+        b
+    }
+
+    /// Row of the face that the light enters by, and b at its points.
+    pub fn source_at_points(&self) -> (usize, Vec<Complex64>) {
+        let (row, mut scratch) = (self.entry_row(), self.fft.scratch());
+        self.to_points(self.source().row(row).to_slice().expect("rows are contiguous"), &mut scratch);
+        (row, scratch.plane)
+    }
+
+    fn entry_row(&self) -> usize {
+        if self.incidence.from == Side::Above { 0 } else { self.shape().0 - 1 }
+    }
+
+    /// u₀ = A⁻¹ b, the wave in the mean medium.
+    pub fn background_wave(&self) -> Field {
+        let mut b = self.source();
+        self.mean.solve(&mut b, false);
+        b
+    }
+
+    /// out ← A⁻¹ V u: one operator application.
+    pub fn scatter(&self, u: &Field, out: &mut Field) {
+        self.scatter_view(u.view(), out);
+    }
+
+    /// [`Problem::scatter`] of a borrowed field.
+    pub fn scatter_view(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.contrast_loads(u, out);
+        self.mean.solve(out, true);
+    }
+
+    /// out ← V u as loads y_p on planes (one inverse and one forward transform a plane).
+    pub fn contrast_loads(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        let planes = out.outer_iter_mut().into_par_iter().enumerate();
+        planes.for_each_init(
+            || self.fft.scratch(),
+            |scratch, (plane, mut out)| {
+                let out = out.as_slice_mut().expect("rows are contiguous");
+                self.mean.plane_values(u, plane, out);
+                self.to_points(out, scratch);
+                self.multiply_contrast(plane, &mut scratch.plane);
+                self.fft.forward(scratch, &self.harmonics.rows);
+                self.harmonics.gather(&scratch.spectrum, out);
+            },
+        );
+    }
+
+    /// iκ of both half-spaces for one harmonic.
+    pub fn end_conditions(&self, harmonic: usize) -> [Complex64; 2] {
+        [0, 1].map(|side| Complex64::I * self.kappa[side][harmonic])
+    }
+
+    /// Fourier coefficients of W_p at (m mod nx, n mod ny).
+    pub fn contrast_spectrum(&self, plane: usize) -> Array2<Complex64> {
+        let mut scratch = self.fft.scratch();
+        scratch.plane.fill(Complex64::ONE);
+        self.multiply_contrast(plane, &mut scratch.plane);
+        let resolution = self.coverage.grid.resolution;
+        self.fft.forward(&mut scratch, std::slice::from_ref(&(0..resolution.nx)));
+        Array2::from_shape_vec((resolution.nx, resolution.ny), scratch.spectrum).expect("a full spectrum")
+    }
+
+    /// V/D at every point of a plane, so that the largest modulus is a physical k² contrast.
+    pub fn contrast_per_mass(&self, plane: usize, mass: f64) -> Vec<Complex64> {
+        let points = self.coverage.grid.points();
+        let mut values = vec![Complex64::from(points as f64 / mass); points];
+        self.multiply_contrast(plane, &mut values);
+        values
+    }
+
+    /// Harmonics of every plane → values at its points, unnormalised.
+    pub fn planes_to_points(&self, harmonics: &Field, points: &mut Array2<Complex64>) {
+        let rows = points.outer_iter_mut().into_par_iter().zip(harmonics.outer_iter());
+        rows.for_each_init(
+            || self.fft.scratch(),
+            |scratch, (mut out, row)| {
+                self.to_points(row.to_slice().expect("rows are contiguous"), scratch);
+                out.as_slice_mut().expect("rows are contiguous").copy_from_slice(&scratch.plane);
+            },
+        );
+    }
+
+    /// Values at points → harmonics of every plane (inverse of [`Problem::planes_to_points`] on the harmonics in use).
+    pub fn points_to_planes(&self, points: &Array2<Complex64>, harmonics: &mut Field) {
+        let scale = 1.0 / self.coverage.grid.points() as f64;
+        let rows = harmonics.outer_iter_mut().into_par_iter().zip(points.outer_iter());
+        rows.for_each_init(
+            || self.fft.scratch(),
+            |scratch, (mut out, row)| {
+                scratch.plane.iter_mut().zip(row).for_each(|(p, v)| *p = v * scale);
+                self.fft.forward(scratch, &self.harmonics.rows);
+                let out = out.as_slice_mut().expect("rows are contiguous");
+                self.harmonics.gather(&scratch.spectrum, out);
+            },
+        );
+    }
+
+    fn to_points(&self, harmonics: &[Complex64], scratch: &mut PlaneScratch) {
+        self.harmonics.scatter(harmonics, &mut scratch.spectrum);
+        self.fft.inverse(scratch, &self.harmonics.rows);
+    }
+
+    /// Multiplies by W_p in blocks that stay in registers and first-level cache.
+    fn multiply_contrast(&self, plane: usize, values: &mut [Complex64]) {
+        const BLOCK: usize = 64;
+        for (b, block) in values.chunks_mut(BLOCK).enumerate() {
+            let mut weight = [self.offsets[plane]; BLOCK];
+            for (moments, &contrast) in
+                self.coverage.moments.iter().chain(&self.coverage.folded).zip(&self.contrasts)
+            {
+                let row = moments.row(plane).to_slice().expect("rows are contiguous");
+                let part = &row[b * BLOCK..b * BLOCK + block.len()];
+                weight.iter_mut().zip(part).for_each(|(w, &m)| *w += contrast * m);
+            }
+            block.iter_mut().zip(&weight).for_each(|(v, w)| *v *= w);
+        }
+    }
+
+    /// out ← u₀ − (1 + A⁻¹V) u; the yardstick of all strategies is its norm over that of u₀.
+    pub fn residual(&self, background: &Field, u: &Field, out: &mut Field) {
+        self.scatter(u, out);
+        ndarray::Zip::from(out).and(background).and(u).par_for_each(|r, &b, &x| *r = b - x - *r);
+    }
+
+    /// Im⟨u, (A_interior + V) u⟩/κ₀₀, the absorbed share of the incident flux.
+    pub fn absorptance(&self, u: &Field) -> f64 {
+        let zeros = vec![Complex64::default(); self.harmonics.len()];
+        let interior = self.mean.apply(u, [&zeros, &zeros]);
+        let mean_part: f64 = u.iter().zip(&interior).map(|(u, a)| (u.conj() * a).im).sum();
+        (mean_part + self.contrast_absorption(u)) / self.incident_kappa()
+    }
+
+    fn contrast_absorption(&self, u: &Field) -> f64 {
+        let mut loads = Field::zeros(self.shape());
+        self.contrast_loads(u.view(), &mut loads);
+        self.mean.load(&mut loads);
+        u.iter().zip(&loads).map(|(u, y)| (u.conj() * y).im).sum()
+    }
+
+    /// κ₀₀ of the half-space that the light comes from.
+    pub fn incident_kappa(&self) -> f64 {
+        let side = if self.incidence.from == Side::Above { 0 } else { 1 };
+        self.kappa[side][self.incident].re
+    }
+
+    /// Compact index of the harmonic that the incident wave is, and with it the specular order.
+    pub fn incident_harmonic(&self) -> usize {
+        self.incident
+    }
+}
+
+/// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
+fn mean_wavenumbers(coverage: &Coverage, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
+    let grid = &coverage.grid;
+    let square = |eta: Complex64| eta * eta * (k0 * k0);
+    let in_cell = |j: usize| {
+        let background = square(media.backgrounds[grid.background[j]]);
+        let parts = coverage.channels.iter().zip(&coverage.fractions);
+        let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
+        background
+            + parts
+                .map(|(c, f)| (square(media.inclusions[c.inclusion]) - background) * f[j])
+                .sum::<Complex64>()
+    };
+    let mut values: Vec<Complex64> = (0..grid.cells()).map(in_cell).collect();
+    if !mean.depends_on_z {
+        let weighted = values.iter().enumerate().map(|(j, v)| v * grid.height_um(j)).sum::<Complex64>();
+        values.fill(weighted / grid.nodes_um[grid.cells()]);
+    }
+    if !mean.absorbing {
+        values.iter_mut().for_each(|v| v.im = 0.0);
+    }
+    values
+}
+
+/// Moments of (background − mean) k² on each plane, over the points of a plane.
+fn plane_offsets(coverage: &Coverage, media: &Media, k0: f64, mean_k2: &[Complex64]) -> Vec<Complex64> {
+    let grid = &coverage.grid;
+    let mut offsets = vec![Complex64::default(); grid.planes()];
+    for j in 0..grid.cells() {
+        let eta = media.backgrounds[grid.background[j]] * k0;
+        // A difference of rounding size is none: homogeneous layers then need no iteration at all.
+        let raw = eta * eta - mean_k2[j];
+        let shift = if raw.norm() < 1e-14 * mean_k2[j].norm() { Complex64::default() } else { raw };
+        for (plane, weight) in grid.planes_of_cell(j).zip(&grid.element.weights) {
+            offsets[plane] += shift * (grid.height_um(j) * weight / grid.points() as f64);
+        }
+    }
+    offsets
+}
+
+/// Refuses cells that are too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
+fn check_phase(coverage: &Coverage, mean_k2: &[Complex64], lateral_k2: f64) -> Result<(), WaveError> {
+    let grid = &coverage.grid;
+    let exact = coverage.channels.is_empty();
+    for (j, &k2) in mean_k2.iter().enumerate() {
+        let h = grid.height_um(j);
+        let phase = (if exact { k2 - lateral_k2 } else { k2 }).sqrt().re * h;
+        let near_pole =
+            exact && (k2 - lateral_k2).im.abs() * h < 1e-3 && phase > 1.0 && phase.sin().abs() < 1e-5;
+        let needed = (phase / PHASE_LIMIT * grid.cells() as f64).ceil() as usize;
+        if near_pole || (!exact && phase > PHASE_LIMIT) {
+            let needed = needed.max(grid.cells() + 1);
+            return Err(WaveError::CellTooHigh { cell: j, height_um: h, phase, limit: PHASE_LIMIT, needed });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "problem_tests.rs"]
+mod tests;
