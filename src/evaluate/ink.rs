@@ -55,6 +55,25 @@ struct Places {
 
 /// The ink on its paper. Every quantity is computed from ensemble means (a print shows many cells at once); errors are jackknife errors
 /// over realisations, so that noise common to wavelengths and angles of one packing counts once.
+///
+/// ```
+/// use inkwave::appearance::paper::{Albedo, Coupling, MirroredSky, Substrate};
+/// use inkwave::evaluate::film::Profile;
+/// use inkwave::evaluate::films::Films;
+/// use inkwave::evaluate::ink::{InkInputs, InkOnPaper};
+/// use inkwave::material::spectra::{Spectrum, molecular_mixture};
+///
+/// let yellow = Spectrum::synthetic("yellow")?;
+/// let mixture = |nm: f64| (molecular_mixture(1.558.into(), &[(0.3, yellow.index(1e-3 * nm).unwrap())]), Vec::new());
+/// let films = Films { profile: Profile::homogeneous(), indices: &mixture, thicknesses_um: vec![1.0], index_out: 1.0 };
+/// let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
+/// let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
+/// let ink = InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm })?;
+/// let view = ink.at(0.0)?;
+/// let colour = ink.colour(|layer| layer.natural_light(&view, MirroredSky::Included))?;
+/// assert!(colour.chroma().value > 90.0 && (80.0..110.0).contains(&colour.hue_deg().value));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct InkOnPaper {
     layer: LayerEnsemble,
@@ -89,7 +108,10 @@ impl InkOnPaper {
         let shares = nodes_nm.iter().map(|&nm| layer.basis.shares(nm)).collect();
         let means = films.iter().map(|film| film_means(film, layer.exit)).collect();
         let nodes = Nodes { wavelengths_nm: nodes_nm, films, albedos, shares, means };
-        let (curves, diffuse) = (curves(&layer, anchored, solved, inputs.films), diffuse(&layer, solved));
+        let (curves, diffuse) = match solved {
+            [] => (Fits::nothing(&layer.basis, BENDS, 3), Fits::nothing(&layer.basis, DIFFUSE, 1)),
+            _ => (curves(&layer, anchored, solved, inputs.films), diffuse(&layer, solved)),
+        };
         let replicates = layer.replicates();
         let mut ink = Self {
             layer,
@@ -106,6 +128,16 @@ impl InkOnPaper {
         ink.whole = ink.layers_without(None)?;
         ink.replicates = (0..replicates).map(|r| ink.layers_without(Some(r))).collect::<Result<_, _>>()?;
         Ok(ink)
+    }
+
+    /// A layer that is its own film (the molecular mixture, or the clear binder) at listed wavelengths: nothing to solve.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::new`].
+    pub fn homogeneous(inputs: &InkInputs) -> Result<Self, InkError> {
+        let basis = SpectralBasis::Listed(inputs.outputs_nm.to_vec());
+        let exit = inputs.substrate.coupling.index_below() != 1.0;
+        Self::new(LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[], inputs)
     }
 
     /// The same layer on another paper with the same contact.
@@ -397,3 +429,7 @@ fn diffuse(layer: &LayerEnsemble, solved: &[SolvedRealisation]) -> Fits {
     Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, DIFFUSE)
 }
 
+
+#[cfg(test)]
+#[path = "ink_tests.rs"]
+pub(crate) mod tests;

@@ -102,6 +102,13 @@ impl LayerEnsemble {
         Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, differences, wavelengths_nm }
     }
 
+    /// A layer that is its own film: nothing to solve. `exit` where the half-spaces differ.
+    pub fn film_alone(basis: SpectralBasis, exact_deg: &[f64], exit: bool) -> Self {
+        let fits = Fits::nothing(&basis, 1, columns(exact_deg.len(), 1));
+        let (differences, wavelengths_nm) = (Vec::new(), Vec::new());
+        Self { fits, basis, exact_deg: exact_deg.to_vec(), strata: 1, exit, differences, wavelengths_nm }
+    }
+
     /// Realisations in the ensemble.
     pub fn realisations(&self) -> usize {
         self.differences.len()

@@ -80,11 +80,14 @@ pub struct Fits {
 }
 
 impl Fits {
+    /// No difference at all, in `columns` quantities.
+    pub fn nothing(basis: &SpectralBasis, width: usize, columns: usize) -> Self {
+        Self { whole: Array2::zeros((basis.len() * width, columns)), without: Vec::new() }
+    }
+
     /// Solves for the whole ensemble and for all but each one. `width` is the number of functions of the direction.
     pub fn new(parts: &[Normal], basis: &SpectralBasis, width: usize) -> Self {
-        let Some(first) = parts.first() else {
-            return Self { whole: Array2::zeros((basis.len() * width, 0)), without: Vec::new() };
-        };
+        let Some(first) = parts.first() else { return Self::nothing(basis, width, 0) };
         let mut sum = Normal::new(first.matrix.nrows(), first.right.ncols());
         for part in parts {
             sum.matrix += &part.matrix;

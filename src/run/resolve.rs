@@ -10,12 +10,14 @@ use crate::input::study::{Pigment, Study, WantedResolution};
 use crate::input::variation::{Draw, stratified_deg};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
-use crate::solve::{Coverages, SolveError};
+use crate::solve::{Coverages, SolveError, Solver};
 use crate::store::identity::Key;
 use crate::store::store::Store;
 use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
 
+/// Packings on which two grids are compared: enough for a standard error of the difference.
+const GRID_PACKINGS: usize = 4;
 /// Most bytes of one solve.
 const MEMORY: usize = 8_000_000_000;
 
@@ -55,7 +57,7 @@ impl Resolved {
     }
 }
 
-/// The study's grid: from the store, or from solves on `scene`, which is made when it is needed.
+/// The study's grid: from the store, or from solves on the first realisations' scenes, which are made when they are needed.
 ///
 /// # Errors
 /// The accuracy is out of reach, or a probe cannot be solved.
@@ -63,23 +65,29 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     study: &Study,
     store: &Store<Resolved>,
     watch: &dyn RunWatch,
-    scene: impl FnOnce() -> Result<Scene, E>,
+    mut scene: impl FnMut(usize) -> Result<Scene, E>,
 ) -> Result<Resolved, E> {
-    let probes = probes(study);
+    let probes = probes(study, 0);
     let key = key(study, &probes);
     if let Some(resolved) = store.get(key.as_str()) {
         return Ok(resolved);
     }
-    let scene = scene()?;
+    let first = scene(0)?;
     watch.stage("estimating the error of the grid");
-    let resolved = settle(study, &scene, &probes, watch)?;
+    let mut resolved = settle(study, &first, &probes, watch)?;
+    let mut differences = Vec::new();
+    for r in 0..study.realisations.min(GRID_PACKINGS) {
+        let scene = if r == 0 { first.clone() } else { scene(r)? };
+        differences.push(grid_differences(study, &resolved, r, &scene, watch)?);
+    }
+    resolved.grid_error = GridError::from_differences(&differences);
     store.put(key.as_str(), &resolved)?;
     Ok(resolved)
 }
 
 /// The study's grid if the store has it.
 pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
-    store.get(key(study, &probes(study)).as_str())
+    store.get(key(study, &probes(study, 0)).as_str())
 }
 
 /// Content hash of all that the choice of the grid depends on.
@@ -95,8 +103,8 @@ pub fn is_stop(error: &AccuracyError) -> bool {
     matches!(error, AccuracyError::Solve(SolveError::Cancelled { .. }))
 }
 
-fn probes(study: &Study) -> Vec<Incidence> {
-    let azimuth_deg = study.draw(0).azimuth_deg;
+fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
+    let azimuth_deg = study.draw(realisation).azimuth_deg;
     let incidence = |nm: f64, polar_deg: f64| Incidence {
         wavelength_um: nm * 1e-3,
         polar_deg,
@@ -126,25 +134,59 @@ fn settle(
     probes: &[Incidence],
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
-    let (solver, coverages) = (study.solver.build(), Coverages::of(scene));
-    let media: Vec<Media> = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
-    let (mean, scheme, goal) = (Mean::default(), study.resolution.scheme(), study.goal);
-    let task = |i: usize| {
-        let (media, incidence) = (&media[i], &probes[i]);
-        Task { coverages: &coverages, media, incidence, mean, scheme, solver: &*solver, goal, memory: MEMORY }
-    };
     let draw = study.draw(0);
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
-    for task in (0..probes.len()).map(task) {
-        let probed = probe(study, &draw, &task, resolution, watch)?;
+    for task in &Prepared::new(study, scene, probes).tasks() {
+        let probed = probe(study, &draw, task, resolution, watch)?;
         error_estimate = error_estimate.max(probed.error_estimate);
         resolution = Some(probed.problem.coverage.grid.resolution);
     }
     let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
-    let tasks: Vec<Task> = (0..probes.len()).map(task).collect();
-    let grid_error = GridError::measure(&tasks, resolution, &mut Stopper(watch))?;
     let Draw { period_um, thickness_um, .. } = draw;
-    Ok(Resolved { resolution, period_um, thickness_um, error_estimate, grid_error })
+    Ok(Resolved { resolution, period_um, thickness_um, error_estimate, grid_error: GridError::default() })
+}
+
+/// What the grid does to R and T of the probes on one packing.
+fn grid_differences(
+    study: &Study,
+    resolved: &Resolved,
+    realisation: usize,
+    scene: &Scene,
+    watch: &dyn RunWatch,
+) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    let probes = probes(study, realisation);
+    let own = resolved.for_cell(&study.draw(realisation));
+    GridError::differences(&Prepared::new(study, scene, &probes).tasks(), own, &mut Stopper(watch))
+}
+
+/// What the probes of one packing borrow.
+struct Prepared<'a> {
+    study: &'a Study,
+    coverages: Coverages<'a>,
+    solver: Box<dyn Solver>,
+    media: Vec<Media>,
+    probes: &'a [Incidence],
+}
+
+impl<'a> Prepared<'a> {
+    fn new(study: &'a Study, scene: &'a Scene, probes: &'a [Incidence]) -> Self {
+        let media = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
+        Self { study, coverages: Coverages::of(scene), solver: study.solver.build(), media, probes }
+    }
+
+    fn tasks(&self) -> Vec<Task<'_>> {
+        let task = |(media, incidence)| Task {
+            coverages: &self.coverages,
+            media,
+            incidence,
+            mean: Mean::default(),
+            scheme: self.study.resolution.scheme(),
+            solver: &*self.solver,
+            goal: self.study.goal,
+            memory: MEMORY,
+        };
+        self.media.iter().zip(self.probes).map(task).collect()
+    }
 }
 
 /// Tries the grid found so far and refines it for this probe where that is asked.

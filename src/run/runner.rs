@@ -95,7 +95,7 @@ pub fn run(
 ) -> Result<Collected, RunError> {
     let stores = Stores::open(folder)?;
     let mut packings = Packings::new(study, watch);
-    let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
+    let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
     let resolved = resolve(study, &stores.grids, watch, scene).map_err(stopped)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
     let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));

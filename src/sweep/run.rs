@@ -113,7 +113,7 @@ impl Work<'_> {
     }
 
     fn realise(&self, packings: &mut Packings) -> Result<Realisation, RunError> {
-        let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
+        let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
         let resolved = resolve(self.study, &self.stores.grids, self.watch, scene)?;
         let Self { study, stores, settings, watch, realisation } = *self;
         RealisationRun { study, resolved: &resolved, stores, settings, watch, realisation }.finish(packings)

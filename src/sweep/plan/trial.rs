@@ -69,7 +69,8 @@ pub(crate) fn trial(
     jobs: usize,
     watch: &dyn RunWatch,
 ) -> Result<Trial, RunError> {
-    let study = in_small_cell(full);
+    let mut study = in_small_cell(full);
+    study.realisations = 1;
     let mut packings = Packings::new(&study, watch);
     // Grains are packed on one core, while the others wait.
     let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
@@ -80,7 +81,7 @@ pub(crate) fn trial(
             let folder = tempfile::tempdir()?;
             let store = Store::open(folder.path())?;
             let (seconds, found) =
-                timed(|| resolve::<RunError>(&study, &store, watch, || Ok(scene.clone())))?;
+                timed(|| resolve::<RunError>(&study, &store, watch, |_| Ok(scene.clone())))?;
             (Some(seconds), found.resolution)
         }
     };
