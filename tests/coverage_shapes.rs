@@ -13,12 +13,13 @@ const PERIOD: [f64; 2] = [0.7, 0.7];
 fn media() -> Media {
     let one = Complex64::ONE;
     let inclusions = vec![Complex64::new(1.4, 0.05), one];
-    Media { above: one, below: one, backgrounds: vec![1.558.into(), one], inclusions }
+    Media { incident: one, exit: one, backgrounds: vec![1.558.into(), one], inclusions }
 }
 
 fn solve(scene: &Scene, points: usize, cells: usize) -> FarField {
     let resolution = Resolution { nx: points, ny: points, cells, scheme: Scheme::Cubic };
-    let incidence = Incidence { wavelength_um: 0.55, polar_deg: 20.0, azimuth_deg: 30.0, from: Side::Above };
+    let incidence =
+        Incidence { wavelength_um: 0.55, polar_deg: 20.0, azimuth_deg: 30.0, from: Side::Incident };
     let problem =
         Problem::from_scene(scene, &media(), &incidence, resolution, Mean::default()).expect("problem");
     let goal = Goal { tolerance: 1e-9, ..Goal::default() };
@@ -84,7 +85,7 @@ fn chains_are_treated_alike_along_x_and_y() {
     };
     let orders = |scene: &Scene, azimuth_deg| {
         let resolution = Resolution { nx: 12, ny: 12, cells: 8, scheme: Scheme::Cubic };
-        let incidence = Incidence { wavelength_um: 0.55, polar_deg: 20.0, azimuth_deg, from: Side::Above };
+        let incidence = Incidence { wavelength_um: 0.55, polar_deg: 20.0, azimuth_deg, from: Side::Incident };
         let problem =
             Problem::from_scene(scene, &media(), &incidence, resolution, Mean::default()).expect("problem");
         let goal = Goal { tolerance: 1e-10, ..Goal::default() };

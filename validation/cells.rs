@@ -40,8 +40,8 @@ impl Cell {
 
     pub fn media(&self) -> Media {
         Media {
-            above: 1.0.into(),
-            below: 1.3.into(),
+            incident: 1.0.into(),
+            exit: 1.3.into(),
             backgrounds: vec![1.558.into()],
             inclusions: vec![Complex64::new(1.4, self.kappa)],
         }

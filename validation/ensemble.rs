@@ -50,8 +50,8 @@ impl Layers {
         };
         let scene = Scene::from_packing(&pack(&request, &mut ()).expect("30 % packs"));
         let media = Media {
-            above: 1.0.into(),
-            below: 1.0.into(),
+            incident: 1.0.into(),
+            exit: 1.0.into(),
             backgrounds: vec![1.558.into()],
             inclusions: vec![Complex64::new(1.4, self.kappa), 1.0.into()],
         };
@@ -59,7 +59,7 @@ impl Layers {
             wavelength_um: WAVELENGTH_UM,
             polar_deg: self.polar_deg,
             azimuth_deg: 0.0,
-            from: Side::Above,
+            from: Side::Incident,
         };
         let points = inkwave::solve::accuracy::smooth_size((POINTS_PER_UM * self.side_um()) as usize);
         let resolution = Resolution { nx: points, ny: points, cells: CELLS, scheme: Scheme::default() };

@@ -53,8 +53,8 @@ impl Bdf {
             incidence_polar_deg: incidence.polar_deg,
             incidence_azimuth_deg: incidence.azimuth_deg,
             lit_from: match incidence.from {
-                crate::wave::Side::Above => "above",
-                crate::wave::Side::Below => "below",
+                crate::wave::Side::Incident => "above",
+                crate::wave::Side::Exit => "below",
             },
             side,
             m: o.m,

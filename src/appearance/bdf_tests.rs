@@ -50,7 +50,7 @@ pub(crate) fn speckle(rng: &mut rand::rngs::ChaCha8Rng, power: f64, coherent: f6
     let reflectance = orders.iter().map(|o| o.reflected_efficiency).sum();
     let transmittance = orders.iter().map(|o| o.transmitted_efficiency).sum();
     let incidence =
-        Incidence { wavelength_um: LAMBDA_UM, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
+        Incidence { wavelength_um: LAMBDA_UM, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     let absorptance = 1.0 - reflectance - transmittance;
     FarField { incidence, period_um: [PERIOD_UM; 2], orders, reflectance, transmittance, absorptance }
 }

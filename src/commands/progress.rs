@@ -174,7 +174,7 @@ impl RunWatch for Progress {
         }
         let Point { realisation, incidence, .. } = point;
         let (nm, angle) = (1e3 * incidence.wavelength_um, incidence.polar_deg);
-        let below = if incidence.from == Side::Below { " from below" } else { "" };
+        let below = if incidence.from == Side::Exit { " from below" } else { "" };
         let of = study.realisations;
         self.bar
             .set_message(format!("realisation {}/{of} · {nm:.0} nm · {angle:.0}°{below}", realisation + 1));

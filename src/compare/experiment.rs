@@ -334,8 +334,8 @@ impl PackedLayer {
         let scene = Scene::from_packing(&pack(&request, &mut ())?);
         let index = |[re, im]: [f64; 2]| Complex64::new(re, im);
         let media = Media {
-            above: Complex64::ONE,
-            below: Complex64::ONE,
+            incident: Complex64::ONE,
+            exit: Complex64::ONE,
             backgrounds: vec![index(self.binder)],
             inclusions: vec![index(self.pigment)],
         };
@@ -343,7 +343,7 @@ impl PackedLayer {
             wavelength_um: self.wavelength_um,
             polar_deg: self.polar_deg,
             azimuth_deg: self.azimuth_deg,
-            from: Side::Above,
+            from: Side::Incident,
         };
         scene.check(&media)?;
         incidence.check()?;

@@ -52,8 +52,8 @@ impl Film {
     /// exponentials occur.
     pub fn reflectance_transmittance(&self, side: Side, polar_deg: f64) -> (f64, f64) {
         let (from, to) = match side {
-            Side::Above => (1.0, self.index_out),
-            Side::Below => (self.index_out, 1.0),
+            Side::Incident => (1.0, self.index_out),
+            Side::Exit => (self.index_out, 1.0),
         };
         let k0 = TAU / self.wavelength_um;
         let (sin, cos) = polar_deg.to_radians().sin_cos();
@@ -66,7 +66,7 @@ impl Film {
         let exit = (Complex64::from(to * to) - along * along).sqrt();
         let height = k0 * self.thickness_um / self.squared_indices.len() as f64;
         let count = self.squared_indices.len();
-        let slice = |j: usize| normal(self.squared_indices[if side == Side::Above { j } else { count - 1 - j }]);
+        let slice = |j: usize| normal(self.squared_indices[if side == Side::Incident { j } else { count - 1 - j }]);
         let (mut gamma, mut through, mut after) = (Complex64::ZERO, Complex64::ONE, exit);
         for j in (0..count).rev() {
             let here = slice(j);
@@ -122,7 +122,7 @@ mod tests {
         ) {
             let index = Complex64::new(n, kappa);
             let film = Film { squared_indices: vec![index * index; count], thickness_um: h, wavelength_um: 0.5, index_out: out };
-            for (side, from, to) in [(Side::Above, 1.0, out), (Side::Below, out, 1.0)] {
+            for (side, from, to) in [(Side::Incident, 1.0, out), (Side::Exit, out, 1.0)] {
                 let (want, got) = (airy(index, h, 0.5, from, to, deg), film.reflectance_transmittance(side, deg));
                 // identity; 1/cos θ ≤ 30 and e^{κ k h} ≤ 1e5 in the matrix amplify the rounding
                 prop_assert!((want.0 - got.0).abs() < 1e-9 && (want.1 - got.1).abs() < 1e-9, "{want:?} {got:?}");
@@ -135,8 +135,8 @@ mod tests {
             let squared_indices: Vec<Complex64> = n.iter().map(|n| (n * n).into()).collect();
             let film = Film { squared_indices, thickness_um: 0.7, wavelength_um: 0.5, index_out: out };
             let inside = (deg.to_radians().sin() / out).asin().to_degrees();
-            let (r, t) = film.reflectance_transmittance(Side::Above, deg);
-            let (_, back) = film.reflectance_transmittance(Side::Below, inside);
+            let (r, t) = film.reflectance_transmittance(Side::Incident, deg);
+            let (_, back) = film.reflectance_transmittance(Side::Exit, inside);
             prop_assert!((r + t - 1.0).abs() < 1e-10 && (t - back).abs() < 1e-10);
         }
     }

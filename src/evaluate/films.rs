@@ -61,12 +61,12 @@ impl FilmAt {
 
     /// \[R, T\] for light from the incident side.
     pub fn reflectance_transmittance(&self, polar_deg: f64) -> [f64; 2] {
-        self.from(Side::Above, polar_deg)
+        self.from(Side::Incident, polar_deg)
     }
 
     /// \[R, T\] for light from the exit side, the angle taken in its half-space.
     pub fn from_exit(&self, polar_deg: f64) -> [f64; 2] {
-        self.from(Side::Below, polar_deg)
+        self.from(Side::Exit, polar_deg)
     }
 
     fn from(&self, side: Side, polar_deg: f64) -> [f64; 2] {
@@ -94,7 +94,7 @@ impl FilmAt {
     pub fn absorptance_from_exit(&self) -> f64 {
         let index = self.index_out();
         let absorbed = |polar_deg: f64| {
-            let [r, t] = self.from(Side::Below, polar_deg);
+            let [r, t] = self.from(Side::Exit, polar_deg);
             1.0 - r - t
         };
         let rule = GaussLegendre::new(MEAN_ANGLES).expect("a positive number of nodes");
@@ -140,7 +140,7 @@ mod tests {
             let points = 20_000;
             let plain: f64 = (0..points)
                 .map(|i| ((i as f64 + 0.5) / points as f64).sqrt().acos().to_degrees())
-                .map(|deg| 1.0 - film.from(Side::Below, deg)[0])
+                .map(|deg| 1.0 - film.from(Side::Exit, deg)[0])
                 .sum::<f64>()
                 / points as f64;
             // the plain sum's own error at grazing, where R has a root

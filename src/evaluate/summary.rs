@@ -5,7 +5,7 @@ use super::layer::{Mean, Total};
 use super::manifest::{Budget, Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::SolvedWavelength;
-use super::seen::{LayerSeen, NoInk, Seen};
+use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::uncertainty::{Uncertainty, lit, lit_moved, natural_light_moved};
 use crate::appearance::colour::Colour;
 use crate::appearance::paper::PRINT_DEG;
@@ -28,7 +28,8 @@ pub fn program() -> String {
 /// All numbers of a run.
 pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<&'a Study> {
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
-    let (asked, finished) = (study.solves(), collected.finished());
+    let finished = collected.finished();
+    let asked = if collected.enough { finished } else { study.solves() };
     let certainty = certainty(collected, records().collect(), seen);
     let uncertainty = Uncertainty {
         grid: collected.resolved.grid_error,
@@ -40,7 +41,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         Err(reason) => (Vec::new(), Some(reason)),
     };
     Manifest {
-        status: if finished == asked { Status::Complete } else { Status::Partial },
+        status: if finished == asked || collected.enough { Status::Complete } else { Status::Partial },
         title: study.title.clone(),
         study_hash: study.key().to_string(),
         program: program(),
@@ -58,6 +59,15 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         study,
     }
+}
+
+/// True when every colour's 95 % interval is as narrow as the study wants it (ΔE₀₀); never without such a wish.
+pub fn enough(study: &Study, collected: &Collected) -> bool {
+    let Some(target) = study.target_delta_e else { return false };
+    let Ok(seen) = see(study, collected) else { return false };
+    let manifest = summarise(study, collected, &seen);
+    let narrow = |note: &ColourNote| note.delta_e_2000_95.is_some_and(|bar| bar <= target);
+    !manifest.colours.is_empty() && manifest.colours.iter().all(narrow)
 }
 
 fn failures(collected: &Collected) -> Vec<FailureNote> {

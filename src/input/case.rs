@@ -139,8 +139,8 @@ impl Case {
             bodies: builder.bodies(inputs)?,
         };
         let media = Media {
-            above: half_space("n_below", inputs.n_below, inputs.eta_below)?,
-            below: half_space("n_above", inputs.n_above, inputs.eta_above)?,
+            incident: half_space("n_below", inputs.n_below, inputs.eta_below)?,
+            exit: half_space("n_above", inputs.n_above, inputs.eta_above)?,
             backgrounds: builder.backgrounds,
             inclusions: builder.inclusions,
         };

@@ -19,6 +19,8 @@ use std::path::Path;
 const LONGEST_LIST: usize = 10_000;
 /// Packings of varied cells unless told.
 const VARIED_CELLS: usize = 24;
+/// Packings unless told where a bar is the aim.
+const MOST_CELLS: usize = 400;
 /// Packings of fixed cells unless told.
 const FIXED_CELLS: usize = 4;
 
@@ -54,6 +56,7 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
         wavelengths_nm,
         angles,
         realisations,
+        target_delta_e: file.run.target_delta_e,
         variation,
         resolution,
         solver: file.solver.strategy.0,
@@ -185,6 +188,7 @@ fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Faults) -
 /// Packings unless told.
 fn realisations(file: &StudyFile) -> usize {
     file.run.realisations.unwrap_or(match file.layer.cell {
+        _ if file.run.target_delta_e.is_some() => MOST_CELLS,
         CellRule::Varied => VARIED_CELLS,
         CellRule::Fixed => FIXED_CELLS,
     })
@@ -231,6 +235,10 @@ fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults)
 }
 
 fn counts(file: &StudyFile, faults: &mut Faults) {
+    if let Some(target) = file.run.target_delta_e {
+        let remedy = "0.3 is hard to see; a hundredth of that needs 10 000 times the cells";
+        faults.number("run.target_delta_e", target, Allowed::between(1e-3, 100.0, ""), remedy);
+    }
     whole("run.realisations", realisations(file), 1..=100_000, "24 small cells are a fair start", faults);
     whole("output.picture_pixels", file.output.picture_pixels, 16..=8192, "360 is usual", faults);
 }

@@ -193,12 +193,15 @@ fn sixty() -> f64 {
 pub struct RunTable {
     /// Number of independent packings to average over: 24 small varied cells, or 4 fixed ones, when nothing is said.
     pub realisations: Option<usize>,
+    /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
+    /// are the most.
+    pub target_delta_e: Option<f64>,
     pub seed: u64,
 }
 
 impl Default for RunTable {
     fn default() -> Self {
-        Self { realisations: None, seed: 1 }
+        Self { realisations: None, target_delta_e: None, seed: 1 }
     }
 }
 

@@ -24,7 +24,10 @@ pub struct Study {
     /// Vacuum wavelengths, nm, rising.
     pub wavelengths_nm: Vec<f64>,
     pub angles: Angles,
+    /// Most packings.
     pub realisations: usize,
+    /// The run may end once the 95 % interval of every colour is as narrow as this, ΔE₀₀.
+    pub target_delta_e: Option<f64>,
     /// How realisations differ.
     pub variation: Variation,
     pub resolution: WantedResolution,
@@ -164,7 +167,7 @@ impl Study {
     pub fn key(&self) -> Key {
         let spectra: Vec<&Spectrum> = self.pigments.iter().map(|p| &p.material.spectrum).collect();
         let binder = (&self.layer.binder.spectrum, &self.layer.binder.dissolved);
-        let ensemble = (&self.layer, &self.pigments, spectra, binder, &self.packing, self.realisations, &self.variation);
+        let ensemble = (&self.layer, &self.pigments, spectra, binder, &self.packing, self.realisations, self.target_delta_e, &self.variation);
         let light = (&self.paper, &self.wavelengths_nm, &self.angles);
         Key::of("study", &(ensemble, light, &self.resolution, &self.solver, &self.goal))
     }
@@ -182,20 +185,20 @@ impl Study {
 
     /// Indices at one wavelength; the inclusion after the last pigment is what lies above a relief.
     pub fn media(&self, wavelength_um: f64) -> Media {
-        let above = self.layer.index_above.into();
+        let incident = self.layer.index_above.into();
         let inclusions = self.pigments.iter().map(|p| p.material.index_at(wavelength_um));
         Media {
-            above,
-            below: self.layer.index_below.into(),
+            incident,
+            exit: self.layer.index_below.into(),
             backgrounds: vec![self.layer.binder.index_at(wavelength_um)],
-            inclusions: inclusions.chain([above]).collect(),
+            inclusions: inclusions.chain([incident]).collect(),
         }
     }
 
-    /// The same indices for a content hash: above, below, binder, pigments.
+    /// The same indices for a content hash: incident side, exit side, binder, pigments.
     pub fn indices(&self, wavelength_um: f64) -> Vec<Complex64> {
-        let Media { above, below, backgrounds, inclusions } = self.media(wavelength_um);
-        [above, below].into_iter().chain(backgrounds).chain(inclusions).collect()
+        let Media { incident, exit, backgrounds, inclusions } = self.media(wavelength_um);
+        [incident, exit].into_iter().chain(backgrounds).chain(inclusions).collect()
     }
 
     /// All solves of one realisation, in their order: wavelength; exact angles, strata, strata from the exit side.
@@ -203,8 +206,8 @@ impl Study {
         let draw = self.draw(realisation);
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
         let above = exact_deg.iter().copied().chain(stratified_deg(*strata, draw.direction));
-        let mut directions: Vec<(Side, f64)> = above.map(|deg| (Side::Above, deg)).collect();
-        directions.extend(stratified_deg(*exit_strata, draw.direction).into_iter().map(|deg| (Side::Below, deg)));
+        let mut directions: Vec<(Side, f64)> = above.map(|deg| (Side::Incident, deg)).collect();
+        directions.extend(stratified_deg(*exit_strata, draw.direction).into_iter().map(|deg| (Side::Exit, deg)));
         let at = |(wavelength, nm): (usize, f64)| {
             let point = move |&(from, polar_deg): &(Side, f64)| {
                 let incidence =

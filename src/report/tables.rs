@@ -68,7 +68,7 @@ pub fn distributions<'a>(bdfs: impl Iterator<Item = &'a Bdf>, amplitude_error: f
 
 fn row(bdf: &Bdf, lobe: Lobe, order: &OrderMean, amplitude_error: f64) -> impl Iterator<Item = String> {
     let incidence = bdf.incidence();
-    let from = if incidence.from == Side::Above { "above" } else { "below" };
+    let from = if incidence.from == Side::Incident { "above" } else { "below" };
     let [x, y] = order.direction;
     let cosine = (1.0 - x * x - y * y).max(0.0).sqrt();
     let flux = cosine / incidence.polar_deg.to_radians().cos();

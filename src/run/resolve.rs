@@ -109,7 +109,7 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
         wavelength_um: nm * 1e-3,
         polar_deg,
         azimuth_deg,
-        from: Side::Above,
+        from: Side::Incident,
     };
     let contrast = |nm: f64| {
         let binder = study.layer.binder.index_at(1e-3 * nm);

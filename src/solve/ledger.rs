@@ -1,8 +1,9 @@
 //! The account that every strategy keeps while it runs.
 
+use super::System;
 use super::solver::{Account, Goal, Solution, SolveError, Step, Watch};
 use super::vectors::norm;
-use crate::wave::{Field, Problem};
+use crate::wave::Field;
 use num_complex::Complex64;
 use std::time::Instant;
 
@@ -11,7 +12,7 @@ const HOPELESS: f64 = 1e4;
 
 /// One solve under way: the yardstick, the history and the watcher.
 pub(super) struct Ledger<'a> {
-    pub problem: &'a Problem,
+    pub problem: &'a dyn System,
     pub background: Field,
     pub goal: Goal,
     pub account: Account,
@@ -21,7 +22,7 @@ pub(super) struct Ledger<'a> {
 }
 
 impl<'a> Ledger<'a> {
-    pub fn new(name: &str, problem: &'a Problem, goal: Goal, watch: &'a mut dyn Watch) -> Ledger<'a> {
+    pub fn new(name: &str, problem: &'a dyn System, goal: Goal, watch: &'a mut dyn Watch) -> Ledger<'a> {
         let clock = Instant::now();
         let background = problem.background_wave();
         let scale = norm(flat(&background));

@@ -7,8 +7,10 @@ pub mod accuracy;
 mod ledger;
 pub mod solver;
 pub mod strategies;
+mod system;
 pub mod vectors;
 
 pub use accuracy::coverages::Coverages;
 pub use solver::{Account, Goal, Silent, Solution, SolveError, Solver, SolverChoice, Step, Watch};
 pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Relaxation};
+pub use system::System;

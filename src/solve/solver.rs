@@ -1,5 +1,6 @@
 //! The door: what a strategy is asked for, what it reports, and how it fails.
 
+use super::System;
 use crate::wave::{Field, Problem};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -105,15 +106,27 @@ pub trait Solver: Send + Sync {
     /// Solves to `goal.tolerance`, or says why not. `start` is a first guess of u, if there is one.
     fn solve_from(
         &self,
-        problem: &Problem,
+        problem: &dyn System,
         start: Option<&Field>,
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError>;
 
-    fn solve(&self, problem: &Problem, goal: Goal, watch: &mut dyn Watch) -> Result<Solution, SolveError> {
+    fn solve(&self, problem: &dyn System, goal: Goal, watch: &mut dyn Watch) -> Result<Solution, SolveError> {
         self.solve_from(problem, None, goal, watch)
     }
+}
+
+/// The scalar problem behind a system, for a strategy that splits its operator point by point.
+pub(in crate::solve) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result<&'a Problem, SolveError> {
+    system.scalar().ok_or_else(|| SolveError::Setting {
+        field: "solver",
+        value: name.to_string(),
+        allowed: "krylov, bicgstab, born or direct for Maxwell's equations".to_string(),
+        remedy:
+            "this strategy works on field values at points, and the unknowns here are moments: use krylov"
+                .to_string(),
+    })
 }
 
 /// The strategies by name, with their settings; chosen in this one `match`.

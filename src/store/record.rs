@@ -156,7 +156,7 @@ pub(crate) mod tests {
                 wavelength_um: 0.55,
                 polar_deg: 12.3,
                 azimuth_deg: 0.0,
-                from: Side::Above,
+                from: Side::Incident,
             },
             period_um: [2.0, 1.5],
             orders: vec![order(0, true), order(9, false)],

@@ -46,7 +46,7 @@ impl BlochVector {
     pub fn check_orders(&self, coverage: &Coverage, media: &Media, k0: f64) -> Result<(), WaveError> {
         let resolution = coverage.grid.resolution;
         let sizes = [resolution.nx, resolution.ny];
-        let k = k0 * media.above.re.max(media.below.re);
+        let k = k0 * media.incident.re.max(media.exit.re);
         // Where nothing changes along an axis no light goes into its orders.
         for axis in (0..2).filter(|&i| !coverage.uniform[i]) {
             let outermost = |sign: f64| ((k - sign * self.reduced[axis]) / self.step[axis]).floor() as i32;
@@ -72,7 +72,7 @@ fn nearest_order(x: f64) -> i32 {
 impl Incidence {
     /// (kx, ky) of the incident wave, 1/µm.
     fn lateral_wavevector(&self, media: &Media) -> Result<[f64; 2], WaveError> {
-        let eta = if self.from == Side::Above { media.above } else { media.below };
+        let eta = if self.from == Side::Incident { media.incident } else { media.exit };
         if eta.im != 0.0 {
             return Err(WaveError::Range {
                 field: "imaginary part of the index of the half-space that the light comes from",

@@ -18,15 +18,15 @@ fn grain() -> Vec<Body> {
 
 fn media() -> Media {
     Media {
-        above: 1.0.into(),
-        below: 1.5.into(),
+        incident: 1.0.into(),
+        exit: 1.5.into(),
         backgrounds: vec![1.5.into()],
         inclusions: vec![1.4.into()],
     }
 }
 
 fn light(sine: f64, azimuth_deg: f64, wavelength_um: f64) -> Incidence {
-    Incidence { wavelength_um, polar_deg: sine.asin().to_degrees(), azimuth_deg, from: Side::Above }
+    Incidence { wavelength_um, polar_deg: sine.asin().to_degrees(), azimuth_deg, from: Side::Incident }
 }
 
 #[test]

@@ -53,8 +53,8 @@ impl Problem {
     /// Reads the orders off the first and last node (P2 (3.8), (3.9) with moduli) and adds the receipt.
     pub fn far_field(&self, u: &Field) -> FarField {
         let last = self.shape().0 - 1;
-        let (entry, exit) = if self.incidence.from == Side::Above { (0, last) } else { (last, 0) };
-        let index = self.media.above.re.max(self.media.below.re).max(1.0);
+        let (entry, exit) = if self.incidence.from == Side::Incident { (0, last) } else { (last, 0) };
+        let index = self.media.incident.re.max(self.media.exit.re).max(1.0);
         let k0 = TAU / self.incidence.wavelength_um;
         let listed = |&i: &usize| {
             let [x, y] = self.lateral[i];
@@ -82,8 +82,8 @@ impl Problem {
 
     fn order(&self, u: &Field, i: usize, entry: usize, exit: usize, k0: f64) -> Order {
         let [m, n] = self.order_label(i);
-        let (above, below) = (self.kappa[0][i], self.kappa[1][i]);
-        let (back, onward) = if entry == 0 { (above, below) } else { (below, above) };
+        let (incident_side, exit_side) = (self.kappa[0][i], self.kappa[1][i]);
+        let (back, onward) = if entry == 0 { (incident_side, exit_side) } else { (exit_side, incident_side) };
         let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };
         let (reflected, transmitted) = (u[[entry, i]] - incident, u[[exit, i]]);
         let efficiency = |kappa: Complex64, a: Complex64| kappa.re / self.incident_kappa() * a.norm_sqr();

@@ -2,13 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The side the light comes from. The layer is 0 ≤ z ≤ H; `Above` is z < 0, `Below` is z > H.
+/// A side of the layer 0 ≤ z ≤ H. Where nothing else is said light comes from the incident side, z < 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
+    /// z < 0; also read as `above`.
     #[default]
-    Above,
-    Below,
+    #[serde(alias = "above")]
+    Incident,
+    /// z > H; also read as `below`.
+    #[serde(alias = "below")]
+    Exit,
 }
 
 /// A plane wave: vacuum wavelength in µm, polar angle from the layer's normal (0° ≤ σ < 90°) and

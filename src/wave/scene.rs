@@ -58,10 +58,10 @@ pub struct Scene {
 /// Complex refractive indices at one wavelength, Im η ≥ 0 absorbs (time factor e^{−iωt}).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Media {
-    /// Half-space z < 0.
-    pub above: Complex64,
-    /// Half-space z > H.
-    pub below: Complex64,
+    /// Half-space z < 0, the incident side.
+    pub incident: Complex64,
+    /// Half-space z > H, the exit side.
+    pub exit: Complex64,
     pub backgrounds: Vec<Complex64>,
     pub inclusions: Vec<Complex64>,
 }
@@ -165,8 +165,10 @@ impl Media {
             return Err(error);
         }
         let named = |name: &'static str| move |(i, &eta): (usize, &Complex64)| (format!("{name} {i}"), eta);
-        let all =
-            [("half-space above".to_string(), self.above), ("half-space below".to_string(), self.below)];
+        let all = [
+            ("half-space of the incident side".to_string(), self.incident),
+            ("half-space of the exit side".to_string(), self.exit),
+        ];
         let inner = self.backgrounds.iter().enumerate().map(named("background"));
         let inner = inner.chain(self.inclusions.iter().enumerate().map(named("inclusion")));
         all.into_iter().chain(inner).try_for_each(|(name, eta)| check_index(&name, eta))

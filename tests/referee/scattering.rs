@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use std::sync::Arc;
 
 const WAVELENGTH: f64 = 0.55;
-const SIDES: [Side; 2] = [Side::Above, Side::Below];
+const SIDES: [Side; 2] = [Side::Incident, Side::Exit];
 
 /// A direction of incidence or departure: a side, and the lateral wavevector over k0.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +30,8 @@ impl Layer {
         let resolution = Resolution { nx, ny, cells: 4, scheme };
         let pigment = Complex64::new(1.3, kappa);
         let media = Media {
-            above: 1.0.into(),
-            below: 1.3.into(),
+            incident: 1.0.into(),
+            exit: 1.3.into(),
             backgrounds: vec![1.5.into()],
             inclusions: vec![pigment],
         };
@@ -39,7 +39,7 @@ impl Layer {
     }
 
     fn index(&self, side: Side) -> f64 {
-        if side == Side::Above { self.media.above.re } else { self.media.below.re }
+        if side == Side::Incident { self.media.incident.re } else { self.media.exit.re }
     }
 
     /// κ/k0 of a channel.
@@ -78,7 +78,7 @@ impl Layer {
 
     /// All propagating channels of one Bloch vector.
     fn channels(&self) -> Vec<Channel> {
-        let seed = Channel { side: Side::Above, direction: [0.31, -0.17] };
+        let seed = Channel { side: Side::Incident, direction: [0.31, -0.17] };
         self.row(seed).into_iter().map(|(_, channel, _)| channel).collect()
     }
 }

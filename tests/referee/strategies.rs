@@ -60,12 +60,12 @@ fn strong_problem() -> Problem {
     let body = Body { shape: Shape::CylinderY { x_um: 0.3, z_um: 0.4, radius_um: 0.2 }, inclusion: 0 };
     let scene = Scene::layer([0.6, 0.6], 0.8, vec![body]);
     let media = Media {
-        above: 1.0.into(),
-        below: 1.0.into(),
+        incident: 1.0.into(),
+        exit: 1.0.into(),
         backgrounds: vec![1.5.into()],
         inclusions: vec![2.5.into()],
     };
-    let incidence = Incidence { wavelength_um: 0.55, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
+    let incidence = Incidence { wavelength_um: 0.55, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     let resolution = Resolution { nx: 15, ny: 1, cells: 16, scheme: Scheme::Cubic };
     Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("problem")
 }

@@ -12,12 +12,12 @@ pub const SCHEMES: [Scheme; 5] =
 /// nx, ny, cells, κ, polar, azimuth, side: awkward sizes, absorbing and lossless, normal, oblique and conical.
 pub type Setting = (usize, usize, usize, f64, f64, f64, Side);
 pub const SETTINGS: [Setting; 6] = [
-    (5, 5, 4, 0.1, 0.0, 0.0, Side::Above),
-    (7, 5, 4, 0.0, 25.0, 0.0, Side::Above),
-    (6, 7, 5, 0.05, 40.0, 33.0, Side::Below),
-    (11, 1, 4, 0.0, 10.0, 0.0, Side::Above),
-    (1, 1, 5, 0.2, 60.0, 0.0, Side::Below),
-    (2, 9, 4, 0.1, 0.0, 0.0, Side::Above),
+    (5, 5, 4, 0.1, 0.0, 0.0, Side::Incident),
+    (7, 5, 4, 0.0, 25.0, 0.0, Side::Incident),
+    (6, 7, 5, 0.05, 40.0, 33.0, Side::Exit),
+    (11, 1, 4, 0.0, 10.0, 0.0, Side::Incident),
+    (1, 1, 5, 0.2, 60.0, 0.0, Side::Exit),
+    (2, 9, 4, 0.1, 0.0, 0.0, Side::Incident),
 ];
 
 /// A grain of one ball.
@@ -36,8 +36,8 @@ pub fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
     };
     let scene = Scene::layer([0.33, 0.3], 0.4, bodies);
     let media = Media {
-        above: 1.0.into(),
-        below: 1.2.into(),
+        incident: 1.0.into(),
+        exit: 1.2.into(),
         backgrounds: vec![1.5.into()],
         inclusions: vec![Complex64::new(1.4, kappa)],
     };

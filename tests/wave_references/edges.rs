@@ -9,12 +9,13 @@ use num_complex::Complex64;
 
 fn case(period: f64, height: f64, bodies: Vec<Body>, pigment: Complex64, light: Incidence) -> Case {
     let one = Complex64::ONE;
-    let media = Media { above: one, below: one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] };
+    let media =
+        Media { incident: one, exit: one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] };
     Case { scene: Scene::layer([period; 2], height, bodies), media, incidence: light }
 }
 
 fn light(wavelength_um: f64, polar_deg: f64) -> Incidence {
-    Incidence { wavelength_um, polar_deg, azimuth_deg: 0.0, from: Side::Above }
+    Incidence { wavelength_um, polar_deg, azimuth_deg: 0.0, from: Side::Incident }
 }
 
 fn assert_sound(name: &str, solved: &Solved) {

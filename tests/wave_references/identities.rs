@@ -65,8 +65,8 @@ fn irreciprocity(reference: &Reference, resolution: Resolution) -> f64 {
             let case = Case { incidence: light, ..reference.case.clone() };
             *order(&solve_at(&case, resolution, RESIDUAL).far, o.m, o.n)
         };
-        let reflected = cos(o.direction) * o.reflected - incident * back(Side::Above).reflected;
-        let transmitted = cos(o.direction) * o.transmitted - incident * back(Side::Below).transmitted;
+        let reflected = cos(o.direction) * o.reflected - incident * back(Side::Incident).reflected;
+        let transmitted = cos(o.direction) * o.transmitted - incident * back(Side::Exit).transmitted;
         reflected.norm().max(transmitted.norm())
     };
     there.far.orders.iter().filter(|o| o.reflected_propagates).map(error).fold(0.0, f64::max)
@@ -96,10 +96,10 @@ fn upside_down(case: &Case) -> Case {
             Shape::Above { .. } => unreachable!("no reference has a relief"),
         }
     }
-    std::mem::swap(&mut flipped.media.above, &mut flipped.media.below);
+    std::mem::swap(&mut flipped.media.incident, &mut flipped.media.exit);
     flipped.incidence.from = match case.incidence.from {
-        Side::Above => Side::Below,
-        Side::Below => Side::Above,
+        Side::Incident => Side::Exit,
+        Side::Exit => Side::Incident,
     };
     flipped
 }
@@ -109,7 +109,7 @@ fn light_from_below_sees_the_mirrored_scene() {
     for id in ["sph06", "sph11", "inkb3", "cyl07", "lam03", "multi05"] {
         let reference = reference(id);
         let mut case = reference.case.clone();
-        case.media.below = 1.33.into();
+        case.media.exit = 1.33.into();
         let resolution = coarse(reference, Scheme::Cubic);
         let above = solve_at(&case, resolution, RESIDUAL);
         let below = solve_at(&upside_down(&case), resolution, RESIDUAL);

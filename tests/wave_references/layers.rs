@@ -151,11 +151,11 @@ fn half_spaces_of_different_index_follow_fresnel_and_airy() {
     ];
     for n in films {
         for polar_deg in [0.0, 35.0, 62.0, 89.0] {
-            for from in [Side::Above, Side::Below] {
-                let ends = if from == Side::Above { [n[0], n[2]] } else { [n[2], n[0]] };
+            for from in [Side::Incident, Side::Exit] {
+                let ends = if from == Side::Incident { [n[0], n[2]] } else { [n[2], n[0]] };
                 let scene = Scene::layer([0.7, 0.9], 0.43, Vec::new());
                 let media =
-                    Media { above: ends[0], below: ends[1], backgrounds: vec![n[1]], inclusions: vec![] };
+                    Media { incident: ends[0], exit: ends[1], backgrounds: vec![n[1]], inclusions: vec![] };
                 let incidence = Incidence { wavelength_um: 0.53, polar_deg, azimuth_deg: 117.0, from };
                 let case = Case { scene, media, incidence };
                 let solved =
@@ -173,8 +173,9 @@ fn half_spaces_of_different_index_follow_fresnel_and_airy() {
 #[test]
 fn light_beyond_the_critical_angle_is_totally_reflected() {
     let media =
-        Media { above: 1.5.into(), below: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
-    let incidence = Incidence { wavelength_um: 0.55, polar_deg: 60.0, azimuth_deg: 0.0, from: Side::Above };
+        Media { incident: 1.5.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
+    let incidence =
+        Incidence { wavelength_um: 0.55, polar_deg: 60.0, azimuth_deg: 0.0, from: Side::Incident };
     let case = Case { scene: Scene::layer([1.0; 2], 1.0, Vec::new()), media, incidence };
     let solved = solve_at(&case, Resolution { nx: 1, ny: 1, cells: 5, scheme: Scheme::Cubic }, 1e-12);
     // Identity.

@@ -24,7 +24,7 @@ fn measure(level: Level, findings: &mut Findings) {
         let solver = SolverChoice::named(name).expect("a name").build();
         let mut largest = 0.0f64;
         for &[nx, ny, cells] in sizes {
-            for (kappa, side) in [(0.1, Side::Above), (0.0, Side::Below)] {
+            for (kappa, side) in [(0.1, Side::Incident), (0.0, Side::Exit)] {
                 for scheme in [Scheme::default(), Scheme::SecondDifference] {
                     let mean = if name == "relaxation" { REAL } else { Mean::default() };
                     let resolution = Resolution { nx, ny, cells, scheme };

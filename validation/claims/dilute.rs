@@ -50,9 +50,9 @@ fn forward_amplitude(mie: &Mie, side: f64) -> Complex64 {
     let ball = Ball { center_um: [0.5 * side, 0.5 * side, 0.5 * height], radius_um: mie.radius };
     let scene = Scene::layer([side; 2], height, vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }]);
     let host = Complex64::from(mie.host);
-    let media = Media { above: host, below: host, backgrounds: vec![host], inclusions: vec![mie.eta] };
+    let media = Media { incident: host, exit: host, backgrounds: vec![host], inclusions: vec![mie.eta] };
     let incidence =
-        Incidence { wavelength_um: mie.wavelength, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Above };
+        Incidence { wavelength_um: mie.wavelength, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     // Six points a wavelength, and two points a radius where the sphere is smaller than that.
     let finest = (6.0 * mie.host.max(mie.eta.norm()) / mie.wavelength).max(2.0 / mie.radius);
     let points = inkwave::solve::accuracy::smooth_size((finest * side) as usize);

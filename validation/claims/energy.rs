@@ -14,10 +14,10 @@ pub const CLAIM: Claim = Claim {
 };
 
 const DIRECTIONS: [From; 4] = [
-    (0.0, 0.0, Side::Above),
-    (35.0, 20.0, Side::Above),
-    (70.0, 0.0, Side::Below),
-    (55.0, 130.0, Side::Below),
+    (0.0, 0.0, Side::Incident),
+    (35.0, 20.0, Side::Incident),
+    (70.0, 0.0, Side::Exit),
+    (55.0, 130.0, Side::Exit),
 ];
 const TOLERANCE: f64 = 1e-9;
 

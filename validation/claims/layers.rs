@@ -26,12 +26,12 @@ pub fn solved(half_spaces: [f64; 2], films: &[Film], wavelength_um: f64, polar_d
         .collect();
     let scene = Scene { period_um: [0.5; 2], strata, bodies: Vec::new() };
     let media = Media {
-        above: half_spaces[0].into(),
-        below: half_spaces[1].into(),
+        incident: half_spaces[0].into(),
+        exit: half_spaces[1].into(),
         backgrounds: films.iter().map(|f| f.index).collect(),
         inclusions: Vec::new(),
     };
-    let incidence = Incidence { wavelength_um, polar_deg, azimuth_deg: 0.0, from: Side::Above };
+    let incidence = Incidence { wavelength_um, polar_deg, azimuth_deg: 0.0, from: Side::Incident };
     let resolution = Resolution { nx: 1, ny: 1, cells: films.len().max(3), scheme: Scheme::default() };
     let problem =
         Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("films");

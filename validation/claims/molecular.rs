@@ -34,13 +34,17 @@ fn lattice(layers: usize) -> [Complex64; 2] {
     let bodies = (0..layers).map(|i| ball([0.5 * a, 0.5 * a, (i as f64 + 0.5) * a], radius)).collect();
     let scene = Scene::layer([a; 2], THICKNESS_UM, bodies);
     let media = Media {
-        above: 1.0.into(),
-        below: 1.0.into(),
+        incident: 1.0.into(),
+        exit: 1.0.into(),
         backgrounds: vec![BINDER.into()],
         inclusions: vec![pigment()],
     };
-    let incidence =
-        Incidence { wavelength_um: WAVELENGTH_UM, polar_deg: POLAR_DEG, azimuth_deg: 0.0, from: Side::Above };
+    let incidence = Incidence {
+        wavelength_um: WAVELENGTH_UM,
+        polar_deg: POLAR_DEG,
+        azimuth_deg: 0.0,
+        from: Side::Incident,
+    };
     let resolution = Resolution { nx: 16, ny: 16, cells: 6 * layers, scheme: Scheme::default() };
     let problem =
         Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("a lattice");

@@ -36,8 +36,8 @@ fn normal(direction: [f64; 2], index: f64) -> f64 {
 /// Largest |κ_b a(b ← a) − κ_a a(−a ← −b)|/k₀ over the propagating orders of one direction of incidence.
 fn asymmetry(cell: &Cell, from: From, most: usize) -> f64 {
     let forward = far_field(cell, from);
-    let index = |side: Side| if side == Side::Above { 1.0 } else { 1.3 };
-    let (entry, exit) = (from.2, if from.2 == Side::Above { Side::Below } else { Side::Above });
+    let index = |side: Side| if side == Side::Incident { 1.0 } else { 1.3 };
+    let (entry, exit) = (from.2, if from.2 == Side::Incident { Side::Exit } else { Side::Incident });
     let incident = forward.specular().direction;
     let both = |o: &Order| {
         [(o.reflected_propagates, o.reflected, entry), (o.transmitted_propagates, o.transmitted, exit)]
@@ -69,12 +69,12 @@ fn asymmetry(cell: &Cell, from: From, most: usize) -> f64 {
 
 fn measure(level: Level, findings: &mut Findings) {
     let directions: &[From] = level.pick(
-        &[(30.0, 25.0, Side::Above)],
+        &[(30.0, 25.0, Side::Incident)],
         &[
-            (0.0, 0.0, Side::Above),
-            (30.0, 25.0, Side::Above),
-            (55.0, 70.0, Side::Below),
-            (75.0, 0.0, Side::Above),
+            (0.0, 0.0, Side::Incident),
+            (30.0, 25.0, Side::Incident),
+            (55.0, 70.0, Side::Exit),
+            (75.0, 0.0, Side::Incident),
         ],
     );
     for (kappa, points) in [(0.0, [11, 9]), (0.1, [12, 10])] {

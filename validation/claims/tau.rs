@@ -33,7 +33,7 @@ fn measure(level: Level, findings: &mut Findings) {
     let taus: &[f64] = level.pick(&[0.6, 6.0, 60.0], &[0.6, 1.2, 3.0, 6.0, 12.0, 30.0, 60.0]);
     for kappa in [0.0, 0.1] {
         let cell = Cell { mean: REAL, ..Cell::new(kappa, level.pick([8, 7], [12, 11]), 5) };
-        let problem = cell.problem((25.0, 40.0, Side::Above));
+        let problem = cell.problem((25.0, 40.0, Side::Incident));
         let truth = solve(&Gmres::default(), &problem, 0.1 * TOLERANCE).expect("krylov").field;
         let mut histories = Vec::new();
         let mut largest = 0.0f64;

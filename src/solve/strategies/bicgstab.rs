@@ -3,10 +3,11 @@
 //! Our own: the maintained complex implementation in the linear-algebra crate used elsewhere can neither be
 //! cancelled nor watched. Erratic without absorption, where GMRES is the better choice.
 
+use crate::solve::System;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::{dot, norm};
-use crate::wave::{Field, Problem};
+use crate::wave::Field;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +32,7 @@ impl Solver for Bicgstab {
 
     fn solve_from(
         &self,
-        problem: &Problem,
+        problem: &dyn System,
         start: Option<&Field>,
         goal: Goal,
         watch: &mut dyn Watch,
@@ -96,7 +97,7 @@ fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), S
 
 /// out ← (1 + A⁻¹V) x.
 fn apply(ledger: &mut Ledger, x: &Field, out: &mut Field) {
-    ledger.problem.scatter(x, out);
+    ledger.problem.scatter(x.view(), out);
     ndarray::Zip::from(out).and(x).par_for_each(|o, &x: &Complex64| *o += x);
     ledger.account.operator_applications += 1;
 }

@@ -1,8 +1,9 @@
 //! The Born series about the mean medium: u ← u₀ − A⁻¹V u (P2 (2.5)–(2.7)).
 
+use crate::solve::System;
 use crate::solve::ledger::{Ledger, ratio_of_terms};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{Field, Problem};
+use crate::wave::Field;
 use serde::{Deserialize, Serialize};
 
 /// Terms are added until they are small; stops early when they grow.
@@ -26,7 +27,7 @@ impl Solver for Born {
 
     fn solve_from(
         &self,
-        problem: &Problem,
+        problem: &dyn System,
         start: Option<&Field>,
         goal: Goal,
         watch: &mut dyn Watch,

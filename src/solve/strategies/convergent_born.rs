@@ -6,8 +6,9 @@
 //! the circle of convergence, so |V| is scaled below it and the step shortened (Vettenburg and Vellekoop 2022).
 
 use super::relaxation::contrasts;
+use crate::solve::System;
 use crate::solve::ledger::Ledger;
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::wave::operator::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;
@@ -39,11 +40,12 @@ impl Solver for ConvergentBorn {
 
     fn solve_from(
         &self,
-        problem: &Problem,
+        system: &dyn System,
         start: Option<&Field>,
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
+        let problem = scalar(system, self.name())?;
         self.check()?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());

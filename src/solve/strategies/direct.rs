@@ -1,8 +1,9 @@
 //! The referee: the assembled matrix 1 + A⁻¹V by dense LU, for tiny grids only.
 
+use crate::solve::System;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{Field, Problem};
+use crate::wave::Field;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +27,7 @@ impl Solver for Direct {
 
     fn solve_from(
         &self,
-        problem: &Problem,
+        problem: &dyn System,
         _start: Option<&Field>,
         goal: Goal,
         watch: &mut dyn Watch,
@@ -57,13 +58,13 @@ impl Solver for Direct {
 }
 
 /// Columns of 1 + A⁻¹V, one after the other, by applying it to unit vectors.
-fn assemble(problem: &Problem, ledger: &mut Ledger) -> Vec<Complex64> {
+fn assemble(problem: &dyn System, ledger: &mut Ledger) -> Vec<Complex64> {
     let n = problem.unknowns();
     let (mut unit, mut column) = (Field::zeros(problem.shape()), Field::zeros(problem.shape()));
     let mut matrix = Vec::with_capacity(n * n);
     for j in 0..n {
         unit.as_slice_mut().expect("fields are contiguous")[j] = Complex64::ONE;
-        problem.scatter(&unit, &mut column);
+        problem.scatter(unit.view(), &mut column);
         ledger.account.operator_applications += 1;
         matrix.extend_from_slice(flat(&column));
         matrix[j * n + j] += 1.0;

@@ -112,9 +112,9 @@ impl Correction {
             let (diagonal, off) = problem.mean.node_matrix(m.harmonic, problem.end_conditions(m.harmonic));
             (0..diagonal.len())
                 .map(|j| {
-                    let below = if j > 0 { off[j - 1] * m.nodes[j - 1] } else { Complex64::default() };
-                    let above = if j < off.len() { off[j] * m.nodes[j + 1] } else { Complex64::default() };
-                    diagonal[j] * m.nodes[j] + below + above
+                    let previous = if j > 0 { off[j - 1] * m.nodes[j - 1] } else { Complex64::default() };
+                    let next = if j < off.len() { off[j] * m.nodes[j + 1] } else { Complex64::default() };
+                    diagonal[j] * m.nodes[j] + previous + next
                 })
                 .collect::<Vec<_>>()
         };

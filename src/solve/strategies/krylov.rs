@@ -3,10 +3,11 @@
 
 use super::guided::{Correction, GuidedModes};
 use super::least_squares::LeastSquares;
+use crate::solve::System;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::{add_combination, dots, norm, scale};
-use crate::wave::{Field, Problem};
+use crate::wave::Field;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +37,7 @@ impl Solver for Gmres {
 
     fn solve_from(
         &self,
-        problem: &Problem,
+        problem: &dyn System,
         start: Option<&Field>,
         goal: Goal,
         watch: &mut dyn Watch,
@@ -50,7 +51,8 @@ impl Solver for Gmres {
         let field = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
         // The residual of u = 0 is u₀ itself and costs nothing.
         let work = ledger.background.clone();
-        let mut run = Run { ledger, field, work, correction: self.guided_modes.correction(problem) };
+        let correction = problem.scalar().and_then(|p| self.guided_modes.correction(p));
+        let mut run = Run { ledger, field, work, correction };
         let first = if start.is_some() { run.ledger.measure(&run.field, &mut run.work) } else { 1.0 };
         run.ledger.note(first)?;
         while !run.ledger.reached() {
@@ -121,7 +123,7 @@ impl Run<'_> {
         }
         let problem = self.ledger.problem;
         let view = ndarray::ArrayView2::from_shape(problem.shape(), &last).expect("same number of unknowns");
-        problem.scatter_view(view, &mut self.work);
+        problem.scatter(view, &mut self.work);
         // The work array becomes the new basis vector; the next step writes into a fresh one.
         let work = std::mem::replace(&mut self.work, Field::zeros(problem.shape()));
         let mut w = work.into_raw_vec_and_offset().0;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::solve::{Born, Direct, Silent, Step};
-use crate::wave::{Ball, Body, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side};
+use crate::wave::{Ball, Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
 use faer::linalg::solvers::Solve;
 use std::ops::ControlFlow;
 
@@ -16,7 +16,7 @@ fn problem([nx, ny, cells]: [usize; 3], scheme: Scheme, pigment: Complex64, side
     let scene = Scene::layer([0.3, 0.26], 0.16, vec![body]);
     let one = Complex64::ONE;
     let media =
-        Media { above: one, below: 1.5 * one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] };
+        Media { incident: one, exit: 1.5 * one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] };
     let incidence = Incidence { wavelength_um: 0.9, polar_deg: 25.0, azimuth_deg: 40.0, from: side };
     let resolution = Resolution { nx, ny, cells, scheme };
     Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("a valid problem")
@@ -52,7 +52,7 @@ fn largest(a: &Field, b: &Field) -> f64 {
 fn gmres_agrees_with_the_dense_solve() {
     for size in awkward() {
         for (i, scheme) in SCHEMES.into_iter().enumerate() {
-            let side = if i % 2 == 0 { Side::Above } else { Side::Below };
+            let side = if i % 2 == 0 { Side::Incident } else { Side::Exit };
             for pigment in [Complex64::new(1.4, 0.2), Complex64::from(2.5)] {
                 let problem = problem(size, scheme, pigment, side);
                 let goal = Goal { tolerance: 1e-13, ..Goal::default() };
@@ -70,7 +70,7 @@ fn the_direct_referee_agrees_with_another_factorisation() {
     // With the feature `lapack` this sets LAPACK against faer; without it, two assemblies of the same matrix.
     for size in awkward() {
         for scheme in SCHEMES {
-            let problem = problem(size, scheme, Complex64::new(1.4, 0.2), Side::Below);
+            let problem = problem(size, scheme, Complex64::new(1.4, 0.2), Side::Exit);
             let goal = Goal { tolerance: 1e-12, ..Goal::default() };
             let direct = Direct::default().solve(&problem, goal, &mut Silent).expect("a regular matrix");
             let error = largest(&direct.field, &dense_solution(&problem));
@@ -78,7 +78,7 @@ fn the_direct_referee_agrees_with_another_factorisation() {
             assert!(error < 1e-12, "{size:?} {scheme:?}: {error:e}");
         }
     }
-    let problem = problem([7, 7, 4], Scheme::Cubic, Complex64::from(1.4), Side::Above);
+    let problem = problem([7, 7, 4], Scheme::Cubic, Complex64::from(1.4), Side::Incident);
     let refused = Direct { max_unknowns: 100 }.solve(&problem, Goal::default(), &mut Silent);
     let message = refused.expect_err("too large").to_string();
     assert!(message.contains("at most 100"), "{message}");
@@ -86,7 +86,7 @@ fn the_direct_referee_agrees_with_another_factorisation() {
 
 #[test]
 fn restarts_and_guesses_lead_to_the_same_field() {
-    let problem = problem([7, 5, 3], Scheme::Cubic, Complex64::from(2.5), Side::Above);
+    let problem = problem([7, 5, 3], Scheme::Cubic, Complex64::from(2.5), Side::Incident);
     let goal = Goal { tolerance: 1e-12, ..Goal::default() };
     let whole = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges");
     let short =
@@ -102,13 +102,13 @@ fn restarts_and_guesses_lead_to_the_same_field() {
 fn born_agrees_where_it_converges_and_says_so_where_it_does_not() {
     let goal = Goal { tolerance: 1e-12, ..Goal::default() };
     for size in awkward() {
-        let problem = problem(size, Scheme::Cubic, Complex64::new(1.4, 0.05), Side::Above);
+        let problem = problem(size, Scheme::Cubic, Complex64::new(1.4, 0.05), Side::Incident);
         let born = Born::default().solve(&problem, goal, &mut Silent).expect("weak contrast converges");
         let krylov = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges");
         // Both stop at 1e-12; the condition number is of order one.
         assert!(largest(&born.field, &krylov.field) < 1e-10, "{size:?}");
     }
-    let strong = problem([5, 7, 2], Scheme::Cubic, Complex64::from(6.0), Side::Above);
+    let strong = problem([5, 7, 2], Scheme::Cubic, Complex64::from(6.0), Side::Incident);
     let error = Born::default().solve(&strong, goal, &mut Silent).expect_err("strong contrast diverges");
     assert!(matches!(error, SolveError::Diverged { ratio, .. } if ratio > 1.0), "{error}");
     assert!(error.to_string().contains("krylov"), "{error}");
@@ -117,7 +117,7 @@ fn born_agrees_where_it_converges_and_says_so_where_it_does_not() {
 #[test]
 fn operator_applications_are_pinned() {
     let goal = Goal { tolerance: 1e-6, ..Goal::default() };
-    let problem = problem([7, 5, 3], Scheme::Cubic, Complex64::new(1.4, 0.2), Side::Above);
+    let problem = problem([7, 5, 3], Scheme::Cubic, Complex64::new(1.4, 0.2), Side::Incident);
     let solution = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges");
     // One application a step, and one for the true residual at the end.
     assert_eq!(solution.account.operator_applications, solution.account.steps + 1);
@@ -130,7 +130,7 @@ const PINNED_STEPS: usize = 4;
 
 #[test]
 fn limits_and_cancellation_are_errors_with_an_account() {
-    let problem = problem([5, 5, 3], Scheme::Cubic, Complex64::from(2.5), Side::Above);
+    let problem = problem([5, 5, 3], Scheme::Cubic, Complex64::from(2.5), Side::Incident);
     let goal = Goal { tolerance: 1e-12, max_applications: 3 };
     let error = Gmres::default().solve(&problem, goal, &mut Silent).expect_err("three are too few");
     assert!(matches!(error, SolveError::NotConverged { .. }), "{error}");

@@ -6,8 +6,9 @@
 //! transform. Without absorption trapped waves circulate undamped; replacing the state by its mean over a window
 //! ("averaging restart") removes them.
 
+use crate::solve::System;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::solve::vectors::{dot, norm};
 use crate::wave::operator::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
@@ -48,11 +49,12 @@ impl Solver for Relaxation {
 
     fn solve_from(
         &self,
-        problem: &Problem,
+        system: &dyn System,
         start: Option<&Field>,
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
+        let problem = scalar(system, self.name())?;
         self.check(problem)?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let field = start.cloned().unwrap_or_else(|| ledger.background.clone());

@@ -9,12 +9,13 @@ fn problem([nx, ny]: [usize; 2], scheme: Scheme, kappa: f64, absorbing_mean: boo
     let ball = Ball { center_um: [0.1, 0.13, 0.12], radius_um: 0.1 };
     let scene = Scene::layer([0.34, 0.3], 0.24, vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }]);
     let media = Media {
-        above: 1.0.into(),
-        below: 1.2.into(),
+        incident: 1.0.into(),
+        exit: 1.2.into(),
         backgrounds: vec![1.5.into()],
         inclusions: vec![Complex64::new(1.8, kappa)],
     };
-    let incidence = Incidence { wavelength_um: 0.7, polar_deg: 25.0, azimuth_deg: 40.0, from: Side::Above };
+    let incidence =
+        Incidence { wavelength_um: 0.7, polar_deg: 25.0, azimuth_deg: 40.0, from: Side::Incident };
     let mean = Mean { depends_on_z: true, absorbing: absorbing_mean };
     let resolution = Resolution { nx, ny, cells: 2, scheme };
     Problem::from_scene(&scene, &media, &incidence, resolution, mean).expect("a small problem")

@@ -91,9 +91,9 @@ impl Folding {
     ) -> Vec<Complex64> {
         let mut sum = vec![Complex64::default(); self.harmonics.len()];
         let degree = grid.element.degree;
-        // A plane belongs to the cell it starts or lies in, and a node also to the cell below.
-        let below = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
-        for cell in below.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
+        // A plane belongs to the cell it starts or lies in, and a node also to the previous cell.
+        let previous = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
+        for cell in previous.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
             let part = &cells[cell][channel][plane - degree * cell];
             sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
         }

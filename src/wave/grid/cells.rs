@@ -71,12 +71,12 @@ impl Grid {
         check_counts(&resolution)?;
         let shares = share_cells(scene, resolution.cells)?;
         let (mut nodes_um, mut background) = (vec![0.0], Vec::new());
-        let mut bottom = 0.0;
+        let mut start = 0.0;
         for (stratum, cells) in scene.strata.iter().zip(shares) {
             let step = stratum.thickness_um / cells as f64;
-            nodes_um.extend((1..=cells).map(|j| bottom + step * j as f64));
+            nodes_um.extend((1..=cells).map(|j| start + step * j as f64));
             background.extend(std::iter::repeat_n(stratum.background, cells));
-            bottom += stratum.thickness_um;
+            start += stratum.thickness_um;
         }
         Ok(Grid {
             resolution,

@@ -89,7 +89,7 @@ pub struct MeanOperator {
 }
 
 impl MeanOperator {
-    /// `kappa` are the half-spaces' normal wavenumbers (above, below) of each harmonic.
+    /// `kappa` are the half-spaces' normal wavenumbers (incident side, exit side) of each harmonic.
     pub fn new(
         grid: &Grid,
         mean_k2: Vec<Complex64>,
@@ -180,17 +180,17 @@ impl MeanOperator {
     fn load_block(&self, y: &mut ArrayViewMut2<Complex64>, first: usize) {
         let degree = self.element.degree;
         for cell in (0..self.heights.len()).filter(|_| degree > 1) {
-            let (mut below, mut rest) = y.view_mut().split_at(Axis(0), degree * cell + 1);
-            let (mut inner, mut above) = rest.view_mut().split_at(Axis(0), degree - 1);
-            let mut lower = below.row_mut(degree * cell);
-            let mut upper = above.row_mut(0);
+            let (mut before, mut rest) = y.view_mut().split_at(Axis(0), degree * cell + 1);
+            let (mut inner, mut after) = rest.view_mut().split_at(Axis(0), degree - 1);
+            let mut previous = before.row_mut(degree * cell);
+            let mut next = after.row_mut(0);
             for point in 1..degree {
                 let width = first..first + inner.ncols();
                 let [left, right] =
                     [point, degree - point].map(|q| self.left_share[q - 1].slice(s![cell, width.clone()]));
                 let loads = inner.row(point - 1);
-                ndarray::Zip::from(&mut lower).and(left).and(loads).for_each(|n, &w, &y| *n += w * y);
-                ndarray::Zip::from(&mut upper).and(right).and(loads).for_each(|n, &w, &y| *n += w * y);
+                ndarray::Zip::from(&mut previous).and(left).and(loads).for_each(|n, &w, &y| *n += w * y);
+                ndarray::Zip::from(&mut next).and(right).and(loads).for_each(|n, &w, &y| *n += w * y);
             }
             self.loads_to_bubbles(&mut inner);
         }

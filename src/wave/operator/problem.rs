@@ -74,7 +74,7 @@ impl Problem {
         let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
         let kappa_in =
             |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
-        let kappa: [Vec<Complex64>; 2] = [kappa_in(media.above), kappa_in(media.below)];
+        let kappa: [Vec<Complex64>; 2] = [kappa_in(media.incident), kappa_in(media.exit)];
         let mean_k2 = mean_wavenumbers(coverage, media, k0, mean);
         let [m, n] = bloch.incident;
         let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
@@ -151,7 +151,7 @@ impl Problem {
     }
 
     fn entry_row(&self) -> usize {
-        if self.incidence.from == Side::Above { 0 } else { self.shape().0 - 1 }
+        if self.incidence.from == Side::Incident { 0 } else { self.shape().0 - 1 }
     }
 
     /// u₀ = A⁻¹ b, the wave in the mean medium.
@@ -259,12 +259,6 @@ impl Problem {
         }
     }
 
-    /// out ← u₀ − (1 + A⁻¹V) u; the yardstick of all strategies is its norm over that of u₀.
-    pub fn residual(&self, background: &Field, u: &Field, out: &mut Field) {
-        self.scatter(u, out);
-        ndarray::Zip::from(out).and(background).and(u).par_for_each(|r, &b, &x| *r = b - x - *r);
-    }
-
     /// Im⟨u, (A_interior + V) u⟩/κ₀₀, the absorbed share of the incident flux.
     pub fn absorptance(&self, u: &Field) -> f64 {
         let zeros = vec![Complex64::default(); self.harmonics.len()];
@@ -282,7 +276,7 @@ impl Problem {
 
     /// κ₀₀ of the half-space that the light comes from.
     pub fn incident_kappa(&self) -> f64 {
-        let side = if self.incidence.from == Side::Above { 0 } else { 1 };
+        let side = if self.incidence.from == Side::Incident { 0 } else { 1 };
         self.kappa[side][self.incident].re
     }
 

@@ -1,6 +1,7 @@
 //! Hypotheses of the theory as full matrices on a tiny grid, and refusals.
 
 use super::*;
+use crate::solve::System;
 use crate::wave::{Ball, Body, Resolution, Scheme, Shape};
 
 const SCHEMES: [Scheme; 5] =
@@ -13,11 +14,11 @@ fn scene() -> Scene {
 
 fn media(pigment: Complex64) -> Media {
     let one = Complex64::ONE;
-    Media { above: one, below: one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] }
+    Media { incident: one, exit: one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] }
 }
 
 fn incidence(polar_deg: f64, azimuth_deg: f64) -> Incidence {
-    Incidence { wavelength_um: 0.9, polar_deg, azimuth_deg, from: Side::Above }
+    Incidence { wavelength_um: 0.9, polar_deg, azimuth_deg, from: Side::Incident }
 }
 
 fn problem(scheme: Scheme, pigment: Complex64, polar: f64, azimuth: f64) -> Problem {
@@ -134,7 +135,7 @@ fn what_cannot_be_solved_is_refused_with_a_remedy() {
         (refusal(media(pigment), shorter, Resolution { nx: 20, ny: 20, ..fine }), "use at least"),
         (refusal(media(Complex64::new(1.4, -0.1)), light, fine), "inclusion 0"),
         (refusal(media(Complex64::new(f64::NAN, 0.0)), light, fine), "inclusion 0"),
-        (refusal(Media { above: Complex64::new(1.0, 0.2), ..media(pigment) }, light, fine), "transparent"),
+        (refusal(Media { incident: Complex64::new(1.0, 0.2), ..media(pigment) }, light, fine), "transparent"),
         (refusal(media(pigment), light, Resolution { nx: 0, ..fine }), "nx is 0"),
         (refusal(media(pigment), light, Resolution { cells: 0, ..fine }), "nz (cells) is 0"),
     ] {
