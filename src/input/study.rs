@@ -1,6 +1,6 @@
 //! A study that has passed every check: the only input a run takes.
 
-use super::variation::{Variation, stratified_deg};
+use super::variation::{Turn, Variation, stratified_deg};
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::material::spectra::{Spectrum, molecular_mixture};
@@ -205,16 +205,16 @@ impl Study {
     pub fn points(&self, realisation: usize) -> Vec<Point> {
         let draw = self.draw(realisation);
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
-        let above = exact_deg.iter().copied().chain(stratified_deg(*strata, draw.direction));
-        let mut directions: Vec<(Side, f64)> = above.map(|deg| (Side::Incident, deg)).collect();
-        directions.extend(stratified_deg(*exit_strata, draw.direction).into_iter().map(|deg| (Side::Exit, deg)));
         let at = |(wavelength, nm): (usize, f64)| {
-            let point = move |&(from, polar_deg): &(Side, f64)| {
-                let incidence =
-                    Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg: draw.azimuth_deg, from };
+            let Turn { azimuth_deg, direction } = self.turn(&draw, wavelength);
+            let incident = exact_deg.iter().copied().chain(stratified_deg(*strata, direction));
+            let incident = incident.map(|deg| (Side::Incident, deg));
+            let exit = stratified_deg(*exit_strata, direction).into_iter().map(|deg| (Side::Exit, deg));
+            let point = |(from, polar_deg): (Side, f64)| {
+                let incidence = Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
                 Point { realisation, wavelength, incidence }
             };
-            directions.iter().map(point).collect::<Vec<_>>()
+            incident.chain(exit).map(point).collect::<Vec<_>>()
         };
         self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
     }
