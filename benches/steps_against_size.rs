@@ -5,7 +5,7 @@
 
 mod support;
 
-use inkwave::compare::pages::{Curve, log_plot};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::solve::{Gmres, Goal, GuidedModes, Silent, Solver};
 use inkwave::wave::Mean;
 use std::path::Path;
@@ -16,7 +16,7 @@ fn main() {
     let largest = std::env::args().filter_map(|a| a.parse().ok()).next().unwrap_or(10.0);
     let settings =
         [("κ = 0.1", 0.1, true), ("κ = 0", 0.0, true), ("κ = 0, guided modes left alone", 0.0, false)];
-    let mut curves: Vec<Curve> = settings.iter().map(|s| (s.0.to_string(), Vec::new())).collect();
+    let mut curves: Vec<Curve> = settings.iter().map(|s| Curve::with_bars(s.0, Style::Data, [])).collect();
     let mut table = String::from("side_um,kappa,guided_modes,unknowns,applications,seconds\n");
     for side in SIDES.into_iter().filter(|&s| s <= largest) {
         let coverage = support::coverage(side, 1.0, 9);
@@ -29,14 +29,18 @@ fn main() {
             let line = format!("{side},{kappa},{guided},{},{steps},{seconds:.2}\n", problem.unknowns());
             print!("{line}");
             table += &line;
-            curve.1.push((side, steps as f64));
+            curve.points.push([side, steps as f64, 0.0]);
         }
     }
-    curves.push(("proportional to the side".into(), vec![(1.2, 12.0), (largest, 10.0 * largest)]));
+    let line = [(1.2, 12.0), (largest, 10.0 * largest)];
+    curves.push(Curve::new("proportional to the side", Style::Guide, line));
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/steps-against-size");
     std::fs::create_dir_all(&folder).expect("a folder for the report");
     std::fs::write(folder.join("steps.csv"), table).expect("the table");
     let title = "krylov to 1e-6: work against the cell";
-    let plot = log_plot(title, "side of the cell, µm", "operator applications", &curves).expect("a plot");
-    plot.write_png(folder.join("steps.png"), &[("Title", title)]).expect("the plot's file");
+    let plot = LogPlot::log_log(title, "side of the cell, µm", "operator applications", curves);
+    plot.bitmap()
+        .expect("a plot")
+        .write_png(folder.join("steps.png"), &[("Title", title)])
+        .expect("the plot's file");
 }

@@ -40,7 +40,7 @@ fn every_strategy_is_a_row_and_every_file_is_whole() {
     );
     comparison.write(&folder.path().join("out")).expect("written");
     for name in
-        ["comparison.csv", "residuals.csv", "residuals.png", "error_against_work.png", "comparison.html"]
+        ["comparison.csv", "residuals.csv", "residuals.svg", "error_against_work.svg", "comparison.html"]
     {
         let size = std::fs::metadata(folder.path().join("out").join(name)).map_or(0, |m| m.len());
         assert!(size > 100, "{name}: {size} bytes");

@@ -1,6 +1,6 @@
 //! A claim: one sentence about the program, why it must hold, how it is measured, and how far it may be off.
 
-use crate::figure::LogPlot;
+use inkwave::draw::log_plot::LogPlot;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

@@ -10,7 +10,6 @@ mod cells;
 mod claim;
 mod claims;
 mod ensemble;
-mod figure;
 mod formulas;
 mod history;
 mod manifest;

@@ -2,9 +2,9 @@
 
 use crate::Judged;
 use crate::claim::{Check, Table, short};
-use crate::figure::LogPlot;
 use crate::history::{Night, Trend, margins, trend};
 use crate::manifest::Manifest;
+use inkwave::draw::log_plot::LogPlot;
 use inkwave::store::safely;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, value::Serde};
@@ -70,7 +70,7 @@ fn margin(value: f64) -> String {
 
 /// The plot, or why it cannot be drawn: one empty plot must not cost the report.
 fn drawn(plot: &LogPlot) -> String {
-    plot.svg().unwrap_or_else(|reason| format!("<p>{}</p>", reason.replace('<', "&lt;")))
+    plot.svg().unwrap_or_else(|reason| format!("<p>{}</p>", reason.to_string().replace('<', "&lt;")))
 }
 
 fn chapter(judged: &Judged, nights: &[Night]) -> Chapter {
@@ -128,6 +128,7 @@ pub fn write(
     let report = Report { manifest, chapters };
     let mut templates = Environment::new();
     templates.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
+    templates.add_template("style.css", inkwave::report::page::STYLE)?;
     templates.add_template("index.html", include_str!("page.html"))?;
     templates.add_template("report.md", include_str!("page.md"))?;
     for name in ["index.html", "report.md"] {

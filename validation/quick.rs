@@ -7,7 +7,6 @@ mod cells;
 mod claim;
 mod claims;
 mod ensemble;
-mod figure;
 mod formulas;
 
 use claim::{Claim, Findings, Level};

@@ -3,12 +3,9 @@
 //! Times drift from machine to machine and from hour to hour, so all comparisons are of ratios: a bench's median over
 //! that of the transforms alone (`operator/floor` on the largest grid) in the same run.
 
-#[path = "../../validation/figure.rs"]
 #[allow(dead_code, reason = "the claims draw other plots, too")]
-mod figure;
-
 use clap::Parser;
-use figure::{Curve, LogPlot, Style};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::store::safely;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

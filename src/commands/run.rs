@@ -91,7 +91,7 @@ pub(super) fn folder_report(error: FolderError) -> miette::Report {
 pub(super) fn run_report(error: RunError) -> miette::Report {
     match error {
         RunError::Folder(error) => folder_report(error),
-        RunError::Packing { source: PackError::NotReached { .. }, .. } => {
+        RunError::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. } => {
             let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
             miette!(help = help, "{error}")
         }

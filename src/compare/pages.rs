@@ -1,9 +1,10 @@
 //! The outputs of a comparison: tables, plots with logarithmic axes, and a page.
 
-use crate::draw::figure::{Bitmap, COLOURS, FONT, FigureError, register_fonts};
+use crate::draw::figure::FigureError;
+use crate::draw::log_plot::{Curve, LogPlot, Style};
 use crate::solve::Account;
 use crate::wave::Scheme;
-use plotters::prelude::*;
+use minijinja::{Environment, context};
 use serde::Serialize;
 use std::path::Path;
 use thiserror::Error;
@@ -17,6 +18,9 @@ pub enum ComparisonError {
     Csv(#[from] csv::Error),
     #[error(transparent)]
     Figure(#[from] FigureError),
+    /// The template does not fit its data: a fault of the program.
+    #[error("cannot make the page: {0}")]
+    Page(#[from] minijinja::Error),
 }
 
 /// One line of the table.
@@ -51,11 +55,8 @@ pub struct Comparison {
     pub rows: Vec<Row>,
 }
 
-/// A name and its points.
-pub type Curve = (String, Vec<(f64, f64)>);
-
 impl Comparison {
-    /// Writes `comparison.csv`, `residuals.csv`, three PNG plots, `comparison.md` and a self-contained
+    /// Writes `comparison.csv`, `residuals.csv`, three plots (SVG), `comparison.md` and a self-contained
     /// `comparison.html` into `folder`, each of them whole or not at all.
     pub fn write(&self, folder: &Path) -> Result<(), ComparisonError> {
         let failed =
@@ -68,16 +69,13 @@ impl Comparison {
         save("comparison.csv", &self.table()?)?;
         save("residuals.csv", &self.residuals()?)?;
         let mut pictures = Vec::new();
-        for (name, title, x, y, curves) in self.plots() {
-            let temporary =
-                tempfile::Builder::new().suffix(".png").tempfile().map_err(|e| failed(folder, e))?;
-            log_plot(&title, x, y, &curves)?.write_png(temporary.path(), &[("Title", title.as_str())])?;
-            let png = std::fs::read(temporary.path()).map_err(|e| failed(folder, e))?;
-            save(name, &png)?;
-            pictures.push((title, png));
+        for (name, plot) in self.plots().into_iter().filter(|(_, plot)| !plot.curves.is_empty()) {
+            let svg = plot.svg()?;
+            save(name, svg.as_bytes())?;
+            pictures.push((plot.title, svg));
         }
         save("comparison.md", self.markdown().as_bytes())?;
-        save("comparison.html", self.html(&pictures).as_bytes())
+        save("comparison.html", self.html(&pictures)?.as_bytes())
     }
 
     fn table(&self) -> Result<Vec<u8>, csv::Error> {
@@ -109,45 +107,47 @@ impl Comparison {
         Ok(writer.into_inner().unwrap_or_default())
     }
 
-    /// File name, title, axes and curves of every plot.
-    fn plots(&self) -> Vec<(&'static str, String, &'static str, &'static str, Vec<Curve>)> {
+    /// File name and plot.
+    fn plots(&self) -> Vec<(&'static str, LogPlot)> {
         let finest = self.rows.iter().map(|r| (r.unknowns, r.nx)).max().unwrap_or_default();
         let last = self.rows.iter().filter(|r| (r.unknowns, r.nx) == finest);
         // The start, before any application, would not show on a logarithmic axis.
-        let shown = |r: &Row| r.looks().into_iter().filter(|l| l.0 > 0.0).collect();
-        let histories = last.map(|r| (r.label(), shown(r))).collect();
-        vec![
-            (
-                "residuals.png",
-                "Residual on the finest grid".into(),
+        let shown = |r: &Row| r.looks().into_iter().filter(|l| l.0 > 0.0).collect::<Vec<_>>();
+        let histories = last.map(|r| Curve::new(r.label(), Style::Data, shown(r)));
+        let histories = histories.filter(|c| !c.points.is_empty()).collect();
+        let work = self.curves(|r| (r.operator_applications * r.unknowns) as f64);
+        let seconds = self.curves(|r| r.seconds);
+        let error = "largest amplitude error";
+        let residuals = LogPlot {
+            log: [false, true],
+            ..LogPlot::log_log(
+                "Residual on the finest grid",
                 "operator applications",
                 "relative residual",
                 histories,
-            ),
+            )
+        };
+        vec![
+            ("residuals.svg", residuals),
             (
-                "error_against_work.png",
-                "Error against work".into(),
-                "applications × unknowns",
-                "largest amplitude error",
-                self.curves(|r| (r.operator_applications * r.unknowns) as f64),
+                "error_against_work.svg",
+                LogPlot::log_log("Error against work", "applications × unknowns", error, work),
             ),
-            (
-                "error_against_seconds.png",
-                "Error against time".into(),
-                "seconds",
-                "largest amplitude error",
-                self.curves(|r| r.seconds),
-            ),
+            ("error_against_seconds.svg", LogPlot::log_log("Error against time", "seconds", error, seconds)),
         ]
     }
 
+    /// One curve per strategy and scheme, from the cheapest grid to the dearest.
     fn curves(&self, cost: impl Fn(&Row) -> f64) -> Vec<Curve> {
         let mut curves: Vec<Curve> = Vec::new();
         for row in self.rows.iter().filter(|r| r.converged()) {
-            let point = (cost(row), row.error.unwrap_or(f64::NAN));
-            match curves.iter_mut().find(|c| c.0 == row.label()) {
-                Some(curve) => curve.1.push(point),
-                None => curves.push((row.label(), vec![point])),
+            let point = [cost(row), row.error.unwrap_or(f64::NAN), 0.0];
+            if !(point[0] > 0.0 && point[1] > 0.0 && point[1].is_finite()) {
+                continue;
+            }
+            match curves.iter_mut().find(|c| c.name == row.label()) {
+                Some(curve) => curve.points.push(point),
+                None => curves.push(Curve::with_bars(row.label(), Style::Data, [point])),
             }
         }
         curves
@@ -158,29 +158,22 @@ impl Comparison {
         text += "| strategy | scheme | grid | unknowns | error | estimate | residual | steps | applications | seconds | MB | outcome |\n";
         text += "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
         self.rows.iter().for_each(|r| text += &format!("| {} |\n", r.cells_of_table().join(" | ")));
-        text + "\n![](residuals.png)\n![](error_against_work.png)\n![](error_against_seconds.png)\n"
+        text + "\n![Residuals](residuals.svg)\n![Error against work](error_against_work.svg)\n![Error against time](error_against_seconds.svg)\n"
     }
 
-    fn html(&self, pictures: &[(String, Vec<u8>)]) -> String {
-        let cell = |c: &String| format!("<td>{}</td>", escape(c));
-        let row = |r: &Row| {
-            let class = if r.converged() { "" } else { " class=\"failed\"" };
-            format!("<tr{class}>{}</tr>\n", r.cells_of_table().iter().map(cell).collect::<String>())
-        };
-        let rows: String = self.rows.iter().map(row).collect();
-        let figure = |(title, png): &(String, Vec<u8>)| {
-            format!(
-                "<figure><img alt=\"{0}\" src=\"{1}\"><figcaption>{0}</figcaption></figure>",
-                escape(title),
-                crate::report::page::png_data(png)
-            )
-        };
-        let figures: String = pictures.iter().map(figure).collect();
-        include_str!("comparison.html")
-            .replace("{title}", &escape(self.heading()))
-            .replace("{reference}", &escape(&self.reference))
-            .replace("{rows}", &rows)
-            .replace("{figures}", &figures)
+    fn html(&self, pictures: &[(String, String)]) -> Result<String, minijinja::Error> {
+        let mut templates = Environment::new();
+        templates.add_template("style.css", crate::report::page::STYLE)?;
+        templates.add_template("comparison.html", include_str!("comparison.html"))?;
+        let rows = self.rows.iter().map(|r| context!(failed => !r.converged(), cells => r.cells_of_table()));
+        let figures =
+            pictures.iter().map(|(title, svg)| context!(title, data => crate::report::page::svg_data(svg)));
+        templates.get_template("comparison.html")?.render(context! {
+            title => self.heading(),
+            reference => &self.reference,
+            rows => rows.collect::<Vec<_>>(),
+            figures => figures.collect::<Vec<_>>(),
+        })
     }
 
     fn heading(&self) -> &str {
@@ -234,92 +227,4 @@ impl Row {
 
 fn scheme_name(row: &Row) -> String {
     format!("{:?}", row.scheme).to_lowercase().replace("seconddifference", "second difference")
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
-}
-
-/// Curves on a logarithmic y axis; x is logarithmic too unless a curve starts at 0.
-pub fn log_plot(title: &str, x_label: &str, y_label: &str, curves: &[Curve]) -> Result<Bitmap, FigureError> {
-    register_fonts();
-    let mut bitmap = Bitmap::white(900, 560)?;
-    let all = || {
-        curves
-            .iter()
-            .flat_map(|c| c.1.iter().copied())
-            .filter(|p| p.0.is_finite() && p.1.is_finite() && p.1 > 0.0)
-    };
-    let range = |pick: fn((f64, f64)) -> f64| {
-        all().map(pick).fold((f64::INFINITY, 0.0f64), |(a, b), v| (a.min(v), b.max(v)))
-    };
-    let ((x0, x1), (y0, y1)) = (range(|p| p.0), range(|p| p.1));
-    if y1 <= 0.0 {
-        return Ok(bitmap);
-    }
-    let (y0, y1) = (0.5 * y0, 2.0 * y1.min(1e4 * y0.max(1e-12) * 1e12));
-    let failed = |e: String| FigureError::Draw(e);
-    bitmap.draw(|area| {
-        let (plot, names) = area.split_horizontally(640);
-        let mut builder = ChartBuilder::on(&plot);
-        builder.caption(title, (FONT, 20)).margin(14).x_label_area_size(50).y_label_area_size(80);
-        macro_rules! finish {
-            ($x:expr) => {{
-                let mut chart = builder
-                    .build_cartesian_2d($x, (y0..y1).log_scale())
-                    .map_err(|e| failed(e.to_string()))?;
-                chart
-                    .configure_mesh()
-                    .x_desc(x_label)
-                    .y_desc(y_label)
-                    .label_style((FONT, 14))
-                    .axis_desc_style((FONT, 16))
-                    .x_labels(7)
-                    .x_label_formatter(&|v| short(*v))
-                    .y_label_formatter(&|v| format!("{v:.0e}"))
-                    .draw()
-                    .map_err(|e| failed(e.to_string()))?;
-                for (i, (_, points)) in curves.iter().enumerate() {
-                    let colour = colour(i);
-                    let points: Vec<_> =
-                        points.iter().copied().filter(|p| p.1.is_finite() && p.1 > 0.0).collect();
-                    let line = LineSeries::new(points.clone(), colour.stroke_width(2));
-                    chart.draw_series(line).map_err(|e| failed(e.to_string()))?;
-                    let marks = points
-                        .iter()
-                        .map(|&p| Circle::new(p, 3 + (i / COLOURS.len()) as i32, colour.filled()));
-                    chart.draw_series(marks).map_err(|e| failed(e.to_string()))?;
-                }
-            }};
-        }
-        if x0 > 0.0 {
-            finish!((0.8 * x0..1.25 * x1).log_scale())
-        } else {
-            finish!(0.0..1.02 * x1)
-        }
-        for (i, (name, _)) in curves.iter().enumerate() {
-            let y = 60 + 24 * i as i32;
-            let mark = Rectangle::new([(4, y), (22, y + 12)], colour(i).filled());
-            names.draw(&mark).map_err(|e| failed(e.to_string()))?;
-            let text = Text::new(name.clone(), (30, y - 1), (FONT, 14).into_font().color(&BLACK));
-            names.draw(&text).map_err(|e| failed(e.to_string()))?;
-        }
-        Ok(())
-    })?;
-    Ok(bitmap)
-}
-
-fn short(v: f64) -> String {
-    if v == 0.0 || (0.01..10_000.0).contains(&v) {
-        format!("{v:.3}").trim_end_matches('0').trim_end_matches('.').into()
-    } else {
-        format!("{v:.0e}")
-    }
-}
-
-/// The palette, then the same colours lighter.
-fn colour(i: usize) -> RGBColor {
-    let base = COLOURS[i % COLOURS.len()];
-    let RGBColor(r, g, b) = base;
-    if i < COLOURS.len() { base } else { RGBColor(r / 2 + 110, g / 2 + 110, b / 2 + 110) }
 }

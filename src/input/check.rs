@@ -8,7 +8,9 @@ mod pigments;
 pub(crate) use pigments::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults};
-use super::file::{LayerTable, LightTable, OutputTable, ResolutionTable, SamplingName, SolverTable, StudyFile};
+use super::file::{
+    LayerTable, LightTable, OutputTable, ResolutionTable, SamplingName, SolverTable, StudyFile,
+};
 use super::forms::ThicknessWritten;
 use super::study::{Layer, Output, Study, WantedResolution};
 use super::variation::{CellRule, LightRule, THICKNESS_CUT, Variation};
@@ -122,13 +124,20 @@ fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults:
     }
 }
 
-fn layer(table: &LayerTable, period_um: [f64; 2], wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Layer {
+fn layer(
+    table: &LayerTable,
+    period_um: [f64; 2],
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    faults: &mut Faults,
+) -> Layer {
     let allowed = Allowed::above(0.0, 1000.0, "µm");
     let ThicknessWritten { mean, std } = table.thickness_um;
     faults.number("layer.thickness_um", mean, allowed, "a printed layer is about 1 µm thick");
     if mean > 0.0 {
         let allowed = Allowed::between(0.0, mean / (THICKNESS_CUT + 1.0), "µm");
-        let remedy = "a tenth of the mean is usual; at most a quarter of it keeps every layer thicker than nothing";
+        let remedy =
+            "a tenth of the mean is usual; at most a quarter of it keeps every layer thicker than nothing";
         faults.number("layer.thickness_um.std", std, allowed, remedy);
     }
     let allowed = Allowed::between(0.1, 10.0, "");
@@ -149,7 +158,12 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
     let Some(written) = file.layer.period_um else {
         if file.layer.cell == CellRule::Fixed {
             let allowed = "one number or [x, y], µm, for cell = \"fixed\"";
-            faults.push(Fault::new("layer.period_um", "nothing", allowed, "write period_um = 2.4, or let cells vary"));
+            faults.push(Fault::new(
+                "layer.period_um",
+                "nothing",
+                allowed,
+                "write period_um = 2.4, or let cells vary",
+            ));
         }
         return [pigments::nominal_period_um(file); 2];
     };
@@ -163,7 +177,11 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
 /// How realisations differ.
 fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
     let thickness_std_um = file.layer.thickness_um.std;
-    Variation { cell: file.layer.cell, thickness_std_um, light: light_rule(&file.light, wavelengths_nm, faults) }
+    Variation {
+        cell: file.layer.cell,
+        thickness_std_um,
+        light: light_rule(&file.light, wavelengths_nm, faults),
+    }
 }
 
 /// Ranges are shifted from realisation to realisation, lists are solved as they are.

@@ -167,7 +167,16 @@ impl Study {
     pub fn key(&self) -> Key {
         let spectra: Vec<&Spectrum> = self.pigments.iter().map(|p| &p.material.spectrum).collect();
         let binder = (&self.layer.binder.spectrum, &self.layer.binder.dissolved);
-        let ensemble = (&self.layer, &self.pigments, spectra, binder, &self.packing, self.realisations, self.target_delta_e, &self.variation);
+        let ensemble = (
+            &self.layer,
+            &self.pigments,
+            spectra,
+            binder,
+            &self.packing,
+            self.realisations,
+            self.target_delta_e,
+            &self.variation,
+        );
         let light = (&self.paper, &self.wavelengths_nm, &self.angles);
         Key::of("study", &(ensemble, light, &self.resolution, &self.solver, &self.goal))
     }
@@ -183,15 +192,13 @@ impl Study {
         }
     }
 
-    /// Indices at one wavelength; the inclusion after the last pigment is what lies above a relief.
+    /// Indices at one wavelength; pigment i is inclusion i.
     pub fn media(&self, wavelength_um: f64) -> Media {
-        let incident = self.layer.index_above.into();
-        let inclusions = self.pigments.iter().map(|p| p.material.index_at(wavelength_um));
         Media {
-            incident,
+            incident: self.layer.index_above.into(),
             exit: self.layer.index_below.into(),
             backgrounds: vec![self.layer.binder.index_at(wavelength_um)],
-            inclusions: inclusions.chain([incident]).collect(),
+            inclusions: self.pigments.iter().map(|p| p.material.index_at(wavelength_um)).collect(),
         }
     }
 

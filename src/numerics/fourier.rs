@@ -16,12 +16,15 @@ pub struct PlaneFft {
 
 /// Buffers of one thread: a plane, its transposed image, and the transforms' own scratch.
 pub struct PlaneScratch {
+    /// Values at the points, nx · ny, x fastest.
     pub plane: Vec<Complex64>,
+    /// Its transform, transposed: row m mod nx, n mod ny fastest.
     pub spectrum: Vec<Complex64>,
     work: Vec<Complex64>,
 }
 
 impl PlaneFft {
+    /// Plans the transforms; any nx, ny ≥ 1 will do, products of small primes are fast.
     pub fn new(nx: usize, ny: usize) -> PlaneFft {
         let mut planner = FftPlanner::new();
         let forward = [planner.plan_fft_forward(nx), planner.plan_fft_forward(ny)];
@@ -29,6 +32,7 @@ impl PlaneFft {
         PlaneFft { nx, ny, forward, inverse }
     }
 
+    /// Buffers for one thread, zeroed.
     pub fn scratch(&self) -> PlaneScratch {
         let plans = self.forward.iter().chain(&self.inverse);
         let work = plans.map(|p| p.get_inplace_scratch_len()).max().unwrap_or(0);
@@ -69,6 +73,7 @@ pub struct Harmonics {
 }
 
 impl Harmonics {
+    /// The harmonics of a grid of nx × ny points.
     pub fn new(nx: usize, ny: usize) -> Harmonics {
         let (mmax, nmax) = ((nx as i32 - 1) / 2, (ny as i32 - 1) / 2);
         let mut harmonics = Harmonics { orders: Vec::new(), runs: Vec::new(), rows: used_rows(nx, mmax) };
@@ -88,10 +93,12 @@ impl Harmonics {
         self.orders.extend(n.map(|n| [m, n]));
     }
 
+    /// Number of harmonics in use.
     pub fn len(&self) -> usize {
         self.orders.len()
     }
 
+    /// Never true: (0, 0) is always in use.
     pub fn is_empty(&self) -> bool {
         self.orders.is_empty()
     }

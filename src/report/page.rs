@@ -117,10 +117,14 @@ impl Page {
     /// The template does not fit the page's data, which is a fault of the program.
     pub fn html(&self) -> Result<String, minijinja::Error> {
         let mut templates = Environment::new();
+        templates.add_template("style.css", STYLE)?;
         templates.add_template("page.html", include_str!("page.html"))?;
         templates.get_template("page.html")?.render(Serde(self))
     }
 }
+
+/// The style sheet of every page, for templates that include `style.css`.
+pub const STYLE: &str = include_str!("style.css");
 
 /// A PNG as a `data:` address.
 pub fn png_data(png: &[u8]) -> String {

@@ -53,6 +53,7 @@ impl SweepPage {
     /// The template does not fit the page's data, which is a fault of the program.
     pub fn html(&self) -> Result<String, minijinja::Error> {
         let mut templates = Environment::new();
+        templates.add_template("style.css", crate::report::page::STYLE)?;
         templates.add_template("sweep.html", include_str!("sweep.html"))?;
         templates.get_template("sweep.html")?.render(Serde(self))
     }

@@ -19,4 +19,4 @@ pub use far_field::{FarField, Order};
 pub use grid::{Grid, Resolution, Scheme};
 pub use incidence::{Incidence, Side};
 pub use operator::problem::{Field, Mean, Problem};
-pub use scene::{Ball, Body, HeightField, Media, Scene, Shape, Stratum};
+pub use scene::{Ball, Body, HeightField, Material, Media, Scene, Shape, Stratum};

@@ -33,11 +33,22 @@ pub struct HeightField {
     pub period_um: [f64; 2],
 }
 
-/// A body of the material `inclusion` (an index into [`Media::inclusions`]).
+/// What a body consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Material {
+    /// The medium of this index in [`Media::inclusions`], such as a pigment.
+    Inclusion(usize),
+    /// The medium of the incident side (vacuum unless the study says otherwise), which fills what a relief leaves open.
+    Incident,
+}
+
+/// One body of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
+    /// Where it is, µm.
     pub shape: Shape,
-    pub inclusion: usize,
+    /// What it consists of.
+    pub material: Material,
 }
 
 /// One stratum of constant background, counted from z = 0; `background` indexes [`Media::backgrounds`].
@@ -103,6 +114,11 @@ impl Scene {
 }
 
 impl Body {
+    /// A body of the medium `inclusion` of [`Media::inclusions`].
+    pub fn new(shape: Shape, inclusion: usize) -> Body {
+        Body { shape, material: Material::Inclusion(inclusion) }
+    }
+
     /// Lowest and highest z of the body.
     pub fn extent_um(&self) -> [f64; 2] {
         match &self.shape {
@@ -153,14 +169,24 @@ impl Body {
 }
 
 impl Media {
+    /// Refractive index of a body's material; [`Scene::check`] has seen to it that the material is known.
+    pub fn index_of(&self, material: Material) -> Complex64 {
+        match material {
+            Material::Inclusion(index) => self.inclusions[index],
+            Material::Incident => self.incident,
+        }
+    }
+
     fn check(&self, scene: &Scene) -> Result<(), WaveError> {
         let missing = |what, need: usize, have: usize| {
             (need >= have).then_some(WaveError::UnknownMedium { what, index: need, known: have })
         };
         let background =
             scene.strata.iter().find_map(|s| missing("background", s.background, self.backgrounds.len()));
-        let inclusion =
-            scene.bodies.iter().find_map(|b| missing("inclusion", b.inclusion, self.inclusions.len()));
+        let inclusion = scene.bodies.iter().find_map(|b| match b.material {
+            Material::Inclusion(index) => missing("inclusion", index, self.inclusions.len()),
+            Material::Incident => None,
+        });
         if let Some(error) = background.or(inclusion) {
             return Err(error);
         }

@@ -164,5 +164,5 @@ pub fn fitted_slope(errors: &[(f64, f64)]) -> f64 {
 
 /// A grain of one ball.
 pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
-    Body { shape: Shape::Balls(vec![Ball { center_um, radius_um }]), inclusion: 0 }
+    Body::new(Shape::Balls(vec![Ball { center_um, radius_um }]), 0)
 }

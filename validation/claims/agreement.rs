@@ -3,7 +3,7 @@
 use super::tau::{distance, history};
 use crate::cells::{Cell, REAL, solve};
 use crate::claim::{Claim, Findings, Level};
-use crate::figure::LogPlot;
+use inkwave::draw::log_plot::LogPlot;
 use inkwave::solve::{Direct, SolverChoice};
 use inkwave::wave::{Mean, Resolution, Scheme, Side};
 

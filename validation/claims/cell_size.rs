@@ -2,8 +2,8 @@
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::ensemble::Layers;
-use crate::figure::{Curve, LogPlot, Style};
 use inkwave::appearance::bdf::{Bdf, Lobe};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::numerics::estimate::Estimate;
 use inkwave::wave::FarField;
 

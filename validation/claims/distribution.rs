@@ -2,8 +2,8 @@
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::ensemble::Layers;
-use crate::figure::{Curve, LogPlot, Style};
 use inkwave::appearance::bdf::{Bdf, Lobe, suggested_bandwidth};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::numerics::Draws;
 use inkwave::wave::{FarField, Incidence, Order, Side};
 use num_complex::Complex64;

@@ -1,9 +1,9 @@
 //! Grains far smaller than the wavelength: the layer becomes homogeneous with ⟨η²⟩.
 
 use crate::claim::{Claim, Findings, Level};
-use crate::figure::{Curve, LogPlot, Style};
 use crate::formulas::films::{Film, amplitudes};
 use crate::support::{ball, fitted_slope};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use num_complex::Complex64;

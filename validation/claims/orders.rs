@@ -1,8 +1,8 @@
 //! Observed orders of convergence against the T-matrix references.
 
 use crate::claim::{Claim, Findings, Level};
-use crate::figure::{Curve, LogPlot, Style};
 use crate::support::{fitted_slope, reference, solve_at};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::wave::Scheme;
 
 pub const CLAIM: Claim = Claim {

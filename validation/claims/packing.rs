@@ -1,7 +1,7 @@
 //! Packings against independent truths: pair statistics, two-point probability, orientation, walls.
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
-use crate::figure::{Curve, LogPlot, Style};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::ink::pack;
 use inkwave::ink::statistics::{
     Estimate, PairStatistics, orientation_tensor, pair_statistics_to, section_statistics,

@@ -1,8 +1,8 @@
 //! All scattering references at the accuracy asked for, and the honesty of the error estimates.
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason, Table, short};
-use crate::figure::{Curve, LogPlot, Style};
 use crate::support::{Reference, references, solve_to};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 

@@ -2,7 +2,7 @@
 
 use crate::cells::{Cell, REAL, solve};
 use crate::claim::{Claim, Findings, Level};
-use crate::figure::{Curve, LogPlot, Style};
+use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::solve::{Account, Gmres, Relaxation};
 use inkwave::wave::{Field, Side};
 

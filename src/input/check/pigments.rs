@@ -65,7 +65,10 @@ pub(crate) fn solution(binder: Material, dissolved: &[Dissolved], grains: &[Pigm
         source: binder.source,
         index: binder.index.iter().enumerate().map(mixed).collect(),
         spectrum: binder.spectrum,
-        dissolved: dissolved.iter().map(|d| (d.volume_fraction / room, d.material.spectrum.clone())).collect(),
+        dissolved: dissolved
+            .iter()
+            .map(|d| (d.volume_fraction / room, d.material.spectrum.clone()))
+            .collect(),
     }
 }
 
@@ -74,7 +77,12 @@ fn is_molecular(table: &PigmentTable) -> bool {
 }
 
 /// The packing of the nominal cell; a fault of its own check is added unless there are others.
-pub(super) fn packing(file: &StudyFile, period_um: [f64; 2], pigments: &[Pigment], faults: &mut Faults) -> PackingRequest {
+pub(super) fn packing(
+    file: &StudyFile,
+    period_um: [f64; 2],
+    pigments: &[Pigment],
+    faults: &mut Faults,
+) -> PackingRequest {
     let request = PackingRequest {
         period_um,
         thickness_um: file.layer.thickness_um.mean,
@@ -134,10 +142,12 @@ pub(super) fn nominal_period_um(file: &StudyFile) -> f64 {
             return 0.0;
         }
         let (_, longest) = largest_extents_nm(&grains);
-        let diameter = grains.shape.template().effective_diameter() / grains.shape.template().length * longest;
+        let diameter =
+            grains.shape.template().effective_diameter() / grains.shape.template().length * longest;
         1e-3 * (DIAMETERS * diameter).max(LONGEST * longest)
     };
-    let need = file.pigments.iter().filter(|table| !is_molecular(table)).map(need).fold(USUAL_PERIOD_UM, f64::max);
+    let need =
+        file.pigments.iter().filter(|table| !is_molecular(table)).map(need).fold(USUAL_PERIOD_UM, f64::max);
     (need / PERIOD_STEP_UM - 1e-9).ceil() * PERIOD_STEP_UM
 }
 
@@ -187,10 +197,8 @@ fn fits(i: usize, grains: &PigmentGrains, one_diameter: bool, (layer, period_um)
         CellRule::Fixed => "half the layer's period",
         CellRule::Varied => "half the shortest side that a varied cell gets (0.65 layer.period_um)",
     };
-    let limits = [
-        (longest, 500.0 * shortest, side),
-        (thickest, 1e3 * thinnest_um(layer), "the layer's thickness"),
-    ];
+    let limits =
+        [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um(layer), "the layer's thickness")];
     // A cell that is no cell has its own fault.
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {

@@ -67,19 +67,19 @@ fn csv_of(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Result<Ve
     writer.into_inner().map_err(|e| fail(e.to_string()))
 }
 
-const STYLE: &str = "body{font:16px sans-serif;max-width:75em;margin:2em auto;padding:0 1em}img{max-width:100%}\
-                     td,th{padding:.15em .8em;text-align:left;border-bottom:1px solid #ddd}table{border-collapse:collapse}";
-
 fn html(title: &str, packings: &[Packing], statistics: &Statistics) -> String {
     let mut page = format!(
-        "<!doctype html><meta charset=\"utf-8\"><title>{0}</title><style>{STYLE}</style><h1>{0}</h1>\n",
-        escaped(title)
+        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+         <title>{0}</title><style>{1}</style><body><h1>{0}</h1>\n",
+        escaped(title),
+        crate::report::page::STYLE
     );
     page += &format!(
         "<p>{} realisation(s). Errors are standard errors over realisations.</p>\n",
         statistics.realisations
     );
-    page += "<h2>How it was made</h2><table><tr><th>realisation<th>method<th>steps<th>sweeps<th>smallest gap, µm<th>notes</tr>\n";
+    page += "<h2>How it was made</h2><div class=\"scroll\"><table><tr><th>realisation<th>method<th>steps<th>sweeps<th>smallest gap, µm<th>notes</tr>\n";
     for (k, packing) in packings.iter().enumerate() {
         let a = packing.account();
         let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
@@ -89,17 +89,17 @@ fn html(title: &str, packings: &[Packing], statistics: &Statistics) -> String {
             a.method, a.steps, a.sweeps
         );
     }
-    page += "</table>\n<h2>Figures</h2><table><tr><th>quantity<th>mean<th>standard error<th>unit</tr>\n";
+    page += "</table></div>\n<h2>Figures</h2><div class=\"scroll\"><table><tr><th>quantity<th>mean<th>standard error<th>unit</tr>\n";
     for (name, unit, value) in &statistics.scalars {
         let error = value.standard_error.map_or("–".into(), |e| format!("{e:.2e}"));
         page += &format!("<tr><td>{}<td>{:.6}<td>{error}<td>{unit}</tr>\n", escaped(name), value.mean);
     }
-    page += "</table>\n<h2>Pictures</h2>\n";
+    page += "</table></div>\n<h2>Pictures</h2>\n";
     page += "<p>Effective diameter: of the sphere of equal union volume; R is the thickest radius.</p>\n";
     let curves = statistics.curves.iter().map(|c| format!("{}.svg", c.name));
     let pictures = ["shapes.png", "top.png", "cut.png", "perspective.png"].map(String::from);
     for file in pictures.into_iter().chain(curves) {
-        page += &format!("<p><img src=\"{file}\" alt=\"{file}\"></p>\n");
+        page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{file}\"></figure>\n");
     }
     page
 }

@@ -159,17 +159,22 @@ impl Task<'_> {
 
     /// Wavelengths per µm in the densest medium.
     fn waves_per_um(&self) -> f64 {
-        let all = self.media.backgrounds.iter().chain(&self.media.inclusions);
-        all.map(|eta| eta.norm()).fold(1.0, f64::max) / self.incidence.wavelength_um
+        let backgrounds = self.media.backgrounds.iter().copied();
+        backgrounds.chain(self.inclusions()).map(|eta| eta.norm()).fold(1.0, f64::max)
+            / self.incidence.wavelength_um
     }
 
     /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.
     fn is_strong(&self) -> bool {
-        let square = |eta: &Complex64| eta * eta;
-        let strong = |b: &Complex64| {
-            self.media.inclusions.iter().any(|i| (square(i) - square(b)).norm() > square(b).norm())
-        };
-        self.media.backgrounds.iter().any(strong)
+        self.media.backgrounds.iter().any(|b| {
+            let k2 = b * b;
+            self.inclusions().any(|i| (i * i - k2).norm() > k2.norm())
+        })
+    }
+
+    /// Indices of the bodies' materials.
+    fn inclusions(&self) -> impl Iterator<Item = Complex64> {
+        self.coverages.scene.bodies.iter().map(|b| self.media.index_of(b.material))
     }
 
     /// Solves the coarser companion; cells too high for the wave are made only as low as they must be.

@@ -9,17 +9,19 @@ use super::nufft::{Footprint, SourceTransform};
 use super::section;
 use super::section::{Cut, EdgePoint};
 use crate::numerics::fourier::Harmonics;
-use crate::wave::{Body, Grid, Resolution, Scene, WaveError};
+use crate::wave::{Body, Grid, Material, Resolution, Scene, WaveError};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// One pair of materials: an inclusion inside a background.
+/// One pair of materials: a body's inside a background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Channel {
+    /// Index into [`crate::wave::Media::backgrounds`].
     pub background: usize,
-    pub inclusion: usize,
+    /// What the bodies consist of.
+    pub material: Material,
 }
 
 /// Moments of every channel's indicator function on every plane.
@@ -95,12 +97,12 @@ impl Coverage {
     }
 }
 
-/// All (background, inclusion) pairs that share a cell.
+/// All (background, material) pairs that share a cell.
 fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
     let mut channels = Vec::new();
     for body in &scene.bodies {
         for j in 0..grid.cells() {
-            let channel = Channel { background: grid.background[j], inclusion: body.inclusion };
+            let channel = Channel { background: grid.background[j], material: body.material };
             if overlap(body, grid, j).is_some() && !channels.contains(&channel) {
                 channels.push(channel);
             }
@@ -152,7 +154,7 @@ impl<'a> Builder<'a> {
 
     /// Moments of all bodies of one material within one cell; None where there are none.
     fn channel_in_cell(&self, channel: &Channel, cell: usize) -> Option<Vec<Vec<Complex64>>> {
-        let bodies = self.scene.bodies.iter().filter(|b| b.inclusion == channel.inclusion);
+        let bodies = self.scene.bodies.iter().filter(|b| b.material == channel.material);
         let present: Vec<_> = bodies.filter_map(|b| Some((b, overlap(b, self.grid, cell)?))).collect();
         if present.is_empty() {
             return None;

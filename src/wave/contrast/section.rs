@@ -75,7 +75,7 @@ fn breakpoints(shape: &Shape, [lo, hi]: [f64; 2]) -> Vec<f64> {
 }
 
 fn body_range(shape: &Shape) -> (f64, f64) {
-    let body = crate::wave::scene::Body { shape: shape.clone(), inclusion: 0 };
+    let body = crate::wave::Body::new(shape.clone(), 0);
     let [lo, hi] = body.extent_um();
     (lo, hi)
 }

@@ -81,7 +81,7 @@ impl Problem {
         check_phase(coverage, &mean_k2, lateral_k2[incident])?;
         let points = grid.points() as f64;
         let contrast = |c: &crate::wave::contrast::coverage::Channel| {
-            let [inclusion, background] = [media.inclusions[c.inclusion], media.backgrounds[c.background]];
+            let [inclusion, background] = [media.index_of(c.material), media.backgrounds[c.background]];
             (inclusion * inclusion - background * background) * (k0 * k0)
         };
         let single: Vec<Complex64> = coverage.channels.iter().map(contrast).collect();
@@ -295,9 +295,7 @@ fn mean_wavenumbers(coverage: &Coverage, media: &Media, k0: f64, mean: Mean) -> 
         let parts = coverage.channels.iter().zip(&coverage.fractions);
         let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
         background
-            + parts
-                .map(|(c, f)| (square(media.inclusions[c.inclusion]) - background) * f[j])
-                .sum::<Complex64>()
+            + parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[j]).sum::<Complex64>()
     };
     let mut values: Vec<Complex64> = (0..grid.cells()).map(in_cell).collect();
     if !mean.depends_on_z {

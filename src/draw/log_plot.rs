@@ -1,6 +1,7 @@
-//! Plots of the report: curves, points with bars and guide lines on logarithmic or linear axes, as SVG.
+//! Curves, points with bars and guide lines on logarithmic or linear axes, as SVG or bitmap.
 
-use inkwave::draw::figure::{COLOURS, FONT, register_fonts};
+use super::figure::{Bitmap, COLOURS, FONT, FigureError, register_fonts};
+use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -78,22 +79,36 @@ impl LogPlot {
     ///
     /// # Errors
     /// Nothing to show, or the drawing library's own failures.
-    pub fn svg(&self) -> Result<String, String> {
+    pub fn svg(&self) -> Result<String, FigureError> {
         register_fonts();
-        let [x, y] = [self.range(0)?, self.range(1)?];
         let mut text = String::new();
         {
             let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            root.fill(&WHITE).map_err(|e| e.to_string())?;
-            match self.log {
-                [true, true] => self.draw(&root, x.log_scale(), y.log_scale()),
-                [false, true] => self.draw(&root, x, y.log_scale()),
-                [true, false] => self.draw(&root, x.log_scale(), y),
-                [false, false] => self.draw(&root, x, y),
-            }?;
-            root.present().map_err(|e| e.to_string())?;
+            self.paint(&root)?;
+            root.present().map_err(failed)?;
         }
         Ok(text)
+    }
+
+    /// The plot as a bitmap.
+    ///
+    /// # Errors
+    /// As [`LogPlot::svg`].
+    pub fn bitmap(&self) -> Result<Bitmap, FigureError> {
+        let mut bitmap = Bitmap::white(SIZE.0 as usize, SIZE.1 as usize)?;
+        bitmap.draw(|area| self.paint(area))?;
+        Ok(bitmap)
+    }
+
+    fn paint<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
+        let [x, y] = [self.range(0)?, self.range(1)?];
+        root.fill(&WHITE).map_err(failed)?;
+        match self.log {
+            [true, true] => self.draw(root, x.log_scale(), y.log_scale()),
+            [false, true] => self.draw(root, x, y.log_scale()),
+            [true, false] => self.draw(root, x.log_scale(), y),
+            [false, false] => self.draw(root, x, y),
+        }
     }
 
     fn shown(&self, p: &[f64; 3]) -> bool {
@@ -101,13 +116,13 @@ impl LogPlot {
         fits(0) && fits(1)
     }
 
-    fn range(&self, axis: usize) -> Result<std::ops::Range<f64>, String> {
+    fn range(&self, axis: usize) -> Result<std::ops::Range<f64>, FigureError> {
         let points = || self.curves.iter().flat_map(|c| &c.points).filter(|p| self.shown(p));
         let bar = |p: &[f64; 3]| if axis == 1 && !self.log[1] { p[2] } else { 0.0 };
         let low = points().map(|p| p[axis] - bar(p)).fold(f64::INFINITY, f64::min);
         let high = points().map(|p| p[axis] + bar(p)).fold(f64::NEG_INFINITY, f64::max);
         if low > high {
-            return Err(format!("plot \"{}\" has nothing to show", self.title));
+            return Err(FigureError::Draw(format!("plot \"{}\" has nothing to show", self.title)));
         }
         if self.log[axis] {
             return Ok(wide(low / 1.25, high * 1.25));
@@ -116,19 +131,14 @@ impl LogPlot {
         Ok(low - margin..high + margin)
     }
 
-    fn draw<X, Y>(
-        &self,
-        root: &DrawingArea<SVGBackend, plotters::coord::Shift>,
-        x: X,
-        y: Y,
-    ) -> Result<(), String>
+    fn draw<B, X, Y>(&self, root: &DrawingArea<B, Shift>, x: X, y: Y) -> Result<(), FigureError>
     where
+        B: DrawingBackend,
         X: AsRangedCoord<Value = f64>,
         Y: AsRangedCoord<Value = f64>,
         X::CoordDescType: ValueFormatter<f64>,
         Y::CoordDescType: ValueFormatter<f64>,
     {
-        let fail = |e: &dyn std::fmt::Display| e.to_string();
         let (area, names) = root.split_horizontally(SIZE.0 as i32 - LEGEND);
         let mut chart = ChartBuilder::on(&area)
             .caption(&self.title, (FONT, 18))
@@ -136,7 +146,7 @@ impl LogPlot {
             .x_label_area_size(48)
             .y_label_area_size(74)
             .build_cartesian_2d(x, y)
-            .map_err(|e| fail(&e))?;
+            .map_err(failed)?;
         chart
             .configure_mesh()
             .x_desc(&self.x_label)
@@ -149,14 +159,14 @@ impl LogPlot {
             .y_label_formatter(&|v| tick(*v, self.log[1]))
             .light_line_style(WHITE)
             .draw()
-            .map_err(|e| fail(&e))?;
+            .map_err(failed)?;
         for (k, curve) in self.curves.iter().enumerate() {
             let colour = if curve.style == Style::Guide { RGBColor(120, 120, 120) } else { palette(k) };
             let points: Vec<[f64; 3]> = curve.points.iter().copied().filter(|p| self.shown(p)).collect();
             let line = points.iter().map(|p| (p[0], p[1]));
             match curve.style {
                 Style::Data => {
-                    chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(|e| fail(&e))?;
+                    chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(failed)?;
                 }
                 Style::Guide => {
                     let edge = |p: &[f64; 3], sign: f64| (p[0], p[1] + sign * p[2]);
@@ -165,9 +175,9 @@ impl LogPlot {
                         .map(|p| edge(p, 1.0))
                         .chain(points.iter().rev().map(|p| edge(p, -1.0)))
                         .collect();
-                    chart.draw_series([Polygon::new(band, colour.mix(0.25))]).map_err(|e| fail(&e))?;
+                    chart.draw_series([Polygon::new(band, colour.mix(0.25))]).map_err(failed)?;
                     let dashed = DashedLineSeries::new(line, DASHES.0 as u32, DASHES.1 as u32, colour.into());
-                    chart.draw_series(dashed).map_err(|e| fail(&e))?;
+                    chart.draw_series(dashed).map_err(failed)?;
                 }
                 Style::Points => {}
             }
@@ -175,40 +185,44 @@ impl LogPlot {
                 let marks = points
                     .iter()
                     .map(|p| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled()));
-                chart.draw_series(marks).map_err(|e| fail(&e))?;
+                chart.draw_series(marks).map_err(failed)?;
             }
             let barred = |p: &&[f64; 3]| curve.style != Style::Guide && p[2] > 0.0;
             let bars = points.iter().filter(barred).filter(|p| !self.log[1] || p[1] > p[2]).map(|p| {
                 PathElement::new([(p[0], p[1] - p[2]), (p[0], p[1] + p[2])], colour.stroke_width(1))
             });
-            chart.draw_series(bars).map_err(|e| fail(&e))?;
+            chart.draw_series(bars).map_err(failed)?;
             self.name(&names, k, curve, colour)?;
         }
         Ok(())
     }
 
     /// One entry of the legend.
-    fn name(
+    fn name<B: DrawingBackend>(
         &self,
-        area: &DrawingArea<SVGBackend, plotters::coord::Shift>,
+        area: &DrawingArea<B, Shift>,
         k: usize,
         curve: &Curve,
         colour: RGBColor,
-    ) -> Result<(), String> {
+    ) -> Result<(), FigureError> {
         let y = 48 + 21 * k as i32;
         let text = Text::new(curve.name.clone(), (34, y - 8), (FONT, 13).into_font());
-        area.draw(&text).map_err(|e| e.to_string())?;
+        area.draw(&text).map_err(failed)?;
         let dashes: &[[i32; 2]] = if curve.style == Style::Guide { &[[4, 11], [17, 24]] } else { &[[4, 28]] };
         for [a, b] in dashes.iter().filter(|_| curve.style != Style::Points) {
             let line = PathElement::new([(*a, y), (*b, y)], colour.stroke_width(2));
-            area.draw(&line).map_err(|e| e.to_string())?;
+            area.draw(&line).map_err(failed)?;
         }
         if curve.style != Style::Guide {
             let mark = EmptyElement::at((16, y)) + Polygon::new(marker(k), colour.filled());
-            area.draw(&mark).map_err(|e| e.to_string())?;
+            area.draw(&mark).map_err(failed)?;
         }
         Ok(())
     }
+}
+
+fn failed(error: impl std::fmt::Display) -> FigureError {
+    FigureError::Draw(error.to_string())
 }
 
 /// A logarithmic range with two ticks at least: 1, 2 and 5 times powers of ten, drawn from the first power on.
