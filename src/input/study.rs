@@ -6,6 +6,7 @@ use crate::ink::{PackingRequest, PigmentGrains};
 use crate::material::spectra::{Spectrum, molecular_mixture};
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
+use crate::wave::contrast::coverage::{EXACT, error_for};
 use crate::wave::{Incidence, Media, Scheme, Side};
 use num_complex::Complex64;
 use serde::Serialize;
@@ -143,6 +144,15 @@ impl WantedResolution {
             Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
         }
     }
+
+    /// Relative error of the contrast's coefficients that is nothing beside the grid's: a grid of one's own choice may
+    /// be as fine as it likes.
+    pub fn coverage_error(&self) -> f64 {
+        match *self {
+            Self::Accuracy { amplitude, .. } => error_for(amplitude),
+            Self::Grid { .. } => EXACT,
+        }
+    }
 }
 
 /// What the results look like; no solve depends on it.
@@ -224,6 +234,11 @@ impl Study {
             incident.chain(exit).map(point).collect::<Vec<_>>()
         };
         self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
+    }
+
+    /// Volume of the cell, µm³.
+    pub fn volume_um3(&self) -> f64 {
+        self.layer.period_um[0] * self.layer.period_um[1] * self.layer.thickness_um
     }
 
     /// Number of solves of one realisation.

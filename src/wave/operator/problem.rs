@@ -5,7 +5,7 @@
 use super::mean::{MeanOperator, decaying_root};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::bloch::BlochVector;
-use crate::wave::{Coverage, Incidence, Media, Scene, Side, WaveError};
+use crate::wave::{Coverage, Grid, Incidence, Media, Scene, Side, WaveError};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -113,6 +113,22 @@ impl Problem {
     ) -> Result<Problem, WaveError> {
         scene.check(media)?;
         Problem::new(&Arc::new(Coverage::new(scene, resolution)?), media, incidence, mean)
+    }
+
+    /// Cells of another grid that [`Problem::new`] would accept: its own, or as many as the wave needs.
+    ///
+    /// Judged by this problem's mean, before a coverage is computed for that grid.
+    pub fn cells_needed(&self, other: &Grid) -> usize {
+        let (own, means) = (&self.coverage.grid, self.mean.mean_k2());
+        let phase = |j: usize| {
+            let [lo, hi] = [other.nodes_um[j], other.nodes_um[j + 1]];
+            let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
+            let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
+            (sum / (hi - lo)).sqrt().re * (hi - lo)
+        };
+        let largest = (0..other.cells()).map(phase).fold(0.0, f64::max);
+        let needed = (largest / PHASE_LIMIT * other.cells() as f64).ceil() as usize;
+        if largest > PHASE_LIMIT { needed.max(other.cells() + 1) } else { other.cells() }
     }
 
     /// Rows and columns of a field.
