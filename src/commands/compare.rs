@@ -5,7 +5,7 @@ use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
 use inkwave::compare::experiment::{CompareError, ComparisonFile};
-use inkwave::solve::{Step, Watch};
+use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result};
@@ -38,8 +38,10 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
         ));
     };
-    let comparison =
-        file.run(folder, &mut stop, told).inspect_err(|_| output.discard_when_empty()).into_diagnostic()?;
+    let comparison = file
+        .run(&Registry::default(), folder, &mut stop, told)
+        .inspect_err(|_| output.discard_when_empty())
+        .into_diagnostic()?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     if comparison.rows.iter().any(|row| row.converged()) {
