@@ -15,8 +15,8 @@ pub enum Status {
     Partial,
 }
 
-/// All results of a run in one object. Standard errors hold the chance over realisations and the error of the grid, added
-/// as squares; `null` where one realisation leaves them unknown.
+/// All results of a run in one object. Standard errors hold chance, cell, angles and wavelengths (by the jackknife over realisations), the
+/// grid's error and the residual's, added as squares; `null` where one realisation leaves them unknown.
 #[derive(Clone, Debug, Serialize)]
 pub struct Manifest<Study: Serialize> {
     pub status: Status,
@@ -39,10 +39,54 @@ pub struct Manifest<Study: Serialize> {
     /// Why there are no colours, where there are none.
     pub no_colour: Option<String>,
     pub spectra: Vec<SpectrumRow>,
-    /// Seconds of processor time in solves.
+    /// Seconds that the solves took, added up: of a clock on the wall, while several solves may run side by side on
+    /// several threads each.
     pub solve_seconds: f64,
     /// The study with every default filled in.
     pub study: Study,
+}
+
+/// Totals outside of 0 … 1 by more than this are no results; every single solve has passed a narrower gate.
+const BEYOND: f64 = 0.06;
+
+impl<Study: Serialize> Manifest<Study> {
+    /// The first number that is no result: NaN, infinite, or a total outside of 0 … 1 beyond its error.
+    pub fn unphysical(&self) -> Option<String> {
+        let c = &self.certainty;
+        let certainty = [
+            ("amplitude_error_estimate", c.amplitude_error_estimate),
+            ("reflectance_grid_error", c.reflectance_grid_error),
+            ("transmittance_grid_error", c.transmittance_grid_error),
+            ("largest_energy_error", c.largest_energy_error),
+            ("largest_residual", c.largest_residual),
+        ];
+        let wrong = certainty.into_iter().find(|(_, value)| !value.is_finite());
+        wrong.map(|(name, value)| format!("certainty.{name} is {value}")).or_else(|| {
+            self.spectra.iter().find_map(SpectrumRow::unphysical).or_else(|| self.unphysical_colour())
+        })
+    }
+
+    fn unphysical_colour(&self) -> Option<String> {
+        let wrong = self.colours.iter().find(|note| !note.colour.lab.iter().all(|x| x.is_finite()));
+        wrong.map(|note| format!("Lab under {} is {:?}", note.conditions, note.colour.lab))
+    }
+}
+
+impl SpectrumRow {
+    fn unphysical(&self) -> Option<String> {
+        let totals = [
+            ("reflectance", self.reflectance),
+            ("transmittance", self.transmittance),
+            ("absorptance", self.absorptance),
+        ];
+        let outside = |e: &Estimate| !(-BEYOND..=1.0 + BEYOND).contains(&e.value);
+        let no_number =
+            |e: &Estimate| !e.value.is_finite() || e.standard_error.is_some_and(|s| !s.is_finite());
+        let seen = [("natural_light", self.natural_light), ("lit_at_45", self.lit_at_45)];
+        let seen = seen.into_iter().filter_map(|(name, e)| Some((name, e?))).find(|(_, e)| no_number(e));
+        let wrong = totals.into_iter().find(|(_, e)| no_number(e) || outside(e)).or(seen);
+        wrong.map(|(name, e)| format!("{name} is {} at {} nm", e.value, self.wavelength_nm))
+    }
 }
 
 /// How many were asked for, and how many are there.
@@ -69,8 +113,18 @@ pub struct Certainty {
     /// Expected errors of the layer's R and T from the grid, over the probed points; part of the standard errors.
     pub reflectance_grid_error: f64,
     pub transmittance_grid_error: f64,
-    /// Upper estimate of the error of R and T between the angles that were solved, at the worst wavelength.
+    /// Degrees of freedom of the standard errors: realisations less one; 0 where nothing is left to chance.
+    pub degrees_of_freedom: usize,
+    /// Standard errors times this give 95 % intervals (Student's t).
+    pub coverage_factor_95: Option<f64>,
+    /// What the placing of the directions costs in T̄ at the worst wavelength: a standard error, part of those of all colours.
     pub angle_error_estimate: Option<f64>,
+    /// T̄ from every other stratum less T̄ from all, mean over the wavelengths: an independent check, zero within its error.
+    pub half_strata_difference: Option<Estimate>,
+    /// R̄ from the exit side by its own quadrature less 1 − T̄/n² − Ā, mean over the wavelengths, where that side was solved: a second check.
+    pub exit_reflectance_difference: Option<Estimate>,
+    /// Mean |R + T + A − 1| of all solves: what the solver's residual does to R and T; part of the standard errors.
+    pub mean_energy_error: f64,
     /// Largest |R + T + A − 1| of all solves.
     pub largest_energy_error: f64,
     /// Largest relative residual of all solves.
@@ -80,6 +134,22 @@ pub struct Certainty {
     pub operator_applications: usize,
 }
 
+/// What a colour's error is made of: root mean square distances in Lab (ΔE*ab). The squares of all parts but `wavelengths` add up to that of
+/// the standard error; the wavelengths' part is corrected for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Budget {
+    /// Random packings, each in its own cell; `null` where one realisation leaves it unknown.
+    pub chance_and_cell: Option<f64>,
+    /// The directions over the hemisphere.
+    pub angles: Option<f64>,
+    /// What the spacing of the wavelengths would cost without the correction that the colour holds.
+    pub wavelengths: f64,
+    /// The grid.
+    pub grid: f64,
+    /// The solver's residual.
+    pub residual: f64,
+}
+
 /// A colour under named conditions.
 #[derive(Clone, Debug, Serialize)]
 pub struct ColourNote {
@@ -87,11 +157,15 @@ pub struct ColourNote {
     pub chroma: Estimate,
     pub hue_deg: Estimate,
     pub lab_standard_error: Option<[f64; 3]>,
+    /// Half width of the 95 % interval as a CIEDE2000 difference.
+    pub delta_e_2000_95: Option<f64>,
+    /// What the standard error is made of.
+    pub budget: Budget,
     #[serde(flatten)]
     pub colour: Colour,
 }
 
-/// One wavelength. R, T, A and their specular parts are those of the layer alone at the smallest angle.
+/// One wavelength and angle. R, T, A and their specular parts are those of the layer alone.
 #[derive(Clone, Debug, Serialize)]
 pub struct SpectrumRow {
     pub wavelength_nm: f64,
