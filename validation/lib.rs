@@ -12,3 +12,4 @@ pub mod formulas;
 pub mod referee;
 pub mod support;
 pub mod tiny;
+pub mod vector;

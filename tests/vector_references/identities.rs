@@ -1,10 +1,10 @@
 //! What holds exactly on any grid, and what the geometry's symmetries demand. Residuals of 1e-10; the bound of two solves
 //! is 1e-8: amplitudes follow the residual up to a factor of some ten.
 
-use crate::setup::*;
 use inkwave::input::case::Case;
 use inkwave::wave::maxwell::{Averaging, VectorFarField, VectorOrder};
 use inkwave::wave::{Incidence, Mean, Shape, Side};
+use inkwave_validation::vector::*;
 use num_complex::Complex64;
 
 const RESIDUAL: f64 = 1e-10;
@@ -146,7 +146,9 @@ fn s_light_on_gratings_is_the_scalar_wave() {
     for id in ["vlam01", "vcyl01"] {
         let case = &reference(id).case;
         let vector = solve_to(case, 1e-4).unwrap_or_else(|e| panic!("{id}: {e}")).far_field;
-        let scalar = crate::support::solve_to(case, 1e-4).unwrap_or_else(|e| panic!("{id}: {e}")).far_field;
+        let scalar = inkwave_validation::support::solve_to(case, 1e-4)
+            .unwrap_or_else(|e| panic!("{id}: {e}"))
+            .far_field;
         for o in scalar.orders.iter().filter(|o| o.reflected_propagates) {
             let own = order(&vector, o.m, o.n);
             let sign = if o.direction[0] < 0.0 { -1.0 } else { 1.0 };

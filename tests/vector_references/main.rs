@@ -2,12 +2,8 @@
 //! RCWA, vector multipoles), identities and the scalar solver. A tolerance is an identity (rounding or the solver's
 //! residual), an order of convergence, or an accuracy that was asked for; each says which.
 
-#[path = "../support/mod.rs"]
-mod support;
-
 mod identities;
 mod orders;
 mod references;
-mod setup;
 mod strategies;
 mod unions;

@@ -1,9 +1,9 @@
 //! Order of convergence across a curved surface: what the normal-field tensor is for.
 
-use crate::setup::*;
-use crate::support::fitted_slope;
 use inkwave::wave::Mean;
 use inkwave::wave::maxwell::Averaging;
+use inkwave_validation::support::fitted_slope;
+use inkwave_validation::vector::*;
 
 /// Error of p → p on the cylinder `vcyl01` at several numbers of points per period, 200 planes per µm.
 fn slope(averaging: Averaging) -> (f64, f64) {

@@ -1,6 +1,6 @@
 //! Every independent case, at the accuracy that was asked for. Finer levels are the vector claim's.
 
-use crate::setup::*;
+use inkwave_validation::vector::*;
 
 /// Identity: the mean medium is exact per harmonic. 1e-11 leaves room for rounding in films of many wavelengths.
 #[test]

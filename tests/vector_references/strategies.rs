@@ -1,11 +1,11 @@
 //! The strategies on the vector problem: one discrete system, one solution, one yardstick.
 
-use crate::setup::*;
 use inkwave::solve::{
     Bicgstab, Born, ConvergentBorn, Direct, Gmres, Goal, Relaxation, Silent, SolveError, Solver, System,
 };
 use inkwave::wave::maxwell::{Averaging, Polarisation};
 use inkwave::wave::{Field, Mean};
+use inkwave_validation::vector::*;
 
 const GOAL: Goal = Goal { tolerance: 1e-12, max_applications: 5000 };
 

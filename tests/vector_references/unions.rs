@@ -1,9 +1,9 @@
 //! Grains of several balls: shares by power against single balls, rotations and the scalar coverage.
 
-use crate::setup::*;
 use inkwave::input::case::Case;
 use inkwave::wave::maxwell::{Averaging, NormalMoments};
 use inkwave::wave::{Ball, Body, Coverage, Mean, Resolution, Scene, Scheme, Shape};
+use inkwave_validation::vector::*;
 
 fn ball(center_um: [f64; 3], radius_um: f64) -> Ball {
     Ball { center_um, radius_um }

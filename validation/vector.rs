@@ -1,4 +1,4 @@
-//! The cases, and short ways to solve them in both polarisations.
+//! References of the vector wave with their expected amplitudes, and short ways to solve them in both polarisations.
 
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Task};
