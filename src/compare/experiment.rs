@@ -232,7 +232,7 @@ impl ComparisonFile {
         if let Some(path) = &self.case {
             let path = folder.join(path);
             let case = Case::read(&path)?;
-            let json = std::fs::read_to_string(&path).ok().and_then(|t| serde_json::from_str(&t).ok());
+            let json = files::read_text(&path, files::CASE).ok().and_then(|t| serde_json::from_str(&t).ok());
             let known =
                 json.and_then(|v: serde_json::Value| v.get("outputs").and_then(|o| o.get("orders")).cloned());
             return Ok(Subject { case, known });

@@ -2,6 +2,7 @@
 
 use crate::draw::figure::FigureError;
 use crate::draw::log_plot::{Curve, LogPlot, Style};
+use crate::report::cell::markdown;
 use crate::solve::Account;
 use crate::wave::{Resolution, Scheme};
 use minijinja::{Environment, context};
@@ -176,7 +177,7 @@ impl Comparison {
     }
 
     fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\nErrors against {}.\n\n", self.heading(), self.reference);
+        let mut text = format!("# {}\n\nErrors against {}.\n\n", markdown(self.heading()), self.reference);
         text += "| strategy | scheme | grid | unknowns | error | estimate | residual | steps | applications | seconds | MB | outcome |\n";
         text += "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
         self.rows.iter().for_each(|r| text += &format!("| {} |\n", r.cells_of_table().join(" | ")));

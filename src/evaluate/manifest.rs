@@ -53,10 +53,54 @@ pub struct Manifest<Study: Serialize> {
     pub no_colour: Option<String>,
     /// One row for each wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
-    /// Seconds of processor time in solves.
+    /// Seconds that the solves took, added up: of a clock on the wall, while several solves may run side by side on
+    /// several threads each.
     pub solve_seconds: f64,
     /// The study with every default filled in.
     pub study: Study,
+}
+
+/// Totals outside of 0 … 1 by more than this are no results; every single solve has passed a narrower gate.
+const BEYOND: f64 = 0.06;
+
+impl<Study: Serialize> Manifest<Study> {
+    /// The first number that is no result: NaN, infinite, or a total outside of 0 … 1 beyond its error.
+    pub fn unphysical(&self) -> Option<String> {
+        let c = &self.certainty;
+        let certainty = [
+            ("amplitude_error_estimate", c.amplitude_error_estimate),
+            ("reflectance_grid_error", c.reflectance_grid_error),
+            ("transmittance_grid_error", c.transmittance_grid_error),
+            ("largest_energy_error", c.largest_energy_error),
+            ("largest_residual", c.largest_residual),
+        ];
+        let wrong = certainty.into_iter().find(|(_, value)| !value.is_finite());
+        wrong.map(|(name, value)| format!("certainty.{name} is {value}")).or_else(|| {
+            self.spectra.iter().find_map(SpectrumRow::unphysical).or_else(|| self.unphysical_colour())
+        })
+    }
+
+    fn unphysical_colour(&self) -> Option<String> {
+        let wrong = self.colours.iter().find(|note| !note.colour.lab.iter().all(|x| x.is_finite()));
+        wrong.map(|note| format!("Lab under {} is {:?}", note.conditions, note.colour.lab))
+    }
+}
+
+impl SpectrumRow {
+    fn unphysical(&self) -> Option<String> {
+        let totals = [
+            ("reflectance", self.reflectance),
+            ("transmittance", self.transmittance),
+            ("absorptance", self.absorptance),
+        ];
+        let outside = |e: &Estimate| !(-BEYOND..=1.0 + BEYOND).contains(&e.value);
+        let no_number =
+            |e: &Estimate| !e.value.is_finite() || e.standard_error.is_some_and(|s| !s.is_finite());
+        let seen = [("natural_light", self.natural_light), ("lit_at_45", self.lit_at_45)];
+        let seen = seen.into_iter().filter_map(|(name, e)| Some((name, e?))).find(|(_, e)| no_number(e));
+        let wrong = totals.into_iter().find(|(_, e)| no_number(e) || outside(e)).or(seen);
+        wrong.map(|(name, e)| format!("{name} is {} at {} nm", e.value, self.wavelength_nm))
+    }
 }
 
 /// How many were asked for, and how many are there.

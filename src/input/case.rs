@@ -1,5 +1,9 @@
 //! One solve of an explicit geometry: the `inputs` object of a reference case, as JSON or TOML.
 
+use super::fault::Faults;
+use super::read::read;
+use super::tree::{Node, SyntaxFault, parse_json, parse_toml};
+use crate::numerics::files;
 use crate::wave::{Ball, Body, Incidence, Media, Scene, Shape, Side, Stratum};
 use num_complex::Complex64;
 use serde::Deserialize;
@@ -141,6 +145,14 @@ pub enum CaseError {
         /// What to try.
         remedy: &'static str,
     },
+    /// Keys or values that a case cannot have.
+    #[error("{path} is not a case: {faults}")]
+    Values {
+        /// The file.
+        path: String,
+        /// All that is wrong.
+        faults: Faults,
+    },
     /// A number outside its range.
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
     Range {
@@ -183,11 +195,12 @@ impl Case {
     /// Reads a case file: the inputs themselves, or an object that holds them as `inputs`.
     pub fn read(path: &Path) -> Result<Case, CaseError> {
         let name = path.display().to_string();
-        let text =
-            std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: name.clone(), source })?;
+        let text = files::read_text(path, files::CASE)
+            .map_err(|source| CaseError::Read { path: name.clone(), source })?;
         let toml = path.extension().is_some_and(|e| e == "toml");
         Case::parse(&text, toml).map_err(|error| match error {
             CaseError::Parse { message, remedy, .. } => CaseError::Parse { path: name, message, remedy },
+            CaseError::Values { faults, .. } => CaseError::Values { path: name, faults },
             other => other,
         })
     }
@@ -229,35 +242,24 @@ impl Case {
 }
 
 fn from_toml(text: &str) -> Result<CaseInputs, CaseError> {
-    let fail = |error: toml::de::Error| unreadable(error.to_string(), SYNTAX);
-    let table: toml::Table = toml::from_str(text).map_err(fail)?;
-    let inputs = table.get("inputs").cloned().unwrap_or(toml::Value::Table(table));
-    serde_path_to_error::deserialize(inputs).map_err(misfit)
+    inputs_of(parse_toml(text).map_err(|fault| unreadable(&fault, text))?.into())
 }
 
 fn from_json(text: &str) -> Result<CaseInputs, CaseError> {
-    let numbers = ["NaN", "Infinity"].iter().any(|word| text.contains(word));
-    let remedy = if numbers { "JSON knows neither NaN nor Infinity: give finite numbers" } else { SYNTAX };
-    let value: serde_json::Value =
-        serde_json::from_str(text).map_err(|e| unreadable(e.to_string(), remedy))?;
-    let inputs = value.get("inputs").cloned().unwrap_or(value);
-    serde_path_to_error::deserialize(inputs).map_err(misfit)
+    inputs_of(parse_json(text).map_err(|fault| unreadable(&fault, text))?.into())
 }
 
-const SYNTAX: &str = "give the `inputs` of a reference case as JSON, or as TOML in a file that ends in .toml";
-
-/// A value of the wrong type or an unknown key, with its place.
-fn misfit<E: std::fmt::Display>(error: serde_path_to_error::Error<E>) -> CaseError {
-    let place = error.path().to_string();
-    let message = if place == "." { String::new() } else { format!("at `{place}`: ") };
-    unreadable(
-        format!("{message}{}", error.inner()),
-        "correct that entry; lengths in µm, indices [real, imaginary]",
-    )
+/// The case itself, or what an object around it holds as `inputs`.
+fn inputs_of(document: Node) -> Result<CaseInputs, CaseError> {
+    let inputs = document.get("inputs").cloned().unwrap_or(document);
+    read(inputs).map_err(|faults| CaseError::Values { path: TEXT.into(), faults: Faults(faults) })
 }
 
-fn unreadable(message: String, remedy: &'static str) -> CaseError {
-    CaseError::Parse { path: "the text".into(), message, remedy }
+/// Stands for the path where a text is given.
+const TEXT: &str = "the text";
+
+fn unreadable(fault: &SyntaxFault, text: &str) -> CaseError {
+    CaseError::Parse { path: TEXT.into(), message: fault.in_words(text), remedy: fault.remedy }
 }
 
 /// Collects distinct indices while bodies and strata are read.

@@ -124,6 +124,14 @@ impl fmt::Display for Allowed {
     }
 }
 
+/// All faults in one line, each with its remedy.
+impl fmt::Display for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let one = |fault: &Fault| format!("{fault}: {}", fault.remedy);
+        f.write_str(&self.0.iter().map(one).collect::<Vec<_>>().join("; "))
+    }
+}
+
 /// Collects the faults of a study while it is checked.
 #[derive(Debug, Default)]
 pub struct Faults(pub Vec<Fault>);

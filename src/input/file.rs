@@ -78,10 +78,10 @@ pub struct LayerTable {
     /// What is between the grains.
     pub binder: BinderTable,
     /// Refractive index of the half-space the light comes from.
-    #[serde(default = "vacuum")]
+    #[serde(default = "vacuum", alias = "index_in")]
     pub index_above: f64,
     /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
-    #[serde(default = "vacuum")]
+    #[serde(default = "vacuum", alias = "index_out")]
     pub index_below: f64,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,

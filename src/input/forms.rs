@@ -147,7 +147,7 @@ impl<'de> Deserialize<'de> for AlbedoWritten {
                 Ok(AlbedoWritten::Csv { csv })
             }
         }
-        deserializer.deserialize_any(AlbedoVisitor)
+        deserializer.deserialize_struct("albedo", &["csv"], AlbedoVisitor)
     }
 }
 
@@ -186,11 +186,15 @@ impl<'de> Deserialize<'de> for Pair {
 #[serde(deny_unknown_fields)]
 struct IndexTable {
     n: Option<f64>,
+    #[serde(alias = "kappa")]
     k: Option<f64>,
     built_in: Option<String>,
     csv: Option<String>,
     yaml: Option<String>,
 }
+
+/// The keys of [`IndexTable`].
+const INDEX_KEYS: &[&str] = &["n", "k", "kappa", "built_in", "csv", "yaml"];
 
 impl<'de> Deserialize<'de> for IndexWritten {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -212,7 +216,7 @@ impl<'de> Deserialize<'de> for IndexWritten {
                 Ok(IndexWritten { n, k, built_in, csv, yaml })
             }
         }
-        deserializer.deserialize_any(IndexVisitor)
+        deserializer.deserialize_struct("index", INDEX_KEYS, IndexVisitor)
     }
 }
 

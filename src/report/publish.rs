@@ -22,6 +22,9 @@ pub enum PublishError {
     /// The folder of results.
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// What the page would have shown.
+    #[error("{0}: no result, so nothing is published; try a finer grid or another solver")]
+    Unphysical(String),
     /// A plot or picture.
     #[error(transparent)]
     Figure(#[from] FigureError),
@@ -74,6 +77,10 @@ pub(crate) fn publish_seen(
     seen: &Seen,
     folder: &OutputFolder,
 ) -> Result<Published, PublishError> {
+    if let Some(what) = manifest.unphysical() {
+        folder.begin()?;
+        return Err(PublishError::Unphysical(what));
+    }
     let pictures = pictures(study, seen)?;
     let page = sheet(study, manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
     folder.begin()?;
