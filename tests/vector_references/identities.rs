@@ -46,7 +46,8 @@ fn polarised_light_finds_its_way_back() {
     for id in ["vsph02", "vsph04"] {
         let case = &reference(id).case;
         let there = solve(case, 9, 12, RESIDUAL).far;
-        let cosine = |o: &VectorOrder| (1.0 - o.direction[0].powi(2) - o.direction[1].powi(2)).sqrt();
+        let cosine =
+            |o: &VectorOrder| -> f64 { (1.0 - o.direction[0].powi(2) - o.direction[1].powi(2)).sqrt() };
         let incident = cosine(order(&there, 0, 0));
         for o in there.orders.iter().filter(|o| o.reflected_propagates).take(4) {
             for from in [Side::Incident, Side::Exit] {
@@ -59,7 +60,8 @@ fn polarised_light_finds_its_way_back() {
                 };
                 for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                     let sign = if a == b { 1.0 } else { -1.0 };
-                    let error = (cosine(o) * to[a][b] - sign * incident * fro[b][a]).norm();
+                    let error: Complex64 = cosine(o) * to[a][b] - sign * incident * fro[b][a];
+                    let error = error.norm();
                     assert!(error < TWO_SOLVES, "{id} ({}, {}) {from:?} {a}{b}: {error:.1e}", o.m, o.n);
                 }
             }
