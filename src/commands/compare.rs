@@ -22,6 +22,16 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let file = ComparisonFile::read(&args.file).into_diagnostic()?;
     let folder = args.file.parent().unwrap_or(Path::new("."));
     let mut stop = Stop(super::stop::StopFlag::listen());
+    let told = |cell: &inkwave::compare::matrix::Cell| {
+        let (n, kappa, period, outcome) = (cell.n, cell.kappa, cell.period_um, &cell.outcome);
+        let cost = format!("{} applications, {:.2} s", cell.operator_applications, cell.seconds);
+        eprintln!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy);
+    };
+    if let Some(matrix) = file.run_matrix(&mut stop, told).into_diagnostic()? {
+        matrix.write(&args.output).into_diagnostic()?;
+        println!("Comparison: {}", args.output.join("matrix.html").display());
+        return Ok(());
+    }
     let told = |row: &inkwave::compare::pages::Row| {
         let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
         eprintln!(

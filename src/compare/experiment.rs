@@ -25,6 +25,8 @@ pub struct ComparisonFile {
     pub case: Option<PathBuf>,
     /// A packed layer of equal spheres, instead of `case`.
     pub layer: Option<PackedLayer>,
+    /// Many contrasts and periods around `layer` instead of many grids.
+    pub matrix: Option<super::matrix::MatrixTable>,
     #[serde(default = "default_strategies")]
     pub strategies: Vec<String>,
     #[serde(default = "default_schemes")]
@@ -175,6 +177,19 @@ impl ComparisonFile {
         Ok(Subject { case: layer.case()?, known: None })
     }
 
+    /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it.
+    pub fn run_matrix(
+        &self,
+        watch: &mut dyn Watch,
+        told: impl FnMut(&super::matrix::Cell),
+    ) -> Result<Option<super::matrix::Matrix>, CompareError> {
+        let (Some(matrix), Some(layer)) = (&self.matrix, &self.layer) else { return Ok(None) };
+        self.check()?;
+        let cells = matrix.run(layer, &self.strategies, watch, told)?;
+        let (title, strategies) = (self.title.clone(), self.strategies.clone());
+        Ok(Some(super::matrix::Matrix { title, accuracy: matrix.accuracy, strategies, cells }))
+    }
+
     /// Runs every row; `watch` sees each solve's steps and can stop the comparison.
     pub fn run(
         &self,
@@ -323,7 +338,7 @@ fn resolution(scene: &Scene, points: Points, scheme: Scheme) -> Resolution {
 }
 
 impl PackedLayer {
-    fn case(&self) -> Result<Case, CompareError> {
+    pub(crate) fn case(&self) -> Result<Case, CompareError> {
         let request = PackingRequest {
             period_um: [self.period_um; 2],
             thickness_um: self.thickness_um,
