@@ -5,6 +5,7 @@ use super::progress::Progress;
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
+use inkwave::evaluate::summary;
 use inkwave::ink::PackError;
 use inkwave::input::load::load;
 use inkwave::input::study::Study;
@@ -36,7 +37,8 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let folder = OutputFolder::open(&path).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
     let settings = RunSettings { jobs: args.jobs.map(usize::from) };
-    let collected = runner::run(&study, &folder, settings, &progress);
+    let enough = |collected: &Collected| summary::enough(&study, collected);
+    let collected = runner::run_until(&study, &folder, settings, &progress, &enough);
     progress.finish();
     let collected = collected.map_err(|error| {
         folder.discard_when_empty();

@@ -13,6 +13,7 @@ pub mod load;
 pub mod locate;
 pub mod pack_study;
 pub mod study;
+pub mod variation;
 
 pub use pack_study::PackStudy;
 pub use study::Study;

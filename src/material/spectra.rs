@@ -106,6 +106,9 @@ pub enum Spectrum {
 }
 
 impl Spectrum {
+    /// The index 1 at every wavelength.
+    pub const VACUUM: Self = Self::Constant { n: 1.0, kappa: 0.0 };
+
     /// A constant index.
     ///
     /// # Errors

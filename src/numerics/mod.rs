@@ -3,6 +3,7 @@
 pub mod draws;
 pub mod estimate;
 pub mod fourier;
+pub mod sequence;
 pub mod vector;
 
 pub use draws::Draws;

@@ -113,7 +113,7 @@ impl Work<'_> {
     }
 
     fn realise(&self, packings: &mut Packings) -> Result<Realisation, RunError> {
-        let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
+        let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
         let resolved = resolve(self.study, &self.stores.grids, self.watch, scene)?;
         let Self { study, stores, settings, watch, realisation } = *self;
         RealisationRun { study, resolved: &resolved, stores, settings, watch, realisation }.finish(packings)
@@ -122,7 +122,7 @@ impl Work<'_> {
 
 /// What a realisation's packing and grid depend on.
 pub(crate) fn stage_key(study: &Study, realisation: usize) -> Key {
-    let indices: Vec<_> = (0..study.wavelengths_nm.len()).map(|w| study.indices(w)).collect();
+    let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
     let light = (&study.wavelengths_nm, &study.angles, indices);
     let method = (&study.resolution, &study.solver, &study.goal);
     Key::of("stage", &(study.packing_request(realisation), light, method))
