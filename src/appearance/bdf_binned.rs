@@ -23,7 +23,8 @@ impl Bdf {
     pub fn from_varied_cells(fields: &[FarField], period_um: [f64; 2]) -> Result<Self, BdfError> {
         let first = fields.first().ok_or(BdfError::Empty)?;
         let same = |f: &FarField| {
-            (f.incidence.polar_deg - first.incidence.polar_deg).abs() < 1e-9 && f.incidence.from == first.incidence.from
+            (f.incidence.polar_deg - first.incidence.polar_deg).abs() < 1e-9
+                && f.incidence.from == first.incidence.from
         };
         if let Some(index) = fields.iter().position(|f| !same(f)) {
             return Err(BdfError::Mixed { index, field: "incidence" });
@@ -32,7 +33,8 @@ impl Bdf {
         let wavelength_um = fields.iter().map(|f| f.incidence.wavelength_um).sum::<f64>() / count;
         let incidence = Incidence { wavelength_um, azimuth_deg: 0.0, ..first.incidence };
         let lattice = Lattice::new(&incidence, first, period_um);
-        let [reflected, transmitted] = [Lobe::Reflected, Lobe::Transmitted].map(|lobe| lattice.collect(fields, lobe));
+        let [reflected, transmitted] =
+            [Lobe::Reflected, Lobe::Transmitted].map(|lobe| lattice.collect(fields, lobe));
         Ok(Self { incidence, period_um, realisations: fields.len(), reflected, transmitted })
     }
 }
@@ -61,9 +63,11 @@ impl Lattice {
             let [x, y] = self.direction(*place);
             (x - direction[0]).hypot(y - direction[1])
         };
-        let inside = |place: &Place| *place != (0, 0) && {
-            let [x, y] = self.direction(*place);
-            x.hypot(y) < reach
+        let inside = |place: &Place| {
+            *place != (0, 0) && {
+                let [x, y] = self.direction(*place);
+                x.hypot(y) < reach
+            }
         };
         let best = around.filter(inside).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         best.unwrap_or((nearest(0), nearest(1)))
@@ -79,7 +83,8 @@ impl Lattice {
                     (0, 0) => (0, 0),
                     _ => self.place(turned(order.direction, -field.incidence.azimuth_deg), reach),
                 };
-                cells.entry(place).or_insert_with(|| vec![0.0; fields.len()])[r] += view(order, lobe).efficiency;
+                cells.entry(place).or_insert_with(|| vec![0.0; fields.len()])[r] +=
+                    view(order, lobe).efficiency;
             }
         }
         self.lobe(fields, lobe, cells)

@@ -126,7 +126,11 @@ impl Colour {
         let unit = |i: usize| std::array::from_fn::<f64, 3, _>(|k| if k == i { 1.0 } else { 0.0 });
         let pair = |i: usize, j: usize| std::array::from_fn::<f64, 3, _>(|k| unit(i)[k] + unit(j)[k]);
         let metric = |i: usize, j: usize| {
-            if i == j { square(unit(i)) } else { (square(pair(i, j)) - square(unit(i)) - square(unit(j))) / 2.0 }
+            if i == j {
+                square(unit(i))
+            } else {
+                (square(pair(i, j)) - square(unit(i)) - square(unit(j))) / 2.0
+            }
         };
         let trace: f64 = (0..9).map(|k| metric(k / 3, k % 3) * covariance[k / 3][k % 3]).sum();
         Some(trace.max(0.0).sqrt())

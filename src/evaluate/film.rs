@@ -25,7 +25,10 @@ impl Profile {
     pub fn squared_indices(&self, background: Complex64, inclusions: &[Complex64]) -> Vec<Complex64> {
         let base = background * background;
         let slice = |fractions: &Vec<f64>| {
-            fractions.iter().zip(inclusions).fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
+            fractions
+                .iter()
+                .zip(inclusions)
+                .fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
         };
         self.fractions.iter().map(slice).collect()
     }
@@ -66,7 +69,8 @@ impl Film {
         let exit = (Complex64::from(to * to) - along * along).sqrt();
         let height = k0 * self.thickness_um / self.squared_indices.len() as f64;
         let count = self.squared_indices.len();
-        let slice = |j: usize| normal(self.squared_indices[if side == Side::Incident { j } else { count - 1 - j }]);
+        let slice =
+            |j: usize| normal(self.squared_indices[if side == Side::Incident { j } else { count - 1 - j }]);
         let (mut gamma, mut through, mut after) = (Complex64::ZERO, Complex64::ONE, exit);
         for j in (0..count).rev() {
             let here = slice(j);
@@ -102,7 +106,10 @@ mod tests {
     /// Airy's formulas of one slab, written with complex exponentials of both signs: shares nothing with the recursion.
     fn airy(index: Complex64, h: f64, wavelength: f64, from: f64, to: f64, deg: f64) -> (f64, f64) {
         let along = from * deg.to_radians().sin();
-        let (a, c) = (Complex64::from(from * deg.to_radians().cos()), (Complex64::from(to * to) - along * along).sqrt());
+        let (a, c) = (
+            Complex64::from(from * deg.to_radians().cos()),
+            (Complex64::from(to * to) - along * along).sqrt(),
+        );
         let b = (index * index - along * along).sqrt();
         let delta = b * h * TAU / wavelength;
         let (cos, sin) = (delta.cos(), delta.sin());

@@ -106,7 +106,13 @@ impl FilmAt {
             if critical > 0.0 {
                 let t = FRAC_PI_2 * share;
                 let beyond = (critical * t.cos()).acos();
-                sum += weight * 0.5 * FRAC_PI_2 * critical * critical * (2.0 * t).sin() * absorbed(beyond.to_degrees());
+                sum += weight
+                    * 0.5
+                    * FRAC_PI_2
+                    * critical
+                    * critical
+                    * (2.0 * t).sin()
+                    * absorbed(beyond.to_degrees());
             }
         }
         sum
@@ -120,7 +126,12 @@ mod tests {
     #[test]
     fn means_are_those_of_closed_forms() {
         let indices = |_: f64| (Complex64::ONE, Vec::new());
-        let films = Films { profile: Profile::homogeneous(), indices: &indices, thicknesses_um: vec![1.0], index_out: 1.0 };
+        let films = Films {
+            profile: Profile::homogeneous(),
+            indices: &indices,
+            thicknesses_um: vec![1.0],
+            index_out: 1.0,
+        };
         let [r, t] = films.at(500.0).means();
         // identity: a layer that is not there
         assert!(r.abs() < 1e-13 && (t - 1.0).abs() < 1e-13);
@@ -135,7 +146,12 @@ mod tests {
             // An opaque film matched to the exit side absorbs what enters: 1 − R̄ of a single face, here by a dense plain sum.
             let eta = Complex64::new(index_out, 3.0);
             let indices = move |_: f64| (eta, Vec::new());
-            let films = Films { profile: Profile::homogeneous(), indices: &indices, thicknesses_um: vec![5.0], index_out };
+            let films = Films {
+                profile: Profile::homogeneous(),
+                indices: &indices,
+                thicknesses_um: vec![5.0],
+                index_out,
+            };
             let film = films.at(500.0);
             let points = 20_000;
             let plain: f64 = (0..points)

@@ -2,7 +2,9 @@
 
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Mean, SpectrumEstimate, Total, film_means, film_totals};
-use super::on_paper::{Anchors, BENDS, Curve, DIFFUSE, LayerOnPaper, Measured, Nodes, PolarAngle, anchor_shares};
+use super::on_paper::{
+    Anchors, BENDS, Curve, DIFFUSE, LayerOnPaper, Measured, Nodes, PolarAngle, anchor_shares,
+};
 use super::regression::{Fits, Normal, Sums};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
@@ -95,7 +97,11 @@ impl InkOnPaper {
     ///
     /// # Errors
     /// Angles that do not carry it, an albedo that does not answer everywhere, a lossless mirror over a lossless paper.
-    pub fn new(layer: LayerEnsemble, solved: &[SolvedRealisation], inputs: &InkInputs) -> Result<Self, InkError> {
+    pub fn new(
+        layer: LayerEnsemble,
+        solved: &[SolvedRealisation],
+        inputs: &InkInputs,
+    ) -> Result<Self, InkError> {
         let anchored = [0.0, PRINT_DEG].map(|deg| layer.place(deg));
         let ([Some(normal), Some(slanted)], true) = (anchored, layer.strata > 0) else {
             return Err(InkError::AnglesMissing);
@@ -104,7 +110,8 @@ impl InkOnPaper {
         let (nodes_nm, places) = places(&layer, inputs.outputs_nm);
         let meter = Colorimeter::new(&nodes_nm[places.colours.clone()]);
         let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
-        let albedos = nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
+        let albedos =
+            nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
         let shares = nodes_nm.iter().map(|&nm| layer.basis.shares(nm)).collect();
         let means = films.iter().map(|film| film_means(film, layer.exit)).collect();
         let nodes = Nodes { wavelengths_nm: nodes_nm, films, albedos, shares, means };
@@ -149,7 +156,8 @@ impl InkOnPaper {
         let at = |&nm: &f64| substrate.albedo.at(nm);
         other.nodes.albedos = other.nodes.wavelengths_nm.iter().map(at).collect::<Result<_, _>>()?;
         other.whole = other.layers_without(None)?;
-        other.replicates = (0..self.replicates.len()).map(|r| other.layers_without(Some(r))).collect::<Result<_, _>>()?;
+        other.replicates =
+            (0..self.replicates.len()).map(|r| other.layers_without(Some(r))).collect::<Result<_, _>>()?;
         Ok(other)
     }
 
@@ -164,7 +172,9 @@ impl InkOnPaper {
             SpectralBasis::at(shares, |i| coefficients[[i * width + row, column]])
         };
         let measured = Measured {
-            anchors: anchors(self.anchored, |angle, total| self.layer.fitted(left_out, shares, self.layer.column(angle, total))),
+            anchors: anchors(self.anchored, |angle, total| {
+                self.layer.fitted(left_out, shares, self.layer.column(angle, total))
+            }),
             transmittance: self.layer.fitted(left_out, shares, self.layer.mean_column(Mean::Transmittance)),
             absorptance: self.layer.fitted(left_out, shares, self.layer.mean_column(Mean::ExitAbsorptance)),
         };
@@ -174,7 +184,14 @@ impl InkOnPaper {
         };
         let [mean_t, _, mean_a, _] = self.nodes.means[node];
         let film = [mean_t, mean_a];
-        LayerOnPaper::new(node, film, measured, curve, self.nodes.albedos[node], self.substrate.coupling.index_below())
+        LayerOnPaper::new(
+            node,
+            film,
+            measured,
+            curve,
+            self.nodes.albedos[node],
+            self.substrate.coupling.index_below(),
+        )
     }
 
     /// Wavelengths of the spectra, nm.
@@ -208,8 +225,13 @@ impl InkOnPaper {
     /// Any quantity of the layer on paper against wavelength:
     /// `ink.spectrum(|layer| layer.natural_light(&view, MirroredSky::Included))`.
     pub fn spectrum(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> SpectrumEstimate {
-        let of = |layers: &[LayerOnPaper]| layers[self.places.outputs.clone()].iter().map(&quantity).collect::<Vec<f64>>();
-        SpectrumEstimate { values: of(&self.whole), replicates: self.replicates.iter().map(|r| of(r)).collect() }
+        let of = |layers: &[LayerOnPaper]| {
+            layers[self.places.outputs.clone()].iter().map(&quantity).collect::<Vec<f64>>()
+        };
+        SpectrumEstimate {
+            values: of(&self.whole),
+            replicates: self.replicates.iter().map(|r| of(r)).collect(),
+        }
     }
 
     /// Any scalar of the spectra (a mean over wavelengths, a ratio) with its jackknife error.
@@ -272,7 +294,11 @@ impl InkOnPaper {
 
     /// XYZ = ∫ w F(m̂) + ⟨Σ_j w_j F′(m̂)·(x_j − m̂)⟩: the fitted means m̂, and to first order what the solves x_j say beyond
     /// them. So the smoothness of the fit costs the colour nothing.
-    fn colour_without(&self, left_out: Option<usize>, quantity: &impl Fn(&LayerOnPaper) -> f64) -> Result<Colour, InkError> {
+    fn colour_without(
+        &self,
+        left_out: Option<usize>,
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Result<Colour, InkError> {
         let meter = self.meter.as_ref().map_err(Clone::clone)?;
         let layers = left_out.map_or(&self.whole, |r| &self.replicates[r]);
         let mut xyz = meter.xyz(&self.colour_values(layers, quantity))?;
@@ -301,7 +327,8 @@ impl InkOnPaper {
     /// What a solve says beyond the fit.
     fn residual(&self, left_out: Option<usize>, r: usize, j: usize, node: usize) -> Measured {
         let shares = &self.nodes.shares[node];
-        let of = |column: usize| self.layer.measured(r, j, column) - self.layer.fitted(left_out, shares, column);
+        let of =
+            |column: usize| self.layer.measured(r, j, column) - self.layer.fitted(left_out, shares, column);
         Measured {
             anchors: anchors(self.anchored, |angle, total| of(self.layer.column(angle, total))),
             transmittance: of(self.layer.mean_column(Mean::Transmittance)),
@@ -323,10 +350,12 @@ impl InkOnPaper {
         let mut shifted = Vec::new();
         for realisation in solved.iter().take(self.layer.replicates()) {
             let mut values = self.colour_values(&self.whole, &quantity);
-            let strata: Vec<&[Solved]> = realisation.wavelengths.iter().map(|w| w.strata.as_slice()).collect();
+            let strata: Vec<&[Solved]> =
+                realisation.wavelengths.iter().map(|w| w.strata.as_slice()).collect();
             for (value, node) in values.iter_mut().zip(self.places.colours.clone()) {
                 let near = nearest(&realisation.wavelengths, self.nodes.wavelengths_nm[node]);
-                let error = self.whole[node].quadrature_error(strata[near].iter().map(|s| s.polar_deg), self.layer.exit);
+                let error = self.whole[node]
+                    .quadrature_error(strata[near].iter().map(|s| s.polar_deg), self.layer.exit);
                 let moved = self.whole[node].moved(&error, DERIVATIVE_STEP);
                 *value += (quantity(&moved) - quantity(&self.whole[node])) / DERIVATIVE_STEP;
             }
@@ -351,10 +380,12 @@ impl InkOnPaper {
             let values: Vec<f64> = self.whole[self.places.colours.clone()].iter().map(f).collect();
             meter.colour(&values)
         };
-        let strip = angles.iter().map(|o| colour(&|l| l.natural_light(o, sky))).collect::<Result<Vec<_>, _>>()?;
+        let strip =
+            angles.iter().map(|o| colour(&|l| l.natural_light(o, sky))).collect::<Result<Vec<_>, _>>()?;
         let cells = angles.iter().flat_map(|o| angles.iter().map(move |i| (o, i)));
         let square = cells.map(|(o, i)| colour(&|l| PI * l.brdf(i, o))).collect::<Result<Vec<_>, _>>()?;
-        let square = Array2::from_shape_fn((angles.len(), angles.len()), |(o, i)| square[o * angles.len() + i]);
+        let square =
+            Array2::from_shape_fn((angles.len(), angles.len()), |(o, i)| square[o * angles.len() + i]);
         Ok(InkPicture { angles_deg: angles_deg.to_vec(), strip, square })
     }
 }
@@ -368,7 +399,9 @@ fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
 /// Place of the wavelength nearest to `nm`.
 fn nearest(wavelengths: &[SolvedWavelength], nm: f64) -> usize {
     let distance = |w: &SolvedWavelength| (w.wavelength_nm - nm).abs();
-    (0..wavelengths.len()).min_by(|&a, &b| distance(&wavelengths[a]).total_cmp(&distance(&wavelengths[b]))).unwrap_or(0)
+    (0..wavelengths.len())
+        .min_by(|&a, &b| distance(&wavelengths[a]).total_cmp(&distance(&wavelengths[b])))
+        .unwrap_or(0)
 }
 
 fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
@@ -401,8 +434,10 @@ fn curves(layer: &LayerEnsemble, anchored: [usize; 2], solved: &[SolvedRealisati
             for s in &at.strata {
                 let (between, bends) = anchor_shares(s.polar_deg.to_radians().cos());
                 let [film_r, _, film_t, ..] = film_totals(&film, s.polar_deg);
-                let values = [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
-                let rest: [f64; 3] = std::array::from_fn(|q| values[q] - between[0] * own[0][q] - between[1] * own[1][q]);
+                let values =
+                    [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
+                let rest: [f64; 3] =
+                    std::array::from_fn(|q| values[q] - between[0] * own[0][q] - between[1] * own[1][q]);
                 sums.add(&bends, &rest);
             }
             normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
@@ -420,7 +455,9 @@ fn diffuse(layer: &LayerEnsemble, solved: &[SolvedRealisation]) -> Fits {
             let mut sums = Sums::new(DIFFUSE, 1);
             for s in at.exact.iter().chain(&at.strata) {
                 let lit = s.polar_deg.to_radians().cos();
-                s.scattered.iter().for_each(|&[seen, density]| sums.add(&super::on_paper::symmetric(lit, seen), &[density]));
+                s.scattered.iter().for_each(|&[seen, density]| {
+                    sums.add(&super::on_paper::symmetric(lit, seen), &[density])
+                });
             }
             normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
         }
@@ -428,7 +465,6 @@ fn diffuse(layer: &LayerEnsemble, solved: &[SolvedRealisation]) -> Fits {
     };
     Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, DIFFUSE)
 }
-
 
 #[cfg(test)]
 #[path = "ink_tests.rs"]

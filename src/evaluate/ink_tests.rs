@@ -14,7 +14,8 @@ pub(crate) fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> In
     let indices = |nm: f64| (index(nm), Vec::new());
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling };
     let films = films(&indices, coupling.index_below());
-    InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm }).unwrap()
+    InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm })
+        .unwrap()
 }
 
 fn films<'a>(indices: &'a super::super::films::Indices<'a>, index_out: f64) -> Films<'a> {
@@ -99,7 +100,8 @@ impl MadeUp<'_> {
     fn ink(&self, realisations: usize, seed: u64) -> (InkOnPaper, Vec<SolvedRealisation>) {
         let mut draws = crate::numerics::Draws::new(seed, 3);
         let sequence = crate::numerics::sequence::Sequence::<2>::new(seed);
-        let solved: Vec<_> = (0..realisations).map(|r| self.realisation(sequence.point(r), || draws.normal())).collect();
+        let solved: Vec<_> =
+            (0..realisations).map(|r| self.realisation(sequence.point(r), || draws.normal())).collect();
         let basis = SpectralBasis::Splines { range_nm: RANGE_NM, intervals: self.wavelengths };
         let layer = LayerEnsemble::new(&solved, basis, &self.films, &[0.0, PRINT_DEG]);
         let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
@@ -183,7 +185,9 @@ fn the_furnace_is_exact() {
         let films = films(&clear, index_out);
         let made = MadeUp { films, strata: 2, wavelengths: 6, noise: 0.02 };
         let mut draws = crate::numerics::Draws::new(9, 0);
-        let mut solved: Vec<_> = (0..5).map(|r| made.realisation([0.1 * r as f64, 0.9 - 0.15 * r as f64], || draws.normal())).collect();
+        let mut solved: Vec<_> = (0..5)
+            .map(|r| made.realisation([0.1 * r as f64, 0.9 - 0.15 * r as f64], || draws.normal()))
+            .collect();
         for w in solved.iter_mut().flat_map(|r| &mut r.wavelengths) {
             let lossless = |s: &mut Solved| (s.absorptance, s.reflectance) = (0.0, 1.0 - s.transmittance);
             w.exact.iter_mut().chain(&mut w.strata).for_each(lossless);
@@ -193,15 +197,21 @@ fn the_furnace_is_exact() {
         }
         let basis = SpectralBasis::Splines { range_nm: RANGE_NM, intervals: 6 };
         let layer = LayerEnsemble::new(&solved, basis, &made.films, &[0.0, PRINT_DEG]);
-        let coupling = if index_out > 1.0 { Coupling::OpticalContact { index: index_out } } else { Coupling::Gap };
+        let coupling =
+            if index_out > 1.0 { Coupling::OpticalContact { index: index_out } } else { Coupling::Gap };
         let substrate = Substrate { albedo: Albedo::Constant(1.0), coupling };
-        let inputs = InkInputs { films: &made.films, substrate: &substrate, outputs_nm: &[450.0, 550.0, 650.0] };
+        let inputs =
+            InkInputs { films: &made.films, substrate: &substrate, outputs_nm: &[450.0, 550.0, 650.0] };
         let ink = InkOnPaper::new(layer, &solved, &inputs).unwrap();
         for deg in [0.0, 20.0, 45.0, 70.0] {
             let view = ink.at(deg).unwrap();
             for layer in ink.layers() {
                 // identity: rounding and the fit's ridge
-                assert!((layer.albedo(&view) - 1.0).abs() < 1e-9, "{index_out}, {deg}°: {}", layer.albedo(&view));
+                assert!(
+                    (layer.albedo(&view) - 1.0).abs() < 1e-9,
+                    "{index_out}, {deg}°: {}",
+                    layer.albedo(&view)
+                );
             }
         }
     }

@@ -80,7 +80,12 @@ pub struct LayerEnsemble {
 
 impl LayerEnsemble {
     /// Fits the ensemble; realisations must be complete and alike in their angles.
-    pub fn new(realisations: &[SolvedRealisation], basis: SpectralBasis, films: &Films, exact_deg: &[f64]) -> Self {
+    pub fn new(
+        realisations: &[SolvedRealisation],
+        basis: SpectralBasis,
+        films: &Films,
+        exact_deg: &[f64],
+    ) -> Self {
         let first = realisations.first().and_then(|r| r.wavelengths.first());
         let strata = first.map_or(0, |w| w.strata.len());
         let of = |r: &SolvedRealisation| -> Vec<Vec<f64>> {
@@ -156,14 +161,24 @@ impl LayerEnsemble {
     }
 
     /// A total at one of the exact angles, at the given wavelengths.
-    pub fn spectrum(&self, films: &[FilmAt], wavelengths_nm: &[f64], angle: usize, total: Total) -> SpectrumEstimate {
+    pub fn spectrum(
+        &self,
+        films: &[FilmAt],
+        wavelengths_nm: &[f64],
+        angle: usize,
+        total: Total,
+    ) -> SpectrumEstimate {
         let column = self.column(angle, total);
-        let film: Vec<f64> = films.iter().map(|film| film_totals(film, self.exact_deg[angle])[total as usize]).collect();
+        let film: Vec<f64> =
+            films.iter().map(|film| film_totals(film, self.exact_deg[angle])[total as usize]).collect();
         let of = |without: Option<usize>| -> Vec<f64> {
             let fitted = |&nm: &f64| self.fitted(without, &self.basis.shares(nm), column);
             wavelengths_nm.iter().map(fitted).zip(&film).map(|(difference, film)| film + difference).collect()
         };
-        SpectrumEstimate { values: of(None), replicates: (0..self.replicates()).map(|r| of(Some(r))).collect() }
+        SpectrumEstimate {
+            values: of(None),
+            replicates: (0..self.replicates()).map(|r| of(Some(r))).collect(),
+        }
     }
 }
 

@@ -122,7 +122,8 @@ impl LayerOnPaper {
 
     /// g = ρ/(1 − ρ R̄_b), over n² in optical contact.
     pub fn return_factor(&self) -> f64 {
-        let back = returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out);
+        let back =
+            returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out);
         // checked when the layer was made; what noise alone could move further is no result
         back.unwrap_or(f64::NAN)
     }
@@ -181,12 +182,17 @@ impl LayerOnPaper {
     }
 
     /// What solves at these angles, taken with equal weights, miss of the fitted curves' means.
-    pub(super) fn quadrature_error(&self, polar_deg: impl Iterator<Item = f64> + Clone, exit: bool) -> Measured {
+    pub(super) fn quadrature_error(
+        &self,
+        polar_deg: impl Iterator<Item = f64> + Clone,
+        exit: bool,
+    ) -> Measured {
         let curve = |quantity: usize, mu: f64| self.difference_at(anchor_shares(mu), quantity);
         let rule = GaussLegendre::new(CURVE_NODES).expect("a positive number of nodes");
         let count = polar_deg.clone().count().max(1) as f64;
         let error = |quantity: usize| {
-            let sampled = polar_deg.clone().map(|deg| curve(quantity, deg.to_radians().cos())).sum::<f64>() / count;
+            let sampled =
+                polar_deg.clone().map(|deg| curve(quantity, deg.to_radians().cos())).sum::<f64>() / count;
             sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * curve(quantity, mu))
         };
         let (reflected, transmittance) = (error(0), error(1));

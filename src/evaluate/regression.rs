@@ -33,7 +33,8 @@ impl Normal {
         let width = products.matrix.nrows();
         for &(i, a) in wavelength {
             for &(j, b) in wavelength {
-                let mut block = self.matrix.slice_mut(s![i * width..(i + 1) * width, j * width..(j + 1) * width]);
+                let mut block =
+                    self.matrix.slice_mut(s![i * width..(i + 1) * width, j * width..(j + 1) * width]);
                 block.scaled_add(a * b, &products.matrix);
             }
             self.right.slice_mut(s![i * width..(i + 1) * width, ..]).scaled_add(a, &products.right);

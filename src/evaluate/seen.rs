@@ -178,7 +178,8 @@ fn on_paper(
 fn distributions(study: &Study, fields: &[Vec<FarField>]) -> Result<Vec<Bdf>, BdfError> {
     let alike = study.variation.cell == CellRule::Fixed && study.variation.light == LightRule::Listed;
     let each = study.angles.count();
-    let places = (0..study.solved_wavelengths()).flat_map(|w| (0..study.angles.exact_deg.len()).map(move |a| w * each + a));
+    let places = (0..study.solved_wavelengths())
+        .flat_map(|w| (0..study.angles.exact_deg.len()).map(move |a| w * each + a));
     let of = |place: usize| {
         let ensemble: Vec<FarField> = fields.iter().map(|fields| fields[place].clone()).collect();
         match alike && study.variation.thickness_std_um == 0.0 {

@@ -109,7 +109,8 @@ fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
     let alternating = |r: usize, w: &SolvedWavelength| {
         let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
         let film = layer.film(w.wavelength_nm);
-        let difference = |s: &super::samples::Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
+        let difference =
+            |s: &super::samples::Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
         let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
         sum / w.strata.len() as f64
     };
@@ -124,7 +125,8 @@ fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
 fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
     let ensemble = layer.ensemble();
     let index = layer.index_out()?;
-    let [t, a, r] = [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
+    let [t, a, r] =
+        [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
     let of = |realisation: usize| {
         let wavelengths = ensemble.wavelengths_nm(realisation).len();
         let value = |j: usize, column: usize| ensemble.measured(realisation, j, column);
@@ -170,9 +172,11 @@ fn colours(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Result<Vec<
     let of = || -> Result<Vec<ColourNote>, InkError> {
         let conditions = Conditions::new(ink)?;
         let natural = conditions.natural_light(study);
-        let sky = uncertainty.colour(ink, &seen.solved, natural, &|l, by| conditions.natural_light_moved(l, by))?;
-        let print = uncertainty
-            .colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| conditions.lit_at_45_moved(l, by))?;
+        let sky =
+            uncertainty.colour(ink, &seen.solved, natural, &|l, by| conditions.natural_light_moved(l, by))?;
+        let print = uncertainty.colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| {
+            conditions.lit_at_45_moved(l, by)
+        })?;
         Ok(vec![note(NATURAL_LIGHT, sky, degrees), note(LIT_AT_45, print, degrees)])
     };
     of().map_err(|error| error.to_string())
@@ -195,14 +199,16 @@ fn note(conditions: &str, (colour, budget): (Colour, Budget), degrees: usize) ->
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
     let Some(layer) = &seen.layer else { return Vec::new() };
     let angles = 0..layer.angles_deg().len();
-    let mut rows: Vec<SpectrumRow> = angles.flat_map(|angle| rows_of(study, layer, angle, uncertainty)).collect();
+    let mut rows: Vec<SpectrumRow> =
+        angles.flat_map(|angle| rows_of(study, layer, angle, uncertainty)).collect();
     if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(ink))) {
         let natural = ink.spectrum(conditions.natural_light(study)).estimates();
         let lit = ink.spectrum(|l| conditions.lit_at_45(l)).estimates();
         let shared = uncertainty.shared();
         let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
         for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
-            row.natural_light = Some(uncertainty.widen(natural[i], conditions.natural_light_moved(layer, shared)));
+            row.natural_light =
+                Some(uncertainty.widen(natural[i], conditions.natural_light_moved(layer, shared)));
             row.lit_at_45 = Some(uncertainty.widen(lit[i], conditions.lit_at_45_moved(layer, shared)));
         }
     }

@@ -46,7 +46,11 @@ impl SpectralBasis {
             Self::Splines { range_nm: [from, to], intervals } => {
                 let place = (nm - from) / (to - from) * *intervals as f64;
                 let piece = (place.floor().max(0.0) as usize).min(intervals - 1);
-                cubic(place - piece as f64).into_iter().enumerate().map(|(k, value)| (piece + k, value)).collect()
+                cubic(place - piece as f64)
+                    .into_iter()
+                    .enumerate()
+                    .map(|(k, value)| (piece + k, value))
+                    .collect()
             }
         }
     }
@@ -60,7 +64,9 @@ impl SpectralBasis {
     pub fn roughness(&self) -> Vec<[(usize, f64); 3]> {
         match self {
             Self::Listed(_) => Vec::new(),
-            Self::Splines { .. } => (2..self.len()).map(|i| [(i - 2, 1.0), (i - 1, -2.0), (i, 1.0)]).collect(),
+            Self::Splines { .. } => {
+                (2..self.len()).map(|i| [(i - 2, 1.0), (i - 1, -2.0), (i, 1.0)]).collect()
+            }
         }
     }
 }

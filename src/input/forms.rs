@@ -87,7 +87,8 @@ impl<'de> Deserialize<'de> for ThicknessWritten {
                 self.visit_f64(v as f64)
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ThicknessWritten, A::Error> {
-                let ThicknessTable { mean, std } = ThicknessTable::deserialize(MapAccessDeserializer::new(map))?;
+                let ThicknessTable { mean, std } =
+                    ThicknessTable::deserialize(MapAccessDeserializer::new(map))?;
                 Ok(ThicknessWritten { mean, std })
             }
         }

@@ -11,9 +11,7 @@ pub mod file;
 pub mod forms;
 pub mod load;
 pub mod locate;
-pub mod pack_study;
 pub mod study;
 pub mod variation;
 
-pub use pack_study::PackStudy;
 pub use study::Study;

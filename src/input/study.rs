@@ -167,7 +167,16 @@ impl Study {
     pub fn key(&self) -> Key {
         let spectra: Vec<&Spectrum> = self.pigments.iter().map(|p| &p.material.spectrum).collect();
         let binder = (&self.layer.binder.spectrum, &self.layer.binder.dissolved);
-        let ensemble = (&self.layer, &self.pigments, spectra, binder, &self.packing, self.realisations, self.target_delta_e, &self.variation);
+        let ensemble = (
+            &self.layer,
+            &self.pigments,
+            spectra,
+            binder,
+            &self.packing,
+            self.realisations,
+            self.target_delta_e,
+            &self.variation,
+        );
         let light = (&self.paper, &self.wavelengths_nm, &self.angles);
         Key::of("study", &(ensemble, light, &self.resolution, &self.solver, &self.goal))
     }
@@ -207,7 +216,8 @@ impl Study {
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
         let above = exact_deg.iter().copied().chain(stratified_deg(*strata, draw.direction));
         let mut directions: Vec<(Side, f64)> = above.map(|deg| (Side::Incident, deg)).collect();
-        directions.extend(stratified_deg(*exit_strata, draw.direction).into_iter().map(|deg| (Side::Exit, deg)));
+        directions
+            .extend(stratified_deg(*exit_strata, draw.direction).into_iter().map(|deg| (Side::Exit, deg)));
         let at = |(wavelength, nm): (usize, f64)| {
             let point = move |&(from, polar_deg): &(Side, f64)| {
                 let incidence =

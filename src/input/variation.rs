@@ -119,13 +119,18 @@ impl Study {
     pub fn thicknesses_um(&self) -> Vec<f64> {
         let count = if self.variation.thickness_std_um > 0.0 { 32 } else { 1 };
         let share = |k: usize| (k as f64 + 0.5) / count as f64;
-        (0..count).map(|k| thickness_um(self.layer.thickness_um, self.variation.thickness_std_um, share(k))).collect()
+        (0..count)
+            .map(|k| thickness_um(self.layer.thickness_um, self.variation.thickness_std_um, share(k)))
+            .collect()
     }
 
     /// The area nearest to `area` (µm²) that whole grains fill to the volume fractions asked.
     fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
-        let quanta: Vec<f64> =
-            self.pigments.iter().filter_map(|p| area_of_a_grain(&p.grains, self.dry_um(thickness_um))).collect();
+        let quanta: Vec<f64> = self
+            .pigments
+            .iter()
+            .filter_map(|p| area_of_a_grain(&p.grains, self.dry_um(thickness_um)))
+            .collect();
         let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };
         let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;
         let miss = |n: usize| {

@@ -119,11 +119,13 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
         };
         study.pigments.iter().map(of).fold(0.0, f64::max)
     };
-    let slanted = stratified_deg(study.angles.strata, 0.5).into_iter().chain(study.angles.exact_deg.iter().copied());
+    let slanted =
+        stratified_deg(study.angles.strata, 0.5).into_iter().chain(study.angles.exact_deg.iter().copied());
     let (smallest, largest) = (study.angles.exact_deg[0], slanted.fold(0.0, f64::max));
     let nm = &study.wavelengths_nm;
     let strongest = nm.iter().copied().max_by(|&a, &b| contrast(a).total_cmp(&contrast(b))).unwrap_or(nm[0]);
-    let mut probes = vec![incidence(nm[0], smallest), incidence(nm[0], largest), incidence(strongest, smallest)];
+    let mut probes =
+        vec![incidence(nm[0], smallest), incidence(nm[0], largest), incidence(strongest, smallest)];
     probes.dedup();
     probes
 }

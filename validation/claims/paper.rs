@@ -36,7 +36,12 @@ fn ink(case: &Value, index: Complex64, coupling: Coupling, solved: Option<usize>
     let thickness_um = thickness_um * 1e-3 * OUTPUT_NM / wavelength_um;
     let indices = |_: f64| (index, Vec::new());
     let index_out = coupling.index_below();
-    let films = Films { profile: Profile::homogeneous(), indices: &indices, thicknesses_um: vec![thickness_um], index_out };
+    let films = Films {
+        profile: Profile::homogeneous(),
+        indices: &indices,
+        thicknesses_um: vec![thickness_um],
+        index_out,
+    };
     let substrate = Substrate { albedo: Albedo::Constant(number("rho")), coupling };
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[OUTPUT_NM] };
     let Some(strata) = solved else { return InkOnPaper::homogeneous(&inputs).expect("a layer") };
@@ -83,7 +88,8 @@ fn index_of(case: &Value) -> Complex64 {
 fn gap_errors(case: &Value, ink: &InkOnPaper) -> [f64; 2] {
     let number = |key: &str| case[key].as_f64().expect("a number");
     let paper = &ink.layers()[0];
-    let angles: Vec<_> = numbers(&case["angles_deg"]).iter().map(|&a| ink.at(a).expect("below 90°")).collect();
+    let angles: Vec<_> =
+        numbers(&case["angles_deg"]).iter().map(|&a| ink.at(a).expect("below 90°")).collect();
     let mut means = (paper.mean_reflectance_exit() - number("R_diffuse")).abs();
     means = means.max((paper.mean_transmittance() - number("T_diffuse")).abs());
     let mut curves: f64 = 0.0;
@@ -128,14 +134,23 @@ fn measure(level: Level, findings: &mut Findings) {
     let because = "12 printed digits; a homogeneous layer is its own film";
     findings.identity("gap, closed forms", exact[0].max(exact[1]), 2e-12, because);
     // The film is wrong on purpose: what is left is the directions' and the fit's.
-    let wrong = |strata: usize| worst(&|c| gap_errors(c, &ink(c, index_of(c) + WRONG_INDEX, Coupling::Gap, Some(strata))));
+    let wrong = |strata: usize| {
+        worst(&|c| gap_errors(c, &ink(c, index_of(c) + WRONG_INDEX, Coupling::Gap, Some(strata))))
+    };
     let (few, many) = (wrong(2), wrong(level.pick(6, 12)));
-    let because = "16 shifts of each stratum are a fine sum over the hemisphere: a midpoint rule of 32 points";
+    let because =
+        "16 shifts of each stratum are a fine sum over the hemisphere: a midpoint rule of 32 points";
     findings.promise("gap, wrong film, 4 directions: means", few[0], 2e-3, because);
     let because = "between 0°, 45° and grazing the fit has two bends; the fringes that the wrong film leaves are some percent";
     findings.promise("gap, wrong film, 4 directions: up to 60°", few[1], 5e-2, because);
     let because = "six times the directions sharpen the sum over the hemisphere, so the means come nearer";
-    findings.check("gap, wrong film: error of the means, 4 directions over many", few[0] / many[0], Bound::AtLeast(2.0), Reason::Order, because);
+    findings.check(
+        "gap, wrong film: error of the means, 4 directions over many",
+        few[0] / many[0],
+        Bound::AtLeast(2.0),
+        Reason::Order,
+        because,
+    );
     let clear = list("williams_clapper").into_iter().filter(|c| c["tau"] == 0.0 && c["surface"] == "s");
     let error = clear.map(|c| contact_error(&c)).fold(0.0, f64::max);
     findings.identity(

@@ -27,7 +27,13 @@ pub(crate) fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) 
         (None, count) => {
             let count = count.unwrap_or(USUAL_COUNT);
             surroundings(file, coupling, faults);
-            super::whole("angles.count", count, EXACT + 1..=64, "5 is usual; 0° and 45° are always among them", faults);
+            super::whole(
+                "angles.count",
+                count,
+                EXACT + 1..=64,
+                "5 is usual; 0° and 45° are always among them",
+                faults,
+            );
             over_hemisphere(file, vec![0.0, PRINT_DEG], count.saturating_sub(EXACT), coupling)
         }
         (Some(_), Some(_)) => {
@@ -47,7 +53,10 @@ fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Angles {
         .map(|(_, name)| name)
         .collect();
     if !missing.is_empty() {
-        let reason = format!("angles.polar_deg does not list {}: paper and colour need 0 and 45", missing.join(" and "));
+        let reason = format!(
+            "angles.polar_deg does not list {}: paper and colour need 0 and 45",
+            missing.join(" and ")
+        );
         return alone(table, exact_deg, reason);
     }
     let mut unsuited = Faults::default();

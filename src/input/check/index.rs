@@ -28,9 +28,15 @@ pub(crate) fn tabulate(
     }
     let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
     // Wavelengths that are no numbers have their own fault.
-    values
-        .collect::<Result<_, _>>()
-        .map_or_else(|_| vacuum(), |index| Material { source: source(&spectrum), index, spectrum: spectrum.clone(), dissolved: Vec::new() })
+    values.collect::<Result<_, _>>().map_or_else(
+        |_| vacuum(),
+        |index| Material {
+            source: source(&spectrum),
+            index,
+            spectrum: spectrum.clone(),
+            dissolved: Vec::new(),
+        },
+    )
 }
 
 /// The spectrum's name; a transparent constant without its zero.

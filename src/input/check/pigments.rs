@@ -24,7 +24,7 @@ pub(crate) fn pigments(
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
     let pigments: Vec<Pigment> = tables
         .map(|(i, table)| Pigment {
-            name: table.name.clone(),
+            name: name(table),
             grains: grains(i, table, (&file.layer, period_um), faults),
             material: index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults),
         })
@@ -46,7 +46,7 @@ pub(crate) fn dissolved(
         .map(|(i, table)| {
             fraction(i, table, faults);
             let material = index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults);
-            Dissolved { name: table.name.clone(), volume_fraction: table.volume_fraction, material }
+            Dissolved { name: name(table), volume_fraction: table.volume_fraction, material }
         })
         .collect()
 }
@@ -65,8 +65,16 @@ pub(crate) fn solution(binder: Material, dissolved: &[Dissolved], grains: &[Pigm
         source: binder.source,
         index: binder.index.iter().enumerate().map(mixed).collect(),
         spectrum: binder.spectrum,
-        dissolved: dissolved.iter().map(|d| (d.volume_fraction / room, d.material.spectrum.clone())).collect(),
+        dissolved: dissolved
+            .iter()
+            .map(|d| (d.volume_fraction / room, d.material.spectrum.clone()))
+            .collect(),
     }
+}
+
+/// Filled in already where it was left out.
+fn name(table: &PigmentTable) -> String {
+    table.name.clone().unwrap_or_default()
 }
 
 fn is_molecular(table: &PigmentTable) -> bool {
@@ -74,7 +82,12 @@ fn is_molecular(table: &PigmentTable) -> bool {
 }
 
 /// The packing of the nominal cell; a fault of its own check is added unless there are others.
-pub(super) fn packing(file: &StudyFile, period_um: [f64; 2], pigments: &[Pigment], faults: &mut Faults) -> PackingRequest {
+pub(super) fn packing(
+    file: &StudyFile,
+    period_um: [f64; 2],
+    pigments: &[Pigment],
+    faults: &mut Faults,
+) -> PackingRequest {
     let request = PackingRequest {
         period_um,
         thickness_um: file.layer.thickness_um.mean,
@@ -85,6 +98,7 @@ pub(super) fn packing(file: &StudyFile, period_um: [f64; 2], pigments: &[Pigment
         relaxation: file.packing.relaxation,
         equilibration: file.packing.equilibration,
         relief: file.layer.relief,
+        walls: file.layer.walls,
         ..PackingRequest::default()
     };
     if let (true, Err(PackError::BadInput { field, found, allowed, advice })) =
@@ -134,10 +148,12 @@ pub(super) fn nominal_period_um(file: &StudyFile) -> f64 {
             return 0.0;
         }
         let (_, longest) = largest_extents_nm(&grains);
-        let diameter = grains.shape.template().effective_diameter() / grains.shape.template().length * longest;
+        let diameter =
+            grains.shape.template().effective_diameter() / grains.shape.template().length * longest;
         1e-3 * (DIAMETERS * diameter).max(LONGEST * longest)
     };
-    let need = file.pigments.iter().filter(|table| !is_molecular(table)).map(need).fold(USUAL_PERIOD_UM, f64::max);
+    let need =
+        file.pigments.iter().filter(|table| !is_molecular(table)).map(need).fold(USUAL_PERIOD_UM, f64::max);
     (need / PERIOD_STEP_UM - 1e-9).ceil() * PERIOD_STEP_UM
 }
 
@@ -187,10 +203,8 @@ fn fits(i: usize, grains: &PigmentGrains, one_diameter: bool, (layer, period_um)
         CellRule::Fixed => "half the layer's period",
         CellRule::Varied => "half the shortest side that a varied cell gets (0.65 layer.period_um)",
     };
-    let limits = [
-        (longest, 500.0 * shortest, side),
-        (thickest, 1e3 * thinnest_um(layer), "the layer's thickness"),
-    ];
+    let limits =
+        [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um(layer), "the layer's thickness")];
     // A cell that is no cell has its own fault.
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
@@ -219,8 +233,8 @@ pub(crate) fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
 fn names(file: &StudyFile, faults: &mut Faults) {
     for (i, pigment) in file.pigments.iter().enumerate() {
         let repeated = file.pigments[..i].iter().any(|earlier| earlier.name == pigment.name);
-        if repeated || pigment.name.trim().is_empty() {
-            let found = format!("{:?}", pigment.name);
+        if repeated || name(pigment).trim().is_empty() {
+            let found = format!("{:?}", name(pigment));
             let allowed = "a name that no other pigment has";
             faults.push(Fault::new(of(i, "name"), found, allowed, "give it another name"));
         }

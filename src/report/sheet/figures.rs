@@ -95,7 +95,8 @@ fn other_angles(rows: &[SpectrumRow]) -> Drawing {
     } else {
         let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
         let of = |w: usize| {
-            let rows: Vec<&SpectrumRow> = rows.iter().filter(|row| row.wavelength_nm == wavelengths[w]).collect();
+            let rows: Vec<&SpectrumRow> =
+                rows.iter().filter(|row| row.wavelength_nm == wavelengths[w]).collect();
             let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| Series {
                 name: format!("{name}, {:.0} nm", wavelengths[w]),
                 points: rows.iter().map(|row| (row.polar_deg, of(row))).collect(),
@@ -103,7 +104,11 @@ fn other_angles(rows: &[SpectrumRow]) -> Drawing {
             [curve("R", &|row| row.reflectance), curve("T", &|row| row.transmittance)]
         };
         let series = shown(&wavelengths).into_iter().flat_map(of).collect();
-        let plot = Plot { x_label: "angle of incidence, °".into(), y_label: "share of the light".into(), ..Plot::default() };
+        let plot = Plot {
+            x_label: "angle of incidence, °".into(),
+            y_label: "share of the light".into(),
+            ..Plot::default()
+        };
         Plot { series, y_range: Some([0.0, 1.0]), ..plot }
     };
     Some(("Every angle solved", plot, caption.to_owned()))

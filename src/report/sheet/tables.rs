@@ -26,7 +26,9 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
     }
     rows.extend(manifest.colours.first().map(budget).unwrap_or_default());
     if let (Some(factor), degrees) = (certainty.coverage_factor_95, certainty.degrees_of_freedom) {
-        let meaning = format!("95 % intervals are ± this many standard errors (Student's t, {degrees} degrees of freedom)");
+        let meaning = format!(
+            "95 % intervals are ± this many standard errors (Student's t, {degrees} degrees of freedom)"
+        );
         rows.push(meant("95 %", format!("× {factor:.2}"), meaning));
     }
     if let Some(error) = largest_error(&manifest.spectra) {
@@ -34,8 +36,7 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
         rows.push(meant("spectra", format!("± {error:.4}"), meaning));
     }
     if let Some(error) = certainty.angle_error_estimate {
-        let meaning =
-            "standard error of the mean transmittance over the hemisphere from the placing of the directions, at the worst wavelength";
+        let meaning = "standard error of the mean transmittance over the hemisphere from the placing of the directions, at the worst wavelength";
         rows.push(meant("angles", format!("{error:.1e}"), meaning));
     }
     rows.extend([
@@ -69,13 +70,27 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
 fn budget(note: &ColourNote) -> Vec<Meant> {
     let Budget { chance_and_cell, angles, wavelengths, grid, residual } = note.budget;
     let parts = [
-        ("… chance and cell", chance_and_cell, "random packings in cells of their own: more realisations lessen it"),
-        ("… angles", angles, "directions over the hemisphere: more of them (angles.count) or more realisations lessen it"),
+        (
+            "… chance and cell",
+            chance_and_cell,
+            "random packings in cells of their own: more realisations lessen it",
+        ),
+        (
+            "… angles",
+            angles,
+            "directions over the hemisphere: more of them (angles.count) or more realisations lessen it",
+        ),
         ("… grid", Some(grid), "resolution.accuracy lessens it"),
         ("… residual", Some(residual), "solver.tolerance lessens it"),
-        ("… wavelengths", Some(wavelengths), "what their spacing would cost; the colour is corrected for it, and chance holds the rest"),
+        (
+            "… wavelengths",
+            Some(wavelengths),
+            "what their spacing would cost; the colour is corrected for it, and chance holds the rest",
+        ),
     ];
-    let row = |(name, part, meaning): (&str, Option<f64>, &str)| Some(meant(name, format!("ΔE {:.3}", part?), meaning));
+    let row = |(name, part, meaning): (&str, Option<f64>, &str)| {
+        Some(meant(name, format!("ΔE {:.3}", part?), meaning))
+    };
     parts.into_iter().filter_map(row).collect()
 }
 
@@ -89,7 +104,9 @@ pub(crate) fn asked(study: &Study) -> Vec<Named> {
     let [x, y] = layer.period_um;
     let cell = match study.variation.cell {
         CellRule::Fixed => format!("{x} × {y} µm, repeated sideways"),
-        CellRule::Varied => format!("about {x:.1} × {y:.1} µm, repeated sideways; another size, shape and azimuth in every realisation"),
+        CellRule::Varied => format!(
+            "about {x:.1} × {y:.1} µm, repeated sideways; another size, shape and azimuth in every realisation"
+        ),
     };
     let uneven = match study.variation.thickness_std_um {
         0.0 => String::new(),
@@ -230,7 +247,8 @@ pub(crate) fn limits(study: &Study) -> Vec<String> {
         lines.push(line.to_owned());
     }
     if study.solved_wavelengths() < 8 && study.angles.strata > 0 {
-        let line = "Fewer than 8 wavelengths: the colour of a spectrum with steep edges can be off by several ΔE.";
+        let line =
+            "Fewer than 8 wavelengths: the colour of a spectrum with steep edges can be off by several ΔE.";
         lines.push(line.to_owned());
     }
     lines

@@ -61,7 +61,8 @@ impl GridError {
                 Err(_) => totals(task, &cover(scaled(own, 1.0 / COARSER))?, watch)?,
             };
             // Layers without grains are exact on every grid: rounding is no error of theirs.
-            let difference = |i: usize| if (one[i] - other[i]).abs() > ROUNDING { one[i] - other[i] } else { 0.0 };
+            let difference =
+                |i: usize| if (one[i] - other[i]).abs() > ROUNDING { one[i] - other[i] } else { 0.0 };
             differences.push([difference(0), difference(1)]);
         }
         Ok(differences)

@@ -1,9 +1,9 @@
 //! Trials of single variants: what packing, covering, the search for a grid and a solve cost.
 
 use crate::ink::PigmentGrains;
-use crate::input::variation::CellRule;
 use crate::input::check::largest_extents_nm;
 use crate::input::study::{Point, Study, WantedResolution};
+use crate::input::variation::CellRule;
 use crate::run::crew::work_through;
 use crate::run::point::solve_point;
 use crate::run::realisation::Packings;
