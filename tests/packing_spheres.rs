@@ -2,7 +2,7 @@
 
 use inkwave::ink::pack;
 use inkwave::ink::{
-    MethodChoice, PackError, PackProgress, PackWatch, Packing, PackingRequest, PigmentGrains,
+    Method, MethodChoice, PackError, PackProgress, PackWatch, Packing, PackingRequest, PigmentGrains,
 };
 use std::ops::ControlFlow;
 
@@ -92,14 +92,32 @@ fn the_limit_is_told_with_figures() {
     let mut asked = request(450.0, 0.64, MethodChoice::Relaxation);
     asked.relaxation.max_steps = 3000;
     match pack(&asked, &mut ()) {
-        Err(PackError::NotReached { requested, reached, largest_overlap_um, placed, wanted, .. }) => {
+        Err(PackError::NotReached { requested, reached, largest_overlap_um, wanted, .. }) => {
             assert!((requested - 0.64).abs() < 0.002);
+            let reached = reached.expect("fewer of these grains fit");
             // Bounds: H/d = 2.2 allows about 0.52 (design note); what is told must be near it and below the request.
-            assert!(reached > 0.45 && reached < requested && placed < wanted);
+            assert!(reached.fraction > 0.45 && reached.fraction < requested && reached.grains < wanted);
             assert!(largest_overlap_um > 0.0 && largest_overlap_um < 0.45);
         }
         other => panic!("0.64 between close walls cannot be: {other:?}"),
     }
+}
+
+/// A blocked addition is told as such, and the automatic choice goes on with relaxation.
+#[test]
+fn blocked_addition_has_its_own_error() {
+    let mut asked = request(250.0, 0.3, MethodChoice::SequentialAddition);
+    asked.sequential.attempts_per_grain = 3;
+    match pack(&asked, &mut ()) {
+        Err(PackError::Blocked { requested, reached, placed, wanted, attempts }) => {
+            assert!(reached < requested && placed < wanted && attempts >= placed as u64 + 3);
+        }
+        other => panic!("three attempts a grain cannot do: {other:?}"),
+    }
+    let mut dilute = request(250.0, 0.15, MethodChoice::Auto);
+    dilute.sequential.attempts_per_grain = 1;
+    let packing = pack(&dilute, &mut ()).expect("relaxation takes over");
+    assert_eq!(packing.method(), Method::Relaxation);
 }
 
 #[test]

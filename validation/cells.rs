@@ -1,7 +1,9 @@
 //! Small cells that claims on strategies and identities share.
 
 use inkwave::solve::{Goal, Silent, Solution, SolveError, Solver};
-use inkwave::wave::{Ball, Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
+use inkwave::wave::{
+    Ball, Body, Incidence, Material, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side,
+};
 use num_complex::Complex64;
 
 /// A real mean, which relaxation needs.
@@ -33,7 +35,7 @@ impl Cell {
         ];
         let grain = |[x, y, z, radius_um]: [f64; 4]| Body {
             shape: Shape::Balls(vec![Ball { center_um: [x, y, z], radius_um }]),
-            inclusion: 0,
+            material: Material::Inclusion(0),
         };
         Scene::layer([0.7, 0.62], 0.55, grains.map(grain).to_vec())
     }

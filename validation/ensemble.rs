@@ -53,7 +53,7 @@ impl Layers {
             incident: 1.0.into(),
             exit: 1.0.into(),
             backgrounds: vec![1.558.into()],
-            inclusions: vec![Complex64::new(1.4, self.kappa), 1.0.into()],
+            inclusions: vec![Complex64::new(1.4, self.kappa)],
         };
         let incidence = Incidence {
             wavelength_um: WAVELENGTH_UM,

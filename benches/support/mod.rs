@@ -31,7 +31,7 @@ pub fn coverage(side_um: f64, thickness_um: f64, cells: usize) -> Arc<Coverage> 
 
 pub fn problem(coverage: &Arc<Coverage>, kappa: f64, mean: Mean) -> Problem {
     let one = Complex64::ONE;
-    let inclusions = vec![Complex64::new(1.4, kappa), one];
+    let inclusions = vec![Complex64::new(1.4, kappa)];
     let media = Media { incident: one, exit: one, backgrounds: vec![1.558.into()], inclusions };
     let incidence = Incidence { wavelength_um: 0.55, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     Problem::new(coverage, &media, &incidence, mean).expect("problem")

@@ -2,11 +2,13 @@
 
 pub mod compare;
 pub mod diagnostics;
+pub mod memory;
 pub mod merge;
 pub mod pack;
 pub mod progress;
 pub mod report;
 pub mod run;
+pub mod say;
 pub mod solve;
 pub mod stop;
 pub mod sweep;

@@ -1,6 +1,8 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
 use super::diagnostics::study_report;
+use super::run::folder_report;
+use super::say::say;
 use super::stop::StopFlag;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,6 +11,8 @@ use inkwave::ink::{PackProgress, PackWatch, Packing};
 use inkwave::input::Study;
 use inkwave::input::load::load_packing;
 use inkwave::report::packing::write_report;
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result, WrapErr};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -37,11 +41,13 @@ pub fn run(args: &PackArgs) -> Result<()> {
     study.packing.seed = args.seed.unwrap_or(study.packing.seed);
     study.realisations = args.realisations.map_or(study.realisations, usize::from);
     let stop = StopFlag::listen();
-    let packings = (0..study.realisations).map(|k| one(&study, k, &stop)).collect::<Result<Vec<_>>>()?;
     let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.study));
+    let folder = OutputFolder::open(&folder, Holds::Packings).map_err(folder_report)?;
+    let packings = (0..study.realisations).map(|k| one(&study, k, &stop)).collect::<Result<Vec<_>>>();
+    let packings = packings.inspect_err(|_| folder.discard_when_empty())?;
     let pigments: Vec<_> = study.pigments.iter().map(|p| (p.name.clone(), p.grains.shape.clone())).collect();
-    let (_, page) = write_report(&folder, &study.title, &pigments, &packings).into_diagnostic()?;
-    println!("report: {}", page.display());
+    let (_, page) = write_report(folder.path(), &study.title, &pigments, &packings).into_diagnostic()?;
+    say(format_args!("report: {}", page.display()))?;
     Ok(())
 }
 
@@ -57,7 +63,7 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     let packed = pack(&study.packing_request(realisation), &mut Bar { bar: &bar, stop });
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {realisation}"))?;
-    println!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64()));
+    say(format_args!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64())))?;
     Ok(packing)
 }
 

@@ -1,9 +1,11 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
+use super::say::say;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, SolverChoice, Step, Watch};
+use inkwave::wave::contrast::coverage::error_for;
 use inkwave::wave::{Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
@@ -81,15 +83,20 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         );
     }
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
+    // A grid of one's own choice may be as fine as it likes.
+    let coverages = match args.nz {
+        Some(_) => Coverages::of(&case.scene),
+        None => Coverages::within(&case.scene, error_for(args.accuracy.unwrap_or(DEFAULT_ACCURACY))),
+    };
     let task = Task {
-        coverages: &Coverages::of(&case.scene),
+        coverages: &coverages,
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
         scheme: scheme(args),
         solver: &*solver,
         goal: Goal { tolerance: args.tolerance, ..Goal::default() },
-        memory: (args.memory_gb * 1e9) as usize,
+        memory: super::memory::bytes(args.memory_gb)?,
     };
     let mut bar = Bar::new();
     let estimated = match args.nz {
@@ -97,7 +104,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         None => task.solve_to_accuracy(args.accuracy.unwrap_or(DEFAULT_ACCURACY), &mut bar),
     };
     bar.0.finish_and_clear();
-    println!("{:#}", report(&estimated.into_diagnostic()?));
+    say(format_args!("{:#}", report(&estimated.into_diagnostic()?)))?;
     Ok(())
 }
 
@@ -105,9 +112,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     if !(1e-15..1.0).contains(&args.tolerance) {
         miette::bail!("--tolerance is {}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6", args.tolerance);
     }
-    if args.memory_gb.is_nan() || args.memory_gb <= 0.0 {
-        miette::bail!("--memory-gb is {}; it must be above 0: try 4", args.memory_gb);
-    }
+    super::memory::bytes(args.memory_gb)?;
     Ok(())
 }
 

@@ -144,7 +144,7 @@ impl MatrixTable {
             scheme: Scheme::Cubic,
             solver: &Gmres::default(),
             goal: Goal { tolerance: 1e-2 * self.accuracy, ..Goal::default() },
-            memory: 8_000_000_000,
+            memory: 8e9,
         };
         Ok(task.solve_to_accuracy(self.accuracy, watch)?)
     }

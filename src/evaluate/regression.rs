@@ -140,7 +140,9 @@ mod tests {
             for j in 0..12 {
                 let nm = 405.0 + 25.0 * j as f64 + 5.0 * r as f64;
                 let mut sums = Sums::new(2, 1);
-                [0.1 + 0.05 * r as f64, 0.9].map(|mu| sums.add(&[1.0, mu], &[truth(nm, mu)]));
+                for mu in [0.1 + 0.05 * r as f64, 0.9] {
+                    sums.add(&[1.0, mu], &[truth(nm, mu)]);
+                }
                 normal.add(&basis.shares(nm), &sums);
             }
             parts.push(normal);

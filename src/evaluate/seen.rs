@@ -142,10 +142,10 @@ fn solved(study: &Study, realisation: &Realisation, fields: &[FarField]) -> Solv
     }
 }
 
-/// Background and inclusions; the last inclusion is what lies above a relief.
+/// Background and inclusions, and last what lies above a relief.
 fn indices(study: &Study, nm: f64) -> (Complex64, Vec<Complex64>) {
     let media = study.media(1e-3 * nm);
-    (media.backgrounds[0], media.inclusions)
+    (media.backgrounds[0], media.inclusions.into_iter().chain([media.incident]).collect())
 }
 
 fn mean_profile(complete: &[&Realisation]) -> Profile {

@@ -16,6 +16,7 @@ pub struct ReliefRequest {
     /// By how much the levelled dry ink is thinner than the layer of grains, H: the volume fractions refer to
     /// the dry volume, area × (H − depth).
     pub depth_um: f64,
+    /// The surface's shape.
     #[serde(default)]
     pub rule: ReliefRule,
 }
@@ -29,7 +30,12 @@ pub enum ReliefRule {
     Flat,
     /// Level + `follow` × (T − ⟨T⟩), T the height of the topmost pigment over each point smoothed by a Gaussian
     /// of standard deviation `smoothing_um`: surface tension levels what is shorter. Never above the layer.
-    Following { follow: f64, smoothing_um: f64 },
+    Following {
+        /// How far the surface follows the grains: 0 (flat) to 1.
+        follow: f64,
+        /// Standard deviation of the smoothing, µm, at least 0.
+        smoothing_um: f64,
+    },
 }
 
 impl ReliefRequest {
@@ -104,14 +110,17 @@ impl Relief {
         self.count
     }
 
+    /// The rule that was asked for.
     pub fn rule(&self) -> ReliefRule {
         self.rule
     }
 
+    /// Mean height of the binder above the paper, µm.
     pub fn mean_height_um(&self) -> f64 {
         mean(&self.heights_um)
     }
 
+    /// Root mean square deviation of the binder's height from its mean, µm.
     pub fn rms_height_um(&self) -> f64 {
         rms(&self.heights_um)
     }

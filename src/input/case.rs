@@ -255,7 +255,7 @@ impl Builder {
     }
 
     fn body(&mut self, shape: Shape, eta: [f64; 2]) -> Body {
-        Body { shape, inclusion: index_of(&mut self.inclusions, eta) }
+        Body::new(shape, index_of(&mut self.inclusions, eta))
     }
 }
 

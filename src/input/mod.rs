@@ -11,7 +11,9 @@ pub mod file;
 pub mod forms;
 pub mod load;
 pub mod locate;
+pub mod read;
 pub mod study;
+pub mod tree;
 pub mod variation;
 
 pub use study::Study;

@@ -1,11 +1,12 @@
 //! A study that has passed every check: the only input a run takes.
 
-use super::variation::{Variation, stratified_deg};
+use super::variation::{Turn, Variation, stratified_deg};
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::material::spectra::{Spectrum, molecular_mixture};
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
+use crate::wave::contrast::coverage::{EXACT, error_for};
 use crate::wave::{Incidence, Media, Scheme, Side};
 use num_complex::Complex64;
 use serde::Serialize;
@@ -143,6 +144,15 @@ impl WantedResolution {
             Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
         }
     }
+
+    /// Relative error of the contrast's coefficients that is nothing beside the grid's: a grid of one's own choice may
+    /// be as fine as it likes.
+    pub fn coverage_error(&self) -> f64 {
+        match *self {
+            Self::Accuracy { amplitude, .. } => error_for(amplitude),
+            Self::Grid { .. } => EXACT,
+        }
+    }
 }
 
 /// What the results look like; no solve depends on it.
@@ -192,15 +202,13 @@ impl Study {
         }
     }
 
-    /// Indices at one wavelength; the inclusion after the last pigment is what lies above a relief.
+    /// Indices at one wavelength; pigment i is inclusion i.
     pub fn media(&self, wavelength_um: f64) -> Media {
-        let incident = self.layer.index_above.into();
-        let inclusions = self.pigments.iter().map(|p| p.material.index_at(wavelength_um));
         Media {
-            incident,
+            incident: self.layer.index_above.into(),
             exit: self.layer.index_below.into(),
             backgrounds: vec![self.layer.binder.index_at(wavelength_um)],
-            inclusions: inclusions.chain([incident]).collect(),
+            inclusions: self.pigments.iter().map(|p| p.material.index_at(wavelength_um)).collect(),
         }
     }
 
@@ -214,19 +222,23 @@ impl Study {
     pub fn points(&self, realisation: usize) -> Vec<Point> {
         let draw = self.draw(realisation);
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
-        let above = exact_deg.iter().copied().chain(stratified_deg(*strata, draw.direction));
-        let mut directions: Vec<(Side, f64)> = above.map(|deg| (Side::Incident, deg)).collect();
-        directions
-            .extend(stratified_deg(*exit_strata, draw.direction).into_iter().map(|deg| (Side::Exit, deg)));
         let at = |(wavelength, nm): (usize, f64)| {
-            let point = move |&(from, polar_deg): &(Side, f64)| {
-                let incidence =
-                    Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg: draw.azimuth_deg, from };
+            let Turn { azimuth_deg, direction } = self.turn(&draw, wavelength);
+            let incident = exact_deg.iter().copied().chain(stratified_deg(*strata, direction));
+            let incident = incident.map(|deg| (Side::Incident, deg));
+            let exit = stratified_deg(*exit_strata, direction).into_iter().map(|deg| (Side::Exit, deg));
+            let point = |(from, polar_deg): (Side, f64)| {
+                let incidence = Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
                 Point { realisation, wavelength, incidence }
             };
-            directions.iter().map(point).collect::<Vec<_>>()
+            incident.chain(exit).map(point).collect::<Vec<_>>()
         };
         self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
+    }
+
+    /// Volume of the cell, µm³.
+    pub fn volume_um3(&self) -> f64 {
+        self.layer.period_um[0] * self.layer.period_um[1] * self.layer.thickness_um
     }
 
     /// Number of solves of one realisation.

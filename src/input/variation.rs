@@ -59,6 +59,8 @@ const AREA_SEARCH: f64 = 0.04;
 pub const THICKNESS_CUT: f64 = 3.0;
 /// Strata of μ² are not sampled nearer to grazing: 89.4°.
 const LEAST_SQUARED_COSINE: f64 = 1e-4;
+/// Steps by this share of the circle fill it evenly: (√5 − 1)/2.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Coordinates of the sequence.
 const COORDINATES: usize = 6;
 
@@ -75,6 +77,15 @@ pub struct Draw {
     pub direction: f64,
     /// Place within every stratum of wavelengths, 0–1.
     pub wavelength: f64,
+}
+
+/// Directions at one wavelength of a realisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Azimuth of the planes of incidence, degrees from the cell's x.
+    pub azimuth_deg: f64,
+    /// Place within every stratum of directions, 0–1.
+    pub direction: f64,
 }
 
 impl Study {
@@ -94,6 +105,18 @@ impl Study {
             }
         };
         Draw { period_um, thickness_um, azimuth_deg: self.angles.azimuth_deg + turn, direction, wavelength }
+    }
+
+    /// Directions of a realisation at its wavelength number `j`: varied cells are turned on from wavelength to wavelength, so that no two
+    /// of them share a Bloch vector and their chances are as independent as one packing allows.
+    pub fn turn(&self, draw: &Draw, j: usize) -> Turn {
+        match self.variation.cell {
+            CellRule::Fixed => Turn { azimuth_deg: draw.azimuth_deg, direction: draw.direction },
+            CellRule::Varied => Turn {
+                azimuth_deg: draw.azimuth_deg + 360.0 * (j as f64 * GOLDEN).fract(),
+                direction: (draw.direction + j as f64 * GOLDEN).fract(),
+            },
+        }
     }
 
     /// Wavelengths of a realisation, nm, rising.

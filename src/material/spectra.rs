@@ -15,29 +15,73 @@ pub const PIGMENT_N: f64 = 1.4;
 /// A wavelength that a spectrum cannot answer, or a table that is not a spectrum.
 #[derive(Debug, Error)]
 pub enum SpectrumError {
+    /// A wavelength outside the table or the synthetic formula's range.
     #[error(
         "wavelength_nm = {value} is outside the spectrum {name}: {lo} to {hi} nm; choose wavelengths inside or extend the table"
     )]
-    OutOfRange { name: String, value: f64, lo: f64, hi: f64 },
+    OutOfRange {
+        /// Name of the spectrum.
+        name: String,
+        /// Wavelength asked for, nm.
+        value: f64,
+        /// Shortest wavelength known, nm.
+        lo: f64,
+        /// Longest wavelength known, nm.
+        hi: f64,
+    },
+    /// A wavelength that is no positive number.
     #[error("wavelength_nm = {value}: must be finite and greater than 0")]
-    BadWavelength { value: f64 },
+    BadWavelength {
+        /// The wavelength, nm.
+        value: f64,
+    },
+    /// A name that no built-in pigment has.
     #[error("unknown pigment spectrum {value:?}: one of red, yellow, blue, green, or a CSV file")]
-    UnknownPigment { value: String },
+    UnknownPigment {
+        /// The name found.
+        value: String,
+    },
+    /// A number of an index or a table that makes no sense.
     #[error("{field} = {value}: allowed are finite values {allowed}; {remedy}")]
-    BadValue { field: String, value: f64, allowed: &'static str, remedy: &'static str },
+    BadValue {
+        /// What it is, with its row.
+        field: String,
+        /// The number found.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+        /// What to try.
+        remedy: &'static str,
+    },
+    /// A table that cannot be interpolated.
     #[error("{path}: {rows} rows; at least 2 are needed to interpolate, or use a constant index", path = path.display())]
-    TooFewRows { path: PathBuf, rows: usize },
+    TooFewRows {
+        /// The file, or the name of the table.
+        path: PathBuf,
+        /// Rows found.
+        rows: usize,
+    },
+    /// A file that is no table of a spectrum.
     #[error("{path}: {source}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n", path = path.display())]
-    Unreadable { path: PathBuf, source: csv::Error },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the reader of CSV found.
+        source: csv::Error,
+    },
 }
 
 /// The built-in synthetic pigments (κ(λ) of `validation/data/pigments.json`, Re η = 1.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Synthetic {
+    /// Absorbs green.
     Red,
+    /// Absorbs blue.
     Yellow,
+    /// Absorbs red.
     Blue,
+    /// P1's artificial green: absorbs blue and red alike.
     Green,
 }
 
@@ -45,8 +89,10 @@ pub enum Synthetic {
 const SYNTHETIC_RANGE_NM: [f64; 2] = [380.0, 780.0];
 
 impl Synthetic {
+    /// All of them.
     pub const ALL: [Self; 4] = [Self::Red, Self::Yellow, Self::Blue, Self::Green];
 
+    /// Name in study files: red, yellow, blue or green.
     pub fn name(self) -> &'static str {
         match self {
             Self::Red => "red",
@@ -72,8 +118,11 @@ impl Synthetic {
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Sample {
+    /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
+    /// Real part of the index, above 0.
     pub n: f64,
+    /// Imaginary part, at least 0.
     pub kappa: f64,
 }
 
@@ -98,7 +147,12 @@ pub struct Table {
 #[serde(rename_all = "snake_case")]
 pub enum Spectrum {
     /// The same index at every wavelength.
-    Constant { n: f64, kappa: f64 },
+    Constant {
+        /// Real part.
+        n: f64,
+        /// Imaginary part.
+        kappa: f64,
+    },
     /// A built-in synthetic pigment.
     Synthetic(Synthetic),
     /// A user's table.
@@ -209,6 +263,7 @@ impl Spectrum {
 }
 
 impl Table {
+    /// The rows, increasing in wavelength.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
     }

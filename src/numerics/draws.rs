@@ -24,6 +24,7 @@ impl Draws {
         (self.0.next_u64() >> 11) as f64 * (-53f64).exp2()
     }
 
+    /// Uniform in [low, high).
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
@@ -53,6 +54,7 @@ impl Draws {
         spin.then(Rotation::from_z_to(axis))
     }
 
+    /// Puts the items into random order, each order equally likely (Fisher–Yates).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for i in (1..items.len()).rev() {
             items.swap(i, self.below(i + 1));

@@ -7,7 +7,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// it unknown. Unknown is not zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
+    /// The value.
     pub value: f64,
+    /// Its standard error, in the value's unit.
     pub standard_error: Option<f64>,
 }
 

@@ -1,44 +1,75 @@
 //! Two-dimensional transforms of planes; spectra stay transposed, and only harmonics in use are kept.
 
-use num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
+use num_complex::Complex;
+use rustfft::num_traits::NumAssign;
+use rustfft::{Fft, FftNum, FftPlanner};
 use std::sync::Arc;
+
+/// Floating-point types of transforms: `f64`, and `f32` where its rounding is far below the error asked.
+pub trait Real: FftNum + NumAssign + PartialOrd + Default {
+    /// The nearest number of this type.
+    fn of(x: f64) -> Self;
+    /// The number itself.
+    fn wide(self) -> f64;
+}
+
+impl Real for f64 {
+    fn of(x: f64) -> f64 {
+        x
+    }
+    fn wide(self) -> f64 {
+        self
+    }
+}
+
+impl Real for f32 {
+    fn of(x: f64) -> f32 {
+        x as f32
+    }
+    fn wide(self) -> f64 {
+        self.into()
+    }
+}
 
 /// Transforms of an nx × ny plane (x runs fastest), unnormalised in both directions.
 ///
 /// The spectrum is left transposed (n runs fastest): one transposition a transform instead of two.
-pub struct PlaneFft {
+pub struct PlaneFft<T: Real = f64> {
     nx: usize,
     ny: usize,
-    forward: [Arc<dyn Fft<f64>>; 2],
-    inverse: [Arc<dyn Fft<f64>>; 2],
+    forward: [Arc<dyn Fft<T>>; 2],
+    inverse: [Arc<dyn Fft<T>>; 2],
 }
 
 /// Buffers of one thread: a plane, its transposed image, and the transforms' own scratch.
-pub struct PlaneScratch {
-    pub plane: Vec<Complex64>,
-    pub spectrum: Vec<Complex64>,
-    work: Vec<Complex64>,
+pub struct PlaneScratch<T: Real = f64> {
+    /// Values at the points, x fastest.
+    pub plane: Vec<Complex<T>>,
+    /// Transposed spectrum, n fastest.
+    pub spectrum: Vec<Complex<T>>,
+    work: Vec<Complex<T>>,
 }
 
-impl PlaneFft {
-    pub fn new(nx: usize, ny: usize) -> PlaneFft {
+impl<T: Real> PlaneFft<T> {
+    /// Plans both directions.
+    pub fn new(nx: usize, ny: usize) -> PlaneFft<T> {
         let mut planner = FftPlanner::new();
         let forward = [planner.plan_fft_forward(nx), planner.plan_fft_forward(ny)];
         let inverse = [planner.plan_fft_inverse(nx), planner.plan_fft_inverse(ny)];
         PlaneFft { nx, ny, forward, inverse }
     }
 
-    pub fn scratch(&self) -> PlaneScratch {
+    /// Buffers for one thread.
+    pub fn scratch(&self) -> PlaneScratch<T> {
         let plans = self.forward.iter().chain(&self.inverse);
         let work = plans.map(|p| p.get_inplace_scratch_len()).max().unwrap_or(0);
-        let zero = Complex64::default();
+        let zero = Complex::<T>::default();
         let points = self.nx * self.ny;
         PlaneScratch { plane: vec![zero; points], spectrum: vec![zero; points], work: vec![zero; work] }
     }
 
     /// `plane` → `spectrum`; rows of the spectrum outside `used` (ranges of m mod nx) are left unfinished.
-    pub fn forward(&self, s: &mut PlaneScratch, used: &[std::ops::Range<usize>]) {
+    pub fn forward(&self, s: &mut PlaneScratch<T>, used: &[std::ops::Range<usize>]) {
         self.forward[0].process_with_scratch(&mut s.plane, &mut s.work);
         transpose::transpose(&s.plane, &mut s.spectrum, self.nx, self.ny);
         for rows in used {
@@ -48,7 +79,7 @@ impl PlaneFft {
     }
 
     /// `spectrum` → `plane`; rows of the spectrum outside `used` must be zero.
-    pub fn inverse(&self, s: &mut PlaneScratch, used: &[std::ops::Range<usize>]) {
+    pub fn inverse(&self, s: &mut PlaneScratch<T>, used: &[std::ops::Range<usize>]) {
         for rows in used {
             let part = &mut s.spectrum[rows.start * self.ny..rows.end * self.ny];
             self.inverse[1].process_with_scratch(part, &mut s.work);
@@ -102,15 +133,15 @@ impl Harmonics {
     }
 
     /// Spreads compact harmonics into a zeroed transposed spectrum.
-    pub fn scatter(&self, compact: &[Complex64], spectrum: &mut [Complex64]) {
-        spectrum.fill(Complex64::default());
+    pub fn scatter<T: Copy + Default>(&self, compact: &[T], spectrum: &mut [T]) {
+        spectrum.fill(T::default());
         for &[position, index, len] in &self.runs {
             spectrum[position..position + len].copy_from_slice(&compact[index..index + len]);
         }
     }
 
     /// Picks the harmonics in use from a transposed spectrum.
-    pub fn gather(&self, spectrum: &[Complex64], compact: &mut [Complex64]) {
+    pub fn gather<T: Copy>(&self, spectrum: &[T], compact: &mut [T]) {
         for &[position, index, len] in &self.runs {
             compact[index..index + len].copy_from_slice(&spectrum[position..position + len]);
         }

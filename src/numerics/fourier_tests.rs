@@ -1,6 +1,7 @@
 //! Planes, spectra and the compact set of harmonics on awkward sizes.
 
 use super::*;
+use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 const SIZES: [usize; 5] = [1, 2, 7, 11, 16];

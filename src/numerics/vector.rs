@@ -1,27 +1,34 @@
 //! Three-vectors and rotations: the few operations the packings need.
 
+/// Cartesian components (x, y, z).
 pub type V3 = [f64; 3];
 
+/// a + b.
 pub fn add(a: V3, b: V3) -> V3 {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
+/// a − b.
 pub fn sub(a: V3, b: V3) -> V3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+/// s a.
 pub fn scale(a: V3, s: f64) -> V3 {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
+/// a · b.
 pub fn dot(a: V3, b: V3) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// a × b.
 pub fn cross(a: V3, b: V3) -> V3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// |a|.
 pub fn norm(a: V3) -> f64 {
     dot(a, a).sqrt()
 }
@@ -37,6 +44,7 @@ pub fn unit(a: V3) -> V3 {
 pub struct Rotation(pub [f64; 4]);
 
 impl Rotation {
+    /// The turn by nothing.
     pub const IDENTITY: Self = Self([1.0, 0.0, 0.0, 0.0]);
 
     /// The turn by |a| radians about the direction of `a`.
@@ -67,11 +75,13 @@ impl Rotation {
         .normalised()
     }
 
+    /// The turn back.
     pub fn inverse(self) -> Self {
         let [w, x, y, z] = self.0;
         Self([w, -x, -y, -z])
     }
 
+    /// The vector `v` turned.
     pub fn turn(self, v: V3) -> V3 {
         let [w, x, y, z] = self.0;
         let q = [x, y, z];

@@ -10,16 +10,16 @@ use crate::input::study::{Pigment, Study, WantedResolution};
 use crate::input::variation::{Draw, stratified_deg};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
+use crate::solve::demand::Size;
 use crate::solve::{Coverages, SolveError, Solver};
 use crate::store::identity::Key;
-use crate::store::store::Store;
+use crate::store::{Record, Store};
+use crate::wave::physical::largest;
 use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
 
 /// Packings on which two grids are compared: enough for a standard error of the difference.
 const GRID_PACKINGS: usize = 4;
-/// Most bytes of one solve.
-const MEMORY: usize = 8_000_000_000;
 
 /// The grid that all solves of a study share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,13 +57,28 @@ impl Resolved {
     }
 }
 
+/// What the study's solves take on a grid.
+pub fn size(study: &Study, resolution: Resolution) -> Size {
+    let indices = study.pigments.iter().map(|p| &p.material).chain([&study.layer.binder]);
+    let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
+    let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
+    let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
+    let channels = study.pigments.len() + usize::from(study.packing.relief.is_some());
+    Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers: [k0 * densest, k0] }
+}
+
+impl Record for Resolved {
+    const KIND: &'static str = "grid";
+}
+
 /// The study's grid: from the store, or from solves on the first realisations' scenes, which are made when they are needed.
 ///
 /// # Errors
-/// The accuracy is out of reach, or a probe cannot be solved.
+/// The accuracy is out of reach, the grid does not fit `memory` (bytes), or a probe cannot be solved.
 pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     study: &Study,
     store: &Store<Resolved>,
+    memory: f64,
     watch: &dyn RunWatch,
     mut scene: impl FnMut(usize) -> Result<Scene, E>,
 ) -> Result<Resolved, E> {
@@ -72,13 +87,17 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     if let Some(resolved) = store.get(key.as_str()) {
         return Ok(resolved);
     }
+    if let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution {
+        let grid = grid(&study.draw(0), points_per_um, planes_per_um, scheme);
+        size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
+    }
     let first = scene(0)?;
     watch.stage("estimating the error of the grid");
-    let mut resolved = settle(study, &first, &probes, watch)?;
+    let mut resolved = settle(study, &first, &probes, memory, watch)?;
     let mut differences = Vec::new();
     for r in 0..study.realisations.min(GRID_PACKINGS) {
         let scene = if r == 0 { first.clone() } else { scene(r)? };
-        differences.push(grid_differences(study, &resolved, r, &scene, watch)?);
+        differences.push(grid_differences(study, &resolved, r, &scene, memory, watch)?);
     }
     resolved.grid_error = GridError::from_differences(&differences);
     store.put(key.as_str(), &resolved)?;
@@ -134,13 +153,14 @@ fn settle(
     study: &Study,
     scene: &Scene,
     probes: &[Incidence],
+    memory: f64,
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
     let draw = study.draw(0);
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
-    for task in &Prepared::new(study, scene, probes).tasks() {
+    for task in &Prepared::new(study, scene, probes, memory).tasks() {
         let probed = probe(study, &draw, task, resolution, watch)?;
-        error_estimate = error_estimate.max(probed.error_estimate);
+        error_estimate = largest([error_estimate, probed.error_estimate]);
         resolution = Some(probed.problem.coverage.grid.resolution);
     }
     let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
@@ -154,11 +174,12 @@ fn grid_differences(
     resolved: &Resolved,
     realisation: usize,
     scene: &Scene,
+    memory: f64,
     watch: &dyn RunWatch,
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let probes = probes(study, realisation);
     let own = resolved.for_cell(&study.draw(realisation));
-    GridError::differences(&Prepared::new(study, scene, &probes).tasks(), own, &mut Stopper(watch))
+    GridError::differences(&Prepared::new(study, scene, &probes, memory).tasks(), own, &mut Stopper(watch))
 }
 
 /// What the probes of one packing borrow.
@@ -168,12 +189,15 @@ struct Prepared<'a> {
     solver: Box<dyn Solver>,
     media: Vec<Media>,
     probes: &'a [Incidence],
+    /// Most bytes of one solve.
+    memory: f64,
 }
 
 impl<'a> Prepared<'a> {
-    fn new(study: &'a Study, scene: &'a Scene, probes: &'a [Incidence]) -> Self {
+    fn new(study: &'a Study, scene: &'a Scene, probes: &'a [Incidence], memory: f64) -> Self {
         let media = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
-        Self { study, coverages: Coverages::of(scene), solver: study.solver.build(), media, probes }
+        let coverages = Coverages::within(scene, study.resolution.coverage_error());
+        Self { study, coverages, solver: study.solver.build(), media, probes, memory }
     }
 
     fn tasks(&self) -> Vec<Task<'_>> {
@@ -185,7 +209,7 @@ impl<'a> Prepared<'a> {
             scheme: self.study.resolution.scheme(),
             solver: &*self.solver,
             goal: self.study.goal,
-            memory: MEMORY,
+            memory: self.memory,
         };
         self.media.iter().zip(self.probes).map(task).collect()
     }

@@ -13,7 +13,7 @@ fn coverage(resolution: [usize; 2], bodies: Vec<Body>) -> Arc<Coverage> {
 
 fn grain() -> Vec<Body> {
     let ball = Ball { center_um: [0.2, 0.2, 0.15], radius_um: 0.1 };
-    vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }]
+    vec![Body::new(Shape::Balls(vec![ball]), 0)]
 }
 
 fn media() -> Media {

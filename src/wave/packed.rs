@@ -1,19 +1,18 @@
 //! From a packing to the scene that the wave sees.
 
 use super::scene::HeightField;
-use super::{Ball, Body, Scene, Shape};
+use super::{Ball, Body, Material, Scene, Shape};
 use crate::ink::{Grain, Packing, Relief};
 
 impl Scene {
-    /// One stratum of binder (background 0) with one body per grain; pigment i is inclusion i, and vacuum above a
-    /// relief is the inclusion after the last pigment.
+    /// One stratum of binder (background 0) with one body per grain; pigment i is inclusion i, and what a
+    /// relief leaves open is filled by the medium of the incident side.
     ///
     /// The packing has proven that no grains overlap, so the quadratic check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {
         let mut bodies: Vec<Body> = packing.grains().iter().map(body).collect();
         if let Some(relief) = packing.relief() {
-            let shape = vacuum(packing, relief);
-            bodies.push(Body { shape, inclusion: packing.shares().len() });
+            bodies.push(Body { shape: open(packing, relief), material: Material::Incident });
         }
         Scene::layer(packing.period_um(), packing.thickness_um(), bodies)
     }
@@ -24,11 +23,11 @@ fn balls(grain: &Grain) -> Vec<Ball> {
 }
 
 fn body(grain: &Grain) -> Body {
-    Body { shape: Shape::Balls(balls(grain)), inclusion: grain.pigment }
+    Body::new(Shape::Balls(balls(grain)), grain.pigment)
 }
 
-/// The surface at the relief's own points, as z = H − height.
-fn vacuum(packing: &Packing, relief: &Relief) -> Shape {
+/// What lies over the surface, which is taken at the relief's own points as z = H − height.
+fn open(packing: &Packing, relief: &Relief) -> Shape {
     let (period_um, count) = (packing.period_um(), relief.count());
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let z = |k: usize| packing.surface_z_um(at(k % count[0], 0), at(k / count[0], 1)).max(0.0);

@@ -57,7 +57,7 @@ fn born_agrees_or_says_that_it_diverges() {
 
 /// High contrast and a thick layer: the Born series cannot converge.
 fn strong_problem() -> Problem {
-    let body = Body { shape: Shape::CylinderY { x_um: 0.3, z_um: 0.4, radius_um: 0.2 }, inclusion: 0 };
+    let body = Body::new(Shape::CylinderY { x_um: 0.3, z_um: 0.4, radius_um: 0.2 }, 0);
     let scene = Scene::layer([0.6, 0.6], 0.8, vec![body]);
     let media = Media {
         incident: 1.0.into(),

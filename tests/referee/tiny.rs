@@ -22,15 +22,15 @@ pub const SETTINGS: [Setting; 6] = [
 
 /// A grain of one ball.
 pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
-    Body { shape: Shape::Balls(vec![Ball { center_um, radius_um }]), inclusion: 0 }
+    Body::new(Shape::Balls(vec![Ball { center_um, radius_um }]), 0)
 }
 
 pub fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
     let (nx, ny, cells, kappa, polar_deg, azimuth_deg, from) = setting;
     let bodies = match (nx, ny) {
-        (1, 1) => vec![Body { shape: Shape::Sheet { z_um: [0.11, 0.27] }, inclusion: 0 }],
+        (1, 1) => vec![Body::new(Shape::Sheet { z_um: [0.11, 0.27] }, 0)],
         (_, 1) => {
-            vec![Body { shape: Shape::CylinderY { x_um: 0.1, z_um: 0.2, radius_um: 0.09 }, inclusion: 0 }]
+            vec![Body::new(Shape::CylinderY { x_um: 0.1, z_um: 0.2, radius_um: 0.09 }, 0)]
         }
         _ => vec![ball([0.08, 0.12, 0.15], 0.09), ball([0.22, 0.12, 0.3], 0.09)],
     };

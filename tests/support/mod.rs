@@ -127,7 +127,7 @@ pub fn solve_to(case: &Case, accuracy: f64) -> Result<Estimated, AccuracyError> 
         scheme: suited_scheme(accuracy),
         solver: &solver,
         goal: Goal::default(),
-        memory: 4_000_000_000,
+        memory: 4e9,
     };
     task.solve_to_accuracy(accuracy, &mut Silent)
 }
@@ -164,5 +164,5 @@ pub fn fitted_slope(errors: &[(f64, f64)]) -> f64 {
 
 /// A grain of one ball.
 pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
-    Body { shape: Shape::Balls(vec![Ball { center_um, radius_um }]), inclusion: 0 }
+    Body::new(Shape::Balls(vec![Ball { center_um, radius_um }]), 0)
 }

@@ -169,7 +169,7 @@ fn whatever_cannot_be_right_is_refused() {
 #[test]
 fn lateral_positions_must_be_numbers() {
     let lateral = Shape::Balls(vec![Ball { center_um: [f64::NAN, 0.1, 0.25], radius_um: 0.1 }]);
-    let case = case(0.5, 0.5, vec![Body { shape: lateral, inclusion: 0 }], 1.4.into(), light(0.55, 0.0));
+    let case = case(0.5, 0.5, vec![Body::new(lateral, 0)], 1.4.into(), light(0.55, 0.0));
     let error = case.scene.check(&case.media).expect_err("NaN is no position").to_string();
     assert!(error.contains("body 0"), "{error}");
 }

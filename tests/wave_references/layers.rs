@@ -84,7 +84,7 @@ fn as_sheets(case: &Case) -> Case {
     for stratum in &case.scene.strata {
         let z_um = [bottom, bottom + stratum.thickness_um];
         if stratum.background != 0 {
-            sheets.scene.bodies.push(Body { shape: Shape::Sheet { z_um }, inclusion: stratum.background });
+            sheets.scene.bodies.push(Body::new(Shape::Sheet { z_um }, stratum.background));
         }
         bottom = z_um[1];
     }

@@ -48,7 +48,7 @@ fn cases() -> Vec<Mie> {
 fn forward_amplitude(mie: &Mie, side: f64) -> Complex64 {
     let height = 2.2 * mie.radius;
     let ball = Ball { center_um: [0.5 * side, 0.5 * side, 0.5 * height], radius_um: mie.radius };
-    let scene = Scene::layer([side; 2], height, vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }]);
+    let scene = Scene::layer([side; 2], height, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
     let host = Complex64::from(mie.host);
     let media = Media { incident: host, exit: host, backgrounds: vec![host], inclusions: vec![mie.eta] };
     let incidence =

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct Agglomeration {
     /// Share of the pigment's grains (by number) that sit in agglomerates, 0 to 1.
     pub degree: f64,
+    /// How many grains stick together.
     pub grains: GrainCount,
 }
 
@@ -26,21 +27,28 @@ pub enum GrainCount {
     List(CountList),
 }
 
+/// Whole numbers from `from` to `to`, both included.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
+    /// Smallest number of grains, at least 2.
     pub from: usize,
+    /// Largest number of grains, at most 500.
     pub to: usize,
 }
 
+/// Numbers of grains with the frequencies of agglomerates of each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CountList {
+    /// Numbers of grains, 2 to 500 each.
     pub values: Vec<usize>,
+    /// Frequency of each number, at least 0; any common factor will do.
     pub weights: Vec<f64>,
 }
 
 impl Agglomeration {
+    /// What is wrong with the numbers, if anything: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         if !(0.0..=1.0).contains(&self.degree) {
             return Some(("agglomeration.degree", self.degree.to_string(), "0 to 1"));

@@ -19,11 +19,22 @@ pub enum Orientation {
     #[default]
     Random,
     /// Axes in the plane of the layer.
-    InPlane { strength: Option<f64> },
+    InPlane {
+        /// κ of the Watson distribution, at least 0; perfect alignment without it.
+        strength: Option<f64>,
+    },
     /// Axes along z.
-    Perpendicular { strength: Option<f64> },
+    Perpendicular {
+        /// κ of the Watson distribution, at least 0; perfect alignment without it.
+        strength: Option<f64>,
+    },
     /// Axes along any direction.
-    Along { direction: [f64; 3], strength: Option<f64> },
+    Along {
+        /// Direction of alignment, of any length above 0; z points from the incident to the exit side.
+        direction: [f64; 3],
+        /// κ of the Watson distribution, at least 0; perfect alignment without it.
+        strength: Option<f64>,
+    },
 }
 
 #[derive(Deserialize)]
@@ -49,11 +60,14 @@ impl<'de> Deserialize<'de> for Orientation {
 /// The field in numbers: weight exp(κ (u·n)²), κ < 0 for a plane, ± ∞ for perfect alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Field {
+    /// n, a unit vector.
     pub axis: V3,
+    /// κ; its sign tells a direction (> 0) from a plane (< 0).
     pub kappa: f64,
 }
 
 impl Orientation {
+    /// What is wrong with the numbers, if anything: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         let (strength, direction) = match *self {
             Self::Random => (None, [0.0, 0.0, 1.0]),

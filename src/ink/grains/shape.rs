@@ -11,16 +11,37 @@ use std::f64::consts::PI;
 #[derive(Clone, Debug, PartialEq, Serialize, Default)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Shape {
+    /// One sphere.
     #[default]
     Sphere,
     /// Equal spheres at equal spacing; `length_in_radii` counts the round ends. P1 section 5: length 6 R.
-    Cylinder { length_in_radii: f64, spheres: usize },
+    Cylinder {
+        /// Tip-to-tip length over R, above 2.
+        length_in_radii: f64,
+        /// Number of spheres on the axis, 2 to 200.
+        spheres: usize,
+    },
     /// P1 Fig. 1: radii fall from R in the middle to `tip_in_radii` R at the ends along a parabola.
-    RiceGrain { length_in_radii: f64, tip_in_radii: f64, spheres: usize },
+    RiceGrain {
+        /// Tip-to-tip length over R, above 2.
+        length_in_radii: f64,
+        /// Radius of the end spheres over R, above 0 up to 1.
+        tip_in_radii: f64,
+        /// Number of spheres on the axis, 2 to 200.
+        spheres: usize,
+    },
     /// Spheres inscribed in a prolate ellipsoid of semi-axes R and `aspect_ratio` R, tips included.
-    Ellipsoid { aspect_ratio: f64, spheres: usize },
+    Ellipsoid {
+        /// Length over width, above 1.
+        aspect_ratio: f64,
+        /// Number of spheres on the axis, 2 to 200.
+        spheres: usize,
+    },
     /// Any rigid cluster: rows of x, y, z, radius in a common unit; the size then scales it.
-    Cluster { spheres: Vec<[f64; 4]> },
+    Cluster {
+        /// x, y, z, radius of each sphere, 1 to 1000 of them.
+        spheres: Vec<[f64; 4]>,
+    },
 }
 
 /// The shape as it is written, with every default filled in.
@@ -95,16 +116,21 @@ impl<'de> Deserialize<'de> for Shape {
 /// Spheres in the body frame (centre of mass at the origin, symmetry axis along z), thickest radius 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
+    /// Places and radii in units of the thickest radius, whatever the fields' names say.
     pub spheres: Vec<Sphere>,
+    /// Volume of their union, in cubes of the thickest radius.
     pub volume: Volume,
     /// Tip-to-tip length along the axis.
     pub length: f64,
 }
 
 impl Shape {
+    /// The cylinder of P1 section 5: length 6 R, of five spheres.
     pub const CYLINDER: Self = Self::Cylinder { length_in_radii: 6.0, spheres: 5 };
+    /// The rice grain of P1 Fig. 1: length 6 R, of seven spheres.
     pub const RICE_GRAIN: Self = Self::RiceGrain { length_in_radii: 6.0, tip_in_radii: 0.5, spheres: 7 };
 
+    /// Name for people, such as "rice grain".
     pub fn name(&self) -> &'static str {
         match self {
             Self::Sphere => "sphere",

@@ -21,34 +21,48 @@ pub enum Measure {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SizeDistribution {
+    /// One size for all grains.
     Constant {
+        /// The size, nm.
         value_nm: f64,
+        /// The length that is meant.
         #[serde(default)]
         of: Measure,
     },
     /// Normal, cut at ± `cut_at_sigmas` (3 unless told) standard deviations.
     Normal {
+        /// Mean size, nm.
         mean_nm: f64,
+        /// Standard deviation before the cut, nm.
         standard_deviation_nm: f64,
+        /// Cut in standard deviations, above 0 up to 10.
         #[serde(default = "three")]
         cut_at_sigmas: f64,
+        /// The length that is meant.
         #[serde(default)]
         of: Measure,
     },
     /// ln(size) normal around ln(median) with deviation `sigma`, cut at ± `cut_at_sigmas` (3 unless told).
     LogNormal {
+        /// Median size, nm.
         median_nm: f64,
+        /// Standard deviation of ln(size) before the cut, 0 to 2.
         sigma: f64,
+        /// Cut in standard deviations of ln(size), above 0 up to 10.
         #[serde(default = "three")]
         cut_at_sigmas: f64,
+        /// The length that is meant.
         #[serde(default)]
         of: Measure,
     },
     /// The listed sizes, drawn with the given weights (equal unless told).
     List {
+        /// The sizes, nm.
         values_nm: Vec<f64>,
+        /// Frequency of each size by number, at least 0; any common factor will do.
         #[serde(default)]
         weights: Vec<f64>,
+        /// The length that is meant.
         #[serde(default)]
         of: Measure,
     },
@@ -64,6 +78,7 @@ impl SizeDistribution {
         Self::Constant { value_nm, of: Measure::EffectiveDiameter }
     }
 
+    /// The length that the sizes mean.
     pub fn measure(&self) -> Measure {
         match self {
             Self::Constant { of, .. }

@@ -8,7 +8,9 @@ use std::f64::consts::PI;
 /// A volume in µm³ with the standard error of its integration (zero when the closed form holds).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
+    /// The volume, µm³.
     pub um3: f64,
+    /// Its standard error, µm³.
     pub error_um3: f64,
 }
 

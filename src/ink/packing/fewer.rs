@@ -1,14 +1,14 @@
 //! The highest concentration of a packing that was not reached: fewer of the same grains.
 
 use super::bodies::Bodies;
-use super::neighbours::Neighbours;
 use super::plan::Plan;
 use super::relaxation::Relaxation;
 use super::request::RelaxationSettings;
+use super::strain::strain;
 use super::watch::PackWatch;
-use crate::ink::error::PackError;
+use crate::ink::error::{PackError, Reached};
 use crate::numerics::Draws;
-use crate::numerics::vector::{Rotation, V3, norm};
+use crate::numerics::vector::{Rotation, V3};
 
 /// Steps of each round.
 const STEPS: u64 = 400;
@@ -17,14 +17,15 @@ const TAKEN_OUT: f64 = 0.01;
 const ROUNDS: usize = 60;
 
 /// The highest concentration these grains reach from where they are stuck: the bodies that overlap most are
-/// taken out, a hundredth at a time, and the rest relaxes again, until nothing overlaps.
+/// taken out, a hundredth at a time, and the rest relaxes again, until nothing overlaps. `None` when that does not happen
+/// within [`ROUNDS`].
 pub(crate) fn fit_fewer(
     stuck: &Bodies,
     plan: &Plan,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
-) -> Result<Vec<usize>, PackError> {
+) -> Result<Option<Reached>, PackError> {
     let mut kept: Vec<usize> = (0..stuck.placed).collect();
     let mut state: Vec<(V3, Rotation)> =
         kept.iter().map(|b| (stuck.centre[*b], stuck.rotation[*b])).collect();
@@ -37,7 +38,7 @@ pub(crate) fn fit_fewer(
         relaxation.inflation = settings.inflation.min(1e-3);
         relaxation.start_all();
         if relaxation.settle(STEPS, draws, watch)?.is_none() {
-            return Ok(kept);
+            return Ok(Some(reached(&plan)));
         }
         let strain = strain(&bodies);
         let mut order: Vec<usize> = (0..kept.len()).collect();
@@ -50,22 +51,9 @@ pub(crate) fn fit_fewer(
             state.remove(b);
         }
     }
-    Ok(Vec::new())
+    Ok(None)
 }
 
-/// Overlap energy of each body.
-pub(crate) fn strain(bodies: &Bodies) -> Vec<f64> {
-    let list = Neighbours::new(bodies, 0.0, 0.0);
-    let mut strain = vec![0.0; bodies.placed];
-    for s in 0..bodies.spheres() {
-        let (p, r) = (bodies.at[s], bodies.radius[s]);
-        let mut push = |depth: f64| strain[bodies.owner[s] as usize] += depth.max(0.0).powi(2);
-        if bodies.cell.walls {
-            push(2.0 * (r - p[2].min(bodies.cell.size[2] - p[2])));
-        }
-        for t in list.of(s).iter().map(|t| *t as usize) {
-            push(r + bodies.radius[t] - norm(bodies.cell.delta(p, bodies.at[t])));
-        }
-    }
-    strain
+fn reached(plan: &Plan) -> Reached {
+    Reached { fraction: plan.fraction(), grains: plan.grains() }
 }

@@ -16,4 +16,5 @@ pub(crate) mod plan;
 mod relaxation;
 pub mod request;
 mod sequential;
+mod strain;
 pub mod watch;

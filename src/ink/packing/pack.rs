@@ -3,9 +3,9 @@
 use super::bodies::{Bodies, Cell};
 use super::placed::{Account, Method, Packing};
 use super::plan::Plan;
-use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest};
+use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest, RelaxationSettings};
 use super::watch::PackWatch;
-use super::{monte_carlo, relaxation, sequential};
+use super::{fewer, monte_carlo, relaxation, sequential};
 use crate::ink::error::PackError;
 use crate::ink::relief;
 use crate::numerics::draws::Draws;
@@ -14,11 +14,11 @@ use crate::numerics::draws::Draws;
 /// threads. (Spheres use +, −, ×, ÷ and √ only; turned grains also sines, whose last bit may depend on the
 /// platform's mathematical library.)
 ///
-/// Errors: [`PackError::BadInput`] before any work, [`PackError::NotReached`] when the grains do not fit,
-/// [`PackError::Stopped`] when the watch says so. Source: P1 section 3.
+/// Errors: [`PackError::BadInput`] before any work, [`PackError::Blocked`] or [`PackError::NotReached`] when the grains
+/// do not fit, [`PackError::Stopped`] when the watch says so. Source: P1 section 3.
 ///
 /// ```
-/// use crate::ink::{PackingRequest, PigmentGrains, pack};
+/// use inkwave::ink::{PackingRequest, PigmentGrains, pack};
 ///
 /// let request = PackingRequest {
 ///     period_um: [2.0, 2.0],
@@ -29,7 +29,7 @@ use crate::numerics::draws::Draws;
 /// let packing = pack(&request, &mut ())?;
 /// assert_eq!(packing.grains().len(), 147); // 0.30 × 4 µm³ over the volume of a sphere
 /// assert!((packing.achieved_fraction(0) - 0.30).abs() < 0.002);
-/// # Ok::<(), crate::ink::PackError>(())
+/// # Ok::<(), inkwave::ink::PackError>(())
 /// ```
 pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
     let (packing, notes) = match request.method {
@@ -38,8 +38,7 @@ pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packi
         }
         MethodChoice::Relaxation => (attempt(request, Some(Method::Relaxation), watch)?, None),
         MethodChoice::Auto => match attempt(request, None, watch) {
-            // Only sequential addition says this without an overlap.
-            Err(PackError::NotReached { largest_overlap_um: 0.0, .. }) => {
+            Err(PackError::Blocked { .. }) => {
                 let note = "sequential addition was blocked, relaxation took over".to_string();
                 (attempt(request, Some(Method::Relaxation), watch)?, Some(note))
             }
@@ -69,7 +68,7 @@ fn attempt(
         let limit = request.sequential.attempts_per_grain;
         sequential::add_all(&mut bodies, &plan, limit, &mut draws, watch)?
     } else {
-        relaxation::relax_all(&mut bodies, &plan, &request.relaxation, &mut draws, watch)?
+        relax(&mut bodies, &plan, &request.relaxation, &mut draws, watch)?
     };
     if let Some(settings) = &request.equilibration {
         account.sweeps = settings.sweeps;
@@ -77,6 +76,27 @@ fn attempt(
         account.acceptance = Some(rate);
     }
     finish(request, &plan, &bodies, account)
+}
+
+/// Relaxes all grains; returns the number of steps. When they do not fit, the error says how many of them would.
+fn relax(
+    bodies: &mut Bodies,
+    plan: &Plan,
+    settings: &RelaxationSettings,
+    draws: &mut Draws,
+    watch: &mut dyn PackWatch,
+) -> Result<u64, PackError> {
+    let outcome = relaxation::relax_all(bodies, plan, settings, draws, watch)?;
+    let Some(left) = outcome.left else { return Ok(outcome.steps) };
+    let reached = fewer::fit_fewer(bodies, plan, settings, draws, watch)?;
+    Err(PackError::NotReached {
+        requested: plan.fraction(),
+        reached,
+        wanted: plan.grains(),
+        steps: outcome.steps,
+        largest_overlap_um: left.overlap,
+        relative_overlap: left.relative,
+    })
 }
 
 /// The proof, and the binder's surface if one is asked for.

@@ -9,11 +9,14 @@ use serde::{Deserialize, Serialize};
 /// A sphere of pigment, µm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {
+    /// Centre (x, y, z), µm; z from 0 at the incident side to H.
     pub center_um: [f64; 3],
+    /// Radius, µm.
     pub radius_um: f64,
 }
 
 impl Sphere {
+    /// 4πR³/3.
     pub fn volume_um3(&self) -> f64 {
         4.0 / 3.0 * std::f64::consts::PI * self.radius_um.powi(3)
     }
@@ -28,6 +31,7 @@ impl Sphere {
 /// centre lies in the cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grain {
+    /// The spheres whose union the grain is, µm.
     pub spheres: Vec<Sphere>,
     /// Index into the request's pigments.
     pub pigment: usize,
@@ -65,7 +69,9 @@ impl Grain {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
+    /// Random sequential addition.
     SequentialAddition,
+    /// Relaxation of overlaps (P1 section 3).
     Relaxation,
     /// The coordinates were given.
     Given,
@@ -74,10 +80,13 @@ pub enum Method {
 /// The share of one pigment: what was asked and what whole grains give.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
+    /// Volume fraction asked for.
     pub requested_fraction: f64,
+    /// Volume fraction of the grains in place.
     pub achieved_fraction: f64,
     /// Standard error of the achieved fraction from the union volume (zero with a closed form).
     pub fraction_error: f64,
+    /// Number of grains.
     pub grains: usize,
     /// Factor applied to the drawn sizes (1 unless the share is met by scaling).
     pub size_factor: f64,
@@ -86,8 +95,11 @@ pub struct Share {
 /// How a packing was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Account {
+    /// How the grains came to their places.
     pub method: Method,
+    /// Seed of the request.
     pub seed: u64,
+    /// Stream of the seed: the number of the realisation.
     pub stream: u64,
     /// Attempts of sequential addition or steps of relaxation.
     pub steps: u64,
@@ -166,10 +178,12 @@ impl Packing {
         Self { relief: Some(relief), ..self }
     }
 
+    /// Lateral periods (Lx, Ly), µm.
     pub fn period_um(&self) -> [f64; 2] {
         self.period_um
     }
 
+    /// Thickness H, µm.
     pub fn thickness_um(&self) -> f64 {
         self.thickness_um
     }
@@ -179,10 +193,12 @@ impl Packing {
         self.walls
     }
 
+    /// All grains; each names its pigment.
     pub fn grains(&self) -> &[Grain] {
         &self.grains
     }
 
+    /// Per pigment: the volume fraction asked for and achieved.
     pub fn shares(&self) -> &[Share] {
         &self.shares
     }
@@ -197,14 +213,17 @@ impl Packing {
         self.shares.get(pigment).map_or(0.0, |s| s.achieved_fraction)
     }
 
+    /// How the grains came to their places.
     pub fn method(&self) -> Method {
         self.account.method
     }
 
+    /// How the packing was made.
     pub fn account(&self) -> &Account {
         &self.account
     }
 
+    /// The binder's surface, if the grains stand out of it.
     pub fn relief(&self) -> Option<&Relief> {
         self.relief.as_ref()
     }

@@ -5,11 +5,11 @@
 //! looked at; whoever is pushed joins it. A batch ends when the true overlap (ε = 0) is gone.
 
 use super::bodies::Bodies;
-use super::fewer;
 use super::neighbours::Neighbours;
 use super::plan::Plan;
 use super::request::RelaxationSettings;
 use super::sequential::{MARGIN, scatter};
+use super::strain::strain;
 use super::watch::{PackProgress, PackWatch};
 use crate::ink::error::PackError;
 use crate::ink::grains::orientation::Field;
@@ -38,21 +38,33 @@ pub(crate) struct Found {
     pub relative: f64,
 }
 
-/// Places every body of the plan; returns the number of steps.
+/// How a relaxation ended.
+pub(crate) struct Outcome {
+    pub steps: u64,
+    /// The overlaps of a relaxation that stalled or met its limit of steps; `None` when all bodies came free.
+    pub left: Option<Found>,
+}
+
+/// Places every body of the plan, batch by batch; ends early with the first batch that does not come free.
 pub(crate) fn relax_all(
     bodies: &mut Bodies,
     plan: &Plan,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
-) -> Result<u64, PackError> {
+) -> Result<Outcome, PackError> {
     let mut relaxation = Relaxation::new(bodies, plan, settings);
     let batches = settings.batches.min(plan.bodies.len().max(1));
+    let mut left = None;
     for batch in 1..=batches {
         relaxation.insert(plan.bodies.len() * batch / batches, draws);
-        relaxation.run(draws, watch)?;
+        let limit = settings.max_steps.saturating_sub(relaxation.steps);
+        left = relaxation.settle(limit, draws, watch)?;
+        if left.is_some() {
+            break;
+        }
     }
-    Ok(relaxation.steps)
+    Ok(Outcome { steps: relaxation.steps, left })
 }
 
 pub(crate) struct Relaxation<'r, 'a> {
@@ -134,14 +146,6 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         self.moving = std::mem::take(&mut self.loads.joined);
     }
 
-    fn run(&mut self, draws: &mut Draws, watch: &mut dyn PackWatch) -> Result<(), PackError> {
-        let limit = self.settings.max_steps.saturating_sub(self.steps);
-        match self.settle(limit, draws, watch)? {
-            None => Ok(()),
-            Some(left) => Err(self.not_reached(&left, draws, watch)),
-        }
-    }
-
     /// Steps until no overlap is left (`None`) or until it stalls or the limit is met (what is left).
     pub fn settle(
         &mut self,
@@ -185,7 +189,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     /// Clusters can hook into each other, and no push parts them: when only a few bodies still overlap and do not
     /// come free, they are thrown in anew.
     fn untangle(&mut self, draws: &mut Draws) {
-        let strain = fewer::strain(self.bodies);
+        let strain = strain(self.bodies);
         let hooked: Vec<usize> = (0..strain.len()).filter(|b| strain[*b] > 0.0).collect();
         let few = (FEW * strain.len() as f64).max(4.0) as usize;
         if hooked.len() > few || self.thrown_again >= MOST_THROWS {
@@ -368,25 +372,6 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         match watch.progress(&progress) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(PackError::Stopped { stage: progress.stage, steps: self.steps }),
-        }
-    }
-
-    fn not_reached(&self, found: &Found, draws: &mut Draws, watch: &mut dyn PackWatch) -> PackError {
-        let fewer = match fewer::fit_fewer(self.bodies, self.plan, self.settings, draws, watch) {
-            Ok(fewer) => fewer,
-            Err(stopped) => return stopped,
-        };
-        PackError::NotReached {
-            requested: self.plan.fraction(),
-            reached: fewer.iter().map(|b| self.plan.bodies[*b].volume_um3()).sum::<f64>() / self.plan.box_um3,
-            placed: fewer.iter().map(|b| self.plan.bodies[*b].parts.len()).sum(),
-            wanted: self.plan.grains(),
-            steps: self.steps,
-            largest_overlap_um: found.overlap,
-            relative_overlap: found.relative,
-            advice: "lower the volume fraction to what was reached, take smaller grains or a thicker layer (walls \
-                     cost density), or allow more relaxation.max_steps"
-                .into(),
         }
     }
 

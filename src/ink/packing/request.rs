@@ -12,16 +12,23 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PackingRequest {
+    /// Lateral periods (Lx, Ly), µm.
     pub period_um: [f64; 2],
+    /// Thickness H, µm.
     pub thickness_um: f64,
+    /// The pigments' grains; their order numbers the pigments.
     pub pigments: Vec<PigmentGrains>,
+    /// How to pack.
     pub method: MethodChoice,
     /// Hard walls at z = 0 and z = H; false makes the cell periodic in z too.
     pub walls: bool,
+    /// Seed of all random draws: the same request packs the same grains.
     pub seed: u64,
     /// Number of the realisation: an independent stream of the same seed.
     pub stream: u64,
+    /// Limits of random sequential addition.
     pub sequential: SequentialSettings,
+    /// Settings of the relaxation of overlaps.
     pub relaxation: RelaxationSettings,
     /// Hard-body Monte Carlo after the packing, if asked.
     pub equilibration: Option<EquilibrationSettings>,
@@ -51,16 +58,21 @@ impl Default for PackingRequest {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentGrains {
+    /// Shape of the grains.
     #[serde(default)]
     pub shape: Shape,
+    /// Distribution of their sizes.
     pub size: SizeDistribution,
     /// Union volume of the grains over the volume of the layer (with relief: over the dry volume, see
     /// [`crate::ink::Relief`]).
     pub volume_fraction: f64,
+    /// Alignment of their axes.
     #[serde(default)]
     pub orientation: Orientation,
+    /// Which of them stick together, if any.
     #[serde(default)]
     pub agglomeration: Option<Agglomeration>,
+    /// How whole grains meet the volume fraction.
     #[serde(default)]
     pub share: ShareRule,
 }
@@ -102,7 +114,9 @@ pub enum MethodChoice {
     /// Sequential addition up to [`AUTO_LIMIT`] of the volume open to grains, relaxation above.
     #[default]
     Auto,
+    /// Random sequential addition only (P1 section 3, the dilute case).
     SequentialAddition,
+    /// Relaxation of overlaps only (P1 section 3, the dense case).
     Relaxation,
 }
 
@@ -135,6 +149,7 @@ pub struct RelaxationSettings {
     pub inflation: f64,
     /// Grains are added in this many equal batches, each relaxed before the next.
     pub batches: usize,
+    /// Most steps before the relaxation is given up.
     pub max_steps: u64,
     /// Viscosity of translation, μ, relative to the time scale of `step`.
     pub translational_viscosity: f64,

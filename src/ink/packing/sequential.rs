@@ -104,19 +104,12 @@ fn report(
 }
 
 fn blocked(bodies: &Bodies, plan: &Plan, attempts: u64, volume: f64) -> PackError {
-    let placed = plan.bodies[..bodies.placed].iter().map(|b| b.parts.len()).sum();
-    PackError::NotReached {
+    PackError::Blocked {
         requested: plan.fraction(),
         reached: volume / plan.box_um3,
-        placed,
+        placed: plan.bodies[..bodies.placed].iter().map(|b| b.parts.len()).sum(),
         wanted: plan.grains(),
-        steps: attempts,
-        largest_overlap_um: 0.0,
-        relative_overlap: 0.0,
-        advice:
-            "sequential addition is blocked (spheres saturate at 0.384): use method = \"relaxation\", raise \
-                 sequential.attempts_per_grain or lower the volume fraction"
-                .into(),
+        attempts,
     }
 }
 

@@ -9,7 +9,9 @@ pub struct PackProgress {
     pub stage: &'static str,
     /// Steps, attempts or sweeps so far.
     pub step: u64,
+    /// Grains in place so far.
     pub grains_placed: usize,
+    /// Grains of the request.
     pub grains_wanted: usize,
     /// Volume fraction of the grains placed so far.
     pub fraction: f64,
@@ -21,6 +23,7 @@ pub struct PackProgress {
 
 /// Hears of progress and may stop the packing by returning `Break`.
 pub trait PackWatch {
+    /// Called now and then; `Break` stops the packing with [`crate::ink::PackError::Stopped`].
     fn progress(&mut self, progress: &PackProgress) -> ControlFlow<()>;
 }
 

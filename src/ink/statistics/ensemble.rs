@@ -10,11 +10,14 @@ use serde::Serialize;
 /// A mean over realisations; the error needs at least two of them (or a counting error).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
+    /// Mean over the realisations.
     pub mean: f64,
+    /// Its standard error; `None` for one realisation.
     pub standard_error: Option<f64>,
 }
 
 impl Estimate {
+    /// Mean of one value per realisation, with its standard error.
     pub fn of(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
@@ -34,16 +37,22 @@ impl Estimate {
 pub struct Curve {
     /// File stem, e.g. "pair_correlation".
     pub name: String,
+    /// Quantity and unit along x.
     pub x_label: String,
+    /// Quantity and unit along y.
     pub y_label: String,
+    /// Abscissae.
     pub x: Vec<f64>,
+    /// Ordinates, one for each abscissa.
     pub y: Vec<Estimate>,
 }
 
 /// All statistics of an ensemble.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statistics {
+    /// Number of packings.
     pub realisations: usize,
+    /// All curves: g(r), nearest neighbours, S2, profiles.
     pub curves: Vec<Curve>,
     /// Name, unit and value of every scalar.
     pub scalars: Vec<(String, String, Estimate)>,

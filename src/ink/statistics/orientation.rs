@@ -6,7 +6,9 @@ use crate::ink::Packing;
 /// diagonal component 0.447/√N), diag(−½, −½, 1) when all stand, diag(¼, ¼, −½) when all lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientationTensor {
+    /// Q, symmetric and without trace, in the coordinates of the cell.
     pub q: [[f64; 3]; 3],
+    /// Number of elongated grains it is taken over.
     pub grains: usize,
 }
 

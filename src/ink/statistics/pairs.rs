@@ -11,6 +11,7 @@ use std::f64::consts::PI;
 pub struct PairStatistics {
     /// Shell edges, µm.
     pub edges_um: Vec<f64>,
+    /// Pairs of centres found in each shell.
     pub counts: Vec<f64>,
     /// Expected counts of the same number of points spread uniformly (between the walls if there are any).
     pub ideal: Vec<f64>,
@@ -24,6 +25,7 @@ impl PairStatistics {
         self.counts.iter().zip(&self.ideal).map(|(c, i)| if *i > 0.0 { c / i } else { 0.0 }).collect()
     }
 
+    /// Mean distance from a centre to the nearest other one, µm.
     pub fn mean_nearest_um(&self) -> f64 {
         self.nearest_um.iter().sum::<f64>() / self.nearest_um.len().max(1) as f64
     }

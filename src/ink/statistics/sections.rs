@@ -16,6 +16,7 @@ pub struct SectionStatistics {
     pub r_um: Vec<f64>,
     /// Probability that two points r apart, along x and along y, both lie in pigment.
     pub s2_x: Vec<f64>,
+    /// The same along y.
     pub s2_y: Vec<f64>,
     /// Chords per µm of line along x and along y: a quarter of the surface per volume, and −S2′(0).
     pub chords_per_um: [f64; 2],

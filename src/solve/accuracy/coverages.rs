@@ -1,5 +1,6 @@
 //! Coverages of one scene on several grids, kept for those who try the same grid again.
 
+use crate::wave::contrast::coverage::EXACT;
 use crate::wave::{Coverage, Resolution, Scene, WaveError};
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -9,13 +10,22 @@ const KEPT: usize = 6;
 /// A scene with its latest coverages. Searches try several wavelengths and angles on the same grids; coverage costs
 /// more than a solve where grains are small.
 pub struct Coverages<'a> {
+    /// The geometry.
     pub scene: &'a Scene,
+    /// Relative error of the coefficients, see [`Coverage::within`].
+    error: f64,
     latest: Mutex<Vec<Arc<Coverage>>>,
 }
 
 impl<'a> Coverages<'a> {
+    /// Coverages that are exact for all purposes.
     pub fn of(scene: &'a Scene) -> Self {
-        Self { scene, latest: Mutex::default() }
+        Self { scene, error: EXACT, latest: Mutex::default() }
+    }
+
+    /// Coverages with coefficients of a relative error, see [`Coverage::within`].
+    pub fn within(scene: &'a Scene, error: f64) -> Self {
+        Self { error, ..Self::of(scene) }
     }
 
     /// The coverage on a grid, kept or new.
@@ -27,7 +37,7 @@ impl<'a> Coverages<'a> {
             return Ok(found);
         }
         // Made without the lock: parallel loops inside may run other tasks that ask for a coverage.
-        let new = Arc::new(Coverage::new(self.scene, resolution)?);
+        let new = Arc::new(Coverage::within(self.scene, resolution, self.error)?);
         let mut latest = self.lock();
         if latest.len() == KEPT {
             latest.remove(0);

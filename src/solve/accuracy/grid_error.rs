@@ -10,6 +10,7 @@ use super::search::{AccuracyError, Task, smooth_size};
 use crate::numerics::estimate::Estimate;
 use crate::run::resolve::is_stop;
 use crate::solve::Watch;
+use crate::wave::physical::largest;
 use crate::wave::{Coverage, Problem, Resolution};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -38,7 +39,7 @@ impl GridError {
                 let Estimate { value, standard_error } = Estimate::of_mean(&samples);
                 value.hypot(standard_error.unwrap_or(0.0))
             };
-            (0..probes).map(probe).fold(0.0, f64::max)
+            largest((0..probes).map(probe))
         };
         Self { reflectance: of(0), transmittance: of(1) }
     }

@@ -12,7 +12,7 @@ const SCHEMES: [Scheme; 5] =
 /// A cell smaller than the wave, so that even one point in the plane is a valid grid.
 fn problem([nx, ny, cells]: [usize; 3], scheme: Scheme, pigment: Complex64, side: Side) -> Problem {
     let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
-    let body = Body { shape: Shape::Balls(vec![ball]), inclusion: 0 };
+    let body = Body::new(Shape::Balls(vec![ball]), 0);
     let scene = Scene::layer([0.3, 0.26], 0.16, vec![body]);
     let one = Complex64::ONE;
     let media =

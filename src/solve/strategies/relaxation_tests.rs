@@ -7,7 +7,7 @@ const SCHEMES: [Scheme; 4] = [Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, S
 
 fn problem([nx, ny]: [usize; 2], scheme: Scheme, kappa: f64, absorbing_mean: bool) -> Problem {
     let ball = Ball { center_um: [0.1, 0.13, 0.12], radius_um: 0.1 };
-    let scene = Scene::layer([0.34, 0.3], 0.24, vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }]);
+    let scene = Scene::layer([0.34, 0.3], 0.24, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
     let media = Media {
         incident: 1.0.into(),
         exit: 1.2.into(),

@@ -4,22 +4,39 @@
 //! k² differences ("channels"). Coefficients in the plane are exact and band-limited to the grid's harmonics;
 //! along z they are moments against the scheme's shape functions (numerics: W_p = ∫ ψ_p V dz).
 
-use super::folding::{Folding, Planes};
-use super::nufft::{Footprint, SourceTransform};
-use super::section;
-use super::section::{Cut, EdgePoint};
-use crate::numerics::fourier::Harmonics;
-use crate::wave::{Body, Grid, Resolution, Scene, WaveError};
+use super::folding::{Folding, Planes, REACH};
+use super::nufft::{Patch, SourceTransform, Spreading};
+use super::section::{self, Demands, EdgePoint, GaussRules, Sampling};
+use crate::numerics::fourier::{Harmonics, PlaneScratch, Real};
+use crate::wave::grid::element::{Element, MAX_DEGREE};
+use crate::wave::{Ball, Body, Grid, Material, Resolution, Scene, Shape, WaveError};
 use ndarray::Array2;
-use num_complex::Complex64;
+use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// One pair of materials: an inclusion inside a background.
+/// Relative error of coefficients where nothing else is asked for.
+pub const EXACT: f64 = 1e-10;
+/// The loosest that is of use: what less work would save is nothing beside a solve.
+const LOOSEST: f64 = 1e-3;
+/// From here on single precision is far below the error allowed.
+const SINGLE: f64 = 1e-6;
+/// Harmonics beyond the grid enter in second order only: they may be off by this many times the error, and at most by 1 %.
+const OUTER: f64 = 300.0;
+
+/// Error of the coefficients that is nothing beside an error `accuracy` of the amplitudes: these move by less than a
+/// hundredth of the coefficients' error in ink.
+pub fn error_for(accuracy: f64) -> f64 {
+    0.1 * accuracy
+}
+
+/// One pair of materials: a body's inside a background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Channel {
+    /// Index into [`crate::wave::Media::backgrounds`].
     pub background: usize,
-    pub inclusion: usize,
+    /// What the bodies consist of.
+    pub material: Material,
 }
 
 /// Moments of every channel's indicator function on every plane.
@@ -39,54 +56,50 @@ pub struct Coverage {
     pub seconds: f64,
 }
 
-/// Coefficients of one cell: channel → plane of the cell → harmonics.
-pub(crate) type CellCoefficients = Vec<Vec<Vec<Complex64>>>;
+/// Coefficients of one channel in one cell: plane of the cell → wide harmonics, and their means in full precision.
+pub(crate) struct CellCoefficients<T: Real> {
+    pub spectra: Vec<Vec<Complex<T>>>,
+    pub means: Vec<f64>,
+}
 
 /// What the columns of one cell need to know.
 pub(crate) struct CellColumns<'a> {
     pub range_um: [f64; 2],
-    pub element: &'a crate::wave::grid::element::Element,
+    pub element: &'a Element,
     pub orders: &'a [[i32; 2]],
     /// Largest |m| and |n|.
     pub widest: [usize; 2],
 }
 
-struct Builder<'a> {
+struct Builder<'a, T: Real> {
     scene: &'a Scene,
     grid: &'a Grid,
     channels: &'a [Channel],
     harmonics: &'a Harmonics,
-    transform: SourceTransform,
-    kmax: f64,
+    /// Largest |m| and |n|.
+    widest: [usize; 2],
+    /// None where no body is round in the plane.
+    transform: Option<SourceTransform<T>>,
+    sampling: Sampling,
 }
 
 impl Coverage {
-    /// Integrates every body over every cell. Errors: see [`Grid::new`].
+    /// Integrates every body over every cell, to rounding or nearly. Errors: see [`Grid::new`].
     pub fn new(scene: &Scene, resolution: Resolution) -> Result<Coverage, WaveError> {
-        let clock = std::time::Instant::now();
-        let grid = Grid::new(scene, resolution)?;
-        let channels = find_channels(scene, &grid);
-        let folding = Folding::new(&resolution);
-        let harmonics = &folding.harmonics;
-        let builder = Builder::new(scene, &grid, &channels, harmonics);
-        let cells: Vec<CellCoefficients> =
-            (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
-        let Planes { moments, pairs, folded } = folding.planes(&grid, &cells, channels.len());
-        let origin = harmonics.find(0, 0).expect("order (0, 0) is always in use");
-        let fraction =
-            |c: usize, j: usize| cells[j][c].iter().map(|p| p[origin].re).sum::<f64>() / grid.height_um(j);
-        let fractions =
-            (0..channels.len()).map(|c| (0..grid.cells()).map(|j| fraction(c, j)).collect()).collect();
-        Ok(Coverage {
-            grid,
-            channels,
-            moments,
-            pairs,
-            folded,
-            fractions,
-            uniform: [scene.uniform_in_plane(), scene.uniform_in_y()],
-            seconds: clock.elapsed().as_secs_f64(),
-        })
+        Coverage::within(scene, resolution, EXACT)
+    }
+
+    /// The same with a relative error of the coefficients of about `error` (10⁻¹⁰ … 10⁻³), in less time.
+    ///
+    /// Amplitudes then move by less than `error`: they depend on the contrast's relative error times the share of
+    /// light that is scattered. Errors: see [`Grid::new`].
+    pub fn within(scene: &Scene, resolution: Resolution, error: f64) -> Result<Coverage, WaveError> {
+        let error = error.clamp(EXACT, LOOSEST);
+        if error < SINGLE {
+            build::<f64>(scene, resolution, error)
+        } else {
+            build::<f32>(scene, resolution, error)
+        }
     }
 
     /// Bytes held.
@@ -95,12 +108,39 @@ impl Coverage {
     }
 }
 
-/// All (background, inclusion) pairs that share a cell.
+fn build<T: Real>(scene: &Scene, resolution: Resolution, error: f64) -> Result<Coverage, WaveError> {
+    let clock = std::time::Instant::now();
+    let grid = Grid::new(scene, resolution)?;
+    let channels = find_channels(scene, &grid);
+    let folding = Folding::<T>::new(&resolution, grid.period_um);
+    let builder = Builder::<T>::new(scene, &grid, &channels, &folding.harmonics, error);
+    let cells: Vec<Vec<Option<CellCoefficients<T>>>> =
+        (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
+    let Planes { moments, pairs, folded } = folding.planes(&grid, &cells, channels.len());
+    let fraction = |c: usize, j: usize| {
+        let means = cells[j][c].as_ref().map_or(0.0, |cell| cell.means.iter().sum());
+        means / grid.height_um(j)
+    };
+    let fractions =
+        (0..channels.len()).map(|c| (0..grid.cells()).map(|j| fraction(c, j)).collect()).collect();
+    Ok(Coverage {
+        channels,
+        moments,
+        pairs,
+        folded,
+        fractions,
+        uniform: [scene.uniform_in_plane(), scene.uniform_in_y()],
+        seconds: clock.elapsed().as_secs_f64(),
+        grid,
+    })
+}
+
+/// All (background, material) pairs that share a cell.
 fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
     let mut channels = Vec::new();
     for body in &scene.bodies {
         for j in 0..grid.cells() {
-            let channel = Channel { background: grid.background[j], inclusion: body.inclusion };
+            let channel = Channel { background: grid.background[j], material: body.material };
             if overlap(body, grid, j).is_some() && !channels.contains(&channel) {
                 channels.push(channel);
             }
@@ -116,43 +156,44 @@ fn overlap(body: &Body, grid: &Grid, cell: usize) -> Option<[f64; 2]> {
     (range[1] > range[0]).then_some(range)
 }
 
-impl<'a> Builder<'a> {
+impl<'a, T: Real> Builder<'a, T> {
     fn new(
         scene: &'a Scene,
         grid: &'a Grid,
         channels: &'a [Channel],
         harmonics: &'a Harmonics,
-    ) -> Builder<'a> {
+        error: f64,
+    ) -> Builder<'a, T> {
         let largest =
             |i: usize| harmonics.orders.iter().map(|o| o[i].unsigned_abs() as usize).max().unwrap_or(0);
-        let [mmax, nmax] = [largest(0), largest(1)];
-        let k = |max: usize, period: f64| TAU * max as f64 / period;
-        let kmax = k(mmax, grid.period_um[0]).hypot(k(nmax, grid.period_um[1]));
-        Builder { scene, grid, channels, harmonics, transform: SourceTransform::new(mmax, nmax), kmax }
+        let widest = [largest(0), largest(1)];
+        let k = |i: usize, share: f64| TAU * share * widest[i] as f64 / grid.period_um[i];
+        let corner = |share: f64| k(0, share).hypot(k(1, share));
+        let loose = (OUTER * error).min(1e-2);
+        let demands = Demands([(corner(1.0 / REACH as f64), error), (corner(1.0), loose)]);
+        let round = scene.bodies.iter().any(|b| matches!(b.shape, Shape::Balls(_)));
+        let transform = round.then(|| SourceTransform::new(widest[0], widest[1], Spreading::within(error)));
+        let sampling = Sampling { demands, degree: grid.element.degree, rules: GaussRules::default() };
+        Builder { scene, grid, channels, harmonics, widest, transform, sampling }
     }
 
     fn columns(&self, cell: usize) -> CellColumns<'_> {
-        let largest =
-            |i: usize| self.harmonics.orders.iter().map(|o| o[i].unsigned_abs() as usize).max().unwrap_or(0);
         CellColumns {
             range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]],
             element: &self.grid.element,
             orders: &self.harmonics.orders,
-            widest: [largest(0), largest(1)],
+            widest: self.widest,
         }
     }
 
-    fn cell(&self, cell: usize) -> CellCoefficients {
+    /// Moments of every channel within one cell; None where there is nothing of it.
+    fn cell(&self, cell: usize) -> Vec<Option<CellCoefficients<T>>> {
         let here = |c: &Channel| c.background == self.grid.background[cell];
-        let zero =
-            || vec![vec![Complex64::default(); self.harmonics.len()]; self.grid.planes_of_cell(cell).count()];
-        let integrate = |c: &Channel| if here(c) { self.channel_in_cell(c, cell) } else { None };
-        self.channels.iter().map(|c| integrate(c).unwrap_or_else(zero)).collect()
+        self.channels.iter().map(|c| if here(c) { self.channel_in_cell(c, cell) } else { None }).collect()
     }
 
-    /// Moments of all bodies of one material within one cell; None where there are none.
-    fn channel_in_cell(&self, channel: &Channel, cell: usize) -> Option<Vec<Vec<Complex64>>> {
-        let bodies = self.scene.bodies.iter().filter(|b| b.inclusion == channel.inclusion);
+    fn channel_in_cell(&self, channel: &Channel, cell: usize) -> Option<CellCoefficients<T>> {
+        let bodies = self.scene.bodies.iter().filter(|b| b.material == channel.material);
         let present: Vec<_> = bodies.filter_map(|b| Some((b, overlap(b, self.grid, cell)?))).collect();
         if present.is_empty() {
             return None;
@@ -164,109 +205,157 @@ impl<'a> Builder<'a> {
 }
 
 /// The running moments of one channel in one cell.
-struct CellSum<'a> {
-    builder: &'a Builder<'a>,
+struct CellSum<'a, T: Real> {
+    builder: &'a Builder<'a, T>,
     cell: usize,
-    /// Edge sources on the fine grid, one grid a plane: n_x ds + i n_y ds.
-    sources: Vec<Vec<Complex64>>,
-    /// Directly summed parts, one a plane.
-    direct: Vec<Vec<Complex64>>,
-    heights: Vec<(f64, f64)>,
-    edge: Vec<EdgePoint>,
+    /// Surface sources on the fine grid, one grid a plane: n_x dS + i n_y dS; empty until there are any.
+    sources: Vec<Vec<Complex<T>>>,
+    /// Directly summed parts, one a plane, and the means.
+    direct: CellCoefficients<T>,
+    patch: Patch<T>,
+    points: Vec<EdgePoint>,
 }
 
-impl<'a> CellSum<'a> {
-    fn new(builder: &'a Builder<'a>, cell: usize) -> CellSum<'a> {
+impl<'a, T: Real> CellSum<'a, T> {
+    fn new(builder: &'a Builder<'a, T>, cell: usize) -> CellSum<'a, T> {
         let planes = builder.grid.planes_of_cell(cell).count();
-        let zeros = |n: usize| vec![vec![Complex64::default(); n]; planes];
-        let round = builder.scene.bodies.iter().any(|b| matches!(b.shape, crate::wave::Shape::Balls(_)));
-        let points = if round { builder.transform.points() } else { 0 };
-        let (sources, direct) = (zeros(points), zeros(builder.harmonics.len()));
-        CellSum { builder, cell, sources, direct, heights: Vec::new(), edge: Vec::new() }
+        let spectra = vec![vec![Complex::default(); builder.harmonics.len()]; planes];
+        let direct = CellCoefficients { spectra, means: vec![0.0; planes] };
+        CellSum { builder, cell, sources: Vec::new(), direct, patch: Patch::empty(), points: Vec::new() }
     }
 
     fn add_body(&mut self, body: &Body, range: [f64; 2]) {
-        if let crate::wave::Shape::Above { surface, balls } = &body.shape {
-            let columns = self.builder.columns(self.cell);
-            return super::relief::add_vacuum(surface, balls, &columns, &mut self.direct);
-        }
-        let mut heights = std::mem::take(&mut self.heights);
-        let degree = self.builder.grid.element.degree;
-        section::heights(&body.shape, range, self.builder.kmax, degree, &mut heights);
-        for &(z, weight) in &heights {
-            self.add_cut(body, z, weight);
-        }
-        self.heights = heights;
-    }
-
-    fn add_cut(&mut self, body: &Body, z: f64, weight: f64) {
-        let grid = self.builder.grid;
-        let t = (z - grid.nodes_um[self.cell]) / grid.height_um(self.cell);
-        let shares = grid.element.shape_functions(t).map(|psi| psi * weight);
-        let mut edge = std::mem::take(&mut self.edge);
-        match section::cut(&body.shape, z, self.builder.kmax, &mut edge) {
-            Cut::Edge { area, points } => self.add_edge(area, points, &shares),
-            Cut::Strip(range) => self.add_strip(range, &shares),
-            Cut::Everything => self.add_origin(1.0, &shares),
-        }
-        self.edge = edge;
-    }
-
-    fn add_origin(&mut self, share: f64, shares: &[f64]) {
-        // Compact index 0 is order (0, 0).
-        self.direct.iter_mut().zip(shares).for_each(|(plane, s)| plane[0] += share * s);
-    }
-
-    fn add_edge(&mut self, area: f64, points: &[EdgePoint], shares: &[f64]) {
-        let [lx, ly] = self.builder.grid.period_um;
-        self.add_origin(area / (lx * ly), shares);
-        let transform = &self.builder.transform;
-        for point in points {
-            let x: Footprint = transform.footprint(0, point.position[0] / lx);
-            let y = transform.footprint(1, point.position[1] / ly);
-            let source = Complex64::new(point.normal[0], point.normal[1]);
-            for (grid, &share) in self.sources.iter_mut().zip(shares) {
-                transform.spread(grid, &x, &y, source * share);
+        match &body.shape {
+            Shape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
+            Shape::Above { surface, balls } => {
+                let columns = self.builder.columns(self.cell);
+                super::relief::add_vacuum(surface, balls, &columns, &mut self.direct);
+            }
+            shape => {
+                for (z, weight) in self.builder.sampling.strip_heights(shape, range) {
+                    let shares = self.shares(z, weight);
+                    match section::strip(shape, z) {
+                        Some(strip) => self.add_strip(strip, &shares),
+                        None => add_mean(&mut self.direct.means, 1.0, &shares),
+                    }
+                }
             }
         }
+    }
+
+    /// Values of all ψ_p at a height, times a weight.
+    fn shares(&self, z: f64, weight: f64) -> [f64; MAX_DEGREE + 1] {
+        let grid = self.builder.grid;
+        let t = (z - grid.nodes_um[self.cell]) / grid.height_um(self.cell);
+        grid.element.shape_functions(t).map(|psi| psi * weight)
+    }
+
+    /// The free surface of one ball of a union.
+    fn add_ball(&mut self, balls: &[Ball], i: usize, range: [f64; 2]) {
+        let builder = self.builder;
+        let [lx, ly] = builder.grid.period_um;
+        let (own, planes) = (&balls[i], self.direct.means.len());
+        let transform = builder.transform.as_ref().expect("a scene with balls has a transform");
+        if self.sources.is_empty() {
+            self.sources = vec![vec![Complex::default(); transform.points()]; planes];
+        }
+        let center = [own.center_um[0] / lx, own.center_um[1] / ly];
+        let (mut patch, mut points) =
+            (std::mem::replace(&mut self.patch, Patch::empty()), std::mem::take(&mut self.points));
+        transform.open(&mut patch, 2 * planes, center, [own.radius_um / lx, own.radius_um / ly]);
+        let mut value = [T::default(); 2 * (MAX_DEGREE + 1)];
+        let mut ring = |z: f64, weight: f64, points: &[EdgePoint]| {
+            let shares = self.shares(z, weight);
+            let mut moment = 0.0;
+            for EdgePoint { position, normal } in points {
+                let [x, y] = [position[0] - balls[0].center_um[0], position[1] - balls[0].center_um[1]];
+                moment += x * normal[0] + y * normal[1];
+                for (pair, share) in value.as_chunks_mut::<2>().0.iter_mut().zip(&shares) {
+                    *pair = [T::of(normal[0] * share), T::of(normal[1] * share)];
+                }
+                let (x, y) =
+                    (transform.footprint(0, position[0] / lx), transform.footprint(1, position[1] / ly));
+                transform.spread(&mut patch, &x, &y, &value[..2 * planes]);
+            }
+            add_mean(&mut self.direct.means, 0.5 * moment / (lx * ly), &shares);
+        };
+        builder.sampling.rings(balls, i, range, &mut points, &mut ring);
+        transform.close(&patch, &mut self.sources);
+        (self.patch, self.points) = (patch, points);
     }
 
     /// (1/Lx) ∫ e^{−ikx} dx over a strip; only orders n = 0.
     fn add_strip(&mut self, [x0, x1]: [f64; 2], shares: &[f64]) {
         let lx = self.builder.grid.period_um[0];
-        let (middle, width) = (0.5 * (x0 + x1), x1 - x0);
-        for (i, _) in self.builder.harmonics.orders.iter().enumerate().filter(|(_, o)| o[1] == 0) {
-            let k = TAU * self.builder.harmonics.orders[i][0] as f64 / lx;
-            let phase = 0.5 * k * width;
-            let sinc = if phase.abs() < 1e-8 { 1.0 } else { phase.sin() / phase };
-            let value = Complex64::cis(-k * middle) * (width / lx * sinc);
-            self.direct.iter_mut().zip(shares).for_each(|(plane, s)| plane[i] += value * s);
+        add_mean(&mut self.direct.means, (x1 - x0) / lx, shares);
+        let turns = [x0, x1].map(|x| Complex64::cis(-TAU * x / lx));
+        let mut ends = turns;
+        let [mmax, nmax] = self.builder.widest;
+        for m in 1..=mmax {
+            let value = (ends[0] - ends[1]) / Complex64::new(0.0, TAU * m as f64);
+            for (spectrum, share) in self.direct.spectra.iter_mut().zip(shares) {
+                let add = narrowed::<T>(value * share);
+                spectrum[index_of(m as i32, 0, [mmax, nmax])] += add;
+                spectrum[index_of(-(m as i32), 0, [mmax, nmax])] += add.conj();
+            }
+            ends = [ends[0] * turns[0], ends[1] * turns[1]];
         }
     }
 
-    fn finish(mut self) -> Vec<Vec<Complex64>> {
-        if self.sources.iter().any(|s| !s.is_empty()) {
-            let mut scratch = self.builder.transform.scratch();
-            for (grid, plane) in self.sources.iter().zip(&mut self.direct) {
-                scratch.plane.copy_from_slice(grid);
-                self.builder.transform.transform(&mut scratch);
-                add_edges(self.builder, &scratch, plane);
+    fn finish(mut self) -> CellCoefficients<T> {
+        if let Some(transform) = self.builder.transform.as_ref().filter(|_| !self.sources.is_empty()) {
+            let mut scratch = transform.scratch();
+            for (grid, spectrum) in self.sources.iter_mut().zip(&mut self.direct.spectra) {
+                std::mem::swap(grid, &mut scratch.plane);
+                transform.transform(&mut scratch);
+                add_surfaces(self.builder, transform, &scratch, spectrum);
             }
+        }
+        for (spectrum, &mean) in self.direct.spectra.iter_mut().zip(&self.direct.means) {
+            spectrum[0] = Complex::new(T::of(mean), T::default());
         }
         self.direct
     }
 }
 
+fn narrowed<T: Real>(z: Complex64) -> Complex<T> {
+    Complex::new(T::of(z.re), T::of(z.im))
+}
+
+fn add_mean(means: &mut [f64], share: f64, shares: &[f64]) {
+    means.iter_mut().zip(shares).for_each(|(mean, s)| *mean += share * s);
+}
+
+/// Compact index of order (m, n) among all |m| ≤ mmax, |n| ≤ nmax, see [`Harmonics::new`].
+fn index_of(m: i32, n: i32, [mmax, nmax]: [usize; 2]) -> usize {
+    let place = |k: i32, max: usize| k.rem_euclid(2 * max as i32 + 1) as usize;
+    place(m, mmax) * (2 * nmax + 1) + place(n, nmax)
+}
+
 /// (i/k²) (k_x N_x + k_y N_y)/(Lx Ly) from the packed transform Z = N_x + i N_y of two real fields.
-fn add_edges(builder: &Builder, scratch: &crate::numerics::fourier::PlaneScratch, plane: &mut [Complex64]) {
+///
+/// Written as i/(2 k²) (κ̄ Z(k) + κ Z̄(−k)) with κ = k_x + i k_y; the field is real, so half of the orders are enough.
+fn add_surfaces<T: Real>(
+    builder: &Builder<T>,
+    transform: &SourceTransform<T>,
+    scratch: &PlaneScratch<T>,
+    spectrum: &mut [Complex<T>],
+) {
     let [lx, ly] = builder.grid.period_um;
-    for (value, &[m, n]) in plane.iter_mut().zip(&builder.harmonics.orders).filter(|(_, o)| **o != [0, 0]) {
-        let z = builder.transform.coefficient(scratch, m, n);
-        let mirrored = builder.transform.coefficient(scratch, -m, -n).conj();
-        let normal_x = 0.5 * (z + mirrored);
-        let normal_y = Complex64::new(0.0, -0.5) * (z - mirrored);
-        let (kx, ky) = (TAU * m as f64 / lx, TAU * n as f64 / ly);
-        *value += Complex64::I * (kx * normal_x + ky * normal_y) / ((kx * kx + ky * ky) * lx * ly);
+    let [mmax, nmax] = builder.widest.map(|k| k as i32);
+    for m in 0..=mmax {
+        let (row, mirror) = (transform.row(scratch, m), transform.row(scratch, -m));
+        let kx = TAU * f64::from(m) / lx;
+        for n in if m == 0 { 1..=nmax } else { -nmax..=nmax } {
+            let ky = TAU * f64::from(n) / ly;
+            let scale = T::of(0.5 * transform.correction(m, n) / ((kx * kx + ky * ky) * lx * ly));
+            let kappa = Complex::new(T::of(kx) * scale, T::of(ky) * scale);
+            let place = |k: i32| k.rem_euclid(row.len() as i32) as usize;
+            let sum = kappa.conj() * row[place(n)] + kappa * mirror[place(-n)].conj();
+            let value = Complex::new(-sum.im, sum.re);
+            spectrum[index_of(m, n, builder.widest)] += value;
+            spectrum[index_of(-m, -n, builder.widest)] += value.conj();
+        }
     }
 }
 

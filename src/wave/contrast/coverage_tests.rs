@@ -9,7 +9,7 @@ const PERIOD: [f64; 2] = [0.8, 1.1];
 const HEIGHT: f64 = 0.6;
 
 fn scene(shape: Shape) -> Scene {
-    Scene::layer(PERIOD, HEIGHT, vec![Body { shape, inclusion: 0 }])
+    Scene::layer(PERIOD, HEIGHT, vec![Body::new(shape, 0)])
 }
 
 fn ball(center_um: [f64; 3], radius_um: f64) -> Ball {
@@ -220,7 +220,7 @@ fn folded_harmonics_have_the_mean_that_partitioning_predicts() {
 #[test]
 fn grains_of_different_media_and_strata_make_channels() {
     let stratum = |background| crate::wave::Stratum { thickness_um: 0.3, background };
-    let body = |z: f64, inclusion| Body { shape: Shape::Balls(vec![ball([0.4, 0.4, z], 0.1)]), inclusion };
+    let body = |z: f64, inclusion| Body::new(Shape::Balls(vec![ball([0.4, 0.4, z], 0.1)]), inclusion);
     let scene = Scene {
         period_um: PERIOD,
         strata: vec![stratum(0), stratum(1)],
@@ -228,8 +228,8 @@ fn grains_of_different_media_and_strata_make_channels() {
     };
     let c = Coverage::new(&scene, Resolution { nx: 8, ny: 8, cells: 4, scheme: Scheme::Cubic })
         .expect("coverage");
-    let pairs: Vec<_> = c.channels.iter().map(|c| (c.background, c.inclusion)).collect();
-    assert_eq!(pairs, [(0, 1), (1, 1), (0, 0)]);
+    let pairs: Vec<_> = c.channels.iter().map(|c| (c.background, c.material)).collect();
+    assert_eq!(pairs, [(0, 1), (1, 1), (0, 0)].map(|(b, i)| (b, crate::wave::Material::Inclusion(i))));
     let half = 2.0 / 3.0 * PI * 1e-3 / (PERIOD[0] * PERIOD[1]);
     for channel in 0..2 {
         let share: f64 = c.fractions[channel].iter().map(|f| f * 0.15).sum();

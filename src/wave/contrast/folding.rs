@@ -7,136 +7,183 @@
 //! reciprocity, and raises the observed order of convergence in the plane from 3 to about 5.
 
 use super::coverage::CellCoefficients;
-use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
 use crate::wave::{Grid, Resolution};
 use ndarray::{Array2, ArrayViewMut1, Axis};
-use num_complex::Complex64;
+use num_complex::Complex;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Harmonics up to this many times the grid's are folded; more change the error by a few per cent only.
-const REACH: usize = 2;
+pub(super) const REACH: usize = 2;
 
 /// The grid's harmonics, the wider set around them, and both sets' transforms.
-pub struct Folding {
+pub struct Folding<T: Real> {
     /// All harmonics that the coverage is computed for.
     pub harmonics: Harmonics,
     inner: Harmonics,
     /// Compact indices in `harmonics` of the grid's own harmonics, in the order of `inner`.
     kept: Vec<usize>,
-    wide: PlaneFft,
-    narrow: PlaneFft,
+    /// 1/(kx² + ky²) of every wide harmonic, 0 for those of the grid.
+    inverse_q2: Vec<T>,
+    wide: PlaneFft<T>,
+    narrow: PlaneFft<T>,
     wide_points: usize,
 }
 
 /// Fields on the grid's points, planes × points, in µm (moments) and µm³ (folded).
 pub struct Planes {
+    /// ∫ ψ_p χ dz of every channel.
     pub moments: Vec<Array2<f64>>,
+    /// The channels of every folded field.
     pub pairs: Vec<[usize; 2]>,
+    /// What the outer harmonics of a pair add.
     pub folded: Vec<Array2<f64>>,
 }
 
 /// Buffers of one thread.
-struct Buffers {
-    wide: PlaneScratch,
-    narrow: PlaneScratch,
-    spectrum: Vec<Complex64>,
+struct Buffers<T: Real> {
+    wide: PlaneScratch<T>,
+    narrow: PlaneScratch<T>,
+    /// Per channel: wide spectrum, and its outer part with the same over q² on the wide points.
+    spectra: Vec<Vec<Complex<T>>>,
+    outer: Vec<Vec<Complex<T>>>,
+    compact: Vec<Complex<T>>,
 }
 
-impl Folding {
-    pub fn new(resolution: &Resolution) -> Folding {
+/// One plane's rows of all fields.
+type Rows<'a> = (Vec<ArrayViewMut1<'a, f64>>, Vec<ArrayViewMut1<'a, f64>>);
+
+impl<T: Real> Folding<T> {
+    /// Plans the transforms of a grid of `period_um`.
+    pub fn new(resolution: &Resolution, period_um: [f64; 2]) -> Folding<T> {
         let [nx, ny] = [resolution.nx, resolution.ny];
         let [wx, wy] = [nx, ny].map(|n| if n == 1 { 1 } else { REACH * n });
         let (harmonics, inner) = (Harmonics::new(wx, wy), Harmonics::new(nx, ny));
         let [mmax, nmax] = [nx, ny].map(|n| (n as i32 - 1) / 2);
-        let is_inner =
-            |&i: &usize| harmonics.orders[i][0].abs() <= mmax && harmonics.orders[i][1].abs() <= nmax;
-        let kept = (0..harmonics.len()).filter(is_inner).collect();
+        let is_inner = |o: &[i32; 2]| o[0].abs() <= mmax && o[1].abs() <= nmax;
+        let kept = (0..harmonics.len()).filter(|&i| is_inner(&harmonics.orders[i])).collect();
+        let inverse = |o: &[i32; 2]| {
+            let q2: f64 = (0..2).map(|i| (TAU * f64::from(o[i]) / period_um[i]).powi(2)).sum();
+            T::of(if is_inner(o) { 0.0 } else { 1.0 / q2 })
+        };
+        let inverse_q2 = harmonics.orders.iter().map(inverse).collect();
         let (wide, narrow) = (PlaneFft::new(wx, wy), PlaneFft::new(nx, ny));
-        Folding { harmonics, inner, kept, wide, narrow, wide_points: wx * wy }
+        Folding { harmonics, inner, kept, inverse_q2, wide, narrow, wide_points: wx * wy }
     }
 
     /// Adds the cells' shares of each plane, transforms them to points and folds every pair of channels.
-    pub fn planes(&self, grid: &Grid, cells: &[CellCoefficients], channels: usize) -> Planes {
+    pub(crate) fn planes(
+        &self,
+        grid: &Grid,
+        cells: &[Vec<Option<CellCoefficients<T>>>],
+        channels: usize,
+    ) -> Planes {
         let pairs: Vec<[usize; 2]> = (0..channels).flat_map(|a| (a..channels).map(move |b| [a, b])).collect();
         let zeros = |count| vec![Array2::zeros((grid.planes(), grid.points())); count];
         let mut planes = Planes { moments: zeros(channels), folded: zeros(pairs.len()), pairs };
         let pairs = planes.pairs.clone();
         let rows = planes.rows(grid.planes());
-        let buffers =
-            || Buffers { wide: self.wide.scratch(), narrow: self.narrow.scratch(), spectrum: Vec::new() };
-        rows.into_par_iter().enumerate().for_each_init(buffers, |buffers, (plane, (moments, folded))| {
-            let spectra: Vec<_> = (0..channels).map(|c| self.plane_spectrum(grid, cells, plane, c)).collect();
-            for (spectrum, mut out) in spectra.iter().zip(moments) {
-                self.to_grid(spectrum, buffers, &mut out);
-            }
-            let outer: Vec<_> = spectra.iter().map(|s| self.outer_fields(grid, s, buffers)).collect();
-            let weight = plane_weight(grid, plane) * self.wide_points as f64;
-            for (&[a, b], mut out) in pairs.iter().zip(folded) {
-                self.product([&outer[a], &outer[b]], weight, buffers);
-                let spectrum = std::mem::take(&mut buffers.spectrum);
-                self.to_grid(&spectrum, buffers, &mut out);
-                buffers.spectrum = spectrum;
-            }
-        });
+        rows.into_par_iter().enumerate().for_each_init(
+            || self.buffers(channels),
+            |buffers, (plane, (mut moments, mut folded))| {
+                for c in 0..channels {
+                    self.plane_spectrum(grid, cells, plane, c, &mut buffers.spectra[c]);
+                    self.outer_fields(c, buffers);
+                }
+                let weight = plane_weight(grid, plane) * self.wide_points as f64;
+                // A channel's moments share a transform with a folded field: both are real.
+                for (p, out) in folded.iter_mut().enumerate() {
+                    self.product(pairs[p], T::of(weight), buffers);
+                    let own = moments.get_mut(p).map(|view| (buffers.spectra[p].as_slice(), view));
+                    self.to_grid(own, out, &buffers.compact, &mut buffers.narrow);
+                }
+            },
+        );
         planes
+    }
+
+    fn buffers(&self, channels: usize) -> Buffers<T> {
+        let zeros = |count: usize| vec![vec![Complex::default(); count]; channels];
+        Buffers {
+            wide: self.wide.scratch(),
+            narrow: self.narrow.scratch(),
+            spectra: zeros(self.harmonics.len()),
+            outer: zeros(self.wide_points),
+            compact: vec![Complex::default(); self.harmonics.len()],
+        }
     }
 
     fn plane_spectrum(
         &self,
         grid: &Grid,
-        cells: &[CellCoefficients],
+        cells: &[Vec<Option<CellCoefficients<T>>>],
         plane: usize,
         channel: usize,
-    ) -> Vec<Complex64> {
-        let mut sum = vec![Complex64::default(); self.harmonics.len()];
+        sum: &mut [Complex<T>],
+    ) {
+        sum.fill(Complex::default());
         let degree = grid.element.degree;
-        // A plane belongs to the cell it starts or lies in, and a node also to the previous cell.
-        let previous = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
-        for cell in previous.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
-            let part = &cells[cell][channel][plane - degree * cell];
-            sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
+        // A plane belongs to the cell it starts or lies in, and a node also to the cell before.
+        let before = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
+        for cell in before.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
+            if let Some(part) = &cells[cell][channel] {
+                sum.iter_mut().zip(&part.spectra[plane - degree * cell]).for_each(|(s, p)| *s += p);
+            }
         }
-        sum
     }
 
-    /// The part of a wide spectrum that the grid can hold, on the grid's points.
-    fn to_grid(&self, spectrum: &[Complex64], buffers: &mut Buffers, out: &mut ArrayViewMut1<f64>) {
-        let kept: Vec<Complex64> = self.kept.iter().map(|&i| spectrum[i]).collect();
-        self.inner.scatter(&kept, &mut buffers.narrow.spectrum);
-        self.narrow.inverse(&mut buffers.narrow, &self.inner.rows);
-        out.iter_mut().zip(&buffers.narrow.plane).for_each(|(o, v)| *o = v.re);
-    }
-
-    /// Outer part of a spectrum and the same over q², on the wide set's points, as real and imaginary part.
-    fn outer_fields(&self, grid: &Grid, spectrum: &[Complex64], buffers: &mut Buffers) -> Vec<Complex64> {
-        let mut outer = spectrum.to_vec();
-        self.kept.iter().for_each(|&i| outer[i] = Complex64::default());
-        for (value, order) in outer.iter_mut().zip(&self.harmonics.orders) {
-            let q2: f64 = (0..2).map(|i| (TAU * order[i] as f64 / grid.period_um[i]).powi(2)).sum();
-            *value *= Complex64::new(1.0, if q2 > 0.0 { 1.0 / q2 } else { 0.0 });
+    /// Outer part of a channel's spectrum and the same over q², on the wide set's points, as real and imaginary part.
+    fn outer_fields(&self, channel: usize, buffers: &mut Buffers<T>) {
+        for ((out, &value), &inverse) in
+            buffers.compact.iter_mut().zip(&buffers.spectra[channel]).zip(&self.inverse_q2)
+        {
+            let outer = if inverse > T::default() { T::one() } else { T::default() };
+            *out = value * Complex::new(outer, inverse);
         }
-        self.harmonics.scatter(&outer, &mut buffers.wide.spectrum);
+        self.harmonics.scatter(&buffers.compact, &mut buffers.wide.spectrum);
         self.wide.inverse(&mut buffers.wide, &self.harmonics.rows);
-        buffers.wide.plane.clone()
+        buffers.outer[channel].copy_from_slice(&buffers.wide.plane);
     }
 
-    /// Symmetrised product of two channels' outer fields over `weight`, as a wide spectrum.
-    fn product(&self, [a, b]: [&[Complex64]; 2], weight: f64, buffers: &mut Buffers) {
-        for ((value, a), b) in buffers.wide.plane.iter_mut().zip(a).zip(b) {
-            *value = (0.5 * (a.re * b.im + a.im * b.re) / weight).into();
+    /// Symmetrised product of two channels' outer fields over `weight`, as a wide spectrum in `compact`.
+    fn product(&self, [a, b]: [usize; 2], weight: T, buffers: &mut Buffers<T>) {
+        let half = T::of(0.5) / weight;
+        for ((value, a), b) in buffers.wide.plane.iter_mut().zip(&buffers.outer[a]).zip(&buffers.outer[b]) {
+            *value = Complex::new(half * (a.re * b.im + a.im * b.re), T::default());
         }
         self.wide.forward(&mut buffers.wide, &self.harmonics.rows);
-        buffers.spectrum.resize(self.harmonics.len(), Complex64::default());
-        self.harmonics.gather(&buffers.wide.spectrum, &mut buffers.spectrum);
+        self.harmonics.gather(&buffers.wide.spectrum, &mut buffers.compact);
+    }
+
+    /// The part that the grid can hold of the folded spectrum in `compact`, and a channel's moments with it where
+    /// there are any: both fields are real and share a transform.
+    fn to_grid(
+        &self,
+        moments: Option<(&[Complex<T>], &mut ArrayViewMut1<f64>)>,
+        folded: &mut ArrayViewMut1<f64>,
+        compact: &[Complex<T>],
+        narrow: &mut PlaneScratch<T>,
+    ) {
+        let turned = |z: Complex<T>| Complex::new(-z.im, z.re);
+        let value = |&i: &usize| {
+            let own = moments.as_ref().map_or(Complex::default(), |(spectrum, _)| spectrum[i]);
+            own + turned(compact[i])
+        };
+        let kept: Vec<Complex<T>> = self.kept.iter().map(value).collect();
+        self.inner.scatter(&kept, &mut narrow.spectrum);
+        self.narrow.inverse(narrow, &self.inner.rows);
+        folded.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.im.wide());
+        if let Some((_, out)) = moments {
+            out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.re.wide());
+        }
     }
 }
 
 impl Planes {
     /// For each plane, its row of every field.
-    #[allow(clippy::type_complexity)]
-    fn rows(&mut self, planes: usize) -> Vec<(Vec<ArrayViewMut1<'_, f64>>, Vec<ArrayViewMut1<'_, f64>>)> {
-        let mut rows: Vec<_> = (0..planes).map(|_| (Vec::new(), Vec::new())).collect();
+    fn rows(&mut self, planes: usize) -> Vec<Rows<'_>> {
+        let mut rows: Vec<Rows> = (0..planes).map(|_| (Vec::new(), Vec::new())).collect();
         for field in &mut self.moments {
             rows.iter_mut().zip(field.axis_iter_mut(Axis(0))).for_each(|(row, view)| row.0.push(view));
         }

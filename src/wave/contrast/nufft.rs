@@ -1,33 +1,90 @@
 //! Fourier coefficients of point sources scattered in the plane (a type-1 non-uniform FFT).
 //!
-//! Spreading with the "exponential of semicircle" kernel on a grid twice as fine as the harmonics need:
-//! Barnett, Magland, af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479.
+//! Spreading with the "exponential of semicircle" kernel on a grid finer than the harmonics need: Barnett, Magland,
+//! af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479; piecewise polynomials stand for the kernel, as there. The
+//! sources of one ball gather in a small patch that stays in cache, all planes of a cell side by side, and only the
+//! finished patch goes to the grids.
 
-use crate::numerics::fourier::{PlaneFft, PlaneScratch};
+use crate::numerics::fourier::{PlaneFft, PlaneScratch, Real};
+use crate::wave::grid::element::MAX_DEGREE;
 use gauss_quad::GaussLegendre;
-use num_complex::Complex64;
+use multiversion::multiversion;
+use num_complex::Complex;
 use std::f64::consts::PI;
 
-/// Kernel width in fine-grid points: relative error about 10^{1−w} at an oversampling of two.
-const WIDTH: usize = 11;
-const SHAPE: f64 = 2.30 * WIDTH as f64;
+/// Largest kernel width in fine-grid points.
+const MOST: usize = 12;
+/// The kernel is exp(β (√(1−t²) − 1)) with β this times its width (oversampling 2).
+const SHAPE: f64 = 2.30;
+/// Degree of the polynomials above the kernel's width.
+const EXTRA_DEGREE: usize = 5;
 
 /// Transform from sources in the cell to the harmonics |m| ≤ mmax, |n| ≤ nmax.
-pub struct SourceTransform {
+pub struct SourceTransform<T: Real = f64> {
     fine: [usize; 2],
-    fft: PlaneFft,
+    fft: PlaneFft<T>,
+    kernel: Kernel<T>,
     /// 1 / transform of the kernel at m (x) and n (y).
     correction: [Vec<f64>; 2],
 }
 
-impl SourceTransform {
-    pub fn new(mmax: usize, nmax: usize) -> SourceTransform {
-        let fine = [fine_size(mmax), fine_size(nmax)];
-        let correction = [kernel_correction(mmax, fine[0]), kernel_correction(nmax, fine[1])];
-        SourceTransform { fine, fft: PlaneFft::new(fine[0], fine[1]), correction }
+/// How finely sources are spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spreading {
+    /// Kernel width in fine-grid points: relative error about 10^{1−w} of the sources' sum at an oversampling of two.
+    pub width: usize,
+    /// Points of the fine grid for each harmonic, |m| counted once: 4 is an oversampling of two.
+    pub points_per_order: usize,
+}
+
+impl Spreading {
+    /// The narrowest kernel for a relative error of the inner half of all harmonics; the outer half may be off by
+    /// some 10⁻³ where `error` is above 10⁻⁷.
+    pub fn within(error: f64) -> Spreading {
+        let width = (1.0 - error.log10()).ceil().clamp(4.0, 11.0) as usize;
+        Spreading { width, points_per_order: if error > 1e-7 { 3 } else { 4 } }
+    }
+}
+
+/// Kernel values at the `width` grid points around a source, as polynomials of its place between two of them.
+struct Kernel<T> {
+    width: usize,
+    /// Coefficients of falling powers of 2·fraction − 1.
+    powers: Vec<[T; MOST]>,
+}
+
+/// One source's kernel along one axis: index of the first grid point, not wrapped, and values.
+pub struct Footprint<T> {
+    first: i64,
+    weight: [T; MOST],
+}
+
+/// Fine-grid points around one ball, all fields of a cell side by side: rows × columns × fields.
+pub struct Patch<T> {
+    origin: [i64; 2],
+    size: [usize; 2],
+    fields: usize,
+    values: Vec<T>,
+}
+
+impl<T: Real> SourceTransform<T> {
+    /// Plans the transform.
+    pub fn new(mmax: usize, nmax: usize, spreading: Spreading) -> SourceTransform<T> {
+        let fine = [mmax, nmax].map(|m| fine_size(m, spreading));
+        let correction = [
+            kernel_correction(mmax, fine[0], spreading.width),
+            kernel_correction(nmax, fine[1], spreading.width),
+        ];
+        SourceTransform {
+            fine,
+            fft: PlaneFft::new(fine[0], fine[1]),
+            kernel: Kernel::new(spreading.width),
+            correction,
+        }
     }
 
-    pub fn scratch(&self) -> PlaneScratch {
+    /// Buffers of one thread; `plane` is the fine grid.
+    pub fn scratch(&self) -> PlaneScratch<T> {
         self.fft.scratch()
     }
 
@@ -36,61 +93,152 @@ impl SourceTransform {
         self.fine[0] * self.fine[1]
     }
 
-    /// Kernel values and periodic grid indices of a source at the fraction `position` of a period.
-    pub fn footprint(&self, axis: usize, position: f64) -> Footprint {
-        let size = self.fine[axis];
-        let x = (position - position.floor()) * size as f64;
-        let first = (x - WIDTH as f64 / 2.0).ceil();
-        let mut footprint = Footprint { index: [0; WIDTH], weight: [0.0; WIDTH] };
-        for i in 0..WIDTH {
-            let g = first + i as f64;
-            footprint.weight[i] = kernel((g - x) / (WIDTH as f64 / 2.0));
-            footprint.index[i] = (g as i64).rem_euclid(size as i64) as usize;
-        }
-        footprint
+    /// Kernel values around a source at the fraction `position` of a period.
+    pub fn footprint(&self, axis: usize, position: f64) -> Footprint<T> {
+        self.kernel.footprint(position * self.fine[axis] as f64)
     }
 
-    /// Adds a source of strength `value` to a fine grid (x fastest).
-    pub fn spread(&self, grid: &mut [Complex64], x: &Footprint, y: &Footprint, value: Complex64) {
-        for (&row, &wy) in y.index.iter().zip(&y.weight) {
-            let line = &mut grid[row * self.fine[0]..(row + 1) * self.fine[0]];
-            let scaled = value * wy;
-            for (&column, &wx) in x.index.iter().zip(&x.weight) {
-                line[column] += scaled * wx;
+    /// Empties `patch` and lays it around a square of half-width `reach` (fractions of the periods).
+    pub fn open(&self, patch: &mut Patch<T>, fields: usize, center: [f64; 2], reach: [f64; 2]) {
+        let margin = self.kernel.width as f64 / 2.0 + 1.0;
+        for axis in 0..2 {
+            let (c, r) =
+                (center[axis] * self.fine[axis] as f64, reach[axis] * self.fine[axis] as f64 + margin);
+            let [low, high] = [(c - r).floor(), (c + r).ceil()];
+            (patch.origin[axis], patch.size[axis]) = (low as i64, (high - low) as usize + 1);
+        }
+        patch.fields = fields;
+        patch.values.clear();
+        patch.values.resize(patch.size[0] * patch.size[1] * fields, T::default());
+    }
+
+    /// Adds a source to a patch that reaches as far as its kernel: strength `value` per field.
+    pub fn spread(&self, patch: &mut Patch<T>, x: &Footprint<T>, y: &Footprint<T>, value: &[T]) {
+        let width = self.kernel.width;
+        let (column, row) = ((x.first - patch.origin[0]) as usize, (y.first - patch.origin[1]) as usize);
+        let stride = patch.size[0] * patch.fields;
+        let from = row * stride + column * patch.fields;
+        spread_rows(&mut patch.values[from..], stride, &x.weight[..width], &y.weight[..width], value);
+    }
+
+    /// Adds a patch of pairs of fields (real, imaginary) to one periodic fine grid (x fastest) a pair.
+    pub fn close(&self, patch: &Patch<T>, grids: &mut [Vec<Complex<T>>]) {
+        let start = [0, 1].map(|axis| patch.origin[axis].rem_euclid(self.fine[axis] as i64) as usize);
+        for (row, line) in patch.values.chunks_exact(patch.size[0] * patch.fields).enumerate() {
+            let y = (start[1] + row) % self.fine[1] * self.fine[0];
+            for (p, grid) in grids.iter_mut().enumerate() {
+                let mut x = start[0];
+                for fields in line.chunks_exact(patch.fields) {
+                    grid[y + x] += Complex::new(fields[2 * p], fields[2 * p + 1]);
+                    x = if x + 1 == self.fine[0] { 0 } else { x + 1 };
+                }
             }
         }
     }
 
-    /// Transforms the fine grid in `scratch.plane`; read the result with [`SourceTransform::coefficient`].
-    pub fn transform(&self, scratch: &mut PlaneScratch) {
+    /// Transforms the fine grid in `scratch.plane`; read the result with [`SourceTransform::row`].
+    pub fn transform(&self, scratch: &mut PlaneScratch<T>) {
         let all = 0..self.fine[0];
         self.fft.forward(scratch, std::slice::from_ref(&all));
     }
 
-    /// Σ_q c_q e^{−2πi(m x_q + n y_q)} from a transformed grid.
-    pub fn coefficient(&self, scratch: &PlaneScratch, m: i32, n: i32) -> Complex64 {
+    /// Coefficients of order m, the n-th of them at n mod its length, to be multiplied by [`SourceTransform::correction`].
+    pub fn row<'a>(&self, scratch: &'a PlaneScratch<T>, m: i32) -> &'a [Complex<T>] {
         let row = m.rem_euclid(self.fine[0] as i32) as usize;
-        let column = n.rem_euclid(self.fine[1] as i32) as usize;
-        let correction =
-            self.correction[0][m.unsigned_abs() as usize] * self.correction[1][n.unsigned_abs() as usize];
-        scratch.spectrum[row * self.fine[1] + column] * correction
+        &scratch.spectrum[row * self.fine[1]..(row + 1) * self.fine[1]]
+    }
+
+    /// What undoes the kernel in order (m, n).
+    pub fn correction(&self, m: i32, n: i32) -> f64 {
+        self.correction[0][m.unsigned_abs() as usize] * self.correction[1][n.unsigned_abs() as usize]
     }
 }
 
-/// One source's kernel along one axis.
-pub struct Footprint {
-    index: [usize; WIDTH],
-    weight: [f64; WIDTH],
+/// values[row, column, field] += wy[row] wx[column] value[field].
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn spread_rows<T: Real>(values: &mut [T], stride: usize, wx: &[T], wy: &[T], value: &[T]) {
+    let mut line = [T::default(); MOST * 2 * (MAX_DEGREE + 1)];
+    let line = &mut line[..wx.len() * value.len()];
+    for (part, &w) in line.chunks_exact_mut(value.len()).zip(wx) {
+        part.iter_mut().zip(value).for_each(|(p, &v)| *p = w * v);
+    }
+    for (row, &w) in wy.iter().enumerate() {
+        let target = &mut values[row * stride..row * stride + line.len()];
+        target.iter_mut().zip(&*line).for_each(|(t, &l)| *t += w * l);
+    }
 }
 
-fn kernel(t: f64) -> f64 {
-    let inside = 1.0 - t * t;
-    if inside <= 0.0 { 0.0 } else { (SHAPE * (inside.sqrt() - 1.0)).exp() }
+impl<T> Patch<T> {
+    /// A patch that holds nothing yet.
+    pub fn empty() -> Patch<T> {
+        Patch { origin: [0; 2], size: [0; 2], fields: 0, values: Vec::new() }
+    }
 }
 
-/// Smallest product of 2, 3 and 5 that is twice the harmonics and holds the kernel.
-fn fine_size(mmax: usize) -> usize {
-    let least = (4 * mmax + 2).max(2 * WIDTH);
+impl<T: Real> Kernel<T> {
+    fn new(width: usize) -> Kernel<T> {
+        let degree = width + EXTRA_DEGREE;
+        let mut powers = vec![[T::default(); MOST]; degree + 1];
+        for i in 0..width {
+            let value = |fraction: f64| {
+                kernel((i as f64 + fraction - width as f64 / 2.0) / (width as f64 / 2.0), width)
+            };
+            for (power, c) in polynomial(degree, value).into_iter().enumerate() {
+                powers[degree - power][i] = T::of(c);
+            }
+        }
+        Kernel { width, powers }
+    }
+
+    /// Around a source at `x` in grid points.
+    fn footprint(&self, x: f64) -> Footprint<T> {
+        let edge = x - self.width as f64 / 2.0;
+        let first = edge.ceil();
+        let t = T::of(2.0 * (first - edge) - 1.0);
+        Footprint { first: first as i64, weight: horner(&self.powers, t) }
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn horner<T: Real>(powers: &[[T; MOST]], t: T) -> [T; MOST] {
+    let mut sum = powers[0];
+    for coefficients in &powers[1..] {
+        for i in 0..MOST {
+            sum[i] = sum[i] * t + coefficients[i];
+        }
+    }
+    sum
+}
+
+/// Coefficients of rising powers of s = 2t − 1 that interpolate f(t) at Chebyshev points of 0 ≤ t ≤ 1.
+fn polynomial(degree: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
+    let count = degree + 1;
+    let angle = |q: usize| PI * (q as f64 + 0.5) / count as f64;
+    let samples: Vec<f64> = (0..count).map(|q| f(0.5 * (angle(q).cos() + 1.0))).collect();
+    let mut sum = vec![0.0; count];
+    let (mut before, mut here) = (vec![0.0; count], vec![0.0; count]);
+    here[0] = 1.0;
+    for k in 0..count {
+        let projection: f64 = samples.iter().enumerate().map(|(q, s)| s * (k as f64 * angle(q)).cos()).sum();
+        let c = projection * if k == 0 { 1.0 } else { 2.0 } / count as f64;
+        sum.iter_mut().zip(&here).for_each(|(s, h)| *s += c * h);
+        // T_{k+1} = 2 s T_k − T_{k−1}, T_1 = s.
+        let twice = if k == 0 { 1.0 } else { 2.0 };
+        let shifted = |i: usize| if i > 0 { twice * here[i - 1] } else { 0.0 };
+        let next: Vec<f64> = (0..count).map(|i| shifted(i) - before[i]).collect();
+        (before, here) = (here, next);
+    }
+    sum
+}
+
+fn kernel(t: f64, width: usize) -> f64 {
+    let inside = (1.0 - t * t).max(0.0);
+    (SHAPE * width as f64 * (inside.sqrt() - 1.0)).exp()
+}
+
+/// Smallest product of 2, 3 and 5 that holds the harmonics as often as asked, and the kernel.
+fn fine_size(mmax: usize, spreading: Spreading) -> usize {
+    let least = (spreading.points_per_order * mmax + 2).max(2 * spreading.width);
     (least..).find(|&n| is_smooth(n)).expect("smooth numbers are unbounded")
 }
 
@@ -104,12 +252,12 @@ pub fn is_smooth(mut n: usize) -> bool {
     n == 1
 }
 
-fn kernel_correction(mmax: usize, size: usize) -> Vec<f64> {
-    let half = WIDTH as f64 / 2.0;
-    let rule = GaussLegendre::new(4 * WIDTH).expect("a rule of 44 nodes exists");
+fn kernel_correction(mmax: usize, size: usize, width: usize) -> Vec<f64> {
+    let half = width as f64 / 2.0;
+    let rule = GaussLegendre::new(4 * width + 20).expect("at least two nodes");
     let transform = |m: usize| {
         let k = 2.0 * PI * m as f64 / size as f64 * half;
-        half * rule.integrate(-1.0, 1.0, |t| kernel(t) * (k * t).cos())
+        half * rule.integrate(-1.0, 1.0, |t| kernel(t, width) * (k * t).cos())
     };
     (0..=mmax).map(|m| 1.0 / transform(m)).collect()
 }

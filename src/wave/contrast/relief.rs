@@ -3,11 +3,10 @@
 //! Columns of a raster finer than the grid: in each, vacuum fills 0 ≤ z < s(x, y) except where balls are. Moments
 //! along z are exact in every column, so what is sampled is continuous and the raster's aliasing decays fast.
 
-use super::coverage::CellColumns;
-use crate::numerics::fourier::PlaneFft;
+use super::coverage::{CellCoefficients, CellColumns};
+use crate::numerics::fourier::{PlaneFft, Real};
 use crate::wave::scene::{Ball, HeightField};
 use gauss_quad::GaussLegendre;
-use num_complex::Complex64;
 
 /// Raster points per point of the grid's widest harmonics; doubling it changes amplitudes of rough ink by < 1e-5.
 const FINER: usize = 4;
@@ -34,19 +33,20 @@ impl HeightField {
 }
 
 /// Adds the vacuum's moments in one cell to `planes` (harmonics of the grid's widest set).
-pub(crate) fn add_vacuum(
+pub(crate) fn add_vacuum<T: Real>(
     surface: &HeightField,
     balls: &[Ball],
     cell: &CellColumns,
-    planes: &mut [Vec<Complex64>],
+    sum: &mut CellCoefficients<T>,
 ) {
     let count = cell.widest.map(|m| if m == 0 { 1 } else { FINER * (2 * m + 2) });
     let fft = PlaneFft::new(count[0], count[1]);
     let mut scratch = fft.scratch();
     let columns = column_moments(surface, balls, cell, count);
-    for (plane, out) in planes.iter_mut().enumerate() {
-        let points = (count[0] * count[1]) as f64;
-        scratch.plane.iter_mut().zip(&columns).for_each(|(s, m)| *s = (m[plane] / points).into());
+    let points = (count[0] * count[1]) as f64;
+    for (plane, out) in sum.spectra.iter_mut().enumerate() {
+        scratch.plane.iter_mut().zip(&columns).for_each(|(s, m)| *s = T::of(m[plane] / points).into());
+        sum.means[plane] += columns.iter().map(|m| m[plane]).sum::<f64>() / points;
         fft.forward(&mut scratch, std::slice::from_ref(&(0..count[0])));
         for (value, &[m, n]) in out.iter_mut().zip(cell.orders) {
             let row = m.rem_euclid(count[0] as i32) as usize;

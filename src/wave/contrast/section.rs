@@ -1,83 +1,180 @@
-//! Horizontal cuts through bodies: at a height z, where is the body's edge, and how large is its area?
+//! Where bodies begin and end: surfaces of balls as rings of points, and horizontal cuts of bodies along y.
 //!
-//! A cut's Fourier transform follows from its edge alone (divergence theorem):
-//! ∫ e^{−ik·x} dA = (i/k²) ∮ k·n e^{−ik·x} ds, so discs and unions of discs are treated alike.
+//! Transforms follow from surfaces alone (divergence theorem): for a function ψ(z) of height,
+//! ∫ ψ e^{−ik·x} dV = (i/k²) ∮ k·n ψ e^{−ik·x} dS with the horizontal wavevector k; horizontal faces count for nothing.
+//! On a ball n dS is the edge's outward normal times its length times dz, ring by ring, and a union of balls has the
+//! rings' arcs outside all other balls.
 
 use crate::wave::scene::{Ball, Shape};
 use gauss_quad::GaussLegendre;
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
-/// A point of a cut's edge: position in µm and outward normal times arc length.
+/// A point of a surface's ring: position in µm and outward normal times arc length.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgePoint {
+    /// x and y, µm.
     pub position: [f64; 2],
+    /// Horizontal outward normal times the arc's length, µm.
     pub normal: [f64; 2],
 }
 
-/// A cut through a body at one height.
-pub enum Cut<'a> {
-    /// Area in µm² and edge.
-    Edge { area: f64, points: &'a [EdgePoint] },
-    /// A strip x₀ … x₁ that is uniform in y.
-    Strip([f64; 2]),
-    /// The whole plane.
-    Everything,
+/// How well rings and heights must resolve e^{−ik·x}: wavenumbers, 1/µm, each with the relative error allowed there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demands(pub [(f64, f64); 2]);
+
+impl Demands {
+    /// Degree of the polynomial that replaces a wave over `reach` µm on either side.
+    ///
+    /// Its error is the Bessel function J_n(k reach), which beyond n = x falls like Ai((n − x)(2/x)^{1/3}).
+    fn degree(&self, reach: f64) -> f64 {
+        let one = |&(k, error): &(f64, f64)| {
+            let x = k * reach;
+            x + (-1.5 * f64::ln(error)).powf(2.0 / 3.0) * (0.5 * x).cbrt()
+        };
+        self.0.iter().map(one).fold(0.0, f64::max)
+    }
 }
 
-/// Quadrature heights (z, weight) for the part of `shape` within `range`, accurate for wavenumbers up to `kmax`.
-///
-/// The range is divided where the cut's shape changes; within a part, z = lo + (hi − lo) sin²t removes the
-/// square roots with which edges appear and vanish.
-pub fn heights(shape: &Shape, range: [f64; 2], kmax: f64, degree: usize, out: &mut Vec<(f64, f64)>) {
-    out.clear();
-    let breaks = breakpoints(shape, range);
-    for pair in breaks.windows(2) {
-        let (lo, length) = (pair[0], pair[1] - pair[0]);
-        let smooth = matches!(shape, Shape::Balls(balls) if balls.len() == 1);
-        let rule =
-            GaussLegendre::new(height_count(length, kmax, smooth) + degree).expect("at least two nodes");
-        for &(x, w) in rule.as_node_weight_pairs() {
+/// Gauss–Legendre rules, each made when it is first asked for.
+pub struct GaussRules(Vec<OnceLock<GaussLegendre>>);
+
+/// Nodes of the largest rule: it resolves some 600 wavelengths.
+const MOST_NODES: usize = 2048;
+
+impl Default for GaussRules {
+    fn default() -> GaussRules {
+        GaussRules((0..=MOST_NODES).map(|_| OnceLock::new()).collect())
+    }
+}
+
+impl GaussRules {
+    /// Nodes on (−1, 1) and weights.
+    pub fn of(&self, nodes: usize) -> &[(f64, f64)] {
+        let nodes = nodes.clamp(2, MOST_NODES);
+        let rule = || GaussLegendre::new(nodes).expect("at least two nodes");
+        self.0[nodes].get_or_init(rule).as_node_weight_pairs()
+    }
+}
+
+/// What surfaces are sampled with.
+pub struct Sampling {
+    /// What must be resolved.
+    pub demands: Demands,
+    /// Degree of the polynomials ψ in z.
+    pub degree: usize,
+    /// Shared rules.
+    pub rules: GaussRules,
+}
+
+impl Sampling {
+    /// Calls `ring(z, weight, points)` for rings on ball `i`, outside all others, within a range of heights.
+    ///
+    /// The range is divided where arcs appear and vanish. Whole rings are entire functions of z; for arcs
+    /// z = lo + (hi − lo) sin²t removes the square roots of their ends.
+    pub fn rings(
+        &self,
+        balls: &[Ball],
+        i: usize,
+        range: [f64; 2],
+        points: &mut Vec<EdgePoint>,
+        ring: &mut impl FnMut(f64, f64, &[EdgePoint]),
+    ) {
+        for part in breakpoints(balls, i, range).windows(2) {
+            let (lo, length) = (part[0], part[1] - part[0]);
+            let middle = free_arcs(balls, i, lo + 0.5 * length);
+            if middle.is_empty() {
+                continue;
+            }
+            let whole = is_whole(&middle);
+            for &(x, w) in self.rules.of(self.height_count(length, whole)) {
+                let t = 0.5 * (x + 1.0);
+                let (s, ds) =
+                    if whole { (t, 1.0) } else { ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()) };
+                let z = lo + length * s;
+                points.clear();
+                let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
+                arcs.iter().for_each(|arc| self.push_arc(&balls[i], z, *arc, points));
+                ring(z, 0.5 * w * length * ds, points);
+            }
+        }
+    }
+
+    /// Gauss points over a height: 2n − 1 is the degree integrated.
+    fn height_count(&self, length: f64, whole: bool) -> usize {
+        // Along sin²t the wave turns at up to π/2 times the mean rate.
+        let reach = if whole { 0.5 * length } else { 0.25 * PI * length };
+        let extra = if whole { self.degree } else { 2 * self.degree + 4 };
+        (0.5 * (self.demands.degree(reach) + extra as f64)).ceil() as usize + 1
+    }
+
+    /// Points along an arc: the trapezoidal rule on a whole circle, Gauss–Legendre on a part; both converge
+    /// geometrically once they resolve e^{−ik·x}.
+    fn push_arc(&self, ball: &Ball, z: f64, [start, end]: [f64; 2], points: &mut Vec<EdgePoint>) {
+        let radius = (ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2)).max(0.0).sqrt();
+        let mut push = |[c, s]: [f64; 2], weight: f64| {
+            let position = [ball.center_um[0] + radius * c, ball.center_um[1] + radius * s];
+            points.push(EdgePoint { position, normal: [c * radius * weight, s * radius * weight] });
+        };
+        if end - start >= TAU {
+            // n points integrate waves of degree n − 1, and the normal adds one.
+            let count = self.demands.degree(radius).ceil() as usize + 3;
+            let step = TAU / count as f64;
+            let (turn_s, turn_c) = step.sin_cos();
+            let mut direction = [1.0, 0.0];
+            for _ in 0..count {
+                push(direction, step);
+                let [c, s] = direction;
+                direction = [c * turn_c - s * turn_s, s * turn_c + c * turn_s];
+            }
+            return;
+        }
+        let half = 0.5 * (end - start);
+        let degree = self.demands.degree(radius * half) + 4.0 * half + 2.0;
+        for &(x, w) in self.rules.of((0.5 * degree).ceil() as usize + 1) {
+            let (s, c) = (start + half * (1.0 + x)).sin_cos();
+            push([c, s], half * w);
+        }
+    }
+
+    /// Heights and weights for the part of a body along y within `range`.
+    pub fn strip_heights(&self, shape: &Shape, range: [f64; 2]) -> Vec<(f64, f64)> {
+        let (lo, length) = (range[0], range[1] - range[0]);
+        let round = matches!(shape, Shape::CylinderY { .. });
+        let count = if round { self.height_count(length, false) } else { self.degree };
+        let height = |&(x, w): &(f64, f64)| {
             let t = 0.5 * (x + 1.0);
             let (s, ds) =
-                if smooth { (t, 1.0) } else { ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()) };
-            out.push((lo + length * s, 0.5 * w * length * ds));
-        }
+                if round { ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()) } else { (t, 1.0) };
+            (lo + length * s, 0.5 * w * length * ds)
+        };
+        self.rules.of(count).iter().map(height).collect()
     }
 }
 
-/// Gauss points that integrate a cut's transform to about 1e-10. One ball's transform is an entire function of
-/// z, with wavenumbers up to `kmax` times the height, times the shape functions.
-fn height_count(length: f64, kmax: f64, smooth: bool) -> usize {
-    let phase = kmax * length;
-    if smooth { 3 + (0.5 * phase) as usize } else { 8 + phase as usize }
-}
-
-fn breakpoints(shape: &Shape, [lo, hi]: [f64; 2]) -> Vec<f64> {
-    let mut breaks = vec![lo, hi];
+/// The strip x₀ … x₁ that a body along y covers at height `z`, or all.
+pub fn strip(shape: &Shape, z: f64) -> Option<[f64; 2]> {
     match shape {
-        Shape::Balls(balls) => {
-            breaks.extend(
-                balls.iter().flat_map(|b| [b.center_um[2] - b.radius_um, b.center_um[2] + b.radius_um]),
-            );
-            let pairs =
-                balls.iter().enumerate().flat_map(|(i, a)| balls[i + 1..].iter().map(move |b| (a, b)));
-            breaks.extend(pairs.filter_map(|(a, b)| meeting_heights(a, b)).flatten());
+        Shape::CylinderY { x_um, z_um, radius_um } => {
+            let half = (radius_um.powi(2) - (z - z_um).powi(2)).max(0.0).sqrt();
+            Some([x_um - half, x_um + half])
         }
-        Shape::CylinderY { z_um, radius_um, .. } => breaks.extend([z_um - radius_um, z_um + radius_um]),
-        Shape::BarY { z_um, .. } | Shape::Sheet { z_um } => breaks.extend(z_um),
-        Shape::Above { .. } => {}
+        Shape::BarY { x_um, .. } => Some(*x_um),
+        _ => None,
     }
-    let (first, last) = body_range(shape);
-    breaks.retain(|&z| z >= lo.max(first) && z <= hi.min(last));
-    breaks.sort_by(f64::total_cmp);
-    breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * (hi - lo));
-    breaks
 }
 
-fn body_range(shape: &Shape) -> (f64, f64) {
-    let body = crate::wave::scene::Body { shape: shape.clone(), inclusion: 0 };
-    let [lo, hi] = body.extent_um();
-    (lo, hi)
+/// Heights within `range` between which the arcs of ball `i` keep their number.
+fn breakpoints(balls: &[Ball], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
+    let own = &balls[i];
+    let (lo, hi) = (lo.max(own.center_um[2] - own.radius_um), hi.min(own.center_um[2] + own.radius_um));
+    let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
+    let mut breaks: Vec<f64> = others.filter_map(|(_, b)| meeting_heights(own, b)).flatten().collect();
+    breaks.retain(|&z| z > lo && z < hi);
+    breaks.extend([lo, hi]);
+    breaks.sort_by(f64::total_cmp);
+    breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * own.radius_um);
+    if hi > lo { breaks } else { Vec::new() }
 }
 
 /// Lowest and highest point of the circle in which two balls' surfaces meet.
@@ -93,36 +190,10 @@ fn meeting_heights(a: &Ball, b: &Ball) -> Option<[f64; 2]> {
     reach.is_finite().then_some([center - reach, center + reach])
 }
 
-/// Cuts `shape` at height `z`; edge points go to `buffer`.
-pub fn cut<'a>(shape: &Shape, z: f64, kmax: f64, buffer: &'a mut Vec<EdgePoint>) -> Cut<'a> {
-    match shape {
-        Shape::Balls(balls) => cut_balls(balls, z, kmax, buffer),
-        Shape::CylinderY { x_um, z_um, radius_um } => {
-            let half = (radius_um.powi(2) - (z - z_um).powi(2)).max(0.0).sqrt();
-            Cut::Strip([x_um - half, x_um + half])
-        }
-        Shape::BarY { x_um, .. } => Cut::Strip(*x_um),
-        // What lies above a rough surface is summed in columns, not in cuts.
-        Shape::Sheet { .. } | Shape::Above { .. } => Cut::Everything,
-    }
-}
-
 #[derive(Clone, Copy)]
 struct Disc {
     center: [f64; 2],
     radius: f64,
-}
-
-fn cut_balls<'a>(balls: &[Ball], z: f64, kmax: f64, buffer: &'a mut Vec<EdgePoint>) -> Cut<'a> {
-    buffer.clear();
-    let origin = [balls[0].center_um[0], balls[0].center_um[1]];
-    let discs: Vec<Disc> = balls.iter().filter_map(|b| disc_of(b, z)).collect();
-    for i in 0..discs.len() {
-        let covered = covered_angles(&discs, i);
-        for_free_arcs(covered, |start, end| push_arc(&discs[i], start, end, kmax, buffer));
-    }
-    let moment = |p: &EdgePoint| (0..2).map(|i| (p.position[i] - origin[i]) * p.normal[i]).sum::<f64>();
-    Cut::Edge { area: 0.5 * buffer.iter().map(moment).sum::<f64>(), points: buffer }
 }
 
 fn disc_of(ball: &Ball, z: f64) -> Option<Disc> {
@@ -130,31 +201,52 @@ fn disc_of(ball: &Ball, z: f64) -> Option<Disc> {
     (square > 0.0).then(|| Disc { center: [ball.center_um[0], ball.center_um[1]], radius: square.sqrt() })
 }
 
-/// Angular intervals [start, end] of disc `i`'s edge that lie inside other discs; may exceed ±π.
-fn covered_angles(discs: &[Disc], i: usize) -> Vec<[f64; 2]> {
-    let a = discs[i];
-    let mut covered = Vec::new();
-    for (j, b) in discs.iter().enumerate().filter(|&(j, _)| j != i) {
-        let delta = [b.center[0] - a.center[0], b.center[1] - a.center[1]];
-        let distance = delta[0].hypot(delta[1]);
-        let swallowed = distance <= b.radius - a.radius && (distance > 0.0 || b.radius > a.radius || j < i);
-        if swallowed {
-            return vec![[0.0, TAU]];
-        }
-        if distance < a.radius + b.radius && distance > (a.radius - b.radius).abs() {
-            let cosine = (distance * distance + a.radius * a.radius - b.radius * b.radius)
-                / (2.0 * distance * a.radius);
-            let (middle, half) = (delta[1].atan2(delta[0]), cosine.clamp(-1.0, 1.0).acos());
-            covered.push([middle - half, middle + half]);
-        }
-    }
-    covered
+fn is_whole(arcs: &[[f64; 2]]) -> bool {
+    matches!(arcs, [[start, end]] if end - start >= TAU)
 }
 
-/// Calls `arc` with every stretch of the circle outside the `covered` intervals.
-fn for_free_arcs(covered: Vec<[f64; 2]>, mut arc: impl FnMut(f64, f64)) {
+/// Stretches [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.
+fn free_arcs(balls: &[Ball], i: usize, z: f64) -> Vec<[f64; 2]> {
+    let Some(own) = disc_of(&balls[i], z) else { return Vec::new() };
+    let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
+    let mut covered = Vec::new();
+    for (j, other) in others.filter_map(|(j, b)| Some((j, disc_of(b, z)?))) {
+        match covered_angles(&own, &other, j < i) {
+            Covered::All => return Vec::new(),
+            Covered::Part(angles) => covered.push(angles),
+            Covered::None => {}
+        }
+    }
+    uncovered(covered)
+}
+
+/// What part of a disc's edge another disc covers; angles may exceed ±π.
+enum Covered {
+    None,
+    Part([f64; 2]),
+    All,
+}
+
+fn covered_angles(a: &Disc, b: &Disc, b_first: bool) -> Covered {
+    let delta = [b.center[0] - a.center[0], b.center[1] - a.center[1]];
+    let distance = delta[0].hypot(delta[1]);
+    // Of two equal discs the second counts as covered.
+    if distance <= b.radius - a.radius && (distance > 0.0 || b.radius > a.radius || b_first) {
+        return Covered::All;
+    }
+    if distance < a.radius + b.radius && distance > (a.radius - b.radius).abs() {
+        let cosine =
+            (distance * distance + a.radius * a.radius - b.radius * b.radius) / (2.0 * distance * a.radius);
+        let (middle, half) = (delta[1].atan2(delta[0]), cosine.clamp(-1.0, 1.0).acos());
+        return Covered::Part([middle - half, middle + half]);
+    }
+    Covered::None
+}
+
+/// The stretches of the circle outside the `covered` intervals.
+fn uncovered(covered: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if covered.is_empty() {
-        return arc(0.0, TAU);
+        return vec![[0.0, TAU]];
     }
     let start = covered[0][1];
     let shift = |[a, b]: [f64; 2]| {
@@ -165,32 +257,15 @@ fn for_free_arcs(covered: Vec<[f64; 2]>, mut arc: impl FnMut(f64, f64)) {
     shifted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     // An interval that wraps past 2π covers the beginning as well.
     let mut free = shifted.iter().map(|s| s[1] - TAU).fold(0.0, f64::max);
+    let mut arcs = Vec::new();
     for [a, b] in shifted {
         if a > free {
-            arc(start + free, start + a.min(TAU));
+            arcs.push([start + free, start + a.min(TAU)]);
         }
         free = free.max(b);
     }
     if free < TAU {
-        arc(start + free, start + TAU);
+        arcs.push([start + free, start + TAU]);
     }
-}
-
-/// Points along an arc: the trapezoidal rule on a whole circle, Gauss–Legendre on a part; both converge
-/// geometrically once they resolve e^{−ik·x}.
-fn push_arc(disc: &Disc, start: f64, end: f64, kmax: f64, buffer: &mut Vec<EdgePoint>) {
-    let phase = kmax * disc.radius;
-    let mut push = |angle: f64, weight: f64| {
-        let (s, c) = angle.sin_cos();
-        let position = [disc.center[0] + disc.radius * c, disc.center[1] + disc.radius * s];
-        buffer.push(EdgePoint { position, normal: [c * disc.radius * weight, s * disc.radius * weight] });
-    };
-    if end - start >= TAU {
-        let count = (1.3 * phase) as usize + 16;
-        (0..count).for_each(|q| push(TAU * q as f64 / count as f64, TAU / count as f64));
-        return;
-    }
-    let half = 0.5 * (end - start);
-    let rule = GaussLegendre::new((0.7 * phase * half) as usize + 10).expect("at least two nodes");
-    rule.as_node_weight_pairs().iter().for_each(|&(x, w)| push(start + half * (1.0 + x), half * w));
+    arcs
 }

@@ -269,6 +269,11 @@ impl MeanOperator {
         out
     }
 
+    /// k̄² of each cell.
+    pub fn mean_k2(&self) -> &[Complex64] {
+        &self.mean_k2
+    }
+
     /// Largest Im k̄² of any cell.
     pub fn mean_absorption(&self) -> f64 {
         self.mean_k2.iter().map(|k2| k2.im).fold(0.0, f64::max)

@@ -5,7 +5,7 @@
 use super::mean::{MeanOperator, decaying_root};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::bloch::BlochVector;
-use crate::wave::{Coverage, Incidence, Media, Scene, Side, WaveError};
+use crate::wave::{Coverage, Grid, Incidence, Media, Scene, Side, WaveError};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -81,7 +81,7 @@ impl Problem {
         check_phase(coverage, &mean_k2, lateral_k2[incident])?;
         let points = grid.points() as f64;
         let contrast = |c: &crate::wave::contrast::coverage::Channel| {
-            let [inclusion, background] = [media.inclusions[c.inclusion], media.backgrounds[c.background]];
+            let [inclusion, background] = [media.index_of(c.material), media.backgrounds[c.background]];
             (inclusion * inclusion - background * background) * (k0 * k0)
         };
         let single: Vec<Complex64> = coverage.channels.iter().map(contrast).collect();
@@ -113,6 +113,22 @@ impl Problem {
     ) -> Result<Problem, WaveError> {
         scene.check(media)?;
         Problem::new(&Arc::new(Coverage::new(scene, resolution)?), media, incidence, mean)
+    }
+
+    /// Cells of another grid that [`Problem::new`] would accept: its own, or as many as the wave needs.
+    ///
+    /// Judged by this problem's mean, before a coverage is computed for that grid.
+    pub fn cells_needed(&self, other: &Grid) -> usize {
+        let (own, means) = (&self.coverage.grid, self.mean.mean_k2());
+        let phase = |j: usize| {
+            let [lo, hi] = [other.nodes_um[j], other.nodes_um[j + 1]];
+            let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
+            let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
+            (sum / (hi - lo)).sqrt().re * (hi - lo)
+        };
+        let largest = (0..other.cells()).map(phase).fold(0.0, f64::max);
+        let needed = (largest / PHASE_LIMIT * other.cells() as f64).ceil() as usize;
+        if largest > PHASE_LIMIT { needed.max(other.cells() + 1) } else { other.cells() }
     }
 
     /// Rows and columns of a field.
@@ -295,9 +311,7 @@ fn mean_wavenumbers(coverage: &Coverage, media: &Media, k0: f64, mean: Mean) -> 
         let parts = coverage.channels.iter().zip(&coverage.fractions);
         let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
         background
-            + parts
-                .map(|(c, f)| (square(media.inclusions[c.inclusion]) - background) * f[j])
-                .sum::<Complex64>()
+            + parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[j]).sum::<Complex64>()
     };
     let mut values: Vec<Complex64> = (0..grid.cells()).map(in_cell).collect();
     if !mean.depends_on_z {

@@ -9,7 +9,7 @@ const SCHEMES: [Scheme; 5] =
 
 fn scene() -> Scene {
     let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
-    Scene::layer([0.3, 0.26], 0.16, vec![Body { shape: Shape::Balls(vec![ball]), inclusion: 0 }])
+    Scene::layer([0.3, 0.26], 0.16, vec![Body::new(Shape::Balls(vec![ball]), 0)])
 }
 
 fn media(pigment: Complex64) -> Media {
