@@ -4,7 +4,7 @@ use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
 use inkwave::compare::experiment::ComparisonFile;
-use inkwave::solve::{Step, Watch};
+use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result};
@@ -30,12 +30,13 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let told = |cell: &inkwave::compare::matrix::Cell| {
         let (n, kappa, period, outcome) = (cell.n, cell.kappa, cell.period_um, &cell.outcome);
         let cost = format!("{} applications, {:.2} s", cell.operator_applications, cell.seconds);
-        eprintln!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy);
+        note(format_args!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy));
     };
-    if let Some(matrix) = file.run_matrix(&mut stop, told).into_diagnostic()? {
-        matrix.write(&args.output).into_diagnostic()?;
-        println!("Comparison: {}", args.output.join("matrix.html").display());
-        return Ok(());
+    let registry = Registry::default();
+    let matrix = file.run_matrix(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty());
+    if let Some(matrix) = matrix.into_diagnostic()? {
+        matrix.write(output.path()).into_diagnostic()?;
+        return say(format_args!("Comparison: {}", output.path().join("matrix.html").display()));
     }
     let told = |row: &inkwave::compare::pages::Row| {
         let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
@@ -44,8 +45,10 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
         ));
     };
-    let comparison =
-        file.run(folder, &mut stop, told).inspect_err(|_| output.discard_when_empty()).into_diagnostic()?;
+    let comparison = file
+        .run(&registry, folder, &mut stop, told)
+        .inspect_err(|_| output.discard_when_empty())
+        .into_diagnostic()?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     Ok(())

@@ -1,7 +1,9 @@
 //! The commands, one file each.
 
 pub mod compare;
+pub mod completions;
 pub mod diagnostics;
+pub mod export;
 pub mod memory;
 pub mod merge;
 pub mod pack;

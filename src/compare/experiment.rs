@@ -10,7 +10,7 @@ use crate::input::tree::parse_toml;
 use crate::numerics::files;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
-use crate::solve::{Coverages, Gmres, Goal, Silent, SolveError, SolverChoice, Watch};
+use crate::solve::{Coverages, Gmres, Goal, Registry, Silent, SolveError, Solver, Watch};
 use crate::wave::{
     FarField, Incidence, Mean, Media, Physical, Problem, Resolution, Scene, Scheme, Side, TotalErrors,
     WaveError,
@@ -32,8 +32,8 @@ pub struct ComparisonFile {
     pub layer: Option<PackedLayer>,
     /// Many contrasts and periods around `layer` instead of many grids.
     pub matrix: Option<super::matrix::MatrixTable>,
-    #[serde(default = "default_strategies")]
-    pub strategies: Vec<String>,
+    /// Names of strategies; all of the registry but those for tiny grids unless told.
+    pub strategies: Option<Vec<String>>,
     #[serde(default = "default_schemes")]
     pub schemes: Vec<Scheme>,
     #[serde(default = "default_resolutions")]
@@ -86,7 +86,7 @@ impl Default for ComparisonFile {
             case: None,
             layer: None,
             matrix: None,
-            strategies: default_strategies(),
+            strategies: None,
             schemes: default_schemes(),
             resolutions: default_resolutions(),
             absorbing_mean: false,
@@ -95,10 +95,6 @@ impl Default for ComparisonFile {
             repeats: default_repeats(),
         }
     }
-}
-
-fn default_strategies() -> Vec<String> {
-    SolverChoice::NAMES.iter().filter(|&&n| n != "direct").map(|n| n.to_string()).collect()
 }
 
 fn default_schemes() -> Vec<Scheme> {
@@ -159,12 +155,21 @@ impl ComparisonFile {
         Ok(read_tree(table.into()).map_err(values)?)
     }
 
-    fn check(&self) -> Result<(), CompareError> {
-        for name in &self.strategies {
-            SolverChoice::named(name)?;
+    /// The strategies to compare, each of them known.
+    fn strategies(&self, registry: &Registry) -> Result<Vec<(String, Box<dyn Solver>)>, CompareError> {
+        let by_name = |name: &String| Ok((name.clone(), registry.build(name)?));
+        match &self.strategies {
+            Some(names) => names.iter().map(by_name).collect(),
+            None => {
+                let all = registry.entries().iter().map(|e| (e.name().to_string(), e.build()));
+                Ok(all.filter(|(_, solver)| solver.most_unknowns().is_none()).collect())
+            }
         }
+    }
+
+    fn check(&self) -> Result<(), CompareError> {
         let empty = [
-            ("strategies", self.strategies.is_empty()),
+            ("strategies", self.strategies.as_ref().is_some_and(Vec::is_empty)),
             ("schemes", self.schemes.is_empty()),
             ("resolutions", self.resolutions.is_empty()),
             ("repeats", self.repeats == 0),
@@ -203,26 +208,34 @@ impl ComparisonFile {
     }
 
     /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it.
+    ///
+    /// # Errors
+    /// Unknown strategies; layers that cannot be packed; cases that the reference strategy cannot solve; Ctrl-C.
     pub fn run_matrix(
         &self,
+        registry: &Registry,
         watch: &mut dyn Watch,
         told: impl FnMut(&super::matrix::Cell),
     ) -> Result<Option<super::matrix::Matrix>, CompareError> {
         let (Some(matrix), Some(layer)) = (&self.matrix, &self.layer) else { return Ok(None) };
         self.check()?;
-        let cells = matrix.run(layer, &self.strategies, watch, told)?;
-        let (title, strategies) = (self.title.clone(), self.strategies.clone());
-        Ok(Some(super::matrix::Matrix { title, accuracy: matrix.accuracy, strategies, cells }))
+        let strategies = self.strategies(registry)?;
+        let cells = matrix.run(layer, &strategies, watch, told)?;
+        let names = strategies.into_iter().map(|(name, _)| name.to_string()).collect();
+        let (title, accuracy) = (self.title.clone(), matrix.accuracy);
+        Ok(Some(super::matrix::Matrix { title, accuracy, strategies: names, cells }))
     }
 
-    /// Runs every row; `watch` sees each solve's steps and can stop the comparison.
+    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison.
     pub fn run(
         &self,
+        registry: &Registry,
         folder: &Path,
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Row),
     ) -> Result<Comparison, CompareError> {
         self.check()?;
+        let strategies = self.strategies(registry)?;
         let subject = self.subject(folder)?;
         let (truth, reference) = self.reference(&subject)?;
         let coverages = Coverages::of(&subject.case.scene);
@@ -230,8 +243,9 @@ impl ComparisonFile {
         for scheme in &self.schemes {
             for points in &self.resolutions {
                 let resolution = resolution(&subject.case.scene, *points, *scheme);
-                for name in &self.strategies {
-                    let row = self.row(name, resolution, &subject.case, &coverages, &truth, watch)?;
+                for (name, solver) in &strategies {
+                    let row =
+                        self.row((name, &**solver), resolution, &subject.case, &coverages, &truth, watch)?;
                     told(&row);
                     rows.push(row);
                 }
@@ -275,21 +289,20 @@ impl ComparisonFile {
     /// One line: a result, or the reason why there is none. Errors: the user stopped it.
     fn row(
         &self,
-        name: &str,
+        (name, solver): (&str, &dyn Solver),
         resolution: Resolution,
         case: &Case,
         coverages: &Coverages,
         truth: &FarField,
         watch: &mut dyn Watch,
     ) -> Result<Row, CompareError> {
-        let solver = SolverChoice::named(name)?.build();
         let task = Task {
             coverages,
             media: &case.media,
             incidence: &case.incidence,
             mean: Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean },
             scheme: resolution.scheme,
-            solver: &*solver,
+            solver,
             goal: self.goal,
             memory: memory::usable(),
         };

@@ -6,7 +6,7 @@
 use super::experiment::{CompareError, PackedLayer};
 use crate::input::case::Case;
 use crate::solve::accuracy::{Estimated, Task, largest_difference};
-use crate::solve::{Account, Coverages, Gmres, Goal, SolveError, SolverChoice, Watch};
+use crate::solve::{Account, Coverages, Gmres, Goal, SolveError, Solver, Watch};
 use crate::wave::{Mean, Scheme};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -109,7 +109,7 @@ impl MatrixTable {
     pub fn run(
         &self,
         layer: &PackedLayer,
-        strategies: &[String],
+        strategies: &[(impl AsRef<str>, Box<dyn Solver>)],
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Cell),
     ) -> Result<Vec<Cell>, CompareError> {
@@ -119,8 +119,9 @@ impl MatrixTable {
             for &pigment in &self.pigments {
                 let case = PackedLayer { period_um, pigment, ..layer.clone() }.case()?;
                 let reference = self.reference(&case, watch)?;
-                for name in strategies {
-                    let cell = self.cell(name, pigment, period_um, &reference, watch)?;
+                for (name, solver) in strategies {
+                    let strategy = (name.as_ref(), &**solver);
+                    let cell = self.cell(strategy, pigment, period_um, &reference, watch)?;
                     told(&cell);
                     cells.push(cell);
                 }
@@ -151,7 +152,7 @@ impl MatrixTable {
 
     fn cell(
         &self,
-        name: &str,
+        (name, solver): (&str, &dyn Solver),
         [n, kappa]: [f64; 2],
         period_um: f64,
         reference: &Estimated,
@@ -159,7 +160,7 @@ impl MatrixTable {
     ) -> Result<Cell, CompareError> {
         let problem = &reference.problem;
         let clock = Instant::now();
-        let solved = SolverChoice::named(name)?.build().solve(problem, self.goal(), watch);
+        let solved = solver.solve(problem, self.goal(), watch);
         let seconds = clock.elapsed().as_secs_f64();
         let (account, difference, outcome) = match solved {
             Ok(solution) => {

@@ -145,7 +145,12 @@ impl LayerOnPaper {
 
     /// The layer's own diffuse f(i, o), 1/sr, azimuthal mean. Symmetric in i and o.
     pub fn diffuse_brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
-        let functions = symmetric(illumination.mu, viewing.mu);
+        self.diffuse_brdf_at(illumination.mu, viewing.mu)
+    }
+
+    /// The same at cosines of the polar angles.
+    pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
+        let functions = symmetric(illumination, viewing);
         functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
     }
 

@@ -16,6 +16,8 @@ pub struct IndexWritten {
     pub built_in: Option<String>,
     /// CSV file, relative to the study file: wavelength in nm, κ and optionally n.
     pub csv: Option<String>,
+    /// Record of refractiveindex.info (YAML), relative to the study file.
+    pub yaml: Option<String>,
 }
 
 /// Grain size as written: a diameter in nm, or `"molecular"` for the limit of vanishing grains.
@@ -182,6 +184,7 @@ struct IndexTable {
     k: Option<f64>,
     built_in: Option<String>,
     csv: Option<String>,
+    yaml: Option<String>,
 }
 
 impl<'de> Deserialize<'de> for IndexWritten {
@@ -200,8 +203,8 @@ impl<'de> Deserialize<'de> for IndexWritten {
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<IndexWritten, A::Error> {
                 let table = IndexTable::deserialize(MapAccessDeserializer::new(map))?;
-                let IndexTable { n, k, built_in, csv } = table;
-                Ok(IndexWritten { n, k, built_in, csv })
+                let IndexTable { n, k, built_in, csv, yaml } = table;
+                Ok(IndexWritten { n, k, built_in, csv, yaml })
             }
         }
         deserializer.deserialize_any(IndexVisitor)
@@ -221,7 +224,7 @@ impl<'de> Deserialize<'de> for Strategy {
                 f.write_str("the name of a strategy, or a table such as { krylov = { restart = 60 } }")
             }
             fn visit_str<E: de::Error>(self, name: &str) -> Result<Strategy, E> {
-                let unknown = |_| de::Error::unknown_variant(name, &SolverChoice::NAMES);
+                let unknown = |_| de::Error::unknown_variant(name, SolverChoice::NAMES);
                 SolverChoice::named(name).map(Strategy).map_err(unknown)
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Strategy, A::Error> {

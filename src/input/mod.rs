@@ -11,6 +11,7 @@ pub mod file;
 pub mod forms;
 pub mod load;
 pub mod locate;
+pub mod measured;
 pub mod read;
 pub mod study;
 pub mod tree;

@@ -9,10 +9,10 @@ use crate::store::identity::Key;
 use crate::wave::contrast::coverage::{EXACT, error_for};
 use crate::wave::{Incidence, Media, Scheme, Side};
 use num_complex::Complex64;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// All that was asked, checked. Built by [`super::check`] alone.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Study {
     pub title: String,
     pub layer: Layer,
@@ -38,7 +38,7 @@ pub struct Study {
 }
 
 /// The periodic cell 0 ≤ z ≤ thickness and its surroundings.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Layer {
     pub period_um: [f64; 2],
     pub thickness_um: f64,
@@ -48,7 +48,7 @@ pub struct Layer {
 }
 
 /// One kind of grain.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pigment {
     pub name: String,
     pub grains: PigmentGrains,
@@ -56,7 +56,7 @@ pub struct Pigment {
 }
 
 /// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Dissolved {
     pub name: String,
     /// Share of the layer's volume.
@@ -65,17 +65,15 @@ pub struct Dissolved {
 }
 
 /// A material by its index n + iκ at every wavelength of the study.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Material {
     /// For people: a constant, the name of a built-in spectrum, or the path of a table.
     pub source: String,
     /// At the study's wavelengths.
     pub index: Vec<Complex64>,
     /// At any wavelength between them.
-    #[serde(skip)]
     pub spectrum: Spectrum,
     /// What is dissolved in it: shares of its own volume, and indices.
-    #[serde(skip)]
     pub dissolved: Vec<(f64, Spectrum)>,
 }
 
@@ -94,7 +92,7 @@ impl Material {
 }
 
 /// The Lambertian substrate.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Paper {
     /// For people: the albedo itself, or where its table comes from.
     pub source: String,
@@ -103,7 +101,7 @@ pub struct Paper {
 }
 
 /// Directions of the light.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Angles {
     /// Polar angles that every realisation is solved at, degrees from the normal, below 90, rising.
     pub exact_deg: Vec<f64>,
@@ -128,7 +126,7 @@ impl Angles {
 }
 
 /// A wanted accuracy, or the grid itself.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WantedResolution {
     /// Largest error of any order's amplitude.
@@ -156,7 +154,7 @@ impl WantedResolution {
 }
 
 /// What the results look like; no solve depends on it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Output {
     pub folder: Option<String>,
     pub picture_pixels: usize,

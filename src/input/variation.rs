@@ -24,7 +24,7 @@ pub enum CellRule {
 }
 
 /// Which wavelengths a realisation is solved at.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LightRule {
     /// Those listed, always.
@@ -39,7 +39,7 @@ pub enum LightRule {
 }
 
 /// What differs, and how much.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variation {
     /// Whether cells differ.
     pub cell: CellRule,

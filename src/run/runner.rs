@@ -21,6 +21,7 @@ use crate::store::queue::QueueError;
 use crate::store::record::{FailureRecord, PointRecord};
 use crate::wave::{Scene, WaveError};
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 
 /// How to run, as opposed to what.
@@ -182,7 +183,12 @@ pub(crate) struct Stores {
 
 impl Stores {
     pub fn open(folder: &OutputFolder) -> io::Result<Self> {
-        let database = Arc::new(Database::open(folder.path())?);
+        Self::at(folder.path())
+    }
+
+    /// The stores of a folder that is only read.
+    pub fn at(path: &Path) -> io::Result<Self> {
+        let database = Arc::new(Database::open(path)?);
         let (points, packings, grids) = (Store::of(&database), Store::of(&database), Store::of(&database));
         Ok(Self { points, packings, grids, failures: None, database })
     }
