@@ -23,7 +23,7 @@ pub struct Reference {
 pub fn references() -> &'static [Reference] {
     static ALL: OnceLock<Vec<Reference>> = OnceLock::new();
     ALL.get_or_init(|| {
-        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/validation/data/vector.json"));
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/data/vector.json"));
         let file: Value = serde_json::from_str(text).expect("vector.json is JSON");
         file["cases"].as_array().expect("vector.json lists cases").iter().map(read).collect()
     })
