@@ -14,6 +14,7 @@ mod formulas;
 mod history;
 mod manifest;
 mod page;
+mod studies;
 
 use claim::{Claim, Findings, Level};
 use clap::Parser;
@@ -88,7 +89,7 @@ pub struct Judged {
     pub measured: Measured,
 }
 
-static ALL: [Claim; 16] = claims::ALL;
+static ALL: [Claim; 18] = claims::ALL;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let args = Args::parse();

@@ -8,6 +8,7 @@ mod claim;
 mod claims;
 mod ensemble;
 mod formulas;
+mod studies;
 
 use claim::{Claim, Findings, Level};
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -49,7 +50,7 @@ fn judge(claim: &Claim) -> Result<(), Failed> {
 }
 
 fn main() {
-    static ALL: [Claim; 16] = claims::ALL;
+    static ALL: [Claim; 18] = claims::ALL;
     let trials = ALL.iter().map(trial).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }
