@@ -7,7 +7,8 @@ use inkwave::input::check::check;
 use inkwave::input::file::StudyFile;
 use inkwave::input::study::Study;
 use inkwave::run::runner::{RunSettings, run};
-use inkwave::store::folder::{Holds, OutputFolder};
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use serde_json::Value;
 use std::path::Path;
 

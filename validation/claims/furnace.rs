@@ -42,16 +42,34 @@ fn measure(level: Level, findings: &mut Findings) {
     ];
     for (name, case) in &cases {
         let imbalance = case.results["certainty"]["largest_energy_error"].as_f64().unwrap_or(f64::NAN);
-        let because = "the solves' own imbalance of energy, which g and the curve's extrapolation may amplify tenfold";
-        findings.identity(format!("{name}: light lost or invented"), lost(case), 10.0 * imbalance + 1e-9, because);
+        let because =
+            "the solves' own imbalance of energy, which g and the curve's extrapolation may amplify tenfold";
+        findings.identity(
+            format!("{name}: light lost or invented"),
+            lost(case),
+            10.0 * imbalance + 1e-9,
+            because,
+        );
     }
     for (name, case) in &cases[1..] {
         let [apart, error] = estimate(&case.results["certainty"]["exit_reflectance_difference"]);
         let because = "two unrelated quadratures differ by their directions' chance: what the furnace would be off by, were R̄ taken from the exit side";
-        findings.check(format!("{name}: R̄ from the exit side less 1 − T̄/n² − Ā"), apart.abs() + error, Bound::AtLeast(1e-6), Reason::Significance, because);
+        findings.check(
+            format!("{name}: R̄ from the exit side less 1 − T̄/n² − Ā"),
+            apart.abs() + error,
+            Bound::AtLeast(1e-6),
+            Reason::Significance,
+            because,
+        );
         if level == Level::Full {
             let because = "Student's t of 11 degrees of freedom exceeds 4.4 once in a thousand";
-            findings.check(format!("{name}: the same in standard errors"), apart.abs() / error, Bound::AtMost(4.4), Reason::Significance, because);
+            findings.check(
+                format!("{name}: the same in standard errors"),
+                apart.abs() / error,
+                Bound::AtMost(4.4),
+                Reason::Significance,
+                because,
+            );
         }
     }
 }

@@ -37,12 +37,14 @@ fn apart(a: &Value, b: &Value) -> f64 {
 }
 
 fn periods(level: Level, findings: &mut Findings) {
-    let cells: &[(f64, usize)] = level.pick(&[(1.2, 12), (1.6, 12)], &[(1.2, 64), (1.6, 48), (2.4, 24), (4.8, 10)]);
+    let cells: &[(f64, usize)] =
+        level.pick(&[(1.2, 12), (1.6, 12)], &[(1.2, 64), (1.6, 48), (2.4, 24), (4.8, 10)]);
     for &kappa in level.pick(&[0.1][..], &[0.005, 0.1]) {
         let layers: Vec<Value> = cells.iter().map(|&(period, n)| layer("varied", period, kappa, n)).collect();
         for (i, a) in layers.iter().enumerate() {
             for (j, b) in layers.iter().enumerate().skip(i + 1) {
-                let what = format!("κ = {kappa}: {} against {} µm, worst of six, in errors", cells[i].0, cells[j].0);
+                let what =
+                    format!("κ = {kappa}: {} against {} µm, worst of six, in errors", cells[i].0, cells[j].0);
                 let because = "Student's t of ten degrees of freedom exceeds 4.6 in one of six once in 200";
                 findings.check(what, apart(a, b), Bound::AtMost(4.6), Reason::Significance, because);
             }
@@ -50,10 +52,22 @@ fn periods(level: Level, findings: &mut Findings) {
         if level == Level::Full && kappa == 0.005 {
             let [t, error] = estimate(&row(&layers[1], 550.0, 0.0)["transmittance"]);
             let because = "240 varied cells of 2.4 µm, solved by another program at another time";
-            findings.check("T at 0°, κ = 0.005, from the known value, in errors", (t - KNOWN[0]).abs() / error.hypot(KNOWN[1]), Bound::AtMost(3.5), Reason::Significance, because);
+            findings.check(
+                "T at 0°, κ = 0.005, from the known value, in errors",
+                (t - KNOWN[0]).abs() / error.hypot(KNOWN[1]),
+                Bound::AtMost(3.5),
+                Reason::Significance,
+                because,
+            );
             let fixed = layer("fixed", 1.6, kappa, 24);
             let because = "the power of the comparison: square cells at one azimuth are told from varied ones (0.7965 against 0.771)";
-            findings.check("fixed square cells of 1.6 µm, in errors", apart(&fixed, &layers[1]), Bound::AtLeast(4.6), Reason::Significance, because);
+            findings.check(
+                "fixed square cells of 1.6 µm, in errors",
+                apart(&fixed, &layers[1]),
+                Bound::AtLeast(4.6),
+                Reason::Significance,
+                because,
+            );
         }
     }
 }
@@ -76,8 +90,20 @@ fn measure(level: Level, findings: &mut Findings) {
     let realisations = level.pick(4, 12);
     let because = "a stratum's width falls with their number: at least as its first power";
     let (few, many) = (parts(3, 4, realisations)[0], parts(8, 4, realisations)[0]);
-    findings.check("error from directions, 1 stratum over 6", few / many, Bound::AtLeast(2.0), Reason::Order, because);
+    findings.check(
+        "error from directions, 1 stratum over 6",
+        few / many,
+        Bound::AtLeast(2.0),
+        Reason::Order,
+        because,
+    );
     let because = "splines of a quarter the width carry the bands of a pigment that wide ones miss";
     let (few, many) = (parts(3, 3, realisations)[1], parts(3, 12, realisations)[1]);
-    findings.check("error from wavelengths, 3 over 12", few / many, Bound::AtLeast(2.0), Reason::Order, because);
+    findings.check(
+        "error from wavelengths, 3 over 12",
+        few / many,
+        Bound::AtLeast(2.0),
+        Reason::Order,
+        because,
+    );
 }
