@@ -45,7 +45,8 @@ pub struct StudyFile {
     /// `[paper]`
     #[serde(default)]
     pub paper: PaperTable,
-    /// `[light]`
+    /// `[light]`; 400 to 700 nm by 20 nm when left out.
+    #[serde(default)]
     pub light: LightTable,
     /// `[angles]`
     #[serde(default)]
@@ -62,6 +63,30 @@ pub struct StudyFile {
     /// `[output]`
     #[serde(default)]
     pub output: OutputTable,
+    /// Older place of `run.seed`.
+    pub seed: Option<u64>,
+    /// Older place of `run.realisations`.
+    pub realisations: Option<usize>,
+}
+
+impl StudyFile {
+    /// The same file with every key in today's place.
+    pub(super) fn in_todays_places(&self) -> StudyFile {
+        let mut file = self.clone();
+        let (layer, packing) = (&mut file.layer, &mut file.packing);
+        file.run.seed = file.seed.take().unwrap_or(file.run.seed);
+        file.run.realisations = file.realisations.take().or(file.run.realisations);
+        packing.method = layer.method.take().unwrap_or(packing.method);
+        packing.sequential = layer.sequential.take().unwrap_or(packing.sequential);
+        packing.relaxation = layer.relaxation.take().unwrap_or(packing.relaxation);
+        packing.equilibration = layer.equilibration.take().or(packing.equilibration);
+        for (k, pigment) in file.pigments.iter_mut().enumerate() {
+            if pigment.name.is_none() {
+                pigment.name = Some(format!("pigment {}", k + 1));
+            }
+        }
+        file
+    }
 }
 
 /// `[layer]`: the periodic cell and what lies above and below it.
@@ -75,8 +100,12 @@ pub struct LayerTable {
     pub period_um: Option<Pair>,
     /// Thickness, µm; `{ mean, std }` where it is uneven.
     pub thickness_um: ThicknessWritten,
-    /// What is between the grains.
+    /// The medium between the grains; index 1.558 (P1 section 5) when left out.
+    #[serde(default)]
     pub binder: BinderTable,
+    /// Hard walls at both faces; without them grains wrap around in z as well, for packings alone.
+    #[serde(default = "yes")]
+    pub walls: bool,
     /// Refractive index of the half-space the light comes from.
     #[serde(default = "vacuum", alias = "index_in")]
     pub index_above: f64,
@@ -85,6 +114,14 @@ pub struct LayerTable {
     pub index_below: f64,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
+    /// Older place of `packing.method`.
+    pub method: Option<MethodChoice>,
+    /// Older place of `packing.sequential`.
+    pub sequential: Option<SequentialSettings>,
+    /// Older place of `packing.relaxation`.
+    pub relaxation: Option<RelaxationSettings>,
+    /// Older place of `packing.equilibration`.
+    pub equilibration: Option<EquilibrationSettings>,
 }
 
 /// `[layer.binder]`
@@ -95,12 +132,18 @@ pub struct BinderTable {
     pub index: IndexWritten,
 }
 
+impl Default for BinderTable {
+    fn default() -> Self {
+        Self { index: IndexWritten { n: Some(1.558), ..IndexWritten::default() } }
+    }
+}
+
 /// `[[pigment]]`: one kind of grain.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentTable {
-    /// Name of the pigment, in tables and pages.
-    pub name: String,
+    /// What reports call it; "pigment 1" and so on when left out.
+    pub name: Option<String>,
     /// Shape of its grains.
     #[serde(default)]
     pub shape: Shape,
@@ -111,7 +154,8 @@ pub struct PigmentTable {
     pub size: Option<SizeDistribution>,
     /// Share of the layer's volume, 0–1.
     pub volume_fraction: f64,
-    /// Its refractive index.
+    /// Refractive index; packings alone do without.
+    #[serde(default)]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
     #[serde(default)]
@@ -298,4 +342,8 @@ impl Default for OutputTable {
 
 fn vacuum() -> f64 {
     1.0
+}
+
+fn yes() -> bool {
+    true
 }
