@@ -16,6 +16,7 @@ pub mod axes;
 pub mod conclusions;
 mod curves;
 pub mod expand;
+mod explore;
 pub mod field;
 pub mod file;
 pub mod folder;
