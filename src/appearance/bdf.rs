@@ -85,20 +85,20 @@ impl Smoothed {
 
 /// One side: the orders that propagate there, and every realisation's efficiencies \[realisation, order\].
 #[derive(Clone, Debug, PartialEq)]
-struct LobeData {
-    orders: Vec<OrderMean>,
-    efficiencies: Array2<f64>,
-    totals: Totals,
+pub(super) struct LobeData {
+    pub(super) orders: Vec<OrderMean>,
+    pub(super) efficiencies: Array2<f64>,
+    pub(super) totals: Totals,
 }
 
 /// The ensemble's BDF at one incidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bdf {
-    incidence: Incidence,
-    period_um: [f64; 2],
-    realisations: usize,
-    reflected: LobeData,
-    transmitted: LobeData,
+    pub(super) incidence: Incidence,
+    pub(super) period_um: [f64; 2],
+    pub(super) realisations: usize,
+    pub(super) reflected: LobeData,
+    pub(super) transmitted: LobeData,
 }
 
 /// A bandwidth (direction cosines) that always reaches the eight neighbours of an order: 1.5 of the lattice spacing.
@@ -250,13 +250,13 @@ impl LobeData {
 
 /// One side of an order.
 #[derive(Clone, Copy)]
-struct View {
-    propagates: bool,
+pub(super) struct View {
+    pub(super) propagates: bool,
     amplitude: Complex64,
-    efficiency: f64,
+    pub(super) efficiency: f64,
 }
 
-fn view(order: &Order, lobe: Lobe) -> View {
+pub(super) fn view(order: &Order, lobe: Lobe) -> View {
     let (propagates, amplitude, efficiency) = match lobe {
         Lobe::Reflected => (order.reflected_propagates, order.reflected, order.reflected_efficiency),
         Lobe::Transmitted => (order.transmitted_propagates, order.transmitted, order.transmitted_efficiency),
@@ -324,7 +324,7 @@ fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64>
     Some(flux * (mean - variance / n))
 }
 
-fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column: &[View]) -> Totals {
+pub(super) fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column: &[View]) -> Totals {
     let sums: Vec<f64> = efficiencies.outer_iter().map(|row| row.sum()).collect();
     let mirrored: Vec<f64> = efficiencies.outer_iter().map(|row| specular.map_or(0.0, |k| row[k])).collect();
     let scattered: Vec<f64> = sums.iter().zip(&mirrored).map(|(s, m)| s - m).collect();

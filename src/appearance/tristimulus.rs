@@ -18,7 +18,7 @@ const XYZ_TO_RGB: [[f64; 3]; 3] =
 /// White must keep at least this share of every channel, or a division by it blows noise up.
 const LEAST_WHITE_CHANNEL: f64 = 0.1;
 
-#[derive(Debug, Error, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 pub enum ColourError {
     #[error("wavelengths_nm has {count} entries; a colour needs at least 3, spread over 400 to 700 nm")]
     TooFewWavelengths { count: usize },
@@ -49,6 +49,8 @@ pub enum ColourError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colorimeter {
     wavelengths_nm: Vec<f64>,
+    /// Factor on light times observer that makes Y of white 100.
+    scale: f64,
     weights: Vec<[f64; 3]>,
     white_xyz: [f64; 3],
     white_rgb: [f64; 3],
@@ -71,11 +73,18 @@ impl Colorimeter {
         let white_xyz = weighted_sum(&weights, &vec![1.0; weights.len()]);
         let white_rgb = rgb_of(white_xyz);
         check_white(wavelengths_nm, white_xyz, white_rgb)?;
-        Ok(Self { wavelengths_nm: wavelengths_nm.to_vec(), weights, white_xyz, white_rgb })
+        Ok(Self { wavelengths_nm: wavelengths_nm.to_vec(), scale, weights, white_xyz, white_rgb })
     }
 
     pub fn wavelengths_nm(&self) -> &[f64] {
         &self.wavelengths_nm
+    }
+
+    /// Weight of a narrow band at a wavelength, per nm: what the sum over a uniform grid stands for as an integral.
+    pub fn weight_per_nm(&self, nm: f64) -> [f64; 3] {
+        let grid = &self.wavelengths_nm;
+        let step = (grid[grid.len() - 1] - grid[0]) / (grid.len() - 1) as f64;
+        light_times_observer(nm).map(|w| self.scale * w / step)
     }
 
     /// XYZ of the perfect white diffuser on this grid; Y = 100.

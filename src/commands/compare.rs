@@ -4,7 +4,7 @@ use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
 use inkwave::compare::experiment::ComparisonFile;
-use inkwave::solve::{Step, Watch};
+use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result};
@@ -34,8 +34,10 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
         ));
     };
-    let comparison =
-        file.run(folder, &mut stop, told).inspect_err(|_| output.discard_when_empty()).into_diagnostic()?;
+    let comparison = file
+        .run(&Registry::default(), folder, &mut stop, told)
+        .inspect_err(|_| output.discard_when_empty())
+        .into_diagnostic()?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     Ok(())

@@ -4,7 +4,7 @@ use super::say::say;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
-use inkwave::solve::{Coverages, Goal, SolverChoice, Step, Watch};
+use inkwave::solve::{Coverages, Goal, Registry, Step, Watch};
 use inkwave::wave::contrast::coverage::error_for;
 use inkwave::wave::{Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
@@ -82,7 +82,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
         );
     }
-    let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
+    let solver = Registry::default().build(&args.solver).into_diagnostic()?;
     // A grid of one's own choice may be as fine as it likes.
     let coverages = match args.nz {
         Some(_) => Coverages::of(&case.scene),

@@ -10,7 +10,7 @@ use crate::input::tree::parse_toml;
 use crate::numerics::files;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
-use crate::solve::{Coverages, Gmres, Goal, Silent, SolveError, SolverChoice, Watch};
+use crate::solve::{Coverages, Gmres, Goal, Registry, Silent, SolveError, Solver, Watch};
 use crate::wave::{
     FarField, Incidence, Mean, Media, Physical, Problem, Resolution, Scene, Scheme, Side, TotalErrors,
     WaveError,
@@ -30,8 +30,8 @@ pub struct ComparisonFile {
     pub case: Option<PathBuf>,
     /// A packed layer of equal spheres, instead of `case`.
     pub layer: Option<PackedLayer>,
-    #[serde(default = "default_strategies")]
-    pub strategies: Vec<String>,
+    /// Names of strategies; all of the registry but those for tiny grids unless told.
+    pub strategies: Option<Vec<String>>,
     #[serde(default = "default_schemes")]
     pub schemes: Vec<Scheme>,
     #[serde(default = "default_resolutions")]
@@ -83,7 +83,7 @@ impl Default for ComparisonFile {
             title: String::new(),
             case: None,
             layer: None,
-            strategies: default_strategies(),
+            strategies: None,
             schemes: default_schemes(),
             resolutions: default_resolutions(),
             absorbing_mean: false,
@@ -92,10 +92,6 @@ impl Default for ComparisonFile {
             repeats: default_repeats(),
         }
     }
-}
-
-fn default_strategies() -> Vec<String> {
-    SolverChoice::NAMES.iter().filter(|&&n| n != "direct").map(|n| n.to_string()).collect()
 }
 
 fn default_schemes() -> Vec<Scheme> {
@@ -156,12 +152,21 @@ impl ComparisonFile {
         Ok(read_tree(table.into()).map_err(values)?)
     }
 
-    fn check(&self) -> Result<(), CompareError> {
-        for name in &self.strategies {
-            SolverChoice::named(name)?;
+    /// The strategies to compare, each of them known.
+    fn strategies(&self, registry: &Registry) -> Result<Vec<(String, Box<dyn Solver>)>, CompareError> {
+        let by_name = |name: &String| Ok((name.clone(), registry.build(name)?));
+        match &self.strategies {
+            Some(names) => names.iter().map(by_name).collect(),
+            None => {
+                let all = registry.entries().iter().map(|e| (e.name().to_string(), e.build()));
+                Ok(all.filter(|(_, solver)| solver.most_unknowns().is_none()).collect())
+            }
         }
+    }
+
+    fn check(&self) -> Result<(), CompareError> {
         let empty = [
-            ("strategies", self.strategies.is_empty()),
+            ("strategies", self.strategies.as_ref().is_some_and(Vec::is_empty)),
             ("schemes", self.schemes.is_empty()),
             ("resolutions", self.resolutions.is_empty()),
             ("repeats", self.repeats == 0),
@@ -199,14 +204,16 @@ impl ComparisonFile {
         Ok(Subject { case: layer.case()?, known: None })
     }
 
-    /// Runs every row; `watch` sees each solve's steps and can stop the comparison.
+    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison.
     pub fn run(
         &self,
+        registry: &Registry,
         folder: &Path,
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Row),
     ) -> Result<Comparison, CompareError> {
         self.check()?;
+        let strategies = self.strategies(registry)?;
         let subject = self.subject(folder)?;
         let (truth, reference) = self.reference(&subject)?;
         let coverages = Coverages::of(&subject.case.scene);
@@ -214,8 +221,9 @@ impl ComparisonFile {
         for scheme in &self.schemes {
             for points in &self.resolutions {
                 let resolution = resolution(&subject.case.scene, *points, *scheme);
-                for name in &self.strategies {
-                    let row = self.row(name, resolution, &subject.case, &coverages, &truth, watch)?;
+                for (name, solver) in &strategies {
+                    let row =
+                        self.row((name, &**solver), resolution, &subject.case, &coverages, &truth, watch)?;
                     told(&row);
                     rows.push(row);
                 }
@@ -259,21 +267,20 @@ impl ComparisonFile {
     /// One line: a result, or the reason why there is none. Errors: the user stopped it.
     fn row(
         &self,
-        name: &str,
+        (name, solver): (&str, &dyn Solver),
         resolution: Resolution,
         case: &Case,
         coverages: &Coverages,
         truth: &FarField,
         watch: &mut dyn Watch,
     ) -> Result<Row, CompareError> {
-        let solver = SolverChoice::named(name)?.build();
         let task = Task {
             coverages,
             media: &case.media,
             incidence: &case.incidence,
             mean: Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean },
             scheme: resolution.scheme,
-            solver: &*solver,
+            solver,
             goal: self.goal,
             memory: memory::usable(),
         };

@@ -15,8 +15,8 @@ pub enum Status {
     Partial,
 }
 
-/// All results of a run in one object. Standard errors hold the chance over realisations and the error of the grid, added
-/// as squares; `null` where one realisation leaves them unknown.
+/// All results of a run in one object. Standard errors hold chance, cell, angles and wavelengths (by the jackknife over realisations), the
+/// grid's error and the residual's, added as squares; `null` where one realisation leaves them unknown.
 #[derive(Clone, Debug, Serialize)]
 pub struct Manifest<Study: Serialize> {
     pub status: Status,
@@ -69,8 +69,18 @@ pub struct Certainty {
     /// Expected errors of the layer's R and T from the grid, over the probed points; part of the standard errors.
     pub reflectance_grid_error: f64,
     pub transmittance_grid_error: f64,
-    /// Upper estimate of the error of R and T between the angles that were solved, at the worst wavelength.
+    /// Degrees of freedom of the standard errors: realisations less one; 0 where nothing is left to chance.
+    pub degrees_of_freedom: usize,
+    /// Standard errors times this give 95 % intervals (Student's t).
+    pub coverage_factor_95: Option<f64>,
+    /// What the placing of the directions costs in T̄ at the worst wavelength: a standard error, part of those of all colours.
     pub angle_error_estimate: Option<f64>,
+    /// T̄ from every other stratum less T̄ from all, mean over the wavelengths: an independent check, zero within its error.
+    pub half_strata_difference: Option<Estimate>,
+    /// R̄ from the exit side by its own quadrature less 1 − T̄/n² − Ā, mean over the wavelengths, where that side was solved: a second check.
+    pub exit_reflectance_difference: Option<Estimate>,
+    /// Mean |R + T + A − 1| of all solves: what the solver's residual does to R and T; part of the standard errors.
+    pub mean_energy_error: f64,
     /// Largest |R + T + A − 1| of all solves.
     pub largest_energy_error: f64,
     /// Largest relative residual of all solves.
@@ -80,6 +90,22 @@ pub struct Certainty {
     pub operator_applications: usize,
 }
 
+/// What a colour's error is made of: root mean square distances in Lab (ΔE*ab). The squares of all parts but `wavelengths` add up to that of
+/// the standard error; the wavelengths' part is corrected for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Budget {
+    /// Random packings, each in its own cell; `null` where one realisation leaves it unknown.
+    pub chance_and_cell: Option<f64>,
+    /// The directions over the hemisphere.
+    pub angles: Option<f64>,
+    /// What the spacing of the wavelengths would cost without the correction that the colour holds.
+    pub wavelengths: f64,
+    /// The grid.
+    pub grid: f64,
+    /// The solver's residual.
+    pub residual: f64,
+}
+
 /// A colour under named conditions.
 #[derive(Clone, Debug, Serialize)]
 pub struct ColourNote {
@@ -87,11 +113,15 @@ pub struct ColourNote {
     pub chroma: Estimate,
     pub hue_deg: Estimate,
     pub lab_standard_error: Option<[f64; 3]>,
+    /// Half width of the 95 % interval as a CIEDE2000 difference.
+    pub delta_e_2000_95: Option<f64>,
+    /// What the standard error is made of.
+    pub budget: Budget,
     #[serde(flatten)]
     pub colour: Colour,
 }
 
-/// One wavelength. R, T, A and their specular parts are those of the layer alone at the smallest angle.
+/// One wavelength and angle. R, T, A and their specular parts are those of the layer alone.
 #[derive(Clone, Debug, Serialize)]
 pub struct SpectrumRow {
     pub wavelength_nm: f64,

@@ -84,8 +84,11 @@ mod tests {
     #[test]
     fn without_contrast_the_wave_is_the_incident_one() {
         let ball = Ball { center_um: [0.4, 0.3, 0.25], radius_um: 0.2 };
-        let scene =
-            Scene::layer([1.0, 0.8], 0.5, vec![Body { shape: Shape::Balls(vec![ball]), material: Material::Inclusion(0) }]);
+        let scene = Scene::layer(
+            [1.0, 0.8],
+            0.5,
+            vec![Body { shape: Shape::Balls(vec![ball]), material: Material::Inclusion(0) }],
+        );
         let one = Complex64::ONE;
         let media = Media { incident: one, exit: one, backgrounds: vec![one], inclusions: vec![one] };
         let incidence =

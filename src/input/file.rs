@@ -3,7 +3,7 @@
 //! ```toml
 //! title = "Yellow ink, 30 %"
 //! [layer]
-//! period_um = 2.0                      # or [2.0, 1.5]
+//! # period_um = 1.6                    # nominal; follows from the grains when left out
 //! thickness_um = 1.0
 //! binder.index = 1.558
 //! [[pigment]]
@@ -17,7 +17,8 @@
 //! step_nm = 30
 //! ```
 
-use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy};
+use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
+use super::variation::CellRule;
 use crate::appearance::paper::MirroredSky;
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
@@ -57,9 +58,13 @@ pub struct StudyFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerTable {
-    /// Period in x and y, µm: one number or `[x, y]`.
-    pub period_um: Pair,
-    pub thickness_um: f64,
+    /// Whether every realisation has a cell of its own; see [`super::variation`].
+    #[serde(default)]
+    pub cell: CellRule,
+    /// Nominal period in x and y, µm: one number or `[x, y]`. Follows from the grains when left out and cells vary.
+    pub period_um: Option<Pair>,
+    /// Thickness, µm; `{ mean, std }` where it is uneven.
+    pub thickness_um: ThicknessWritten,
     pub binder: BinderTable,
     /// Refractive index of the half-space the light comes from.
     #[serde(default = "vacuum")]
@@ -135,15 +140,34 @@ pub struct LightTable {
     pub from_nm: Option<f64>,
     pub to_nm: Option<f64>,
     pub step_nm: Option<f64>,
+    /// Wavelengths that each realisation is solved at, where a range is given: shifted between the realisations. One for each step when
+    /// nothing is said.
+    pub per_realisation: Option<usize>,
+    /// Solve a range's own wavelengths in every realisation instead of shifted ones.
+    #[serde(default)]
+    pub sampling: SamplingName,
 }
 
-/// `[angles]`: polar angles as quadrature nodes (`count`), which the picture needs, or as a list.
+/// Which wavelengths of a range are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SamplingName {
+    /// Every realisation has its own shift of the uniform grid; spectra and colours are unbiased.
+    #[default]
+    Shifted,
+    /// The wavelengths written, in every realisation.
+    Listed,
+}
+
+/// `[angles]`: 0°, 45° and directions over the hemisphere (`count` in all), which paper and picture need, or a list.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnglesTable {
-    /// Number of quadrature nodes over the hemisphere (5 when nothing is said), the normal among them.
+    /// Directions of light for each wavelength (5 when nothing is said): 0°, 45°, and the rest stratified over the hemisphere, shifted
+    /// from realisation to realisation.
     pub count: Option<usize>,
-    /// Any angles from the normal instead: spectra and distributions without paper, colour and picture.
+    /// Any angles from the normal instead. Where 0° and 45° are among them the hemisphere is solved as well, and paper, colour and
+    /// picture are there; otherwise spectra and distributions alone.
     pub polar_deg: Option<Vec<f64>>,
     /// Largest angle of the picture's axes (P1: 60°).
     #[serde(default = "sixty")]
@@ -167,14 +191,17 @@ fn sixty() -> f64 {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunTable {
-    /// Number of independent packings to average over.
-    pub realisations: usize,
+    /// Number of independent packings to average over: 24 small varied cells, or 4 fixed ones, when nothing is said.
+    pub realisations: Option<usize>,
+    /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
+    /// are the most.
+    pub target_delta_e: Option<f64>,
     pub seed: u64,
 }
 
 impl Default for RunTable {
     fn default() -> Self {
-        Self { realisations: 4, seed: 1 }
+        Self { realisations: None, target_delta_e: None, seed: 1 }
     }
 }
 

@@ -52,6 +52,52 @@ impl<'de> Deserialize<'de> for Diameter {
     }
 }
 
+/// A layer's thickness as written: a number of µm, or `{ mean = …, std = … }` of an uneven layer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ThicknessWritten {
+    /// Mean, µm.
+    pub mean: f64,
+    /// Standard deviation, µm.
+    pub std: f64,
+}
+
+impl From<f64> for ThicknessWritten {
+    fn from(mean: f64) -> Self {
+        Self { mean, std: 0.0 }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ThicknessTable {
+    mean: f64,
+    std: f64,
+}
+
+impl<'de> Deserialize<'de> for ThicknessWritten {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ThicknessVisitor;
+        impl<'de> Visitor<'de> for ThicknessVisitor {
+            type Value = ThicknessWritten;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a thickness in µm, or { mean = 1.0, std = 0.1 } for an uneven layer")
+            }
+            fn visit_f64<E: de::Error>(self, v: f64) -> Result<ThicknessWritten, E> {
+                Ok(v.into())
+            }
+            fn visit_i64<E: de::Error>(self, v: i64) -> Result<ThicknessWritten, E> {
+                self.visit_f64(v as f64)
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ThicknessWritten, A::Error> {
+                let ThicknessTable { mean, std } =
+                    ThicknessTable::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(ThicknessWritten { mean, std })
+            }
+        }
+        deserializer.deserialize_any(ThicknessVisitor)
+    }
+}
+
 /// The paper's albedo as written: a number, rows of (wavelength in nm, albedo), or the path of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
@@ -178,7 +224,7 @@ impl<'de> Deserialize<'de> for Strategy {
                 f.write_str("the name of a strategy, or a table such as { krylov = { restart = 60 } }")
             }
             fn visit_str<E: de::Error>(self, name: &str) -> Result<Strategy, E> {
-                let unknown = |_| de::Error::unknown_variant(name, &SolverChoice::NAMES);
+                let unknown = |_| de::Error::unknown_variant(name, SolverChoice::NAMES);
                 SolverChoice::named(name).map(Strategy).map_err(unknown)
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Strategy, A::Error> {

@@ -42,7 +42,7 @@ pub enum DispersionError {
 }
 
 /// What gives one part of the index over a range of wavelengths.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Source {
     /// Rows (λ in µm, value), rising; linear between them.
     Table(Vec<[f64; 2]>),
@@ -51,7 +51,7 @@ enum Source {
 }
 
 /// n(λ) and κ(λ) of one record.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dispersion {
     name: String,
     n: Option<Source>,

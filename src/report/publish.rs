@@ -3,10 +3,10 @@
 use super::sheet::sheet;
 use super::tables;
 use crate::appearance::bdf::BdfError;
-use crate::appearance::ink_on_paper::InkError;
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::{Bitmap, FigureError};
 use crate::draw::picture::PictureStyle;
+use crate::evaluate::ink::InkError;
 use crate::evaluate::manifest::{Manifest, Status};
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
@@ -73,8 +73,8 @@ pub(crate) fn publish_seen(
         folder.write("picture-with-axes.png", &pictures.labelled)?;
     }
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
-    let bdfs = seen.layer.iter().flat_map(|layer| &layer.bdfs);
-    folder.write("bdf.csv", &tables::distributions(bdfs)?)?;
+    let amplitude_error = manifest.certainty.amplitude_error_estimate;
+    folder.write("bdf.csv", &tables::distributions(seen.bdfs.iter(), amplitude_error)?)?;
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
     folder.write("report.html", page.html()?.as_bytes())?;
     if manifest.status == Status::Complete {

@@ -67,7 +67,7 @@ pub fn solve_point(
     key: &str,
     watch: &dyn RunWatch,
 ) -> Result<PointRecord, PointError> {
-    let media = study.media(point.wavelength);
+    let media = study.media(point.incidence.wavelength_um);
     let problem = Problem::new(coverage, &media, &point.incidence, Mean::default())?;
     let solution = solver.solve(&problem, study.goal, &mut Stopper(watch))?;
     let account = SolveAccount {

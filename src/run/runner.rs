@@ -44,6 +44,8 @@ impl Default for RunSettings {
 pub struct Collected {
     pub resolved: Resolved,
     pub realisations: Vec<Realisation>,
+    /// True when the wanted bar was reached before the last realisation asked for.
+    pub enough: bool,
     /// What was found damaged in the store, and computed again as far as this study needs it.
     pub damages: Vec<Damage>,
 }
@@ -113,10 +115,27 @@ pub fn run(
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Collected, RunError> {
+    run_until(study, folder, settings, watch, &|_| false)
+}
+
+/// Realisations between two looks at the bar.
+const BATCH: usize = 8;
+
+/// As [`run`], but ends as soon as `enough` says so, asked whenever a batch of realisations is finished.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_until(
+    study: &Study,
+    folder: &OutputFolder,
+    settings: RunSettings,
+    watch: &dyn RunWatch,
+    enough: &dyn Fn(&Collected) -> bool,
+) -> Result<Collected, RunError> {
     let stores = Stores::open(folder)?;
     stores.database().prepare()?;
     let mut packings = Packings::new(study, watch);
-    let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
+    let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
     let resolved = resolve(study, &stores.grids, settings.memory, watch, scene).map_err(stopped)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
     let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));
@@ -125,22 +144,23 @@ pub fn run(
         folder.begin()?;
     }
     watch.begins(study, kept);
-    let mut realisations = Vec::new();
+    let mut collected = Collected { resolved, realisations: Vec::new(), enough: false, damages: Vec::new() };
     for realisation in 0..study.realisations {
-        if watch.stop() && !realisations.is_empty() {
+        collected.enough = realisation > 0 && realisation.is_multiple_of(BATCH) && enough(&collected);
+        if collected.enough || watch.stop() && !collected.realisations.is_empty() {
             break;
         }
         let run =
             RealisationRun { study, resolved: &resolved, stores: &stores, settings, watch, realisation };
         match run.finish(&mut packings).map_err(stopped) {
             Err(RunError::Stopped) => break,
-            result => realisations.push(result?),
+            result => collected.realisations.push(result?),
         }
     }
-    if realisations.is_empty() {
+    if collected.realisations.is_empty() {
         return Err(RunError::Stopped);
     }
-    Ok(Collected { resolved, realisations, damages: stores.database().damages() })
+    Ok(Collected { damages: stores.database().damages(), ..collected })
 }
 
 /// A stop is no failure of packing or grid.

@@ -2,7 +2,7 @@
 
 use super::System;
 use super::demand::Size;
-use crate::wave::{Field, Problem};
+use crate::wave::{Field, Mean, Problem};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use thiserror::Error;
@@ -100,11 +100,34 @@ impl SolveError {
     }
 }
 
-/// A strategy. The solver owns its loop; the problem owns the yardstick.
+/// A strategy: it owns its loop, the problem owns the yardstick. Strategies of other crates implement this trait, keep
+/// their account in a [`Ledger`](super::Ledger) and join a [`Registry`](super::Registry).
+///
+/// ```
+/// use inkwave::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+///
+/// // A plate of glass, 0.4 µm: nothing varies along x and y, so that one point is enough.
+/// let scene = Scene::layer([1.0, 1.0], 0.4, vec![]);
+/// let media = Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
+/// let light = Incidence { wavelength_um: 0.6, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let grid = Resolution { nx: 1, ny: 1, cells: 4, scheme: Scheme::Cubic };
+/// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+///
+/// // λ/n = 0.4 µm: a full wavelength in the plate, which therefore transmits everything (Fresnel and Airy).
+/// let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?;
+/// let far = problem.far_field(&solution.field);
+/// assert!((far.transmittance - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Solver: Send + Sync {
+    /// The name people call it by, in tables and in [`Account::solver`].
     fn name(&self) -> &'static str;
 
     /// Solves to `goal.tolerance`, or says why not. `start` is a first guess of u, if there is one.
+    ///
+    /// # Errors
+    /// [`SolveError`]: not converged, diverged, cancelled by the watch, or settings that do not fit the problem.
     fn solve_from(
         &self,
         problem: &dyn System,
@@ -113,8 +136,14 @@ pub trait Solver: Send + Sync {
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError>;
 
+    /// [`Solver::solve_from`] without a first guess: most strategies then start from the wave in the mean medium.
     fn solve(&self, problem: &dyn System, goal: Goal, watch: &mut dyn Watch) -> Result<Solution, SolveError> {
         self.solve_from(problem, None, goal, watch)
+    }
+
+    /// The mean medium this strategy can work with: relaxation needs a real one, most take any.
+    fn suited_mean(&self) -> Mean {
+        Mean::default()
     }
 
     /// Most bytes that the strategy takes besides the problem itself, for a problem of that size.
@@ -124,6 +153,11 @@ pub trait Solver: Send + Sync {
 
     /// The same strategy in `bytes`, where it can do with less than [`Solver::most_bytes`].
     fn within(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
+        None
+    }
+
+    /// Most unknowns it takes, for strategies that store a dense matrix; comparisons leave those out unless asked.
+    fn most_unknowns(&self) -> Option<usize> {
         None
     }
 }
@@ -138,58 +172,4 @@ pub(in crate::solve) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result
             "this strategy works on field values at points, and the unknowns here are moments: use krylov"
                 .to_string(),
     })
-}
-
-/// The strategies by name, with their settings; chosen in this one `match`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum SolverChoice {
-    Krylov(super::Gmres),
-    Bicgstab(super::Bicgstab),
-    Born(super::Born),
-    ConvergentBorn(super::ConvergentBorn),
-    Relaxation(super::Relaxation),
-    Direct(super::Direct),
-}
-
-impl Default for SolverChoice {
-    fn default() -> SolverChoice {
-        SolverChoice::Krylov(super::Gmres::default())
-    }
-}
-
-impl SolverChoice {
-    /// All names, the default first.
-    pub const NAMES: [&'static str; 6] =
-        ["krylov", "bicgstab", "born", "convergent_born", "relaxation", "direct"];
-
-    /// The strategy of that name with its default settings.
-    pub fn named(name: &str) -> Result<SolverChoice, SolveError> {
-        match name {
-            "krylov" => Ok(SolverChoice::Krylov(Default::default())),
-            "bicgstab" => Ok(SolverChoice::Bicgstab(Default::default())),
-            "born" => Ok(SolverChoice::Born(Default::default())),
-            "convergent_born" => Ok(SolverChoice::ConvergentBorn(Default::default())),
-            "relaxation" => Ok(SolverChoice::Relaxation(Default::default())),
-            "direct" => Ok(SolverChoice::Direct(Default::default())),
-            _ => Err(SolveError::Setting {
-                field: "solver",
-                value: name.to_string(),
-                allowed: Self::NAMES.join(", "),
-                remedy: "choose one of these".to_string(),
-            }),
-        }
-    }
-
-    /// The strategy itself.
-    pub fn build(&self) -> Box<dyn Solver> {
-        match *self {
-            SolverChoice::Krylov(settings) => Box::new(settings),
-            SolverChoice::Bicgstab(settings) => Box::new(settings),
-            SolverChoice::Born(settings) => Box::new(settings),
-            SolverChoice::ConvergentBorn(settings) => Box::new(settings),
-            SolverChoice::Relaxation(settings) => Box::new(settings),
-            SolverChoice::Direct(settings) => Box::new(settings),
-        }
-    }
 }

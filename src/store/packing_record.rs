@@ -1,13 +1,23 @@
 //! What is kept of one packing: what was asked, what was reached and how.
 
 use super::store::Record;
+use crate::ink::statistics::profile;
 use crate::ink::{Account, Method, Packing, Share};
 use serde::{Deserialize, Serialize};
+
+/// Slices of the profile.
+const SLICES: usize = 40;
 
 /// One realisation's packing. The grains themselves follow from the request, bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PackingRecord {
     pub realisation: usize,
+    /// Period of the cell, µm.
+    pub period_um: [f64; 2],
+    /// Thickness of the layer, µm.
+    pub thickness_um: f64,
+    /// Volume fractions in equal slices across the layer, from the incident side: each pigment, and what lies above a relief.
+    pub profile: Vec<Vec<f64>>,
     pub method: Method,
     /// Attempts of sequential addition or steps of relaxation.
     pub steps: u64,
@@ -36,7 +46,9 @@ impl PackingRecord {
     pub fn new(realisation: usize, packing: &Packing) -> Self {
         let Account { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
         let shares = packing.shares().iter().map(ShareRecord::from).collect();
-        Self { realisation, method, steps, smallest_gap_um, notes, shares }
+        let (period_um, thickness_um) = (packing.period_um(), packing.thickness_um());
+        let profile = profile(packing, SLICES);
+        Self { realisation, period_um, thickness_um, profile, method, steps, smallest_gap_um, notes, shares }
     }
 }
 

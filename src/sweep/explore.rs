@@ -77,7 +77,12 @@ pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]
         program: crate::evaluate::summary::program(),
         reference: &reference.name,
         axes,
-        spectra: ["under a uniform sky", "lit at 45°, seen at 0°", "transmittance of the layer", "reflectance of the layer"],
+        spectra: [
+            "under a uniform sky",
+            "lit at 45°, seen at 0°",
+            "transmittance of the layer",
+            "reflectance of the layer",
+        ],
         steps: STEPS,
         lowest: LOWEST,
         variants,
@@ -122,7 +127,8 @@ fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
         [|r| r.natural_light, |r| r.lit_at_45, |r| Some(r.transmittance), |r| Some(r.reflectance)];
     let mut bytes = Vec::new();
     for kind in kinds {
-        let estimates: Vec<Option<Estimate>> = wavelengths_nm.iter().map(|&nm| at(nm).and_then(kind)).collect();
+        let estimates: Vec<Option<Estimate>> =
+            wavelengths_nm.iter().map(|&nm| at(nm).and_then(kind)).collect();
         let values = estimates.iter().map(|e| e.map(|e| e.value - LOWEST));
         let errors = estimates.iter().map(|e| e.and_then(|e| e.standard_error));
         values.chain(errors).for_each(|x| bytes.extend(counted(x).to_le_bytes()));
@@ -131,7 +137,9 @@ fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
 }
 
 fn counted(value: Option<f64>) -> u16 {
-    value.filter(|v| v.is_finite()).map_or(UNKNOWN, |v| (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16)
+    value
+        .filter(|v| v.is_finite())
+        .map_or(UNKNOWN, |v| (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16)
 }
 
 fn pixels(picture: &InkPicture) -> String {

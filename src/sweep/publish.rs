@@ -1,7 +1,7 @@
 //! From the store to what a person opens, at any time: every variant's page, table, contact sheets, conclusions.
 
-use super::explore;
 use super::conclusions::{Judged, judge};
+use super::explore;
 use super::folder;
 use super::folder::VARIANTS;
 use super::load::Sweep;
