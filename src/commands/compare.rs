@@ -1,9 +1,10 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
+use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
-use inkwave::compare::experiment::ComparisonFile;
+use inkwave::compare::experiment::{CompareError, ComparisonFile};
 use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
@@ -23,10 +24,24 @@ pub struct CompareArgs {
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> Result<()> {
-    let file = ComparisonFile::read(&args.file).into_diagnostic()?;
+    let file = ComparisonFile::read(&args.file).map_err(|error| match error {
+        CompareError::Study(error) => study_report(error),
+        other => miette::miette!("{other}"),
+    })?;
     let folder = args.file.parent().unwrap_or(Path::new("."));
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let mut stop = Stop(super::stop::StopFlag::listen());
+    let told = |cell: &inkwave::compare::matrix::Cell| {
+        let (n, kappa, period, outcome) = (cell.n, cell.kappa, cell.period_um, &cell.outcome);
+        let cost = format!("{} applications, {:.2} s", cell.operator_applications, cell.seconds);
+        note(format_args!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy));
+    };
+    let registry = Registry::default();
+    let matrix = file.run_matrix(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty());
+    if let Some(matrix) = matrix.into_diagnostic()? {
+        matrix.write(output.path()).into_diagnostic()?;
+        return say(format_args!("Comparison: {}", output.path().join("matrix.html").display()));
+    }
     let told = |row: &inkwave::compare::pages::Row| {
         let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
         note(format_args!(
@@ -35,12 +50,16 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         ));
     };
     let comparison = file
-        .run(&Registry::default(), folder, &mut stop, told)
+        .run(&registry, folder, &mut stop, told)
         .inspect_err(|_| output.discard_when_empty())
         .into_diagnostic()?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
-    Ok(())
+    if comparison.rows.iter().any(|row| row.converged()) {
+        return Ok(());
+    }
+    let reason = comparison.rows.first().map_or("no rows", |row| row.outcome.as_str());
+    Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
 }
 
 /// Stops a solve on Ctrl-C.

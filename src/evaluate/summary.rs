@@ -14,6 +14,7 @@ use crate::numerics::estimate::{Estimate, coverage_factor_95};
 use crate::run::runner::{Collected, Failure};
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
+use crate::wave::physical::largest;
 
 /// Name of the geometry of print measurement, lit at 45° and seen along the normal.
 pub const LIT_AT_45: &str = "45°:0°";
@@ -83,7 +84,7 @@ fn failures(collected: &Collected) -> Vec<FailureNote> {
 
 fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> Certainty {
     let count = records.len().max(1) as f64;
-    let largest = |f: &dyn Fn(&PointRecord) -> f64| records.iter().map(|r| f(r)).fold(0.0, f64::max);
+    let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
     let degrees_of_freedom = seen.realisations.saturating_sub(1);
     let ink = seen.ink.as_ref().ok();
@@ -97,8 +98,8 @@ fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> 
         half_strata_difference: half_strata_difference(seen),
         exit_reflectance_difference: seen.layer.as_ref().and_then(exit_reflectance_difference),
         mean_energy_error: records.iter().map(|r| r.energy_error().abs()).sum::<f64>() / count,
-        largest_energy_error: largest(&|r| r.energy_error().abs()),
-        largest_residual: largest(&|r| r.account.residual),
+        largest_energy_error: most(&|r| r.energy_error().abs()),
+        largest_residual: most(&|r| r.account.residual),
         mean_steps: steps as f64 / count,
         operator_applications: records.iter().map(|r| r.account.operator_applications).sum(),
     }

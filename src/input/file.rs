@@ -34,24 +34,59 @@ use serde::{Deserialize, Serialize};
 pub struct StudyFile {
     /// Shown as the report's heading; the file's name when left out.
     pub title: Option<String>,
+    /// `[layer]`
     pub layer: LayerTable,
+    /// `[[pigment]]`
     #[serde(default, rename = "pigment")]
     pub pigments: Vec<PigmentTable>,
+    /// `[packing]`
     #[serde(default)]
     pub packing: PackingTable,
+    /// `[paper]`
     #[serde(default)]
     pub paper: PaperTable,
+    /// `[light]`; 400 to 700 nm by 20 nm when left out.
+    #[serde(default)]
     pub light: LightTable,
+    /// `[angles]`
     #[serde(default)]
     pub angles: AnglesTable,
+    /// `[run]`
     #[serde(default)]
     pub run: RunTable,
+    /// `[resolution]`
     #[serde(default)]
     pub resolution: ResolutionTable,
+    /// `[solver]`
     #[serde(default)]
     pub solver: SolverTable,
+    /// `[output]`
     #[serde(default)]
     pub output: OutputTable,
+    /// Older place of `run.seed`.
+    pub seed: Option<u64>,
+    /// Older place of `run.realisations`.
+    pub realisations: Option<usize>,
+}
+
+impl StudyFile {
+    /// The same file with every key in today's place.
+    pub(super) fn in_todays_places(&self) -> StudyFile {
+        let mut file = self.clone();
+        let (layer, packing) = (&mut file.layer, &mut file.packing);
+        file.run.seed = file.seed.take().unwrap_or(file.run.seed);
+        file.run.realisations = file.realisations.take().or(file.run.realisations);
+        packing.method = layer.method.take().unwrap_or(packing.method);
+        packing.sequential = layer.sequential.take().unwrap_or(packing.sequential);
+        packing.relaxation = layer.relaxation.take().unwrap_or(packing.relaxation);
+        packing.equilibration = layer.equilibration.take().or(packing.equilibration);
+        for (k, pigment) in file.pigments.iter_mut().enumerate() {
+            if pigment.name.is_none() {
+                pigment.name = Some(format!("pigment {}", k + 1));
+            }
+        }
+        file
+    }
 }
 
 /// `[layer]`: the periodic cell and what lies above and below it.
@@ -65,29 +100,51 @@ pub struct LayerTable {
     pub period_um: Option<Pair>,
     /// Thickness, µm; `{ mean, std }` where it is uneven.
     pub thickness_um: ThicknessWritten,
+    /// The medium between the grains; index 1.558 (P1 section 5) when left out.
+    #[serde(default)]
     pub binder: BinderTable,
+    /// Hard walls at both faces; without them grains wrap around in z as well, for packings alone.
+    #[serde(default = "yes")]
+    pub walls: bool,
     /// Refractive index of the half-space the light comes from.
-    #[serde(default = "vacuum")]
+    #[serde(default = "vacuum", alias = "index_in")]
     pub index_above: f64,
     /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
-    #[serde(default = "vacuum")]
+    #[serde(default = "vacuum", alias = "index_out")]
     pub index_below: f64,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
+    /// Older place of `packing.method`.
+    pub method: Option<MethodChoice>,
+    /// Older place of `packing.sequential`.
+    pub sequential: Option<SequentialSettings>,
+    /// Older place of `packing.relaxation`.
+    pub relaxation: Option<RelaxationSettings>,
+    /// Older place of `packing.equilibration`.
+    pub equilibration: Option<EquilibrationSettings>,
 }
 
 /// `[layer.binder]`
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct BinderTable {
+    /// Its refractive index.
     pub index: IndexWritten,
+}
+
+impl Default for BinderTable {
+    fn default() -> Self {
+        Self { index: IndexWritten { n: Some(1.558), ..IndexWritten::default() } }
+    }
 }
 
 /// `[[pigment]]`: one kind of grain.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentTable {
-    pub name: String,
+    /// What reports call it; "pigment 1" and so on when left out.
+    pub name: Option<String>,
+    /// Shape of its grains.
     #[serde(default)]
     pub shape: Shape,
     /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead. `"molecular"` is the
@@ -97,10 +154,15 @@ pub struct PigmentTable {
     pub size: Option<SizeDistribution>,
     /// Share of the layer's volume, 0–1.
     pub volume_fraction: f64,
+    /// Refractive index; packings alone do without.
+    #[serde(default)]
     pub index: IndexWritten,
+    /// Alignment of the grains' axes.
     #[serde(default)]
     pub orientation: Orientation,
+    /// Which grains stick together, if any.
     pub agglomeration: Option<Agglomeration>,
+    /// How whole grains meet the volume fraction.
     #[serde(default)]
     pub share: ShareRule,
 }
@@ -112,6 +174,7 @@ pub struct PaperTable {
     /// 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{ csv = "paper.csv" }` with the
     /// columns wavelength_nm and albedo.
     pub albedo: AlbedoWritten,
+    /// What is between ink and paper.
     pub coupling: CouplingName,
 }
 
@@ -136,9 +199,13 @@ pub enum CouplingName {
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightTable {
+    /// The list.
     pub wavelengths_nm: Option<Vec<f64>>,
+    /// First of the range, nm.
     pub from_nm: Option<f64>,
+    /// Last of the range, nm.
     pub to_nm: Option<f64>,
+    /// Step of the range, nm.
     pub step_nm: Option<f64>,
     /// Wavelengths that each realisation is solved at, where a range is given: shifted between the realisations. One for each step when
     /// nothing is said.
@@ -196,6 +263,7 @@ pub struct RunTable {
     /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
     /// are the most.
     pub target_delta_e: Option<f64>,
+    /// Seed of all random draws.
     pub seed: u64,
 }
 
@@ -244,9 +312,13 @@ impl Default for SolverTable {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PackingTable {
+    /// How to pack.
     pub method: MethodChoice,
+    /// Limits of random sequential addition.
     pub sequential: SequentialSettings,
+    /// Settings of the relaxation of overlaps.
     pub relaxation: RelaxationSettings,
+    /// Monte Carlo after the packing, if asked.
     pub equilibration: Option<EquilibrationSettings>,
 }
 
@@ -270,4 +342,8 @@ impl Default for OutputTable {
 
 fn vacuum() -> f64 {
     1.0
+}
+
+fn yes() -> bool {
+    true
 }

@@ -23,7 +23,9 @@ pub struct IndexWritten {
 /// Grain size as written: a diameter in nm, or `"molecular"` for the limit of vanishing grains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Diameter {
+    /// A size in nm.
     Nm(f64),
+    /// No grains: the mixture on the scale of molecules.
     Molecular,
 }
 
@@ -102,10 +104,13 @@ impl<'de> Deserialize<'de> for ThicknessWritten {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum AlbedoWritten {
+    /// The same at all wavelengths.
     Constant(f64),
+    /// Rows of wavelength in nm and albedo.
     Rows(Vec<[f64; 2]>),
     /// Relative to the study file.
     Csv {
+        /// File with the columns wavelength_nm and albedo.
         csv: String,
     },
 }
@@ -142,7 +147,7 @@ impl<'de> Deserialize<'de> for AlbedoWritten {
                 Ok(AlbedoWritten::Csv { csv })
             }
         }
-        deserializer.deserialize_any(AlbedoVisitor)
+        deserializer.deserialize_struct("albedo", &["csv"], AlbedoVisitor)
     }
 }
 
@@ -181,11 +186,15 @@ impl<'de> Deserialize<'de> for Pair {
 #[serde(deny_unknown_fields)]
 struct IndexTable {
     n: Option<f64>,
+    #[serde(alias = "kappa")]
     k: Option<f64>,
     built_in: Option<String>,
     csv: Option<String>,
     yaml: Option<String>,
 }
+
+/// The keys of [`IndexTable`].
+const INDEX_KEYS: &[&str] = &["n", "k", "kappa", "built_in", "csv", "yaml"];
 
 impl<'de> Deserialize<'de> for IndexWritten {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -207,7 +216,7 @@ impl<'de> Deserialize<'de> for IndexWritten {
                 Ok(IndexWritten { n, k, built_in, csv, yaml })
             }
         }
-        deserializer.deserialize_any(IndexVisitor)
+        deserializer.deserialize_struct("index", INDEX_KEYS, IndexVisitor)
     }
 }
 

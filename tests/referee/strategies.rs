@@ -24,6 +24,28 @@ fn strategies_agree_with_the_dense_solve() {
     }
 }
 
+/// Identity: without contrast the wave in the mean medium is the solution, wherever a strategy starts; rounding of the
+/// mean solve. BiCGSTAB's second half step is 0/0 there.
+#[test]
+fn without_contrast_every_strategy_gives_the_wave_in_the_mean_medium() {
+    let goal = Goal { tolerance: 1e-12, ..Goal::default() };
+    for setting in SETTINGS {
+        for scheme in [Scheme::Cubic, Scheme::SecondDifference] {
+            let problem = problem_of(1.5.into(), setting, scheme, REAL);
+            let truth = Direct::default().solve(&problem, goal, &mut Silent).expect("dense").field;
+            let born: Box<dyn Solver> = Box::new(Born::default());
+            for solver in sure().chain([born]) {
+                for start in [None, Some(garbage(&problem))] {
+                    let solved = solver.solve_from(&problem, start.as_ref(), goal, &mut Silent);
+                    let field = solved.unwrap_or_else(|e| panic!("{} {setting:?}: {e}", solver.name())).field;
+                    let error = distance(&field, &truth);
+                    assert!(error < 1e-11, "{} {setting:?} {scheme:?}: {error:.1e}", solver.name());
+                }
+            }
+        }
+    }
+}
+
 /// Born adds up to the same solution where it converges, and says by how much its terms grow where it does not.
 #[test]
 fn born_agrees_or_says_that_it_diverges() {

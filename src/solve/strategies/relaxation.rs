@@ -63,6 +63,11 @@ impl Solver for Relaxation {
         let problem = scalar(system, self.name())?;
         self.check(problem)?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+        if !problem.has_contrast() {
+            ledger.note(0.0)?;
+            let field = ledger.background.clone();
+            return Ok(ledger.finish(field));
+        }
         let field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut scratch = Field::zeros(problem.shape());
         let first = ledger.measure(&field, &mut scratch);
