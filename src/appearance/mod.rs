@@ -16,3 +16,4 @@ pub mod paper;
 pub mod picture;
 mod substrate;
 pub mod tristimulus;
+pub mod viewing;
