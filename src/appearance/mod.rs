@@ -11,6 +11,7 @@ pub mod bdf;
 mod bdf_binned;
 mod bdf_table;
 pub mod colour;
+pub mod error;
 pub mod kubelka_munk;
 pub mod paper;
 pub mod picture;

@@ -1,6 +1,6 @@
 //! Ranges of a case's numbers, named as they are written in the file.
 
-use super::case::{CaseError, CaseInputs};
+use super::case_inputs::{CaseError, CaseInputs};
 
 /// Refuses numbers out of range before they are combined into a scene.
 pub(crate) fn check(inputs: &CaseInputs) -> Result<(), CaseError> {

@@ -5,7 +5,9 @@
 
 pub mod case;
 mod case_checks;
+pub mod case_inputs;
 pub mod check;
+mod drawn;
 pub mod fault;
 pub mod file;
 pub mod forms;

@@ -1,8 +1,8 @@
 //! From a sweep file to checked variants.
 
 use super::axes::Axis;
-use super::conclusions;
-use super::conclusions::Claim;
+use super::claims;
+use super::claims::Claim;
 use super::expand::{Draft, expand};
 use super::file::{Base, SheetTable, SweepFile, Where};
 use crate::input::check::check;
@@ -147,7 +147,7 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
         }
     }
     let sound = faults.0.is_empty();
-    let claims = if sound { conclusions::claims(&file.conclusion, axes, drafts, faults) } else { Vec::new() };
+    let claims = if sound { claims::claims(&file.conclusion, axes, drafts, faults) } else { Vec::new() };
     let everything = Where::new();
     let reference = file.reference.as_ref().unwrap_or(&everything);
     let first = drafts.iter().position(|d| super::expand::matches(reference, axes, &d.place));

@@ -144,6 +144,13 @@ pub enum AccuracyError {
     Accuracy(f64),
 }
 
+impl AccuracyError {
+    /// True when the user stopped the search, which is no failure.
+    pub fn is_stop(&self) -> bool {
+        matches!(self, AccuracyError::Solve(SolveError::Cancelled { .. }))
+    }
+}
+
 impl Task<'_> {
     /// The strategy as the memory holds it on that grid.
     ///

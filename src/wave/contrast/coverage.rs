@@ -4,11 +4,12 @@
 //! k² differences ("channels"). Coefficients in the plane are exact and band-limited to the grid's harmonics;
 //! along z they are moments against the scheme's shape functions (numerics: W_p = ∫ ψ_p V dz).
 
+use super::cell::{CellCoefficients, CellColumns};
 use super::folding::{Folding, Planes, REACH};
 use super::nufft::{Patch, SourceTransform, Spreading};
 use super::section::{self, Demands, EdgePoint, GaussRules, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneScratch, Real};
-use crate::wave::grid::element::{Element, MAX_DEGREE};
+use crate::wave::grid::element::MAX_DEGREE;
 use crate::wave::{Ball, Body, Grid, Material, Resolution, Scene, Shape, WaveError};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
@@ -57,21 +58,6 @@ pub struct Coverage {
     pub uniform: [bool; 2],
     /// Seconds spent here.
     pub seconds: f64,
-}
-
-/// Coefficients of one channel in one cell: plane of the cell → wide harmonics, and their means in full precision.
-pub(crate) struct CellCoefficients<T: Real> {
-    pub spectra: Vec<Vec<Complex<T>>>,
-    pub means: Vec<f64>,
-}
-
-/// What the columns of one cell need to know.
-pub(crate) struct CellColumns<'a> {
-    pub range_um: [f64; 2],
-    pub element: &'a Element,
-    pub orders: &'a [[i32; 2]],
-    /// Largest |m| and |n|.
-    pub widest: [usize; 2],
 }
 
 struct Builder<'a, T: Real> {
