@@ -17,3 +17,4 @@ pub mod paper;
 pub mod picture;
 mod substrate;
 pub mod tristimulus;
+pub mod viewing;

@@ -2,6 +2,7 @@
 
 mod angles;
 mod index;
+mod judgement;
 mod paper;
 mod pigments;
 
@@ -95,6 +96,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         solver: file.solver.strategy.0,
         goal,
         output: output(&file.output),
+        judgement: judgement::judgement(file, folder, &mut faults),
     };
     (study, faults)
 }

@@ -20,6 +20,7 @@
 use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
 use super::variation::CellRule;
 use crate::appearance::paper::MirroredSky;
+use crate::appearance::viewing::Summation;
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,
@@ -63,6 +64,12 @@ pub struct StudyFile {
     /// `[output]`
     #[serde(default)]
     pub output: OutputTable,
+    /// `[colour]`
+    #[serde(default)]
+    pub colour: ColourTable,
+    /// `[compare]`
+    #[serde(default)]
+    pub compare: CompareTable,
     /// Older place of `run.seed`.
     pub seed: Option<u64>,
     /// Older place of `run.realisations`.
@@ -320,6 +327,28 @@ pub struct PackingTable {
     pub relaxation: RelaxationSettings,
     /// Monte Carlo after the packing, if asked.
     pub equilibration: Option<EquilibrationSettings>,
+}
+
+/// `[colour]`: the conditions of an ink maker's numbers, beside D65 and the 2° observer of everything else.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ColourTable {
+    /// `"D65"` when left out; `"D50"`, `"A"`, `"F11"`, `"LED_B3"` …
+    pub illuminant: Option<String>,
+    /// `"2"` when left out; `"10"`, `"2015_2"`, `"2015_10"`.
+    pub observer: Option<String>,
+    /// `"plain"` when left out, or `"e308"` for the weights of ASTM E308.
+    pub summation: Summation,
+    /// L*, a*, b* that the print should have under these conditions, at 45:0.
+    pub target_lab: Option<[f64; 3]>,
+}
+
+/// `[compare]`: what the prediction is held against.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CompareTable {
+    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17.
+    pub measured: Option<String>,
 }
 
 /// `[output]`

@@ -93,6 +93,9 @@ pub(crate) fn publish_seen(
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
     folder.write("bdf.csv", &tables::distributions(seen.bdfs.iter(), amplitude_error)?)?;
+    for (name, table) in tables::ink_maker(manifest.ink_maker.as_ref())? {
+        folder.write(name, &table)?;
+    }
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
     folder.write("report.html", page.html()?.as_bytes())?;
     if manifest.status == Status::Complete {

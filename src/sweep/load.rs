@@ -262,7 +262,7 @@ fn table_files(study: &mut Table) -> Vec<&mut Value> {
     let mut found = Vec::new();
     for (key, value) in study.iter_mut() {
         match value {
-            Value::String(_) if key == "csv" || key == "yaml" => found.push(value),
+            Value::String(_) if ["csv", "yaml", "measured"].contains(&key.as_str()) => found.push(value),
             Value::Table(table) => found.extend(table_files(table)),
             Value::Array(items) => {
                 found.extend(items.iter_mut().filter_map(Value::as_table_mut).flat_map(table_files));

@@ -17,6 +17,7 @@ pub mod claims;
 pub mod conclusions;
 mod curves;
 pub mod expand;
+mod explore;
 pub mod field;
 pub mod file;
 pub mod folder;

@@ -1,6 +1,7 @@
 //! From the store to what a person opens, at any time: every variant's page, table, contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
+use super::explore;
 use super::folder;
 use super::folder::VARIANTS;
 use super::load::Sweep;
@@ -47,6 +48,7 @@ pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, Publish
     }
     folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
     folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
+    folder.write("explore.html", explore::page(sweep, &reported.outcomes, &pictures).as_bytes())?;
     let html = page::page(sweep, &reported, &sheets, &drawn)?.html()?;
     folder.write("report.html", html.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
