@@ -10,5 +10,6 @@ pub mod claims;
 pub mod ensemble;
 pub mod formulas;
 pub mod referee;
+pub mod studies;
 pub mod support;
 pub mod tiny;

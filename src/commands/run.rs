@@ -41,6 +41,9 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let study = load(&args.study).map_err(study_report)?;
     let path = output_path(args, &study);
     let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
+    if let Some(reason) = &study.angles.no_paper {
+        super::say::note(format_args!("no paper, colour and picture: {reason}"));
+    }
     let progress = Progress::new(StopFlag::listen());
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     let enough = |collected: &Collected| summary::enough(&study, collected);
@@ -66,6 +69,9 @@ fn tell(
     let report = folder.path().join("report.html");
     if let Some(colour) = &published.colour {
         say(format_args!("{}: {colour}", study.title))?;
+    }
+    if let Some(reason) = &published.no_colour {
+        say(format_args!("{}: no colour: {reason}", study.title))?;
     }
     say(format_args!("Report: {}", report.display()))?;
     if published.status == Status::Complete {

@@ -261,7 +261,7 @@ pub struct RunTable {
     /// Number of independent packings to average over: 24 small varied cells, or 4 fixed ones, when nothing is said.
     pub realisations: Option<usize>,
     /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
-    /// are the most.
+    /// are the most. In a sweep every variant runs all its realisations.
     pub target_delta_e: Option<f64>,
     /// Seed of all random draws.
     pub seed: u64,

@@ -55,6 +55,8 @@ pub struct Published {
     pub status: Status,
     /// L*, a*, b* and C* under natural light in words, where there is a colour.
     pub colour: Option<String>,
+    /// Why there is no colour, where there is none.
+    pub no_colour: Option<String>,
 }
 
 /// Writes everything that the finished solves allow; takes the partial mark away when all are finished.
@@ -96,7 +98,8 @@ pub(crate) fn publish_seen(
     if manifest.status == Status::Complete {
         folder.complete()?;
     }
-    Ok(Published { status: manifest.status, colour: page.colour.map(|colour| colour.in_words) })
+    let colour = page.colour.map(|colour| colour.in_words);
+    Ok(Published { status: manifest.status, colour, no_colour: manifest.no_colour.clone() })
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.
