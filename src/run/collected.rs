@@ -45,7 +45,7 @@ pub struct Collected {
     pub damages: Vec<Damage>,
 }
 
-/// One realisation's records, in the order of [`Study::points`]; `None` where a solve is missing.
+/// One realisation's records, in the order of [`Study::points`](crate::input::study::Study::points); `None` where a solve is missing.
 #[derive(Clone, Debug)]
 pub struct Realisation {
     /// How the grains were packed.

@@ -64,6 +64,20 @@ impl Account {
 /// Grains in a cell that is periodic in x and y, with hard walls at z = 0 and z = H or periodic in z too.
 ///
 /// It can be built only through an all-pairs check that shares no code with the packing methods.
+///
+/// ```
+/// use inkwave::ink::{Grain, PackError, Packing, Sphere};
+///
+/// let ball = |x: f64| Grain::new(vec![Sphere { center_um: [x, 0.5, 0.5], radius_um: 0.1 }], 0);
+/// let packing = Packing::from_grains([1.0, 1.0], 1.0, true, vec![ball(0.05), ball(0.45)])?;
+/// assert_eq!(packing.grains().len(), 2);
+/// assert!((packing.achieved_fraction(0) - 0.00838).abs() < 1e-5); // 2 · 4π/3 · 0.1³ of 1 µm³
+///
+/// // 0.05 and 0.95 are neighbours across the period.
+/// let close = Packing::from_grains([1.0, 1.0], 1.0, true, vec![ball(0.05), ball(0.95)]);
+/// assert!(matches!(close, Err(PackError::Overlap { .. })));
+/// # Ok::<(), PackError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packing {
     period_um: [f64; 2],

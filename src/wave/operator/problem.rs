@@ -34,7 +34,31 @@ impl Default for Mean {
     }
 }
 
-/// One wave problem: immutable and shared between threads.
+/// One wave problem (A + V) u = b: immutable and shared between threads. A is the operator of the mean medium ⟨k²⟩ with the
+/// boundary conditions of P2 (3.4), V = k² − ⟨k²⟩ the contrast, u the field on the planes as harmonics.
+///
+/// Shapes: a field has `shape()` = (planes, harmonics) complex numbers; planes = degree · cells + 1.
+///
+/// ```
+/// use inkwave::wave::{Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
+///
+/// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+/// let media =
+///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.558.into()], inclusions: vec![1.4.into()] };
+/// let light = Incidence { wavelength_um: 0.6, polar_deg: 20.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let grid = Resolution { nx: 9, ny: 9, cells: 4, scheme: Scheme::Cubic };
+/// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+/// assert_eq!(problem.shape(), (3 * 4 + 1, 9 * 9));
+///
+/// // One operator application, A⁻¹V u₀: what the ball scatters out of the wave in the mean medium.
+/// let background = problem.background_wave();
+/// let mut scattered = Field::zeros(problem.shape());
+/// problem.scatter(&background, &mut scattered);
+/// let size = |f: &Field| f.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+/// assert!(size(&scattered) < 0.5 * size(&background));
+/// # Ok::<(), inkwave::wave::WaveError>(())
+/// ```
 pub struct Problem {
     /// The geometry, shared with all problems on the same grid.
     pub coverage: Arc<Coverage>,
