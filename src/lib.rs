@@ -3,6 +3,9 @@
 //! The folders follow the path of the light, and dependencies run one way only:
 //! `numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate ← draw ← report ← compare, sweep ← export`.
 
+// Not `forbid`: ndarray's macro `s!` allows itself what it needs. tests/housekeeping.rs sees that nobody else does.
+#![deny(unsafe_code)]
+
 pub mod appearance;
 pub mod compare;
 pub mod draw;
