@@ -17,13 +17,21 @@ const GAMUT_SLACK: f64 = 1e-9;
 /// tells when that changed the colour. `lab_covariance` is `None` when one realisation leaves it unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Colour {
+    /// X, Y, Z; a perfect white has Y = 100.
     pub xyz: [f64; 3],
+    /// X, Y, Z of the perfect white on the same wavelengths.
     pub white_xyz: [f64; 3],
+    /// CIE 1976 L*, a*, b*.
     pub lab: [f64; 3],
+    /// Linear red, green, blue; 1 for white.
     pub linear_rgb: [f64; 3],
+    /// The same, clipped and through the transfer curve, 0 to 1.
     pub srgb: [f64; 3],
+    /// The same in steps of 1/255.
     pub srgb8: [u8; 3],
+    /// Whether clipping changed the colour.
     pub out_of_gamut: bool,
+    /// Covariance of L*, a*, b*.
     pub lab_covariance: Option<[[f64; 3]; 3]>,
 }
 
@@ -31,11 +39,11 @@ impl Colorimeter {
     /// Colour of a spectrum of reflectance factors (perfect white = 1), uncertainty unknown.
     ///
     /// ```
-    /// use super::colour::Colorimeter;
+    /// use inkwave::appearance::tristimulus::Colorimeter;
     /// let wavelengths_nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
     /// let white = Colorimeter::new(&wavelengths_nm)?.colour(&[1.0; 31])?;
     /// assert_eq!(white.srgb8, [255, 255, 255]);
-    /// # Ok::<(), super::colour::ColourError>(())
+    /// # Ok::<(), inkwave::appearance::tristimulus::ColourError>(())
     /// ```
     ///
     /// # Errors

@@ -24,6 +24,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComparisonFile {
+    /// Title, for people.
     #[serde(default)]
     pub title: String,
     /// A case file (relative to this file), instead of `layer`.
@@ -32,15 +33,19 @@ pub struct ComparisonFile {
     pub layer: Option<PackedLayer>,
     /// Names of strategies; all of the registry but those for tiny grids unless told.
     pub strategies: Option<Vec<String>>,
+    /// Discretisations along z to compare.
     #[serde(default = "default_schemes")]
     pub schemes: Vec<Scheme>,
+    /// Grids to compare.
     #[serde(default = "default_resolutions")]
     pub resolutions: Vec<Points>,
     /// Keeps absorption in ⟨k²⟩; relaxation is then left out. Off by default: all strategies share one problem.
     #[serde(default)]
     pub absorbing_mean: bool,
+    /// Lets ⟨k²⟩ follow the composition along z, or takes one for the whole layer.
     #[serde(default = "default_true")]
     pub mean_depends_on_z: bool,
+    /// Residual to reach, and the most operator applications.
     #[serde(default)]
     pub goal: Goal,
     /// Solves of each row; the median of their seconds is kept.
@@ -62,17 +67,27 @@ pub struct Points {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PackedLayer {
+    /// Lateral period, µm.
     pub period_um: f64,
+    /// Thickness, µm.
     pub thickness_um: f64,
+    /// Diameter of the spheres, nm.
     pub diameter_nm: f64,
+    /// Their volume over the layer's.
     pub volume_fraction: f64,
+    /// Index of the spheres as [re, im].
     pub pigment: [f64; 2],
+    /// Index of the binder as [re, im].
     pub binder: [f64; 2],
+    /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
+    /// Polar angle from the normal, degrees.
     #[serde(default)]
     pub polar_deg: f64,
+    /// Azimuth from the x axis, degrees.
     #[serde(default)]
     pub azimuth_deg: f64,
+    /// Seed of the packing.
     #[serde(default)]
     pub seed: u64,
 }
@@ -113,20 +128,42 @@ fn default_repeats() -> usize {
 /// Why there is no comparison at all; strategies that fail are rows instead.
 #[derive(Debug, Error)]
 pub enum CompareError {
+    /// The file cannot be read.
     #[error("cannot read {path}: {message}; check the path and its permissions")]
-    Read { path: PathBuf, message: String },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        message: String,
+    },
+    /// The file is no comparison.
     #[error(transparent)]
     Study(#[from] StudyError),
+    /// Fields that do not fit together.
     #[error("{field} is {found}; allowed is {allowed}: {remedy}")]
-    Field { field: &'static str, found: String, allowed: String, remedy: &'static str },
+    Field {
+        /// The field.
+        field: &'static str,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: &'static str,
+    },
+    /// The case file.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// The packing of the layer.
     #[error(transparent)]
     Pack(#[from] crate::ink::PackError),
+    /// The geometry is no wave problem.
     #[error(transparent)]
     Wave(#[from] WaveError),
+    /// A strategy is not known, or the user stopped a solve.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// The reference solution was not reached.
     #[error(transparent)]
     Accuracy(#[from] AccuracyError),
 }

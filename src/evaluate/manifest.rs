@@ -11,7 +11,9 @@ use std::collections::BTreeSet;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
+    /// All solves asked for are in.
     Complete,
+    /// Some are missing.
     Partial,
 }
 
@@ -19,7 +21,9 @@ pub enum Status {
 /// grid's error and the residual's, added as squares; `null` where one realisation leaves them unknown.
 #[derive(Clone, Debug, Serialize)]
 pub struct Manifest<Study: Serialize> {
+    /// Whether anything is missing.
     pub status: Status,
+    /// The study's title.
     pub title: String,
     /// Content hash of the checked study.
     pub study_hash: String,
@@ -27,17 +31,27 @@ pub struct Manifest<Study: Serialize> {
     pub program: String,
     /// Builds that made the solves; several where the results are mixed.
     pub builds: BTreeSet<String>,
+    /// Version of the methods that the results depend on.
     pub method_version: u32,
+    /// Seed of the study.
     pub seed: u64,
+    /// Realisations asked for and finished.
     pub realisations: Count,
+    /// Solves asked for and finished.
     pub solves: Count,
+    /// What failed, and why.
     pub failures: Vec<FailureNote>,
+    /// The grid.
     pub resolution: Resolution,
+    /// What is known about the errors.
     pub certainty: Certainty,
+    /// One record a realisation.
     pub packings: Vec<PackingRecord>,
+    /// Colours under all conditions.
     pub colours: Vec<ColourNote>,
     /// Why there are no colours, where there are none.
     pub no_colour: Option<String>,
+    /// One row for each wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
     /// Seconds that the solves took, added up: of a clock on the wall, while several solves may run side by side on
     /// several threads each.
@@ -92,16 +106,22 @@ impl SpectrumRow {
 /// How many were asked for, and how many are there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Count {
+    /// How many were asked for.
     pub asked: usize,
+    /// How many are in.
     pub finished: usize,
 }
 
 /// A solve without a result.
 #[derive(Clone, Debug, Serialize)]
 pub struct FailureNote {
+    /// Number of the realisation, from 0.
     pub realisation: usize,
+    /// Wavelength, nm.
     pub wavelength_nm: f64,
+    /// Polar angle, degrees.
     pub polar_deg: f64,
+    /// The error's message.
     pub reason: String,
 }
 
@@ -112,6 +132,7 @@ pub struct Certainty {
     pub amplitude_error_estimate: f64,
     /// Expected errors of the layer's R and T from the grid, over the probed points; part of the standard errors.
     pub reflectance_grid_error: f64,
+    /// The same of the transmittance.
     pub transmittance_grid_error: f64,
     /// Degrees of freedom of the standard errors: realisations less one; 0 where nothing is left to chance.
     pub degrees_of_freedom: usize,
@@ -131,6 +152,7 @@ pub struct Certainty {
     pub largest_residual: f64,
     /// Mean number of solver steps.
     pub mean_steps: f64,
+    /// Operator applications of all solves together.
     pub operator_applications: usize,
 }
 
@@ -153,14 +175,19 @@ pub struct Budget {
 /// A colour under named conditions.
 #[derive(Clone, Debug, Serialize)]
 pub struct ColourNote {
+    /// Light and viewing.
     pub conditions: String,
+    /// C*ab with its error.
     pub chroma: Estimate,
+    /// hab with its error, degrees.
     pub hue_deg: Estimate,
+    /// Standard errors of L*, a*, b*; unknown for one realisation.
     pub lab_standard_error: Option<[f64; 3]>,
     /// Half width of the 95 % interval as a CIEDE2000 difference.
     pub delta_e_2000_95: Option<f64>,
     /// What the standard error is made of.
     pub budget: Budget,
+    /// The colour itself.
     #[serde(flatten)]
     pub colour: Colour,
 }
@@ -168,12 +195,19 @@ pub struct ColourNote {
 /// One wavelength and angle. R, T, A and their specular parts are those of the layer alone.
 #[derive(Clone, Debug, Serialize)]
 pub struct SpectrumRow {
+    /// Wavelength, nm.
     pub wavelength_nm: f64,
+    /// Polar angle, degrees.
     pub polar_deg: f64,
+    /// Reflected share of the incident power.
     pub reflectance: Estimate,
+    /// Its specular order.
     pub specular_reflectance: Estimate,
+    /// Transmitted share.
     pub transmittance: Estimate,
+    /// Its specular order.
     pub specular_transmittance: Estimate,
+    /// Absorbed share.
     pub absorptance: Estimate,
     /// The ink on its paper under a uniform sky, seen along the normal (white diffuser: 1).
     pub natural_light: Option<Estimate>,

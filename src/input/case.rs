@@ -16,29 +16,43 @@ use thiserror::Error;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseInputs {
+    /// Vacuum wavelength, µm.
     pub wavelength: f64,
+    /// Polar angle from the normal, degrees.
     #[serde(default)]
     pub sigma_deg: f64,
+    /// Azimuth from the x axis, degrees.
     #[serde(default)]
     pub phi_deg: f64,
     /// Period in x, and in y unless `Ly` is given.
     #[serde(rename = "L", alias = "Lx", default = "unit")]
     pub period_x: f64,
+    /// Period along y, µm; that along x unless told.
     #[serde(rename = "Ly")]
     pub period_y: Option<f64>,
+    /// Thickness, µm; of the layers listed unless told.
     #[serde(rename = "H")]
     pub thickness: Option<f64>,
+    /// Real index of the incident side.
     pub n_below: Option<f64>,
+    /// Real index of the exit side.
     pub n_above: Option<f64>,
+    /// Index of the incident side as [re, im].
     pub eta_below: Option<[f64; 2]>,
+    /// Index of the exit side as [re, im].
     pub eta_above: Option<[f64; 2]>,
+    /// Index of the binder as [re, im].
     pub eta_binder: Option<[f64; 2]>,
     /// The side the light comes from: `above` is z < 0.
     #[serde(default)]
     pub from: Side,
+    /// Spheres in the binder.
     pub spheres: Option<Vec<SphereInput>>,
+    /// Cylinders along y in the binder.
     pub cylinders: Option<Vec<CylinderInput>>,
+    /// Homogeneous films from z = 0 on.
     pub layers_from_z0: Option<Vec<LayerInput>>,
+    /// Films with bars along y, from z = 0 on.
     pub sublayers_from_z0: Option<Vec<SublayerInput>>,
     #[serde(default)]
     #[allow(dead_code, reason = "free text of reference files")]
@@ -49,60 +63,119 @@ fn unit() -> f64 {
     1.0
 }
 
+/// A sphere.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereInput {
+    /// Centre (x, y, z), µm.
     pub center: [f64; 3],
+    /// Radius, µm.
     pub radius: f64,
+    /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
+/// A circular cylinder along y.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderInput {
+    /// Centre along x, µm.
     pub x: f64,
+    /// Centre along z, µm.
     pub z: f64,
+    /// Radius, µm.
     pub radius: f64,
+    /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
+/// A homogeneous film.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerInput {
+    /// Thickness, µm.
     pub thickness: f64,
+    /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
+/// A film with bars.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SublayerInput {
+    /// Thickness, µm.
     pub thickness: f64,
+    /// Index between the bars as [re, im].
     pub eta_background: [f64; 2],
+    /// Bars through the film's whole thickness.
     #[serde(default)]
     pub bars: Vec<BarInput>,
 }
 
+/// A bar along y.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BarInput {
+    /// Begins at x, µm.
     pub x0: f64,
+    /// Ends at x, µm.
     pub x1: f64,
+    /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
 /// Why a case cannot be solved.
 #[derive(Debug, Error)]
 pub enum CaseError {
+    /// The file cannot be read.
     #[error("cannot read {path}: {source}; check the path and its permissions")]
-    Read { path: String, source: std::io::Error },
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file is no case.
     #[error("{path} is not a case: {message}; {remedy}")]
-    Parse { path: String, message: String, remedy: &'static str },
+    Parse {
+        /// The file.
+        path: String,
+        /// What is wrong, with its place.
+        message: String,
+        /// What to try.
+        remedy: &'static str,
+    },
+    /// Keys or values that a case cannot have.
     #[error("{path} is not a case: {faults}")]
-    Values { path: String, faults: Faults },
+    Values {
+        /// The file.
+        path: String,
+        /// All that is wrong.
+        faults: Faults,
+    },
+    /// A number outside its range.
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
-    Range { field: String, value: f64, allowed: String, remedy: String },
+    Range {
+        /// The key.
+        field: String,
+        /// The value found.
+        value: f64,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: String,
+    },
+    /// A key that does not fit the others.
     #[error("{field}: {found}; {remedy}")]
-    Field { field: String, found: String, remedy: String },
+    Field {
+        /// The key.
+        field: String,
+        /// What was found.
+        found: String,
+        /// What to try.
+        remedy: String,
+    },
+    /// The case is no wave problem.
     #[error(transparent)]
     Wave(#[from] crate::wave::WaveError),
 }
@@ -110,8 +183,11 @@ pub enum CaseError {
 /// A checked case, ready to be discretised.
 #[derive(Clone, Debug)]
 pub struct Case {
+    /// The geometry.
     pub scene: Scene,
+    /// Indices of all media.
     pub media: Media,
+    /// The light.
     pub incidence: Incidence,
 }
 

@@ -34,22 +34,32 @@ use serde::{Deserialize, Serialize};
 pub struct StudyFile {
     /// Shown as the report's heading; the file's name when left out.
     pub title: Option<String>,
+    /// `[layer]`
     pub layer: LayerTable,
+    /// `[[pigment]]`
     #[serde(default, rename = "pigment")]
     pub pigments: Vec<PigmentTable>,
+    /// `[packing]`
     #[serde(default)]
     pub packing: PackingTable,
+    /// `[paper]`
     #[serde(default)]
     pub paper: PaperTable,
+    /// `[light]`
     pub light: LightTable,
+    /// `[angles]`
     #[serde(default)]
     pub angles: AnglesTable,
+    /// `[run]`
     #[serde(default)]
     pub run: RunTable,
+    /// `[resolution]`
     #[serde(default)]
     pub resolution: ResolutionTable,
+    /// `[solver]`
     #[serde(default)]
     pub solver: SolverTable,
+    /// `[output]`
     #[serde(default)]
     pub output: OutputTable,
 }
@@ -65,6 +75,7 @@ pub struct LayerTable {
     pub period_um: Option<Pair>,
     /// Thickness, µm; `{ mean, std }` where it is uneven.
     pub thickness_um: ThicknessWritten,
+    /// What is between the grains.
     pub binder: BinderTable,
     /// Refractive index of the half-space the light comes from.
     #[serde(default = "vacuum", alias = "index_in")]
@@ -80,6 +91,7 @@ pub struct LayerTable {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct BinderTable {
+    /// Its refractive index.
     pub index: IndexWritten,
 }
 
@@ -87,7 +99,9 @@ pub struct BinderTable {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentTable {
+    /// Name of the pigment, in tables and pages.
     pub name: String,
+    /// Shape of its grains.
     #[serde(default)]
     pub shape: Shape,
     /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead. `"molecular"` is the
@@ -97,10 +111,14 @@ pub struct PigmentTable {
     pub size: Option<SizeDistribution>,
     /// Share of the layer's volume, 0–1.
     pub volume_fraction: f64,
+    /// Its refractive index.
     pub index: IndexWritten,
+    /// Alignment of the grains' axes.
     #[serde(default)]
     pub orientation: Orientation,
+    /// Which grains stick together, if any.
     pub agglomeration: Option<Agglomeration>,
+    /// How whole grains meet the volume fraction.
     #[serde(default)]
     pub share: ShareRule,
 }
@@ -112,6 +130,7 @@ pub struct PaperTable {
     /// 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{ csv = "paper.csv" }` with the
     /// columns wavelength_nm and albedo.
     pub albedo: AlbedoWritten,
+    /// What is between ink and paper.
     pub coupling: CouplingName,
 }
 
@@ -136,9 +155,13 @@ pub enum CouplingName {
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightTable {
+    /// The list.
     pub wavelengths_nm: Option<Vec<f64>>,
+    /// First of the range, nm.
     pub from_nm: Option<f64>,
+    /// Last of the range, nm.
     pub to_nm: Option<f64>,
+    /// Step of the range, nm.
     pub step_nm: Option<f64>,
     /// Wavelengths that each realisation is solved at, where a range is given: shifted between the realisations. One for each step when
     /// nothing is said.
@@ -196,6 +219,7 @@ pub struct RunTable {
     /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
     /// are the most.
     pub target_delta_e: Option<f64>,
+    /// Seed of all random draws.
     pub seed: u64,
 }
 
@@ -244,9 +268,13 @@ impl Default for SolverTable {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PackingTable {
+    /// How to pack.
     pub method: MethodChoice,
+    /// Limits of random sequential addition.
     pub sequential: SequentialSettings,
+    /// Settings of the relaxation of overlaps.
     pub relaxation: RelaxationSettings,
+    /// Monte Carlo after the packing, if asked.
     pub equilibration: Option<EquilibrationSettings>,
 }
 

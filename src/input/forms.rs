@@ -23,7 +23,9 @@ pub struct IndexWritten {
 /// Grain size as written: a diameter in nm, or `"molecular"` for the limit of vanishing grains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Diameter {
+    /// A size in nm.
     Nm(f64),
+    /// No grains: the mixture on the scale of molecules.
     Molecular,
 }
 
@@ -102,10 +104,13 @@ impl<'de> Deserialize<'de> for ThicknessWritten {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum AlbedoWritten {
+    /// The same at all wavelengths.
     Constant(f64),
+    /// Rows of wavelength in nm and albedo.
     Rows(Vec<[f64; 2]>),
     /// Relative to the study file.
     Csv {
+        /// File with the columns wavelength_nm and albedo.
         csv: String,
     },
 }

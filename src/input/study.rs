@@ -14,16 +14,21 @@ use serde::{Deserialize, Serialize};
 /// All that was asked, checked. Built by [`super::check`] alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Study {
+    /// Title, for people.
     pub title: String,
+    /// The layer and what is around it.
     pub layer: Layer,
+    /// The pigments, in their order.
     pub pigments: Vec<Pigment>,
     /// Pigments without grains (`diameter_nm = "molecular"`); they are part of `layer.binder`'s index.
     pub dissolved: Vec<Dissolved>,
     /// The packing of the nominal cell; realisations differ in their cell and random stream.
     pub packing: PackingRequest,
+    /// The paper under the layer.
     pub paper: Paper,
     /// Vacuum wavelengths, nm, rising.
     pub wavelengths_nm: Vec<f64>,
+    /// Directions of the light.
     pub angles: Angles,
     /// Most packings.
     pub realisations: usize,
@@ -31,36 +36,50 @@ pub struct Study {
     pub target_delta_e: Option<f64>,
     /// How realisations differ.
     pub variation: Variation,
+    /// The grid asked for.
     pub resolution: WantedResolution,
+    /// The strategy with its settings.
     pub solver: SolverChoice,
+    /// Residual to reach, and the most operator applications.
     pub goal: Goal,
+    /// Folder and pictures.
     pub output: Output,
 }
 
 /// The periodic cell 0 ≤ z ≤ thickness and its surroundings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Layer {
+    /// Lateral periods, µm.
     pub period_um: [f64; 2],
+    /// Thickness, µm.
     pub thickness_um: f64,
+    /// Real index of the incident side.
     pub index_above: f64,
+    /// Real index of the exit side.
     pub index_below: f64,
+    /// What is between the grains.
     pub binder: Material,
 }
 
 /// One kind of grain.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pigment {
+    /// Name, for people.
     pub name: String,
+    /// Shape, sizes and volume fraction of its grains.
     pub grains: PigmentGrains,
+    /// Its refractive index.
     pub material: Material,
 }
 
 /// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Dissolved {
+    /// Name, for people.
     pub name: String,
     /// Share of the layer's volume.
     pub volume_fraction: f64,
+    /// The index at each wavelength.
     pub material: Material,
 }
 
@@ -96,7 +115,9 @@ impl Material {
 pub struct Paper {
     /// For people: the albedo itself, or where its table comes from.
     pub source: String,
+    /// Share of the light that the paper returns.
     pub albedo: Albedo,
+    /// What is between ink and paper.
     pub coupling: Coupling,
 }
 
@@ -130,9 +151,21 @@ impl Angles {
 #[serde(rename_all = "snake_case")]
 pub enum WantedResolution {
     /// Largest error of any order's amplitude.
-    Accuracy { amplitude: f64, scheme: Scheme },
+    Accuracy {
+        /// Largest error of a complex amplitude.
+        amplitude: f64,
+        /// Discretisation along z.
+        scheme: Scheme,
+    },
     /// Points and planes per µm.
-    Grid { points_per_um: f64, planes_per_um: f64, scheme: Scheme },
+    Grid {
+        /// Points along x and y, per µm.
+        points_per_um: f64,
+        /// Planes along z, per µm.
+        planes_per_um: f64,
+        /// Discretisation along z.
+        scheme: Scheme,
+    },
 }
 
 impl WantedResolution {
@@ -156,17 +189,22 @@ impl WantedResolution {
 /// What the results look like; no solve depends on it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Output {
+    /// Folder of the results, if named in the file.
     pub folder: Option<String>,
+    /// Side of the picture's square, pixels.
     pub picture_pixels: usize,
+    /// What the specular direction reflects.
     pub mirrored_sky: MirroredSky,
 }
 
 /// One solve of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
+    /// Number of the realisation, from 0.
     pub realisation: usize,
     /// Place of the wavelength among those of the realisation.
     pub wavelength: usize,
+    /// Wavelength, direction and side of the light.
     pub incidence: Incidence,
 }
 

@@ -19,23 +19,31 @@ const PICTURE_ANGLES: usize = 61;
 /// Why the results could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PublishError {
+    /// The folder of results.
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// What the page would have shown.
     #[error("{0}: no result, so nothing is published; try a finer grid or another solver")]
     Unphysical(String),
+    /// A plot or picture.
     #[error(transparent)]
     Figure(#[from] FigureError),
+    /// Ink on paper.
     #[error(transparent)]
     Ink(#[from] InkError),
+    /// A distribution function.
     #[error(transparent)]
     Bdf(#[from] BdfError),
+    /// A table.
     #[error("cannot write a table: {0}")]
     Table(#[from] csv::Error),
+    /// A summary.
     #[error("cannot write results.json: {0}")]
     Json(#[from] serde_json::Error),
+    /// The page.
     #[error("cannot write the report: {0}")]
     Page(#[from] minijinja::Error),
+    /// A file on the way to its place.
     #[error("cannot use the system's folder for temporary files: {0}")]
     Temporary(#[from] std::io::Error),
 }
@@ -43,6 +51,7 @@ pub enum PublishError {
 /// What was written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Published {
+    /// Whether anything is missing.
     pub status: Status,
     /// L*, a*, b* and C* under natural light in words, where there is a colour.
     pub colour: Option<String>,

@@ -42,7 +42,9 @@ impl Default for RunSettings {
 /// All that a run has, finished or not.
 #[derive(Clone, Debug)]
 pub struct Collected {
+    /// The grid and what is known about its error.
     pub resolved: Resolved,
+    /// All realisations, in their order.
     pub realisations: Vec<Realisation>,
     /// True when the wanted bar was reached before the last realisation asked for.
     pub enough: bool,
@@ -53,37 +55,56 @@ pub struct Collected {
 /// One realisation's records, in the order of [`Study::points`]; `None` where a solve is missing.
 #[derive(Clone, Debug)]
 pub struct Realisation {
+    /// How the grains were packed.
     pub packing: PackingRecord,
+    /// One a solve, in the study's order; `None` where it is missing.
     pub points: Vec<Option<PointRecord>>,
+    /// What failed, and why.
     pub failures: Vec<Failure>,
 }
 
 /// A solve that ended without a result.
 #[derive(Clone, Debug)]
 pub struct Failure {
+    /// The solve.
     pub point: Point,
+    /// The error's message.
     pub reason: String,
 }
 
 /// Why a run ended without collecting anything.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
+    /// A packing was not delivered.
     #[error("realisation {}: {source}", realisation + 1)]
-    Packing { realisation: usize, source: PackError },
+    Packing {
+        /// Number of the realisation, from 0.
+        realisation: usize,
+        /// Why.
+        source: PackError,
+    },
+    /// No grid reaches the accuracy.
     #[error(transparent)]
     Resolution(#[from] AccuracyError),
+    /// The work would not fit into memory.
     #[error(transparent)]
     Memory(#[from] TooLarge),
+    /// The scene does not make a problem.
     #[error(transparent)]
     Wave(#[from] WaveError),
+    /// The folder of results.
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// A record could not be kept.
     #[error("cannot keep a result: {0}")]
     Store(#[from] io::Error),
+    /// The queue of work.
     #[error(transparent)]
     Queue(#[from] QueueError),
+    /// Threads could not be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// Someone asked to stop; what is finished is kept.
     #[error("stopped before the first solve")]
     Stopped,
 }
@@ -94,6 +115,7 @@ impl Collected {
         self.realisations.iter().map(|r| r.points.iter().flatten().count()).sum()
     }
 
+    /// All failures of all realisations.
     pub fn failures(&self) -> impl Iterator<Item = &Failure> {
         self.realisations.iter().flat_map(|r| &r.failures)
     }

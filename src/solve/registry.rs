@@ -1,6 +1,6 @@
 //! The strategies by name.
 //!
-//! The built-in ones are listed once, in [`built_in`]; names, study files ([`SolverChoice`]) and the registry that
+//! The built-in ones are listed once, in `built_in!`; names, study files ([`SolverChoice`]) and the registry that
 //! comparisons, the referee and the claims walk through are made from that list. A strategy of another crate joins with
 //! [`Registry::with`].
 

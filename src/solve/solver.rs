@@ -26,8 +26,11 @@ impl Default for Goal {
 /// One step of a solver, as shown to its watcher.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
+    /// Number of the step, from 0.
     pub step: usize,
+    /// Operator applications so far.
     pub applications: usize,
+    /// Relative residual.
     pub residual: f64,
 }
 
@@ -49,13 +52,17 @@ impl Watch for Silent {
 /// The account of a solve.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Account {
+    /// Name of the strategy.
     pub solver: String,
+    /// Steps taken.
     pub steps: usize,
+    /// Operator applications, each one inverse and one forward transform of every plane.
     pub operator_applications: usize,
     /// Relative residual after each step, the start included.
     pub history: Vec<f64>,
     /// Relative residual of the delivered field.
     pub residual: f64,
+    /// Wall time of the solve, s.
     pub seconds: f64,
     /// Bytes of the solver's own vectors.
     pub bytes: usize,
@@ -64,28 +71,58 @@ pub struct Account {
 /// A converged field; there is no other kind.
 #[derive(Clone, Debug)]
 pub struct Solution {
+    /// Nodes and bubbles of every harmonic: planes × harmonics.
     pub field: Field,
+    /// How it was reached.
     pub account: Account,
 }
 
 /// Why there is no solution.
 #[derive(Debug, Error)]
 pub enum SolveError {
+    /// The goal was not met within what was allowed.
     #[error(
         "{} stopped at residual {:.2e} after {} operator applications (asked: {tolerance:.1e}): {advice}",
         .account.solver, .account.residual, .account.operator_applications
     )]
-    NotConverged { account: Box<Account>, tolerance: f64, advice: String },
+    NotConverged {
+        /// What was done.
+        account: Box<Account>,
+        /// Relative residual asked for.
+        tolerance: f64,
+        /// What to try.
+        advice: String,
+    },
+    /// The iteration moves away from the solution.
     #[error(
         "{} diverges: successive terms grow by a factor {ratio:.3} a step (residual {:.2e} after {} steps); \
          use solver = \"krylov\", which converges on the same problem",
         .account.solver, .account.residual, .account.steps
     )]
-    Diverged { account: Box<Account>, ratio: f64 },
+    Diverged {
+        /// What was done.
+        account: Box<Account>,
+        /// Factor by which terms grow, a step.
+        ratio: f64,
+    },
+    /// The watch stopped it.
     #[error("the solve was cancelled after {} steps at residual {:.2e}", .account.steps, .account.residual)]
-    Cancelled { account: Box<Account> },
+    Cancelled {
+        /// What was done.
+        account: Box<Account>,
+    },
+    /// A setting that does not suit the problem.
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
-    Setting { field: &'static str, value: String, allowed: String, remedy: String },
+    Setting {
+        /// The setting.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: String,
+    },
 }
 
 impl SolveError {

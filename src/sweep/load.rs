@@ -22,7 +22,9 @@ const SHOWN_FAULTS: usize = 5;
 /// A sweep whose variants are all checked.
 #[derive(Clone, Debug)]
 pub struct Sweep {
+    /// Axes, sheet and conclusions.
     pub outline: Outline,
+    /// All variants, in their order.
     pub variants: Vec<Variant>,
     /// Tables that the variants read, kept with the results.
     pub inputs: Vec<Input>,
@@ -31,19 +33,26 @@ pub struct Sweep {
 /// All of a sweep but its studies: the file `sweep.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
+    /// Title, for people.
     pub title: String,
+    /// The axes, in their order.
     pub axes: Vec<AxisOutline>,
+    /// How the contact sheets are laid out.
     pub sheet: SheetTable,
     /// The variant that colour differences refer to.
     pub reference: usize,
+    /// Conclusions to be judged.
     pub claims: Vec<Claim>,
+    /// Where each variant lies on the axes.
     pub variants: Vec<Place>,
 }
 
 /// An axis and the captions of its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisOutline {
+    /// Name of the axis.
     pub name: String,
+    /// Labels of its settings.
     pub labels: Vec<String>,
 }
 
@@ -59,14 +68,18 @@ impl AxisOutline {
 /// A variant's name and its place on every axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
+    /// Name of the variant.
     pub name: String,
+    /// Number of its setting on each axis.
     pub place: Vec<usize>,
 }
 
 /// One study of the sweep.
 #[derive(Clone, Debug)]
 pub struct Variant {
+    /// Name of the variant.
     pub name: String,
+    /// Its study, checked.
     pub study: Study,
     /// The study as a file of its own, to be put into `variants/<name>`.
     pub text: String,
@@ -77,6 +90,7 @@ pub struct Variant {
 pub struct Input {
     /// Relative to the sweep's folder.
     pub path: String,
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 

@@ -22,6 +22,7 @@ const TRIALS: usize = 4;
 /// The size of a sweep, and its cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
+    /// Number of variants.
     pub variants: usize,
     /// Packings to be made; variants share them.
     pub packings: usize,

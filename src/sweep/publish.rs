@@ -28,7 +28,9 @@ const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap
 /// What a report has found.
 #[derive(Clone, Debug)]
 pub struct Reported {
+    /// What came of each variant.
     pub outcomes: Vec<Outcome>,
+    /// The conclusions with their verdicts.
     pub conclusions: Vec<Judged>,
     /// What was found damaged in the store.
     pub damages: Vec<Damage>,

@@ -1,6 +1,6 @@
 //! What the grid may cost in R and T: differences to a coarser grid at the probes.
 //!
-//! The error of single amplitudes ([`super::search`]) says little about sums over orders, where most of it
+//! The error of single amplitudes (`search`) says little about sums over orders, where most of it
 //! averages out. So R and T themselves are compared with those on four fifths of the points and cells. At third order or
 //! better, what the observed convergence is, the finer grid's error is no larger than the difference. The sign of a difference is chance
 //! to a large part: over several packings it averages out, and the mean with its own standard error is what an ensemble's
@@ -24,7 +24,9 @@ const ROUNDING: f64 = 1e-12;
 /// Expected errors of the layer's R and T from the grid, over the probes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GridError {
+    /// Error of the reflectance.
     pub reflectance: f64,
+    /// Error of the transmittance.
     pub transmittance: f64,
 }
 
