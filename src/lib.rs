@@ -85,9 +85,6 @@
 #[doc = include_str!("architecture.md")]
 pub mod architecture {}
 
-// Not `forbid`: ndarray's macro `s!` allows itself what it needs. tests/housekeeping.rs sees that nobody else does.
-#![deny(unsafe_code)]
-
 pub mod appearance;
 pub mod compare;
 pub mod draw;

@@ -63,7 +63,7 @@ fn the_oldest_rust_is_stated_and_enough_for_every_dependency() {
 #[test]
 fn no_code_is_unsafe() {
     assert!(
-        read("src/lib.rs").contains("#![deny(unsafe_code)]")
+        read("Cargo.toml").contains("unsafe_code = \"deny\"")
             && read("src/main.rs").contains("#![forbid(unsafe_code)]")
     );
     let mut folders = vec![root().join("src")];
