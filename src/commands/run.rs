@@ -3,6 +3,7 @@
 use super::diagnostics::study_report;
 use super::progress::Progress;
 use super::stop::StopFlag;
+use super::sweep::tell_plan;
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
 use inkwave::ink::PackError;
@@ -15,6 +16,7 @@ use inkwave::solve::accuracy::AccuracyError;
 use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
 use inkwave::store::marker::Holds;
+use inkwave::sweep::Sweep;
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 
@@ -29,11 +31,22 @@ pub struct RunArgs {
     /// Solves at a time; the number of processors when left out. Fewer take less memory.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
+    /// Only say what the study costs, after a short trial.
+    #[arg(long)]
+    pub plan: bool,
+    /// With --plan: as JSON.
+    #[arg(long, requires = "plan")]
+    pub json: bool,
 }
 
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> miette::Result<()> {
     let study = load(&args.study).map_err(study_report)?;
+    if args.plan {
+        let name = args.study.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
+        let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+        return tell_plan(&Sweep::of_one(&name, study), args.json, settings);
+    }
     let path = output_path(args, &study);
     let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());

@@ -19,6 +19,7 @@ use crate::store::identity::Key;
 use crate::store::queue::{Claim, Queue, Standing, Task};
 use crate::store::record::FailureRecord;
 use crate::wave::Scene;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -44,6 +45,17 @@ pub struct Tally {
     pub publishes: bool,
     /// What this process found damaged in the store.
     pub damages: Vec<Damage>,
+    /// Time that the threads of this process waited for others.
+    pub waited: Duration,
+}
+
+/// How far the work goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Scope {
+    /// The choice of grids alone.
+    Grids,
+    /// Grids and solves.
+    Solves,
 }
 
 /// Number of solves of a shard, those that variants share counted for each of them.
@@ -63,24 +75,27 @@ fn solves_of(sweep: &Sweep, unit: &Unit) -> usize {
 pub fn run(
     sweep: &Sweep,
     folder: &OutputFolder,
-    shard: Shard,
+    (shard, scope): (Shard, Scope),
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
     let stores = folder::stores(folder)?;
-    let jobs = jobs(sweep, shard);
+    let mut jobs = jobs(sweep, shard);
+    jobs.retain(|job| scope == Scope::Solves || matches!(job, Job::Grids(_)));
     let tasks: Vec<Task> = jobs.iter().map(|job| job.task(sweep)).collect();
-    let queue = stores.database().queue(name(sweep, shard).as_str(), &tasks)?;
+    let queue = stores.database().queue(name(sweep, shard, scope).as_str(), &tasks)?;
     let crew = Crew::new(settings.jobs, jobs.len())?;
     let settings = RunSettings { jobs: Some(crew.jobs_each), ..settings };
-    let trouble = Mutex::new(None);
-    let worker = Worker { sweep, stores: &stores, queue: &queue, jobs: &jobs, settings, watch, trouble };
+    let (trouble, waits) = (Mutex::new(None), AtomicUsize::new(0));
+    let worker =
+        Worker { sweep, stores: &stores, queue: &queue, jobs: &jobs, settings, watch, trouble, waits };
     crew.work_off(|| worker.take(), |task| worker.note(worker.go(task)));
+    let waited = WAIT * worker.waits.load(Ordering::Relaxed) as u32;
     match worker.trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {
         Some(error) => Err(error),
         None => {
             let damages = stores.database().damages();
-            Ok(Tally { asked: solves(sweep, shard), damages, ..tally(&queue, watch.stop())? })
+            Ok(Tally { asked: solves(sweep, shard), damages, waited, ..tally(&queue, watch.stop())? })
         }
     }
 }
@@ -92,9 +107,9 @@ fn tally(queue: &Queue, stopped: bool) -> Result<Tally, RunError> {
 }
 
 /// Names the work, so that only processes with the same sweep and shard share it.
-fn name(sweep: &Sweep, shard: Shard) -> Key {
+fn name(sweep: &Sweep, shard: Shard, scope: Scope) -> Key {
     let studies: Vec<Key> = sweep.variants.iter().map(|variant| variant.study.key()).collect();
-    Key::of("work", &(studies, shard.index, shard.count))
+    Key::of("work", &(studies, shard.index, shard.count, scope))
 }
 
 /// A task of the queue in full.
@@ -143,6 +158,8 @@ struct Worker<'a> {
     settings: RunSettings,
     watch: &'a dyn RunWatch,
     trouble: Mutex<Option<RunError>>,
+    /// How often a thread found nothing to do.
+    waits: AtomicUsize,
 }
 
 impl Worker<'_> {
@@ -160,11 +177,16 @@ impl Worker<'_> {
                 .and_then(|()| Ok(self.queue.claim()?));
             match claim {
                 Ok(Claim::Task(task)) => return Some(task),
-                Ok(Claim::Wait) => std::thread::sleep(WAIT),
+                Ok(Claim::Wait) => self.wait(),
                 Ok(Claim::Finished) => return None,
                 Err(error) => self.note(Err(error)),
             }
         }
+    }
+
+    fn wait(&self) {
+        std::thread::sleep(WAIT);
+        self.waits.fetch_add(1, Ordering::Relaxed);
     }
 
     fn go(&self, task: usize) -> Result<(), RunError> {
