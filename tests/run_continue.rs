@@ -55,7 +55,8 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
     for solves in [5, 11] {
         let watch = StopAfter { solves, done: AtomicUsize::new(0) };
         let output = OutputFolder::open(&parts, Holds::Study).unwrap();
-        let collected = runner::run(&checked, &output, RunSettings { jobs: Some(1) }, &watch).unwrap();
+        let settings = RunSettings { jobs: Some(1), ..RunSettings::default() };
+        let collected = runner::run(&checked, &output, settings, &watch).unwrap();
         publish(&checked, &collected, &output).unwrap();
         assert!(parts.join("PARTIAL").exists());
         let page = std::fs::read_to_string(parts.join("report.html")).unwrap();

@@ -1,6 +1,7 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
 use super::run::folder_report;
+use super::say::{note, say};
 use clap::Args;
 use inkwave::compare::experiment::ComparisonFile;
 use inkwave::solve::{Step, Watch};
@@ -28,15 +29,15 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let mut stop = Stop(super::stop::StopFlag::listen());
     let told = |row: &inkwave::compare::pages::Row| {
         let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
-        eprintln!(
+        note(format_args!(
             "{:16} {:?} {} × {} × {}: {error}, {} applications, {:.2} s",
             row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
-        );
+        ));
     };
     let comparison =
         file.run(folder, &mut stop, told).inspect_err(|_| output.discard_when_empty()).into_diagnostic()?;
     comparison.write(output.path()).into_diagnostic()?;
-    println!("Comparison: {}", args.output.join("comparison.html").display());
+    say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     Ok(())
 }
 

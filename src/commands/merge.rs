@@ -29,7 +29,10 @@ pub fn run(args: &MergeArgs) -> miette::Result<()> {
     let merged = merge(&args.shards, &folder).map_err(merge_report)?;
     tell_damages(&merged.damages);
     if merged.healed > 0 {
-        eprintln!("{} damaged records were taken from other shards, where they are sound", merged.healed);
+        super::say::note(format_args!(
+            "{} damaged records were taken from other shards, where they are sound",
+            merged.healed
+        ));
     }
     let reported = publish(&merged.sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, false)

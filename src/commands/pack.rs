@@ -1,6 +1,7 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
 use super::run::folder_report;
+use super::say::say;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
@@ -48,7 +49,7 @@ pub fn run(args: &PackArgs) -> Result<()> {
     let packings = packings.inspect_err(|_| folder.discard_when_empty())?;
     let title = study.title.clone().unwrap_or_else(|| args.study.display().to_string());
     let (_, page) = write_report(folder.path(), &title, &study.pigments(), &packings).into_diagnostic()?;
-    println!("report: {}", page.display());
+    say(format_args!("report: {}", page.display()))?;
     Ok(())
 }
 
@@ -74,7 +75,7 @@ fn one(study: &PackStudy, stream: u64, stop: &AtomicBool) -> Result<Packing> {
     let packed = pack(&study.request(stream), &mut Bar { bar: &bar, stop });
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {stream}"))?;
-    println!("{}", summary(&packing, stream, start.elapsed().as_secs_f64()));
+    say(format_args!("{}", summary(&packing, stream, start.elapsed().as_secs_f64())))?;
     Ok(packing)
 }
 

@@ -1,5 +1,6 @@
 //! Progress of a run on stderr: a bar on a terminal, a plain line every ten seconds elsewhere.
 
+use super::say::note;
 use super::stop::StopFlag;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use inkwave::input::study::{Point, Study};
@@ -100,9 +101,9 @@ impl Progress {
             let seconds = busy.begun.elapsed().as_secs_f64();
             let idle = 100.0 * (1.0 - busy.busy.as_secs_f64() / seconds);
             let an_hour = solved as f64 * 3600.0 / seconds;
-            eprintln!(
+            note(format_args!(
                 "{solved} solves in {seconds:.0} s: {an_hour:.0} an hour, {idle:.0} % of the time outside solves"
-            );
+            ));
         }
     }
 
@@ -118,7 +119,7 @@ impl Progress {
 
     fn say(&self, text: &str) {
         match self.last_line {
-            Some(_) => eprintln!("{text}"),
+            Some(_) => note(format_args!("{text}")),
             None => self.bar.println(text),
         }
     }
@@ -146,7 +147,7 @@ impl Progress {
         if last.elapsed() >= BETWEEN_LINES {
             *last = Instant::now();
             let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0));
-            eprintln!("{done}/{all} solves, {}, {}", self.bar.message(), self.time_left());
+            note(format_args!("{done}/{all} solves, {}, {}", self.bar.message(), self.time_left()));
         }
     }
 }
@@ -186,7 +187,7 @@ impl RunWatch for Progress {
     fn stage(&self, what: &str) {
         self.bar.set_message(what.to_owned());
         if self.last_line.is_some() {
-            eprintln!("{what}");
+            note(format_args!("{what}"));
         }
     }
 

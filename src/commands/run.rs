@@ -2,6 +2,7 @@
 
 use super::diagnostics::study_report;
 use super::progress::Progress;
+use super::say::say;
 use super::stop::StopFlag;
 use super::sweep::tell_plan;
 use clap::Args;
@@ -11,7 +12,7 @@ use inkwave::input::load::load;
 use inkwave::input::study::Study;
 use inkwave::report::publish::{Published, publish};
 use inkwave::run::runner;
-use inkwave::run::runner::{Collected, RunError, RunSettings};
+use inkwave::run::runner::{Collected, RunError};
 use inkwave::solve::accuracy::AccuracyError;
 use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
@@ -37,20 +38,22 @@ pub struct RunArgs {
     /// With --plan: as JSON.
     #[arg(long, requires = "plan")]
     pub json: bool,
+    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
+    pub memory_gb: Option<f64>,
 }
 
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> miette::Result<()> {
     let study = load(&args.study).map_err(study_report)?;
+    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     if args.plan {
         let name = args.study.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
-        let settings = RunSettings { jobs: args.jobs.map(usize::from) };
         return tell_plan(&Sweep::of_one(&name, study), args.json, settings);
     }
     let path = output_path(args, &study);
     let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
-    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
     let collected = runner::run(&study, &folder, settings, &progress);
     progress.finish();
     let collected = collected.map_err(|error| {
@@ -72,9 +75,9 @@ fn tell(
 ) -> miette::Result<()> {
     let report = folder.path().join("report.html");
     if let Some(colour) = &published.colour {
-        println!("{}: {colour}", study.title);
+        say(format_args!("{}: {colour}", study.title))?;
     }
-    println!("Report: {}", report.display());
+    say(format_args!("Report: {}", report.display()))?;
     if published.status == Status::Complete {
         return Ok(());
     }
@@ -101,7 +104,7 @@ fn output_path(args: &RunArgs, study: &Study) -> PathBuf {
 /// Says what was found damaged in a store.
 pub(super) fn tell_damages(damages: &[Damage]) {
     if let Some(told) = in_words(damages) {
-        eprintln!("{told}");
+        super::say::note(told);
     }
 }
 

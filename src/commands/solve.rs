@@ -1,5 +1,6 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
+use super::say::say;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
@@ -95,7 +96,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         scheme: scheme(args),
         solver: &*solver,
         goal: Goal { tolerance: args.tolerance, ..Goal::default() },
-        memory: (args.memory_gb * 1e9) as usize,
+        memory: super::memory::bytes(args.memory_gb)?,
     };
     let mut bar = Bar::new();
     let estimated = match args.nz {
@@ -103,7 +104,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         None => task.solve_to_accuracy(args.accuracy.unwrap_or(DEFAULT_ACCURACY), &mut bar),
     };
     bar.0.finish_and_clear();
-    println!("{:#}", report(&estimated.into_diagnostic()?));
+    say(format_args!("{:#}", report(&estimated.into_diagnostic()?)))?;
     Ok(())
 }
 
@@ -111,9 +112,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     if !(1e-15..1.0).contains(&args.tolerance) {
         miette::bail!("--tolerance is {}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6", args.tolerance);
     }
-    if args.memory_gb.is_nan() || args.memory_gb <= 0.0 {
-        miette::bail!("--memory-gb is {}; it must be above 0: try 4", args.memory_gb);
-    }
+    super::memory::bytes(args.memory_gb)?;
     Ok(())
 }
 

@@ -3,6 +3,7 @@
 use super::diagnostics::study_report;
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
+use super::say::say;
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::run::runner::RunSettings;
@@ -33,6 +34,9 @@ pub struct SweepArgs {
     /// Solves at a time; the number of processors when left out. Fewer take less memory.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
+    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
+    pub memory_gb: Option<f64>,
     /// Only say what the sweep costs, after a short trial.
     #[arg(long)]
     pub plan: bool,
@@ -56,7 +60,7 @@ pub struct SweepArgs {
 /// Reads, checks and runs a sweep, or plans it.
 pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let sweep = load::load(&args.sweep).map_err(study_report)?;
-    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     if args.plan {
         return tell_plan(&sweep, args.json, settings);
     }
@@ -95,7 +99,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
     if !tally.publishes {
-        println!("Other processes work on in {} and write the report.", folder.path().display());
+        say(format_args!("Other processes work on in {} and write the report.", folder.path().display()))?;
         return Ok(());
     }
     let reported = publish(&sweep, &folder).into_diagnostic()?;
@@ -105,9 +109,9 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
 /// Says where the results are; anything less than all of them is an error, so that scripts notice.
 pub(super) fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
     for judged in &reported.conclusions {
-        println!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality);
+        say(format_args!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality))?;
     }
-    println!("Report: {}", folder.path().join("report.html").display());
+    say(format_args!("Report: {}", folder.path().join("report.html").display()))?;
     let (complete, all, failures) = (reported.complete(), reported.outcomes.len(), reported.failures());
     if complete == all {
         return Ok(());
@@ -128,7 +132,10 @@ fn tell_shard(
 ) -> miette::Result<()> {
     let runner::Tally { asked, finished, failed, .. } = *tally;
     let Shard { index, count } = shard;
-    println!("Shard {index}/{count} in {}: {finished} of {asked} solves finished", folder.path().display());
+    say(format_args!(
+        "Shard {index}/{count} in {}: {finished} of {asked} solves finished",
+        folder.path().display()
+    ))?;
     if stopped || finished + failed < asked {
         return Err(miette!(
             help = "run the same shard again to continue",
@@ -168,18 +175,22 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     progress.finish();
     let plan = plan.map_err(run_report)?;
     if json {
-        println!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
+        say(format_args!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?))?;
         return Ok(());
     }
     let time = |cores: f64| in_words(plan.core_seconds / cores);
-    println!("variants          {}", plan.variants);
-    println!("packings          {}", plan.packings);
-    println!("solves            {}", plan.solves);
-    println!("unknowns          {} in the largest solve", plan.unknowns);
-    println!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs);
-    println!("time              about {} on {jobs} cores, {} on 100", time(jobs as f64), time(100.0));
-    println!("largest division  {} shards", plan.units);
-    println!("calibrated with   {}", plan.calibration);
+    say(format_args!("variants          {}", plan.variants))?;
+    say(format_args!("packings          {}", plan.packings))?;
+    say(format_args!("solves            {}", plan.solves))?;
+    say(format_args!("unknowns          {} in the largest solve", plan.unknowns))?;
+    say(format_args!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs))?;
+    say(format_args!(
+        "time              about {} on {jobs} cores, {} on 100",
+        time(jobs as f64),
+        time(100.0)
+    ))?;
+    say(format_args!("largest division  {} shards", plan.units))?;
+    say(format_args!("calibrated with   {}", plan.calibration))?;
     Ok(())
 }
 

@@ -11,6 +11,7 @@ use super::watch::RunWatch;
 use crate::ink::PackError;
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::AccuracyError;
+use crate::solve::demand::TooLarge;
 use crate::store::Store;
 use crate::store::damage::Damage;
 use crate::store::database::Database;
@@ -20,13 +21,22 @@ use crate::store::queue::QueueError;
 use crate::store::record::{FailureRecord, PointRecord};
 use crate::wave::{Scene, WaveError};
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 
 /// How to run, as opposed to what.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct RunSettings {
-    /// Solves at a time; the number of threads when nothing is said. Fewer need less memory.
+    /// Most solves at a time; the number of threads when nothing is said. As many run as the memory holds.
     pub jobs: Option<usize>,
+    /// Bytes that all solves at a time may take.
+    pub memory: f64,
+}
+
+impl Default for RunSettings {
+    fn default() -> Self {
+        Self { jobs: None, memory: super::memory::usable() }
+    }
 }
 
 /// All that a run has, finished or not.
@@ -60,6 +70,8 @@ pub enum RunError {
     Packing { realisation: usize, source: PackError },
     #[error(transparent)]
     Resolution(#[from] AccuracyError),
+    #[error(transparent)]
+    Memory(#[from] TooLarge),
     #[error(transparent)]
     Wave(#[from] WaveError),
     #[error(transparent)]
@@ -105,7 +117,7 @@ pub fn run(
     stores.database().prepare()?;
     let mut packings = Packings::new(study, watch);
     let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
-    let resolved = resolve(study, &stores.grids, watch, scene).map_err(stopped)?;
+    let resolved = resolve(study, &stores.grids, settings.memory, watch, scene).map_err(stopped)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
     let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));
     let kept = kept.count();
@@ -151,7 +163,12 @@ pub(crate) struct Stores {
 
 impl Stores {
     pub fn open(folder: &OutputFolder) -> io::Result<Self> {
-        let database = Arc::new(Database::open(folder.path())?);
+        Self::at(folder.path())
+    }
+
+    /// The stores of a folder that is only read.
+    pub fn at(path: &Path) -> io::Result<Self> {
+        let database = Arc::new(Database::open(path)?);
         let (points, packings, grids) = (Store::of(&database), Store::of(&database), Store::of(&database));
         Ok(Self { points, packings, grids, failures: None, database })
     }

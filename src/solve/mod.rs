@@ -4,6 +4,7 @@
 //! [`accuracy`] searches the grid for a wanted error and estimates the error of what it delivers.
 
 pub mod accuracy;
+pub mod demand;
 mod ledger;
 pub mod solver;
 pub mod strategies;

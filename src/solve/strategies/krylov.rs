@@ -4,6 +4,7 @@
 use super::guided::{Correction, GuidedModes};
 use super::least_squares::LeastSquares;
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::{add_combination, dots, norm, scale};
@@ -26,6 +27,13 @@ impl Default for Gmres {
         Gmres { restart: 150, guided_modes: GuidedModes::default() }
     }
 }
+
+/// Vectors besides the basis: field, residual, the incident wave, the work of one step.
+const OTHER_VECTORS: f64 = 7.0;
+/// Share of scarce memory that the guided modes' dense block may take.
+const GUIDED_SHARE: f64 = 0.3;
+/// Fewest basis vectors that restarts still converge with.
+const LEAST_RESTART: usize = 20;
 
 /// A second orthogonalisation pays when the first one removed nearly everything (Kahan, Parlett).
 const REORTHOGONALISE: f64 = 0.05;
@@ -67,6 +75,19 @@ impl Solver for Gmres {
             }
         }
         Ok(run.ledger.finish(run.field))
+    }
+
+    fn most_bytes(&self, size: &Size) -> f64 {
+        size.fields(self.restart as f64 + OTHER_VECTORS) + self.guided_modes.most_bytes(size)
+    }
+
+    fn within(&self, size: &Size, bytes: f64) -> Option<Box<dyn Solver>> {
+        let mut smaller = *self;
+        smaller.guided_modes = self.guided_modes.within(GUIDED_SHARE * bytes);
+        let left = bytes - smaller.guided_modes.most_bytes(size);
+        let vectors = left / size.fields(1.0) - OTHER_VECTORS;
+        smaller.restart = self.restart.min(vectors.max(0.0) as usize);
+        (smaller.restart >= LEAST_RESTART.min(self.restart)).then(|| Box::new(smaller) as Box<dyn Solver>)
     }
 }
 
