@@ -94,6 +94,22 @@ pub struct Input {
     pub bytes: Vec<u8>,
 }
 
+impl Sweep {
+    /// A study alone, as a sweep of one variant.
+    pub fn of_one(name: &str, study: Study) -> Self {
+        let outline = Outline {
+            title: study.title.clone(),
+            axes: Vec::new(),
+            sheet: SheetTable::default(),
+            reference: 0,
+            claims: Vec::new(),
+            variants: vec![Place { name: name.to_owned(), place: Vec::new() }],
+        };
+        let variant = Variant { name: name.to_owned(), study, text: String::new() };
+        Self { outline, variants: vec![variant], inputs: Vec::new() }
+    }
+}
+
 /// Reads and checks the sweep file at `path`, and every variant of it.
 ///
 /// # Errors
