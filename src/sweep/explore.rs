@@ -6,7 +6,7 @@
 
 use super::load::Sweep;
 use super::outcome::Outcome;
-use super::publish::numbers;
+use super::reported::numbers;
 use crate::appearance::picture::InkPicture;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
