@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 pub mod demand;
+pub mod door;
 pub mod ledger;
 pub mod registry;
 pub mod size;

@@ -109,13 +109,7 @@ impl VectorProblem {
     /// Reads the orders off both faces from the solutions for s and p light.
     pub fn far_field(&self, [s, p]: [&Field; 2]) -> VectorFarField {
         let faces = [self.faces(s, Polarisation::S), self.faces(p, Polarisation::P)];
-        let k0 = TAU / self.incidence.wavelength_um;
-        let [incident_m, incident_n] = self.harmonics.orders[self.incident_harmonic()];
-        let listed =
-            listed_orders(&self.harmonics.orders, &self.lateral, &self.media, k0, [incident_m, incident_n]);
-        let mut orders: Vec<VectorOrder> =
-            listed.into_iter().map(|(i, label)| self.order(&faces, i, label, k0)).collect();
-        orders.sort_by_key(|o| (o.m, o.n));
+        let orders: Vec<VectorOrder> = self.listed().map(|(i, label)| self.order(&faces, i, label)).collect();
         let total = |of: &dyn Fn(&VectorOrder) -> [f64; 2]| {
             [0, 1].map(|i| orders.iter().map(|o| of(o)[i]).sum::<f64>())
         };
@@ -128,21 +122,75 @@ impl VectorProblem {
         }
     }
 
-    fn order(&self, faces: &[Faces; 2], i: usize, [m, n]: [i32; 2], k0: f64) -> VectorOrder {
-        let (back, onward) = (self.entry_side(), 1 - self.entry_side());
-        let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };
-        let amplitudes =
-            |faces: &Faces, side: usize| [faces.electric[side][i], faces.magnetic[side][i] / self.k[side]];
-        let reflected = [0, 1].map(|pol| {
-            let mut a = amplitudes(&faces[pol], back);
-            a[pol] -= incident;
-            a
-        });
-        let transmitted = [0, 1].map(|pol| amplitudes(&faces[pol], onward));
+    /// The far field of one incident polarisation from its solution alone, see [`VectorFarField::polarised`].
+    pub fn polarised_far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
+        let faces = self.faces(field, polarisation);
+        let own = polarisation as usize;
+        let order = |(i, [m, n]): (usize, [i32; 2])| {
+            let [reflected, transmitted] = self.leaving(&faces, polarisation, i);
+            let [back, onward] = self.sides();
+            Order {
+                m,
+                n,
+                direction: self.lateral[i].map(|k| k / self.k0()),
+                reflected_propagates: self.kappa[back][i].re > 0.0,
+                transmitted_propagates: self.kappa[onward][i].re > 0.0,
+                reflected: reflected[own],
+                transmitted: transmitted[own],
+                reflected_efficiency: self.efficiency(back, i, reflected),
+                transmitted_efficiency: self.efficiency(onward, i, transmitted),
+            }
+        };
+        let orders: Vec<Order> = self.listed().map(order).collect();
+        let reflectance: f64 = orders.iter().map(|o| o.reflected_efficiency).sum();
+        let transmittance: f64 = orders.iter().map(|o| o.transmitted_efficiency).sum();
+        FarField {
+            incidence: self.incidence,
+            period_um: self.moments.grid.period_um,
+            reflectance,
+            transmittance,
+            absorptance: 1.0 - reflectance - transmittance,
+            orders,
+        }
+    }
+
+    /// Vacuum wavenumber, 1/µm.
+    fn k0(&self) -> f64 {
+        TAU / self.incidence.wavelength_um
+    }
+
+    /// Sides that light is reflected and transmitted to.
+    fn sides(&self) -> [usize; 2] {
+        [self.entry_side(), 1 - self.entry_side()]
+    }
+
+    /// Compact indices of the harmonics that are listed with their orders, sorted by these.
+    fn listed(&self) -> impl Iterator<Item = (usize, [i32; 2])> {
+        let harmonics = &self.harmonics.orders;
+        let specular = harmonics[self.incident_harmonic()];
+        let mut listed = listed_orders(harmonics, &self.lateral, &self.media, self.k0(), specular);
+        listed.sort_by_key(|&(_, label)| label);
+        listed.into_iter()
+    }
+
+    /// Amplitudes of one harmonic in reflection and transmission.
+    fn leaving(&self, faces: &Faces, polarisation: Polarisation, i: usize) -> [Amplitudes; 2] {
+        let mut leaving =
+            self.sides().map(|side| [faces.electric[side][i], faces.magnetic[side][i] / self.k[side]]);
+        if i == self.incident_harmonic() {
+            leaving[0][polarisation as usize] -= 1.0;
+        }
+        leaving
+    }
+
+    fn order(&self, faces: &[Faces; 2], i: usize, [m, n]: [i32; 2]) -> VectorOrder {
+        let [back, onward] = self.sides();
+        let [s, p] = [0, 1].map(|k| self.leaving(&faces[k], Polarisation::BOTH[k], i));
+        let (reflected, transmitted) = ([s[0], p[0]], [s[1], p[1]]);
         VectorOrder {
             m,
             n,
-            direction: self.lateral[i].map(|k| k / k0),
+            direction: self.lateral[i].map(|k| k / self.k0()),
             reflected_propagates: self.kappa[back][i].re > 0.0,
             transmitted_propagates: self.kappa[onward][i].re > 0.0,
             reflected_efficiency: reflected.map(|a| self.efficiency(back, i, a)),
