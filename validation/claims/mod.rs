@@ -19,9 +19,8 @@ mod references;
 mod slab;
 mod tau;
 mod varied_cells;
-mod vector;
 
-pub const ALL: [Claim; 20] = [
+pub const ALL: [Claim; 18] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -40,6 +39,4 @@ pub const ALL: [Claim; 20] = [
     cell_size::CLAIM,
     furnace::CLAIM,
     varied_cells::CLAIM,
-    vector::ACCURACY,
-    vector::TENSOR,
 ];
