@@ -12,7 +12,7 @@ const BASE: &str = r#"
 title = "Tiny mixture"
 [layer]
 cell = "varied"
-period_um = 0.9
+period_um = 1.3
 thickness_um = 0.5
 binder.index = 1.558
 index_below = 1.0
@@ -53,7 +53,7 @@ picture_pixels = 61
 /// What stands in the base study, what stands there instead, and whether the published numbers must differ from the base's.
 const CHANGES: [(&str, &str, bool); 24] = [
     ("cell = \"varied\"", "cell = \"fixed\"", true),
-    ("period_um = 0.9", "period_um = 0.95", true),
+    ("period_um = 1.3", "period_um = 1.35", true),
     ("thickness_um = 0.5", "thickness_um = 0.51", true),
     ("thickness_um = 0.5", "thickness_um = { mean = 0.5, std = 0.05 }", true),
     ("binder.index = 1.558", "binder.index = 1.559", true),

@@ -36,7 +36,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     let uncertainty = Uncertainty {
         grid: collected.resolved.grid_error,
         residual: certainty.mean_energy_error,
-        certain: study.pigments.is_empty(),
+        certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
     let (colours, no_colour) = match colours(study, seen, &uncertainty) {
         Ok(colours) => (colours, None),

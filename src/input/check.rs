@@ -201,7 +201,7 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
         }
         return [pigments::nominal_period_um(file); 2];
     };
-    let remedy = "1.6 µm is usual for varied cells; leave it out, and it follows from the grains";
+    let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
     for period in written.0 {
         faults.number("layer.period_um", period, Allowed::above(0.0, 1000.0, "µm"), remedy);
     }
