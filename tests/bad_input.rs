@@ -169,7 +169,7 @@ const SLIPS: &[Slip] = &[
         "wavelengths_nm = [0.45]",
         ["light.wavelengths_nm[0]", "0.45", "from 100 to 10000 nm", "in nm"],
     ),
-    slip(RANGE, "", ["light", "mixture", "wavelengths_nm", "from_nm = 400"]),
+    slip(RANGE, "from_nm = 400", ["light", "mixture", "wavelengths_nm", "from_nm = 400"]),
     slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
     slip(
         "step_nm = 100",

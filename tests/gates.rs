@@ -91,7 +91,7 @@ index = { n = 0.5, k = 7.0 }
 [light]
 wavelengths_nm = [450.0, 550.0]
 [angles]
-count = 2
+count = 3
 [run]
 realisations = 1
 [resolution]

@@ -54,6 +54,10 @@ pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Stud
     let optical =
         |field: &str| OPTICAL.iter().any(|table| field.starts_with(table)) || field.contains("].index");
     faults.0.retain(|fault| !optical(&fault.field));
+    // The packing's own check is skipped where optical keys are at fault.
+    if faults.0.is_empty() {
+        faults.0.extend(pigments::packing_fault(&study.packing));
+    }
     if study.pigments.is_empty() {
         faults.push(Fault::new("pigment", "none", "at least one [[pigment]] with grains", "add one"));
     }

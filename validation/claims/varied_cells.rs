@@ -21,7 +21,7 @@ fn layer(cell: &str, period_um: f64, kappa: f64, realisations: usize) -> Value {
         "[layer]\nthickness_um = 1.0\nperiod_um = {period_um}\ncell = '{cell}'\nbinder.index = 1.558\n\
          [[pigment]]\nname = 'grey'\ndiameter_nm = 250\nvolume_fraction = 0.3\nindex = {{ n = 1.4, k = {kappa} }}\n\
          [light]\nwavelengths_nm = [550]\n[angles]\npolar_deg = [0, 20, 45]\n[run]\nrealisations = {realisations}\n\
-         [resolution]\npoints_per_um = 12\nplanes_per_um = 20\n[solver]\nstrategy = 'bicgstab'\ntolerance = 1e-4\n"
+         [resolution]\npoints_per_um = 12\nplanes_per_um = 30\n[solver]\nstrategy = 'bicgstab'\ntolerance = 1e-4\n"
     ))
     .results
 }
@@ -78,7 +78,7 @@ fn parts(count: usize, wavelengths: usize, realisations: usize) -> [f64; 2] {
         "[layer]\nthickness_um = 0.6\nperiod_um = 1.2\nbinder.index = 1.558\n\
          [[pigment]]\nname = 'yellow'\ndiameter_nm = 200\nvolume_fraction = 0.3\nindex = {{ built_in = 'yellow' }}\n\
          [light]\nfrom_nm = 400\nto_nm = 700\nstep_nm = 20\nper_realisation = {wavelengths}\n[angles]\ncount = {count}\n\
-         [run]\nrealisations = {realisations}\n[resolution]\npoints_per_um = 12\nplanes_per_um = 20\n[solver]\nstrategy = 'bicgstab'\ntolerance = 1e-4\n"
+         [run]\nrealisations = {realisations}\n[resolution]\npoints_per_um = 12\nplanes_per_um = 30\n[solver]\nstrategy = 'bicgstab'\ntolerance = 1e-4\n"
     ))
     .results;
     let angles = results["certainty"]["angle_error_estimate"].as_f64().unwrap_or(f64::NAN);
