@@ -42,7 +42,7 @@ seed = 7
 method = "sequential_addition"
 [resolution]
 points_per_um = 14
-planes_per_um = 20
+planes_per_um = 30
 [solver]
 strategy = "krylov"
 tolerance = 1e-4
@@ -55,7 +55,7 @@ const CHANGES: [(&str, &str, bool); 24] = [
     ("cell = \"varied\"", "cell = \"fixed\"", true),
     ("period_um = 1.3", "period_um = 1.35", true),
     ("thickness_um = 0.5", "thickness_um = 0.51", true),
-    ("thickness_um = 0.5", "thickness_um = { mean = 0.5, std = 0.05 }", true),
+    ("thickness_um = 0.5", "thickness_um = { mean = 0.5, std = 0.02 }", true),
     ("binder.index = 1.558", "binder.index = 1.559", true),
     ("binder.index = 1.558", "binder.index = { n = 1.558, k = 0.001 }", true),
     ("diameter_nm = 200", "diameter_nm = 201", true),
@@ -74,7 +74,7 @@ const CHANGES: [(&str, &str, bool); 24] = [
     ("seed = 7", "seed = 8", true),
     ("method = \"sequential_addition\"", "method = \"relaxation\"", true),
     ("points_per_um = 14", "points_per_um = 16", true),
-    ("planes_per_um = 20", "planes_per_um = 26", true),
+    ("planes_per_um = 30", "planes_per_um = 40", true),
     ("strategy = \"krylov\"", "strategy = \"bicgstab\"", false),
 ];
 

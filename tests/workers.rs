@@ -75,7 +75,7 @@ fn shards_take_grids_that_were_chosen_before() {
     let wrong = inkwave(&["sweep", &file, "--grids", &place.path("."), "--output", &place.path("x")])
         .output()
         .unwrap();
-    assert!(!wrong.status.success() && said(&wrong).contains("--grids-only"), "{}", said(&wrong));
+    assert!(!wrong.status.success() && said(&wrong).contains("no folder of a sweep"), "{}", said(&wrong));
     assert_eq!(PointRecord::KIND, "point");
 }
 

@@ -68,8 +68,10 @@ pub fn inkwave(arguments: &[&str]) -> Command {
     command
 }
 
+/// Everything that was said, without the frame and the line breaks of the terminal.
 pub fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+    let all = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    all.replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 pub fn succeed(arguments: &[&str]) -> String {
