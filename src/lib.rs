@@ -82,6 +82,8 @@
 //!   Institute of Applied Mathematics RAS, preprint 75, Moscow, 2009. The mathematics; equation numbers are P2's unless P1
 //!   is named. Where a printed formula is wrong, the code that corrects it says so.
 
+#![warn(missing_docs)]
+
 #[doc = include_str!("architecture.md")]
 pub mod architecture {}
 

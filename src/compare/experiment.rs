@@ -31,6 +31,8 @@ pub struct ComparisonFile {
     pub case: Option<PathBuf>,
     /// A packed layer of equal spheres, instead of `case`.
     pub layer: Option<PackedLayer>,
+    /// Many contrasts and periods around `layer` instead of many grids.
+    pub matrix: Option<super::matrix::MatrixTable>,
     /// Names of strategies; all of the registry but those for tiny grids unless told.
     pub strategies: Option<Vec<String>>,
     /// Discretisations along z to compare.
@@ -98,6 +100,7 @@ impl Default for ComparisonFile {
             title: String::new(),
             case: None,
             layer: None,
+            matrix: None,
             strategies: None,
             schemes: default_schemes(),
             resolutions: default_resolutions(),
@@ -239,6 +242,25 @@ impl ComparisonFile {
         }
         let layer = self.layer.as_ref().expect("checked: a case or a layer");
         Ok(Subject { case: layer.case()?, known: None })
+    }
+
+    /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it.
+    ///
+    /// # Errors
+    /// Unknown strategies; layers that cannot be packed; cases that the reference strategy cannot solve; Ctrl-C.
+    pub fn run_matrix(
+        &self,
+        registry: &Registry,
+        watch: &mut dyn Watch,
+        told: impl FnMut(&super::matrix::Cell),
+    ) -> Result<Option<super::matrix::Matrix>, CompareError> {
+        let (Some(matrix), Some(layer)) = (&self.matrix, &self.layer) else { return Ok(None) };
+        self.check()?;
+        let strategies = self.strategies(registry)?;
+        let cells = matrix.run(layer, &strategies, watch, told)?;
+        let names = strategies.into_iter().map(|(name, _)| name.to_string()).collect();
+        let (title, accuracy) = (self.title.clone(), matrix.accuracy);
+        Ok(Some(super::matrix::Matrix { title, accuracy, strategies: names, cells }))
     }
 
     /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison.
@@ -392,7 +414,7 @@ fn resolution(scene: &Scene, points: Points, scheme: Scheme) -> Resolution {
 }
 
 impl PackedLayer {
-    fn case(&self) -> Result<Case, CompareError> {
+    pub(crate) fn case(&self) -> Result<Case, CompareError> {
         let request = PackingRequest {
             period_um: [self.period_um; 2],
             thickness_um: self.thickness_um,

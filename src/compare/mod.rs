@@ -1,4 +1,6 @@
 //! Experiments that compare methods: strategies × grids × discretisations, with their page.
 
 pub mod experiment;
+pub mod matrix;
+mod matrix_page;
 pub mod pages;

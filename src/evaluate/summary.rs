@@ -1,6 +1,7 @@
 //! The numbers of a run, ready for `results.json`, the tables and the page.
 
 use super::ink::{InkError, InkOnPaper};
+use super::ink_maker::ink_maker;
 use super::layer::{Mean, Total};
 use super::manifest::{Budget, Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
 use super::on_paper::{LayerOnPaper, PolarAngle};
@@ -57,6 +58,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
         colours,
         no_colour,
+        ink_maker: seen.ink.as_ref().ok().and_then(|ink| ink_maker(study, ink).ok()),
         spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         study,

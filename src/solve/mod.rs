@@ -7,6 +7,7 @@ pub mod accuracy;
 pub mod demand;
 pub mod ledger;
 pub mod registry;
+pub mod size;
 pub mod solver;
 pub mod strategies;
 mod system;

@@ -4,6 +4,7 @@
 //! unknowns. Strategies that only apply the operator work on every system; those that take the operator apart
 //! ask for the parts and refuse systems that have none.
 
+use crate::wave::maxwell::Polarised;
 use crate::wave::{Field, Problem};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
@@ -58,5 +59,23 @@ impl System for Problem {
 
     fn scalar(&self) -> Option<&Problem> {
         Some(self)
+    }
+}
+
+impl System for Polarised<'_> {
+    fn shape(&self) -> (usize, usize) {
+        self.problem.shape()
+    }
+
+    fn has_contrast(&self) -> bool {
+        self.problem.has_contrast()
+    }
+
+    fn background_wave(&self) -> Field {
+        self.problem.background_wave(self.polarisation)
+    }
+
+    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.problem.scatter(u, out);
     }
 }

@@ -1,6 +1,7 @@
 //! From a wanted accuracy to a grid, and from solves on two grids to an error estimate.
 
 pub mod coverages;
+pub mod discretisation;
 pub mod grid_error;
 mod resolution;
 mod search;

@@ -4,13 +4,14 @@
 //! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
 
 use super::coverages::Coverages;
+use super::discretisation::Discretisation;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
 use crate::solve::demand::{Admitted, Size, TooLarge};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Goal, SolveError, Solver, Watch};
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::physical::largest;
 use crate::wave::{
-    FarField, Grid, Incidence, Mean, Media, Order, Physical, Problem, Resolution, Scheme, Shape, TotalErrors,
+    Coverage, FarField, Grid, Incidence, Mean, Media, Order, Resolution, Scheme, Shape, TotalErrors,
     Unphysical, WaveError,
 };
 use num_complex::Complex64;
@@ -26,18 +27,15 @@ const RESIDUAL_WEIGHT: f64 = 3.0;
 const SAFETY: f64 = 1.4;
 /// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
 const FINE: [f64; 2] = [8.0, 3.3];
-/// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
-const START: [f64; 2] = [3.0, 5.4];
 /// Error that a result without physical sense counts as when the grid is refined.
 const UNPHYSICAL: f64 = 1.0;
 /// Resolutions tried before giving up.
 const LEVELS: usize = 24;
 
 /// One solve to be made: everything but the resolution.
-#[derive(Clone, Copy)]
-pub struct Task<'a> {
-    /// Coverages of the scene, one a grid.
-    pub coverages: &'a Coverages<'a>,
+pub struct Task<'a, G = Coverage> {
+    /// The scene, and its geometry on the grids tried.
+    pub coverages: &'a Coverages<'a, G>,
     /// Indices of all media.
     pub media: &'a Media,
     /// The light.
@@ -54,14 +52,22 @@ pub struct Task<'a> {
     pub memory: f64,
 }
 
+impl<G> Clone for Task<'_, G> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<G> Copy for Task<'_, G> {}
+
 /// A solve with its error estimate.
-pub struct Estimated {
-    /// The problem on the final grid.
-    pub problem: Problem,
-    /// Its field.
-    pub solution: Solution,
-    /// Its orders, judged physical.
-    pub far_field: Physical,
+pub struct Estimated<G: Discretisation = Coverage> {
+    /// The discrete problem on the grid that was chosen.
+    pub problem: G::Problem,
+    /// What the strategy delivered.
+    pub solution: G::Solution,
+    /// What leaves the layer.
+    pub far_field: G::Judged,
     /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
     pub error_estimate: f64,
     /// The estimate's parts: plane, z.
@@ -144,7 +150,14 @@ pub enum AccuracyError {
     Accuracy(f64),
 }
 
-impl Task<'_> {
+impl AccuracyError {
+    /// True when the user stopped the search, which is no failure.
+    pub fn is_stop(&self) -> bool {
+        matches!(self, AccuracyError::Solve(SolveError::Cancelled { .. }))
+    }
+}
+
+impl<G: Discretisation> Task<'_, G> {
     /// The strategy as the memory holds it on that grid.
     ///
     /// # Errors
@@ -158,13 +171,13 @@ impl Task<'_> {
         &self,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<(Problem, Solution, f64), AccuracyError> {
+    ) -> Result<(G::Problem, G::Solution, f64), AccuracyError> {
         let clock = std::time::Instant::now();
         let solver = self.admitted(resolution)?;
         let coverage = self.coverages.at(resolution)?;
-        let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
+        let problem = G::problem(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
-        let solution = solver.solver().solve(&problem, self.goal, watch)?;
+        let solution = G::solve(&problem, solver.solver(), self.goal, watch)?;
         Ok((problem, solution, setup))
     }
 
@@ -173,15 +186,15 @@ impl Task<'_> {
         &self,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated<G>, AccuracyError> {
         let (problem, solution, seconds_setup) = self.solve(resolution, watch)?;
-        let far_field = problem.far_field(&solution.field);
+        let far_field = G::far_field(&problem, &solution);
         let clock = std::time::Instant::now();
         let parts = self.estimate_parts(&problem, &far_field, watch)?;
-        let error_estimate = error_estimate(parts, solution.account.residual);
-        let errors = TotalErrors::of_amplitudes(error_estimate, solution.account.residual);
+        let error_estimate = error_estimate(parts, G::residual(&solution));
+        let errors = TotalErrors::of_amplitudes(error_estimate, G::residual(&solution));
         Ok(Estimated {
-            far_field: Physical::judge(far_field, errors)?,
+            far_field: G::judge(far_field, errors)?,
             error_estimate,
             seconds_estimate: clock.elapsed().as_secs_f64(),
             problem,
@@ -197,18 +210,20 @@ impl Task<'_> {
     /// Neither a coarser nor a finer companion has a solution.
     pub fn estimate_parts(
         &self,
-        problem: &Problem,
-        far: &FarField,
+        problem: &G::Problem,
+        far: &G::FarField,
         watch: &mut dyn Watch,
     ) -> Result<[f64; 2], AccuracyError> {
-        if !problem.has_contrast() {
+        if !G::has_contrast(problem) {
             return Ok([0.0; 2]);
         }
-        let own = problem.coverage.grid.resolution;
+        let own = G::grid_of(problem).resolution;
         // What is held of the result meanwhile: its problem, its field, and the incident wave.
         let size = self.size(own);
         let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
-        let plane = [COMPANION, 1.0 / COMPANION].map(|f| scaled_plane(own, f, problem.coverage.uniform));
+        let scene = self.coverages.scene;
+        let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
+        let plane = [COMPANION, 1.0 / COMPANION].map(|f| scaled_plane(own, f, uniform));
         let across = [COMPANION, 1.0 / COMPANION].map(|f| scaled_cells(own, f));
         let in_plane = match self.coverages.scene.uniform_in_plane() {
             true => 0.0,
@@ -220,25 +235,25 @@ impl Task<'_> {
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
-        finer: &Problem,
-        far: &FarField,
+        finer: &G::Problem,
+        far: &G::FarField,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
-        let own = finer.coverage.grid.resolution;
+        let own = G::grid_of(finer).resolution;
         let [coarse, fine] = companions;
         let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
             None => self.solve(fine, watch)?,
         };
-        let difference = largest_difference(far, &problem.far_field(&solution.field));
-        let used = problem.coverage.grid.resolution;
+        let difference = G::difference(far, &G::far_field(&problem, &solution));
+        let used = G::grid_of(&problem).resolution;
         Ok(difference * error_share(own, used, self.orders(own)))
     }
 
     /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
     ///
-    /// For grains 4 and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
+    /// For grains 4 (3 for the vector wave, which folds nothing) and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
     /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
     /// do so in one.
     fn orders(&self, own: Resolution) -> [i32; 2] {
@@ -248,7 +263,7 @@ impl Task<'_> {
         let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
             .map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
-        [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
+        [(G::PLANE_ORDER - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
     }
 
     /// Wavelengths per µm in the densest medium.
@@ -275,11 +290,11 @@ impl Task<'_> {
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        finer: &Problem,
+        finer: &G::Problem,
         watch: &mut dyn Watch,
-    ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
-        let own = finer.coverage.grid.resolution;
-        let cells = finer.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
+    ) -> Result<Option<(G::Problem, G::Solution, f64)>, AccuracyError> {
+        let own = G::grid_of(finer).resolution;
+        let cells = G::cells_needed(finer, &Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };
         if coarser == own || cells > own.cells {
             return Ok(None);
@@ -301,14 +316,14 @@ impl Task<'_> {
         &self,
         accuracy: f64,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated<G>, AccuracyError> {
         if !(1e-9..=0.5).contains(&accuracy) {
             return Err(AccuracyError::Accuracy(accuracy));
         }
         let mut task = *self;
         task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
         let mut resolution = task.start(accuracy);
-        let mut last: Option<Estimated> = None;
+        let mut last: Option<Estimated<G>> = None;
         let mut refused: Option<AccuracyError> = None;
         for _ in 0..LEVELS {
             if let Err(refusal) = task.admitted(resolution) {
@@ -349,7 +364,7 @@ impl Task<'_> {
     fn start(&self, accuracy: f64) -> Resolution {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
-        let points = |period: f64| starting_size(START[0] * finer.powf(0.25) * waves * period);
+        let points = |period: f64| starting_size(G::START[0] * finer.powf(0.25) * waves * period);
         let nx = if self.coverages.scene.uniform_in_plane() {
             1
         } else {
@@ -357,14 +372,14 @@ impl Task<'_> {
         };
         let ny =
             if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1]) };
-        let planes = START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
+        let planes = G::START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
         let cells = (planes / self.scheme.degree() as f64).ceil().min(MOST_POINTS as f64) as usize;
         Resolution { nx, ny, cells: cells.max(self.coverages.scene.strata.len()).max(2), scheme: self.scheme }
     }
 
     /// What a solve on that grid will take.
     fn size(&self, resolution: Resolution) -> Size {
-        Size::new(self.coverages.scene, self.media, self.incidence.wavelength_um, resolution)
+        G::size(self.coverages.scene, self.media, self.incidence.wavelength_um, resolution)
     }
 }
 
@@ -373,8 +388,8 @@ fn too_large(asked: f64, refusal: &TooLarge) -> AccuracyError {
     AccuracyError::TooLarge { asked, nx, ny, cells, need_gb, allowed_gb }
 }
 
-fn not_reached(asked: f64, last: &Estimated, refusal: &TooLarge) -> AccuracyError {
-    let Resolution { nx, ny, cells, .. } = last.problem.coverage.grid.resolution;
+fn not_reached<G: Discretisation>(asked: f64, last: &Estimated<G>, refusal: &TooLarge) -> AccuracyError {
+    let Resolution { nx, ny, cells, .. } = G::grid_of(&last.problem).resolution;
     let TooLarge { need_gb, allowed_gb, .. } = *refusal;
     AccuracyError::NotReached { asked, reached: last.error_estimate, nx, ny, cells, need_gb, allowed_gb }
 }
