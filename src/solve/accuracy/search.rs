@@ -145,6 +145,17 @@ pub enum AccuracyError {
         /// Estimate on the finest grid solved.
         reached: f64,
     },
+    /// The layer measures more wavelengths than any grid resolves.
+    #[error(
+        "accuracy {asked:.1e} is not reached: already the coarsest grid would need {need:.1e} points along an axis of at \
+         most {MOST_POINTS}; check that the wavelength and all lengths are in µm"
+    )]
+    TooManyWaves {
+        /// The accuracy asked for.
+        asked: f64,
+        /// Points or cells along the longest axis.
+        need: f64,
+    },
     /// An accuracy that makes no sense.
     #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
     Accuracy(f64),
@@ -322,7 +333,7 @@ impl<G: Discretisation> Task<'_, G> {
         }
         let mut task = *self;
         task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
-        let mut resolution = task.start(accuracy);
+        let mut resolution = task.start(accuracy)?;
         let mut last: Option<Estimated<G>> = None;
         let mut refused: Option<AccuracyError> = None;
         for _ in 0..LEVELS {
@@ -361,20 +372,24 @@ impl<G: Discretisation> Task<'_, G> {
     }
 
     /// First resolution of the search.
-    fn start(&self, accuracy: f64) -> Resolution {
+    ///
+    /// # Errors
+    /// The layer measures more wavelengths than any grid resolves.
+    fn start(&self, accuracy: f64) -> Result<Resolution, AccuracyError> {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
-        let points = |period: f64| starting_size(G::START[0] * finer.powf(0.25) * waves * period);
+        let points = |period: f64| starting_size(accuracy, G::START[0] * finer.powf(0.25) * waves * period);
         let nx = if self.coverages.scene.uniform_in_plane() {
             1
         } else {
-            points(self.coverages.scene.period_um[0])
+            points(self.coverages.scene.period_um[0])?
         };
         let ny =
-            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1]) };
+            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1])? };
         let planes = G::START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
-        let cells = (planes / self.scheme.degree() as f64).ceil().min(MOST_POINTS as f64) as usize;
-        Resolution { nx, ny, cells: cells.max(self.coverages.scene.strata.len()).max(2), scheme: self.scheme }
+        let cells = possible(accuracy, planes / self.scheme.degree() as f64)?;
+        let cells = cells.max(self.coverages.scene.strata.len()).max(2);
+        Ok(Resolution { nx, ny, cells, scheme: self.scheme })
     }
 
     /// What a solve on that grid will take.
@@ -394,10 +409,18 @@ fn not_reached<G: Discretisation>(asked: f64, last: &Estimated<G>, refusal: &Too
     AccuracyError::NotReached { asked, reached: last.error_estimate, nx, ny, cells, need_gb, allowed_gb }
 }
 
-/// Points to start with, in a size that transforms fast; beyond [`MOST_POINTS`] no such size is looked for, the grid is
-/// refused as it is.
-fn starting_size(points: f64) -> usize {
-    if points < MOST_POINTS as f64 { smooth_size(points.ceil() as usize) } else { MOST_POINTS }
+/// Points to start with, in a size that transforms fast.
+fn starting_size(accuracy: f64, points: f64) -> Result<usize, AccuracyError> {
+    possible(accuracy, points).map(smooth_size)
+}
+
+/// A number of points or cells along one axis, if a grid can have so many.
+fn possible(asked: f64, need: f64) -> Result<usize, AccuracyError> {
+    if need <= MOST_POINTS as f64 {
+        Ok(need.ceil() as usize)
+    } else {
+        Err(AccuracyError::TooManyWaves { asked, need })
+    }
 }
 
 /// Largest expected error of any amplitude, from the parts of [`Task::estimate_parts`] and the residual.
