@@ -226,7 +226,8 @@ mod tests {
         for name in ["report.html", ".inkwave-x.partial", ".inkwave-y.partial"] {
             std::fs::write(folder.path().join(name), "old").unwrap();
         }
-        let left = std::fs::File::options().append(true).open(folder.path().join(".inkwave-x.partial")).unwrap();
+        let left =
+            std::fs::File::options().append(true).open(folder.path().join(".inkwave-x.partial")).unwrap();
         left.set_modified(std::time::SystemTime::now() - std::time::Duration::from_secs(90)).unwrap();
         let folder = OutputFolder::open(folder.path(), Holds::Study).unwrap();
         folder.begin().unwrap();

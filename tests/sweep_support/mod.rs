@@ -68,10 +68,8 @@ pub fn inkwave(arguments: &[&str]) -> Command {
     command
 }
 
-/// Everything that was said, without the frame and the line breaks of the terminal.
 pub fn said(output: &Output) -> String {
-    let all = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    all.replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
 pub fn succeed(arguments: &[&str]) -> String {
