@@ -39,7 +39,7 @@ fn workers_share_the_work_and_the_others_finish_what_a_killed_one_began() {
     let ends: Vec<_> = workers.into_iter().map(|worker| worker.wait_with_output().unwrap()).collect();
     ends.iter().for_each(|end| assert!(end.status.success(), "{}", said(end)));
     let reports = ends.iter().filter(|end| said(end).contains("Report:")).count();
-    assert_eq!(reports, 1, "one of them writes the report");
+    assert!(reports >= 1, "whoever finds all units finished writes the report");
     for (alone, shared) in results(&place.path("alone")).iter().zip(&results(&place.path("shared"))) {
         assert!(alone == shared, "{} differs", alone.0.display());
     }

@@ -38,7 +38,7 @@ pub fn estimate(value: &Value) -> [f64; 2] {
 }
 
 /// Row of the spectra at a wavelength and angle.
-pub fn row<'a>(results: &'a Value, nm: f64, polar_deg: f64) -> &'a Value {
+pub fn row(results: &Value, nm: f64, polar_deg: f64) -> &Value {
     let here = |row: &&Value| {
         let near = |key: &str, wanted: f64| (row[key].as_f64().unwrap_or(f64::NAN) - wanted).abs() < 1e-6;
         near("wavelength_nm", nm) && near("polar_deg", polar_deg)
