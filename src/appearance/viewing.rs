@@ -155,8 +155,8 @@ mod tests {
             let viewing = Viewing::new(name, observer, Summation::E308).unwrap();
             let xyz = Colorimeter::under(&grid, &viewing).unwrap().xyz(&values).unwrap();
             for (have, want) in xyz.iter().zip(list("xyz_e308")) {
-                // both interpolate the tables by E2022; they differ in rounding and in the tables' last digits
-                assert!((have - want).abs() < 0.02, "{name} {observer} {step}: {have} {want}");
+                // both follow E2022; they differ in the last intervals (0.016, emulated apart) and in the tables' last digits
+                assert!((have - want).abs() < 0.03, "{name} {observer} {step}: {have} {want}");
             }
         }
         assert_eq!(cases.len(), 32);
