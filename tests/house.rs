@@ -33,7 +33,7 @@ impl House {
     fn used_by(&self, module: &Module, source: &Source) -> BTreeSet<Module> {
         let paths = source.uses.iter().chain(&source.exports);
         let found = paths.filter_map(|p| self.absolute(module, p)).map(|p| self.file_of(&p));
-        found.filter(|used| used != module && !self.0[used].gathers).collect()
+        found.filter(|used| !one_room(used, module) && !self.0[used].gathers).collect()
     }
 
     /// The path from the crate's root on; `None` for other crates.
@@ -85,6 +85,11 @@ impl House {
         let edges = self.edges();
         edges.keys().filter_map(|start| way_back(&edges, start)).collect()
     }
+}
+
+/// A file and those in the folder of its name are one room: `run.rs` with `run/*.rs`.
+fn one_room(a: &Module, b: &Module) -> bool {
+    a.starts_with(b) || b.starts_with(a)
 }
 
 /// A shortest way from a file back to itself.

@@ -9,10 +9,8 @@ use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane}
 use crate::solve::demand::{Admitted, Size, TooLarge};
 use crate::solve::solver::{Goal, SolveError, Solver, Watch};
 use crate::wave::grid::MOST_POINTS;
-use crate::wave::physical::largest;
 use crate::wave::{
-    Coverage, FarField, Grid, Incidence, Mean, Media, Order, Resolution, Scheme, Shape, TotalErrors,
-    Unphysical, WaveError,
+    Coverage, Grid, Incidence, Mean, Media, Resolution, Scheme, Shape, TotalErrors, Unphysical, WaveError,
 };
 use num_complex::Complex64;
 use thiserror::Error;
@@ -68,7 +66,7 @@ pub struct Estimated<G: Discretisation = Coverage> {
     pub solution: G::Solution,
     /// What leaves the layer.
     pub far_field: G::Judged,
-    /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
+    /// Largest expected error of any complex amplitude that [`largest_difference`](super::largest_difference) counts.
     pub error_estimate: f64,
     /// The estimate's parts: plane, z.
     pub parts: [f64; 2],
@@ -431,19 +429,4 @@ pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
 /// The scheme that reaches an accuracy with the fewest planes: higher cells pay once the planes are needed anyway.
 pub fn suited_scheme(accuracy: f64) -> Scheme {
     if accuracy < 3e-3 { Scheme::Quartic } else { Scheme::Cubic }
-}
-
-/// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
-///
-/// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
-/// converge more slowly.
-pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
-    let counts =
-        |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
-    let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
-    let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
-    let differences = |(a, b): (&Order, &Order)| {
-        [(a.reflected - b.reflected).norm(), (a.transmitted - b.transmitted).norm()]
-    };
-    largest(pairs.flat_map(differences))
 }
