@@ -138,8 +138,8 @@ fn entries_that_do_not_fit_are_named_with_their_place() {
             json!({ "wavelength": 0.5, "eta_binder": [1.5, 0] }).to_string(),
             vec!["H: missing", "thickness in µm"],
         ),
-        ("{ \"wavelength\": ".into(), vec!["is not a case", "EOF", "reference case"]),
-        (String::new(), vec!["is not a case", "reference case"]),
+        ("{ \"wavelength\": ".into(), vec!["is not a case", "EOF", "correct the JSON"]),
+        (String::new(), vec!["is not a case", "correct the JSON"]),
     ] {
         refuses_text("case.json", &text, &[], &words);
     }

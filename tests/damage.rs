@@ -210,11 +210,9 @@ fn folders_of_others_are_refused_before_anything_is_computed() {
     let refused = |command: &str, file: &str, output: &Path, word: &str| {
         let output =
             inkwave(&[command, &example(file), "--output", &output.display().to_string()]).output().unwrap();
-        assert!(
-            output.status.code() == Some(1) && said(&output).contains(word),
-            "{command}: {}",
-            said(&output)
-        );
+        // The terminal's frame breaks lines where the path is long.
+        let told = said(&output).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(output.status.code() == Some(1) && told.contains(word), "{command}: {}", said(&output));
     };
     for (command, file) in [
         ("compare", "compare-ink.toml"),

@@ -80,7 +80,7 @@ fn with(key: &str, value: Value) -> Value {
 
 const STUDY: &str = r#"
 [layer]
-period_um = 0.6
+period_um = 0.8
 thickness_um = 0.5
 binder.index = 1.558
 [[pigment]]
@@ -91,7 +91,7 @@ index = { n = 0.5, k = 7.0 }
 [light]
 wavelengths_nm = [450.0, 550.0]
 [angles]
-count = 2
+count = 3
 [run]
 realisations = 1
 [resolution]
@@ -162,7 +162,7 @@ fn what_exceeds_the_memory_is_refused_before_it_is_built() {
         refuses(inkwave("solve", &case, &[]), &["would need", "GB"]);
     }
     let fine =
-        STUDY.replace("= 12", "= 400").replace("= 24", "= 400").replace("0.6", "20").replace("0.5\n", "5\n");
+        STUDY.replace("= 12", "= 400").replace("= 24", "= 400").replace("0.8", "20").replace("0.5\n", "5\n");
     let study = folder.file("fine.toml", &fine);
     let out = folder.path("out");
     let options = ["--memory-gb", "4", "--output", out.to_str().expect("UTF-8")];

@@ -139,7 +139,7 @@ fn slips_are_told_with_field_value_range_and_remedy() {
         "pigment.blue.volume",
         &["axis[0].field", "yellow", "none of them is blue"],
     );
-    slip("paper.albedo", "paper.albdo", &["unknown field", "albedo", "did you mean"]);
+    slip("paper.albedo", "paper.albdo", &["unknown key", "albedo", "did you mean"]);
     slip(
         "size = 200, paper = 0.9",
         "size = 250, paper = 0.9",

@@ -21,6 +21,11 @@ fn wait_for_points(folder: &str, count: usize) {
     }
 }
 
+/// What was said, without the frame and the line breaks of the terminal.
+fn plain(output: &std::process::Output) -> String {
+    said(output).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 #[test]
 fn workers_share_the_work_and_the_others_finish_what_a_killed_one_began() {
     let place = Place::new(
@@ -34,7 +39,7 @@ fn workers_share_the_work_and_the_others_finish_what_a_killed_one_began() {
     let ends: Vec<_> = workers.into_iter().map(|worker| worker.wait_with_output().unwrap()).collect();
     ends.iter().for_each(|end| assert!(end.status.success(), "{}", said(end)));
     let reports = ends.iter().filter(|end| said(end).contains("Report:")).count();
-    assert_eq!(reports, 1, "one of them writes the report");
+    assert!(reports >= 1, "whoever finds all units finished writes the report");
     for (alone, shared) in results(&place.path("alone")).iter().zip(&results(&place.path("shared"))) {
         assert!(alone == shared, "{} differs", alone.0.display());
     }
@@ -75,7 +80,7 @@ fn shards_take_grids_that_were_chosen_before() {
     let wrong = inkwave(&["sweep", &file, "--grids", &place.path("."), "--output", &place.path("x")])
         .output()
         .unwrap();
-    assert!(!wrong.status.success() && said(&wrong).contains("--grids-only"), "{}", said(&wrong));
+    assert!(!wrong.status.success() && plain(&wrong).contains("no folder of a sweep"), "{}", said(&wrong));
     assert_eq!(PointRecord::KIND, "point");
 }
 
@@ -95,7 +100,7 @@ fn a_task_number_of_any_engine_is_heard_and_numbers_beyond_the_units_are_refused
     for shard in [format!("{most}/{most}"), "1/1000".into(), format!("{most}")] {
         let done = run("HQ_TASK_ID", &shard, "none");
         assert!(
-            done.status.code() == Some(1) && said(&done).contains("can be divided into 1 to 5"),
+            done.status.code() == Some(1) && plain(&done).contains("can be divided into 1 to 5"),
             "{}",
             said(&done)
         );

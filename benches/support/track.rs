@@ -346,7 +346,7 @@ fn page(run: &[Entry], news: &News, words: &[Word]) -> String {
     text += &match news.baseline {
         0 => "There is no earlier run on this machine to compare with.\n\n".to_string(),
         n if n < BASELINE[0] => format!(
-            "Times are compared from {} earlier runs on one machine; there are {n}. Work is compared from the first.\n\n",
+            "Times are compared once there are {} earlier runs on one machine (now {n}); work is compared from the first.\n\n",
             BASELINE[0]
         ),
         n => format!(

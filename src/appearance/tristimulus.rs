@@ -1,7 +1,7 @@
 //! Tristimulus weights of a wavelength grid: CIE 1931 2° observer under D65.
 
+pub use super::error::ColourError;
 use super::viewing::{Summation, Viewing};
-use thiserror::Error;
 
 /// Range of the CIE tables, nm.
 pub const TABLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
@@ -16,73 +16,6 @@ const XYZ_TO_RGB: [[f64; 3]; 3] =
 
 /// White must keep at least this share of every channel, or a division by it blows noise up.
 const LEAST_WHITE_CHANNEL: f64 = 0.1;
-
-/// Why a spectrum has no colour.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum ColourError {
-    /// Fewer wavelengths than an integral needs.
-    #[error("wavelengths_nm has {count} entries; a colour needs at least 3, spread over 400 to 700 nm")]
-    TooFewWavelengths {
-        /// Wavelengths given.
-        count: usize,
-    },
-    /// An illuminant or observer that is not known.
-    #[error("{what} = {value:?}: allowed are {allowed}")]
-    UnknownName {
-        /// Illuminant or observer.
-        what: &'static str,
-        /// What was written.
-        value: String,
-        /// The names known.
-        allowed: String,
-    },
-    /// A wavelength outside the observer's table, or not rising.
-    #[error(
-        "wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables); leave it out of the colour"
-    )]
-    BadWavelength {
-        /// Its place in the list.
-        index: usize,
-        /// The wavelength, nm.
-        value: f64,
-        /// Shortest allowed, nm.
-        lo: f64,
-        /// Longest allowed, nm.
-        hi: f64,
-    },
-    /// Wavelengths that leave out so much of the visible range that white would be coloured.
-    #[error(
-        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of the {name} channel, at least {least} needed; cover 400 to 700 nm"
-    )]
-    WhiteNotCovered {
-        /// First wavelength, nm.
-        first: f64,
-        /// Last wavelength, nm.
-        last: f64,
-        /// The channel that suffers most.
-        name: &'static str,
-        /// Share of the channel that the wavelengths cover.
-        channel: f64,
-        /// Least share allowed.
-        least: f64,
-    },
-    /// A spectrum of another length than the list of wavelengths.
-    #[error("the spectrum has {count} values for {expected} wavelengths")]
-    WrongLength {
-        /// Values given.
-        count: usize,
-        /// Values expected.
-        expected: usize,
-    },
-    /// A value that is no number.
-    #[error("spectrum value at {wavelength_nm} nm = {value}: must be finite")]
-    NotFinite {
-        /// Its wavelength, nm.
-        wavelength_nm: f64,
-        /// The value.
-        value: f64,
-    },
-}
 
 /// Turns spectra on one wavelength grid into tristimulus values: XYZ = Σ_j w_j R_j, white (R = 1) has Y = 100.
 ///

@@ -155,8 +155,10 @@ mod tests {
             let viewing = Viewing::new(name, observer, Summation::E308).unwrap();
             let xyz = Colorimeter::under(&grid, &viewing).unwrap().xyz(&values).unwrap();
             for (have, want) in xyz.iter().zip(list("xyz_e308")) {
-                // both follow E2022; they differ in the last intervals (0.016, emulated apart) and in the tables' last digits
-                assert!((have - want).abs() < 0.03, "{name} {observer} {step}: {have} {want}");
+                // Both interpolate the tables by E2022; they differ in rounding and in the tables' last digits, and in how
+                // they spread the narrow lines of F11 between its 5 nm entries: 0.1 of Y = 100 is 0.04 of L*.
+                let allowed = if name == "F11" { 0.1 } else { 0.02 };
+                assert!((have - want).abs() < allowed, "{name} {observer} {step}: {have} {want}");
             }
         }
         assert_eq!(cases.len(), 32);

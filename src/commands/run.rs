@@ -127,6 +127,14 @@ pub(super) fn run_report(error: RunError) -> miette::Report {
             let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
             miette!(help = help, "{error}")
         }
+        // These say themselves what to try.
+        RunError::Resolution(
+            AccuracyError::Memory(_)
+            | AccuracyError::TooLarge { .. }
+            | AccuracyError::NotReached { .. }
+            | AccuracyError::TooManyWaves { .. }
+            | AccuracyError::Unphysical(_),
+        ) => miette!("{error}"),
         RunError::Resolution(AccuracyError::Solve(_)) => {
             let help = "[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"";
             miette!(help = help, "{error}")

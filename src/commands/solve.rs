@@ -140,9 +140,14 @@ fn estimate<G: Discretisation>(
 fn warn_of_wavelength(um: f64) {
     if !USUAL_UM.contains(&um) {
         let meant =
-            if um > 20.0 { format!("; if nm were meant, write {}", 1e-3 * um) } else { String::new() };
-        note(format_args!("warning: wavelength is {um} µm, outside of 0.1 to 20 µm{meant}"));
+            if um > 20.0 { format!("; if nm were meant, write {}", short(1e-3 * um)) } else { String::new() };
+        note(format_args!("warning: wavelength is {} µm, outside of 0.1 to 20 µm{meant}", short(um)));
     }
+}
+
+/// Usual numbers as they are written, others by their power of ten.
+fn short(number: f64) -> String {
+    if (1e-4..1e6).contains(&number) { number.to_string() } else { format!("{number:e}") }
 }
 
 fn check(args: &SolveArgs) -> Result<()> {

@@ -3,7 +3,8 @@
 //! For each pigment and period the grid comes from the search for the wanted accuracy with the reference strategy;
 //! then every strategy solves the same discrete problem on that grid to the same residual.
 
-use super::experiment::{CompareError, PackedLayer};
+use super::error::CompareError;
+use super::layer::PackedLayer;
 use crate::input::case::Case;
 use crate::solve::accuracy::{Estimated, Task, largest_difference};
 use crate::solve::{Account, Coverages, Gmres, Goal, SolveError, Solver, Watch};

@@ -64,7 +64,7 @@ pub struct Manifest<Study: Serialize> {
 }
 
 /// Totals outside of 0 … 1 by more than this are no results; every single solve has passed a narrower gate.
-const BEYOND: f64 = 0.06;
+const BEYOND: f64 = 0.03;
 
 impl<Study: Serialize> Manifest<Study> {
     /// The first number that is no result: NaN, infinite, or a total outside of 0 … 1 beyond its error.

@@ -36,7 +36,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     let uncertainty = Uncertainty {
         grid: collected.resolved.grid_error,
         residual: certainty.mean_energy_error,
-        certain: study.pigments.is_empty(),
+        certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
     let (colours, no_colour) = match colours(study, seen, &uncertainty) {
         Ok(colours) => (colours, None),
@@ -128,6 +128,10 @@ fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
 /// Both ways to R̄ from the exit side, realisation by realisation; the film obeys both.
 fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
     let ensemble = layer.ensemble();
+    // Without that side there are no such columns.
+    if !ensemble.exit {
+        return None;
+    }
     let index = layer.index_out()?;
     let [t, a, r] =
         [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
@@ -138,7 +142,7 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
         (0..wavelengths).map(apart).sum::<f64>() / wavelengths.max(1) as f64
     };
     let samples: Vec<f64> = (0..ensemble.realisations()).map(of).collect();
-    ensemble.exit.then(|| Estimate::of_mean(&samples))
+    Some(Estimate::of_mean(&samples))
 }
 
 /// Directions of the two standard conditions.

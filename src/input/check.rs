@@ -54,6 +54,10 @@ pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Stud
     let optical =
         |field: &str| OPTICAL.iter().any(|table| field.starts_with(table)) || field.contains("].index");
     faults.0.retain(|fault| !optical(&fault.field));
+    // The packing's own check is skipped where optical keys are at fault.
+    if faults.0.is_empty() {
+        faults.0.extend(pigments::packing_fault(&study.packing));
+    }
     if study.pigments.is_empty() {
         faults.push(Fault::new("pigment", "none", "at least one [[pigment]] with grains", "add one"));
     }
@@ -201,7 +205,7 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
         }
         return [pigments::nominal_period_um(file); 2];
     };
-    let remedy = "1.6 µm is usual for varied cells; leave it out, and it follows from the grains";
+    let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
     for period in written.0 {
         faults.number("layer.period_um", period, Allowed::above(0.0, 1000.0, "µm"), remedy);
     }

@@ -1,6 +1,6 @@
 //! What a scene's mean medium and Bloch vector are made from, whichever wave is solved on it.
 
-use super::contrast::coverage::Channel;
+use super::contrast::channel::Channel;
 use crate::wave::Grid;
 
 /// Geometry without fields: the same for the scalar wave and for Maxwell's equations.

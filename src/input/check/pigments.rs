@@ -101,13 +101,17 @@ pub(super) fn packing(
         walls: file.layer.walls,
         ..PackingRequest::default()
     };
-    if let (true, Err(PackError::BadInput { field, found, allowed, advice })) =
-        (faults.0.is_empty(), request.check())
-    {
-        let field = if field.starts_with("pigment") { field } else { format!("packing.{field}") };
-        faults.push(Fault::new(field, found, allowed, advice));
+    if faults.0.is_empty() {
+        faults.0.extend(packing_fault(&request));
     }
     request
+}
+
+/// What the packing's own check finds.
+pub(super) fn packing_fault(request: &PackingRequest) -> Option<Fault> {
+    let Err(PackError::BadInput { field, found, allowed, advice }) = request.check() else { return None };
+    let field = if field.starts_with("pigment") { field } else { format!("packing.{field}") };
+    Some(Fault::new(field, found, allowed, advice))
 }
 
 fn of(pigment: usize, key: &str) -> String {

@@ -1,6 +1,6 @@
 //! What the search for a grid needs to know of a wave: the scalar one and Maxwell's share all the rest.
 
-use super::search::largest_difference;
+use super::difference::largest_difference;
 use crate::solve::demand::Size;
 use crate::solve::solver::{Account, Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorFarField, VectorProblem};

@@ -9,10 +9,8 @@ use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane}
 use crate::solve::demand::{Admitted, Size, TooLarge};
 use crate::solve::solver::{Goal, SolveError, Solver, Watch};
 use crate::wave::grid::MOST_POINTS;
-use crate::wave::physical::largest;
 use crate::wave::{
-    Coverage, FarField, Grid, Incidence, Mean, Media, Order, Resolution, Scheme, Shape, TotalErrors,
-    Unphysical, WaveError,
+    Coverage, Grid, Incidence, Mean, Media, Resolution, Scheme, Shape, TotalErrors, Unphysical, WaveError,
 };
 use num_complex::Complex64;
 use thiserror::Error;
@@ -68,7 +66,7 @@ pub struct Estimated<G: Discretisation = Coverage> {
     pub solution: G::Solution,
     /// What leaves the layer.
     pub far_field: G::Judged,
-    /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
+    /// Largest expected error of any complex amplitude that [`largest_difference`](super::largest_difference) counts.
     pub error_estimate: f64,
     /// The estimate's parts: plane, z.
     pub parts: [f64; 2],
@@ -144,6 +142,17 @@ pub enum AccuracyError {
         asked: f64,
         /// Estimate on the finest grid solved.
         reached: f64,
+    },
+    /// The layer measures more wavelengths than any grid resolves.
+    #[error(
+        "accuracy {asked:.1e} is not reached: already the coarsest grid would need {need:.1e} points along an axis of at \
+         most {MOST_POINTS}; check that the wavelength and all lengths are in µm"
+    )]
+    TooManyWaves {
+        /// The accuracy asked for.
+        asked: f64,
+        /// Points or cells along the longest axis.
+        need: f64,
     },
     /// An accuracy that makes no sense.
     #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
@@ -322,7 +331,7 @@ impl<G: Discretisation> Task<'_, G> {
         }
         let mut task = *self;
         task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
-        let mut resolution = task.start(accuracy);
+        let mut resolution = task.start(accuracy)?;
         let mut last: Option<Estimated<G>> = None;
         let mut refused: Option<AccuracyError> = None;
         for _ in 0..LEVELS {
@@ -361,20 +370,24 @@ impl<G: Discretisation> Task<'_, G> {
     }
 
     /// First resolution of the search.
-    fn start(&self, accuracy: f64) -> Resolution {
+    ///
+    /// # Errors
+    /// The layer measures more wavelengths than any grid resolves.
+    fn start(&self, accuracy: f64) -> Result<Resolution, AccuracyError> {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
-        let points = |period: f64| starting_size(G::START[0] * finer.powf(0.25) * waves * period);
+        let points = |period: f64| starting_size(accuracy, G::START[0] * finer.powf(0.25) * waves * period);
         let nx = if self.coverages.scene.uniform_in_plane() {
             1
         } else {
-            points(self.coverages.scene.period_um[0])
+            points(self.coverages.scene.period_um[0])?
         };
         let ny =
-            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1]) };
+            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1])? };
         let planes = G::START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
-        let cells = (planes / self.scheme.degree() as f64).ceil().min(MOST_POINTS as f64) as usize;
-        Resolution { nx, ny, cells: cells.max(self.coverages.scene.strata.len()).max(2), scheme: self.scheme }
+        let cells = possible(accuracy, planes / self.scheme.degree() as f64)?;
+        let cells = cells.max(self.coverages.scene.strata.len()).max(2);
+        Ok(Resolution { nx, ny, cells, scheme: self.scheme })
     }
 
     /// What a solve on that grid will take.
@@ -394,10 +407,18 @@ fn not_reached<G: Discretisation>(asked: f64, last: &Estimated<G>, refusal: &Too
     AccuracyError::NotReached { asked, reached: last.error_estimate, nx, ny, cells, need_gb, allowed_gb }
 }
 
-/// Points to start with, in a size that transforms fast; beyond [`MOST_POINTS`] no such size is looked for, the grid is
-/// refused as it is.
-fn starting_size(points: f64) -> usize {
-    if points < MOST_POINTS as f64 { smooth_size(points.ceil() as usize) } else { MOST_POINTS }
+/// Points to start with, in a size that transforms fast.
+fn starting_size(accuracy: f64, points: f64) -> Result<usize, AccuracyError> {
+    possible(accuracy, points).map(smooth_size)
+}
+
+/// A number of points or cells along one axis, if a grid can have so many.
+fn possible(asked: f64, need: f64) -> Result<usize, AccuracyError> {
+    if need <= MOST_POINTS as f64 {
+        Ok(need.ceil() as usize)
+    } else {
+        Err(AccuracyError::TooManyWaves { asked, need })
+    }
 }
 
 /// Largest expected error of any amplitude, from the parts of [`Task::estimate_parts`] and the residual.
@@ -408,19 +429,4 @@ pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
 /// The scheme that reaches an accuracy with the fewest planes: higher cells pay once the planes are needed anyway.
 pub fn suited_scheme(accuracy: f64) -> Scheme {
     if accuracy < 3e-3 { Scheme::Quartic } else { Scheme::Cubic }
-}
-
-/// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
-///
-/// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
-/// converge more slowly.
-pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
-    let counts =
-        |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
-    let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
-    let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
-    let differences = |(a, b): (&Order, &Order)| {
-        [(a.reflected - b.reflected).norm(), (a.transmitted - b.transmitted).norm()]
-    };
-    largest(pairs.flat_map(differences))
 }

@@ -5,12 +5,13 @@
 //! along z they are moments against the scheme's shape functions (numerics: W_p = ∫ ψ_p V dz).
 
 use super::cell::{CellCoefficients, CellColumns};
+pub use super::channel::Channel;
 use super::folding::{Folding, Planes, REACH};
 use super::nufft::{Patch, SourceTransform, Spreading};
 use super::section::{self, Demands, EdgePoint, GaussRules, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneScratch, Real};
 use crate::wave::grid::element::MAX_DEGREE;
-use crate::wave::{Ball, Body, Grid, Layout, Material, Resolution, Scene, Shape, WaveError};
+use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Shape, WaveError};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
@@ -29,15 +30,6 @@ const OUTER: f64 = 300.0;
 /// hundredth of the coefficients' error in ink.
 pub fn error_for(accuracy: f64) -> f64 {
     0.1 * accuracy
-}
-
-/// One pair of materials: a body's inside a background.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Channel {
-    /// Index into [`crate::wave::Media::backgrounds`].
-    pub background: usize,
-    /// What the bodies consist of.
-    pub material: Material,
 }
 
 /// Moments of every channel's indicator function on every plane.

@@ -4,6 +4,7 @@
 //! void of a relief and the harmonics beyond the grid ([`folding`]).
 
 pub(crate) mod cell;
+pub mod channel;
 pub mod coverage;
 pub mod folding;
 pub mod nufft;

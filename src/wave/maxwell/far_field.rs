@@ -27,9 +27,9 @@ pub struct VectorOrder {
     pub reflected_propagates: bool,
     /// The same in the opposite half-space.
     pub transmitted_propagates: bool,
-    /// R[in][out].
+    /// R\[in\]\[out\].
     pub reflected: [Amplitudes; 2],
-    /// T[in][out].
+    /// T\[in\]\[out\].
     pub transmitted: [Amplitudes; 2],
     /// Flux over the incident one, both outgoing polarisations together, per incident one.
     pub reflected_efficiency: [f64; 2],

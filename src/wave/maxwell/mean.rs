@@ -10,14 +10,12 @@
 //! harmonics. Neither kz nor q is divided by.
 
 use super::cell::CellFunctions;
-use super::nodes::NodeSystem;
+use super::nodes::{BLOCK, NodeSystem};
 use crate::wave::{Field, Grid};
 use ndarray::{Array2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Harmonics treated together by one thread.
-pub(super) const BLOCK: usize = 64;
 /// Rows of one cell: two Gauss planes of three components.
 pub const CELL_ROWS: usize = 6;
 

@@ -6,6 +6,9 @@ use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+/// Harmonics treated together by one thread.
+pub(super) const BLOCK: usize = 64;
+
 /// Factors of one tridiagonal matrix per harmonic: rows are cells or nodes, columns harmonics.
 pub(super) struct NodeSystem {
     /// Coupling of a cell's two nodes.
@@ -27,7 +30,7 @@ impl NodeSystem {
         let (mut off, mut inverse_pivot) =
             (Array2::zeros((cells, harmonics)), Array2::zeros((cells + 1, harmonics)));
         let columns = off.axis_iter_mut(Axis(1)).into_par_iter().zip(inverse_pivot.axis_iter_mut(Axis(1)));
-        columns.enumerate().with_min_len(super::mean::BLOCK).for_each(|(i, (mut off, mut pivots))| {
+        columns.enumerate().with_min_len(BLOCK).for_each(|(i, (mut off, mut pivots))| {
             let mut diagonal = ends[0][i];
             for j in 0..cells {
                 let cell = NodeCoefficients::new(kz2(j, i), grid.height_um(j), Scheme::Quadratic);

@@ -24,9 +24,9 @@ pub struct Slab {
 /// A source: lateral position in µm and its share of every field's moments, in µm².
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
-    /// x and y, µm.
+    /// Lateral position, µm.
     pub position: [f64; 2],
-    /// Both planes of each field, fields in the order of [`FIELDS`].
+    /// Share of every field's moments, µm².
     pub values: [f64; VALUES],
 }
 
