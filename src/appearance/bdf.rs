@@ -6,7 +6,7 @@
 //! relative deviation of 1; smoothing and averaging tame it.
 
 use crate::numerics::estimate::{Estimate, jackknife_covariance};
-use crate::wave::{FarField, Incidence, Order};
+use crate::wave::{FURTHER, FarField, Incidence, Order};
 use ndarray::Array2;
 use num_complex::Complex64;
 use thiserror::Error;
@@ -332,16 +332,19 @@ impl LobeData {
 #[derive(Clone, Copy)]
 pub(super) struct View {
     pub(super) propagates: bool,
-    amplitude: Complex64,
+    /// Amplitudes that do not interfere with each other.
+    amplitudes: [Complex64; 1 + FURTHER],
     pub(super) efficiency: f64,
 }
 
 pub(super) fn view(order: &Order, lobe: Lobe) -> View {
-    let (propagates, amplitude, efficiency) = match lobe {
-        Lobe::Reflected => (order.reflected_propagates, order.reflected, order.reflected_efficiency),
-        Lobe::Transmitted => (order.transmitted_propagates, order.transmitted, order.transmitted_efficiency),
+    let (propagates, side, efficiency) = match lobe {
+        Lobe::Reflected => (order.reflected_propagates, 0, order.reflected_efficiency),
+        Lobe::Transmitted => (order.transmitted_propagates, 1, order.transmitted_efficiency),
     };
-    View { propagates, amplitude, efficiency }
+    let mut amplitudes = [Complex64::ZERO; 1 + FURTHER];
+    amplitudes.iter_mut().zip(order.amplitudes()).for_each(|(own, pair)| *own = pair[side]);
+    View { propagates, amplitudes, efficiency }
 }
 
 fn check(index: usize, first: &FarField, field: &FarField) -> Result<(), BdfError> {
@@ -360,7 +363,7 @@ fn check(index: usize, first: &FarField, field: &FarField) -> Result<(), BdfErro
         return mixed("orders");
     }
     let finite = |o: &&Order| {
-        let amplitudes = o.reflected.is_finite() && o.transmitted.is_finite();
+        let amplitudes = o.amplitudes().flatten().all(Complex64::is_finite);
         amplitudes && o.reflected_efficiency.is_finite() && o.transmitted_efficiency.is_finite()
     };
     match field.orders.iter().find(|o| !finite(o)) {
@@ -386,20 +389,21 @@ fn order_mean(order: &Order, column: &[View], density: f64) -> OrderMean {
     }
 }
 
-/// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), w = Σe/Σ|a|² the flux factor of the order. `None` for one sample.
+/// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), w = Σe/Σ|a|² the flux factor of the order, summed over the amplitudes that do not
+/// interfere. `None` for one sample.
 fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64> {
-    let (mut n, mut sum, mut square, mut power) = (0.0, Complex64::ZERO, 0.0, 0.0);
+    let (mut n, mut sum, mut square, mut power) = (0.0, [Complex64::ZERO; 1 + FURTHER], 0.0, 0.0);
     for v in views {
         n += 1.0;
-        sum += v.amplitude;
-        square += v.amplitude.norm_sqr();
+        sum.iter_mut().zip(v.amplitudes).for_each(|(sum, a)| *sum += a);
+        square += v.amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>();
         power += v.efficiency;
     }
     if n < 2.0 {
         return None;
     }
     let flux = if square > 0.0 { power / square } else { 0.0 };
-    let mean = (sum / n).norm_sqr();
+    let mean = sum.iter().map(|sum| (sum / n).norm_sqr()).sum::<f64>();
     let variance = (square - n * mean) / (n - 1.0);
     Some(flux * (mean - variance / n))
 }

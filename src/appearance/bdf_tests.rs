@@ -44,6 +44,7 @@ pub(crate) fn speckle(rng: &mut rand::rngs::ChaCha8Rng, power: f64, coherent: f6
                 transmitted,
                 reflected_efficiency: cos * reflected.norm_sqr(),
                 transmitted_efficiency: cos * transmitted.norm_sqr(),
+                further: Default::default(),
             });
         }
     }

@@ -29,8 +29,8 @@ const NODES_DEG: [f64; 10] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.
 #[derive(Clone, Debug)]
 pub struct DirectionalInk<'a> {
     ink: &'a InkOnPaper,
-    /// \[wavelength\]\[angle\]: T, specular R, albedo; the last angle is grazing.
-    tables: Vec<Vec<[f64; 3]>>,
+    /// \[wavelength\]\[angle\]: T, specular R, albedo, T of what the paper gives back; the last angle is grazing.
+    tables: Vec<Vec<[f64; 4]>>,
 }
 
 impl<'a> DirectionalInk<'a> {
@@ -44,10 +44,11 @@ impl<'a> DirectionalInk<'a> {
         for k in 0..steps {
             let at = ink.at(k as f64 * STEP_DEG)?;
             for (table, layer) in tables.iter_mut().zip(ink.layers()) {
-                table.push([layer.transmittance(&at), layer.specular(&at), layer.albedo(&at)]);
+                let [own, back] = [layer.transmittance(&at), layer.transmittance_returned(&at)];
+                table.push([own, layer.specular(&at), layer.albedo(&at), back]);
             }
         }
-        tables.iter_mut().for_each(|table| table.push([0.0, 1.0, 1.0]));
+        tables.iter_mut().for_each(|table| table.push([0.0, 1.0, 1.0, 0.0]));
         Ok(Self { ink, tables })
     }
 
@@ -73,13 +74,14 @@ impl<'a> DirectionalInk<'a> {
 
     /// The directional–hemispherical albedo without its mirror part.
     pub fn diffuse_albedo(&self, wavelength: usize, polar_deg: f64) -> f64 {
-        let [_, specular, albedo] = self.tabulated(wavelength, polar_deg);
+        let [_, specular, albedo, _] = self.tabulated(wavelength, polar_deg);
         albedo - specular
     }
 
     /// g T(i) T(o)/π: light that has been in the paper, 1/sr.
     pub fn paper_brdf(&self, wavelength: usize, light_deg: f64, view_deg: f64) -> f64 {
-        let passes = self.transmittance(wavelength, light_deg) * self.transmittance(wavelength, view_deg);
+        let back = self.tabulated(wavelength, view_deg)[3];
+        let passes = self.transmittance(wavelength, light_deg) * back;
         self.ink.layers()[wavelength].return_factor() * passes / PI
     }
 
@@ -90,7 +92,7 @@ impl<'a> DirectionalInk<'a> {
         own + self.paper_brdf(wavelength, light_deg, view.polar_deg)
     }
 
-    fn tabulated(&self, wavelength: usize, polar_deg: f64) -> [f64; 3] {
+    fn tabulated(&self, wavelength: usize, polar_deg: f64) -> [f64; 4] {
         let table = &self.tables[wavelength];
         let place = (polar_deg / STEP_DEG).clamp(0.0, (table.len() - 1) as f64);
         let before = (place as usize).min(table.len() - 2);

@@ -5,6 +5,7 @@
 //! limit of many solves, only how fast it is reached.
 
 use crate::wave::Side;
+use crate::wave::maxwell::Polarisation;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -48,12 +49,18 @@ pub struct Film {
 }
 
 impl Film {
-    /// (R, T) of a plane wave from `side`, its polar angle taken in the half-space that it comes from (s-polarised
-    /// light). Grazing incidence gives its limit (1, 0).
+    /// (R, T) of a plane wave from `side`, its polar angle taken in the half-space that it comes from. The scalar wave is s
+    /// light. Grazing incidence gives its limit (1, 0).
     ///
-    /// From the far face backwards: Γ = (r + Γ′ e^{2ibh})/(1 + r Γ′ e^{2ibh}) with r = (a − b)/(a + b); only decaying
-    /// exponentials occur.
-    pub fn reflectance_transmittance(&self, side: Side, polar_deg: f64) -> (f64, f64) {
+    /// With admittances y, the normal index b for s and b/η² for p (its amplitude is the magnetic field's), from the far
+    /// face backwards: Γ = (r + Γ′ e^{2ibh})/(1 + r Γ′ e^{2ibh}) with r = (y_a − y_b)/(y_a + y_b); only
+    /// decaying exponentials occur.
+    pub fn reflectance_transmittance(
+        &self,
+        side: Side,
+        polar_deg: f64,
+        polarisation: Polarisation,
+    ) -> (f64, f64) {
         let (from, to) = match side {
             Side::Incident => (1.0, self.index_out),
             Side::Exit => (self.index_out, 1.0),
@@ -65,17 +72,24 @@ impl Film {
         }
         let along = from * sin;
         let normal = |squared: Complex64| nonzero((squared - along * along).sqrt());
-        let entry = Complex64::from(from * cos);
-        let exit = (Complex64::from(to * to) - along * along).sqrt();
+        let admittance = |b: Complex64, squared: Complex64| match polarisation {
+            Polarisation::S => b,
+            Polarisation::P => b / squared,
+        };
+        let entry = admittance(Complex64::from(from * cos), (from * from).into());
+        let exit = admittance((Complex64::from(to * to) - along * along).sqrt(), (to * to).into());
         let height = k0 * self.thickness_um / self.squared_indices.len() as f64;
         let count = self.squared_indices.len();
-        let slice =
-            |j: usize| normal(self.squared_indices[if side == Side::Incident { j } else { count - 1 - j }]);
+        let slice = |j: usize| {
+            let squared = self.squared_indices[if side == Side::Incident { j } else { count - 1 - j }];
+            let b = normal(squared);
+            (b, admittance(b, squared))
+        };
         let (mut gamma, mut through, mut after) = (Complex64::ZERO, Complex64::ONE, exit);
         for j in (0..count).rev() {
-            let here = slice(j);
+            let (b, here) = slice(j);
             let (next, passed) = interface(here, after, gamma);
-            let phase = (Complex64::i() * here * height).exp();
+            let phase = (Complex64::i() * b * height).exp();
             through *= passed * phase;
             gamma = next * phase * phase;
             after = here;
@@ -85,7 +99,7 @@ impl Film {
     }
 }
 
-/// Reflection at a face between normal indices `a` and `b` behind which all that follows reflects `gamma`, and the amplitude
+/// Reflection at a face between admittances `a` and `b` behind which all that follows reflects `gamma`, and the amplitude
 /// that goes on, both at the face.
 fn interface(a: Complex64, b: Complex64, gamma: Complex64) -> (Complex64, Complex64) {
     let r = (a - b) / (a + b);
@@ -104,7 +118,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// Airy's formulas of one slab, written with complex exponentials of both signs: shares nothing with the recursion.
-    fn airy(index: Complex64, h: f64, wavelength: f64, from: f64, to: f64, deg: f64) -> (f64, f64) {
+    fn airy(index: Complex64, h: f64, wavelength: f64, [from, to]: [f64; 2], deg: f64, p: bool) -> (f64, f64) {
         let along = from * deg.to_radians().sin();
         let (a, c) = (
             Complex64::from(from * deg.to_radians().cos()),
@@ -112,6 +126,9 @@ mod tests {
         );
         let b = (index * index - along * along).sqrt();
         let delta = b * h * TAU / wavelength;
+        // H instead of E for p light: every normal index over the square of its index
+        let over = |z: Complex64, n: Complex64| if p { z / (n * n) } else { z };
+        let (a, b, c) = (over(a, from.into()), over(b, index), over(c, to.into()));
         let (cos, sin) = (delta.cos(), delta.sin());
         // characteristic matrix of the slab
         let (m11, m12, m21) = (cos, -Complex64::i() * sin / b, -Complex64::i() * b * sin);
@@ -129,8 +146,10 @@ mod tests {
         ) {
             let index = Complex64::new(n, kappa);
             let film = Film { squared_indices: vec![index * index; count], thickness_um: h, wavelength_um: 0.5, index_out: out };
-            for (side, from, to) in [(Side::Incident, 1.0, out), (Side::Exit, out, 1.0)] {
-                let (want, got) = (airy(index, h, 0.5, from, to, deg), film.reflectance_transmittance(side, deg));
+            let sides = [(Side::Incident, [1.0, out]), (Side::Exit, [out, 1.0])];
+            for ((side, ends), light) in sides.into_iter().flat_map(|s| Polarisation::BOTH.map(|l| (s, l))) {
+                let want = airy(index, h, 0.5, ends, deg, light == Polarisation::P);
+                let got = film.reflectance_transmittance(side, deg, light);
                 // identity; 1/cos θ ≤ 30 and e^{κ k h} ≤ 1e5 in the matrix amplify the rounding
                 prop_assert!((want.0 - got.0).abs() < 1e-9 && (want.1 - got.1).abs() < 1e-9, "{want:?} {got:?}");
             }
@@ -142,9 +161,11 @@ mod tests {
             let squared_indices: Vec<Complex64> = n.iter().map(|n| (n * n).into()).collect();
             let film = Film { squared_indices, thickness_um: 0.7, wavelength_um: 0.5, index_out: out };
             let inside = (deg.to_radians().sin() / out).asin().to_degrees();
-            let (r, t) = film.reflectance_transmittance(Side::Incident, deg);
-            let (_, back) = film.reflectance_transmittance(Side::Exit, inside);
-            prop_assert!((r + t - 1.0).abs() < 1e-10 && (t - back).abs() < 1e-10);
+            for light in Polarisation::BOTH {
+                let (r, t) = film.reflectance_transmittance(Side::Incident, deg, light);
+                let (_, back) = film.reflectance_transmittance(Side::Exit, inside, light);
+                prop_assert!((r + t - 1.0).abs() < 1e-10 && (t - back).abs() < 1e-10);
+            }
         }
     }
 

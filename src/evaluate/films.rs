@@ -1,9 +1,12 @@
 //! The coherent film at every wavelength and thickness that an ensemble needs.
 
 use super::film::{Film, Profile};
+use crate::solve::door::Wave;
 use crate::wave::Side;
+use crate::wave::maxwell::Polarisation;
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
+use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
 
 /// Angles of the film's hemispherical means: rounding for layers of a few wavelengths.
@@ -13,6 +16,7 @@ const MEAN_ANGLES: usize = 40;
 pub type Indices<'a> = dyn Fn(f64) -> (Complex64, Vec<Complex64>) + 'a;
 
 /// The film of an ensemble: one profile, several equally likely thicknesses.
+#[derive(Clone)]
 pub struct Films<'a> {
     /// Mean volume fractions across the layer.
     pub profile: Profile,
@@ -22,24 +26,32 @@ pub struct Films<'a> {
     pub thicknesses_um: Vec<f64>,
     /// Index of the half-space on the exit side.
     pub index_out: f64,
+    /// The light: s for the scalar wave, the mean of s and p for unpolarised light.
+    pub wave: Wave,
 }
 
 /// The film at one wavelength, averaged over its thicknesses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmAt {
     films: Vec<Film>,
+    wave: Wave,
 }
 
 impl Films<'_> {
     /// Averaged over the thicknesses of the ensemble.
     pub fn at(&self, wavelength_nm: f64) -> FilmAt {
         let films = self.thicknesses_um.iter().map(|&thickness| self.film(wavelength_nm, thickness));
-        FilmAt { films: films.collect() }
+        FilmAt { films: films.collect(), wave: self.wave }
+    }
+
+    /// The same films in the light that the paper gives back.
+    pub fn returned(&self) -> Self {
+        Self { wave: self.wave.returned(), ..self.clone() }
     }
 
     /// Of one thickness, µm.
     pub fn of_thickness(&self, wavelength_nm: f64, thickness_um: f64) -> FilmAt {
-        FilmAt { films: vec![self.film(wavelength_nm, thickness_um)] }
+        FilmAt { films: vec![self.film(wavelength_nm, thickness_um)], wave: self.wave }
     }
 
     fn film(&self, wavelength_nm: f64, thickness_um: f64) -> Film {
@@ -59,6 +71,14 @@ impl FilmAt {
         self.films.first().map_or(1.0, |film| film.index_out)
     }
 
+    /// The same film in the light that the paper gives back, which is unpolarised.
+    pub fn returned(&self) -> Cow<'_, FilmAt> {
+        match self.wave.returned() {
+            same if same == self.wave => Cow::Borrowed(self),
+            wave => Cow::Owned(FilmAt { films: self.films.clone(), wave }),
+        }
+    }
+
     /// \[R, T\] for light from the incident side.
     pub fn reflectance_transmittance(&self, polar_deg: f64) -> [f64; 2] {
         self.from(Side::Incident, polar_deg)
@@ -70,9 +90,12 @@ impl FilmAt {
     }
 
     fn from(&self, side: Side, polar_deg: f64) -> [f64; 2] {
-        let count = self.films.len() as f64;
-        self.films.iter().fold([0.0; 2], |[r, t], film| {
-            let (own_r, own_t) = film.reflectance_transmittance(side, polar_deg);
+        let lights: &[Polarisation] =
+            if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
+        let count = (self.films.len() * lights.len()) as f64;
+        let each = self.films.iter().flat_map(|film| lights.iter().map(move |&light| (film, light)));
+        each.fold([0.0; 2], |[r, t], (film, light)| {
+            let (own_r, own_t) = film.reflectance_transmittance(side, polar_deg, light);
             [r + own_r / count, t + own_t / count]
         })
     }
@@ -131,6 +154,7 @@ mod tests {
             indices: &indices,
             thicknesses_um: vec![1.0],
             index_out: 1.0,
+            wave: Wave::Scalar,
         };
         let [r, t] = films.at(500.0).means();
         // identity: a layer that is not there
@@ -142,7 +166,8 @@ mod tests {
     /// rules, with the whole hemisphere's weight of one.
     #[test]
     fn the_weights_from_the_exit_side_sum_to_one() {
-        for index_out in [1.0, 1.2, 1.558, 2.0] {
+        let waves = [Wave::Scalar, Wave::P, Wave::Unpolarised];
+        for (index_out, wave) in [1.0, 1.2, 1.558, 2.0].into_iter().flat_map(|n| waves.map(|w| (n, w))) {
             // An opaque film matched to the exit side absorbs what enters: 1 − R̄ of a single face, here by a dense plain sum.
             let eta = Complex64::new(index_out, 3.0);
             let indices = move |_: f64| (eta, Vec::new());
@@ -151,6 +176,7 @@ mod tests {
                 indices: &indices,
                 thicknesses_um: vec![5.0],
                 index_out,
+                wave,
             };
             let film = films.at(500.0);
             let points = 20_000;

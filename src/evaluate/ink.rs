@@ -3,7 +3,8 @@
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Mean, SpectrumEstimate, Total, film_means, film_totals};
 use super::on_paper::{
-    Anchors, BENDS, Curve, DIFFUSE, LayerOnPaper, Measured, Nodes, PolarAngle, anchor_shares,
+    Anchors, BENDS, Curve, DIFFUSE, LayerOnPaper, Measured, Nodes, PolarAngle, SYMMETRIC, anchor_shares,
+    diffuse_functions,
 };
 use super::regression::{Fits, Normal, Sums};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
@@ -67,7 +68,7 @@ struct Places {
 ///
 /// let yellow = Spectrum::synthetic("yellow")?;
 /// let mixture = |nm: f64| (molecular_mixture(1.558.into(), &[(0.3, yellow.index(1e-3 * nm).unwrap())]), Vec::new());
-/// let films = Films { profile: Profile::homogeneous(), indices: &mixture, thicknesses_um: vec![1.0], index_out: 1.0 };
+/// let films = Films { profile: Profile::homogeneous(), indices: &mixture, thicknesses_um: vec![1.0], index_out: 1.0, wave: Default::default() };
 /// let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
 /// let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
 /// let ink = InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm })?;
@@ -87,6 +88,10 @@ pub struct InkOnPaper {
     meter: Result<Colorimeter, ColourError>,
     curves: Fits,
     diffuse: Fits,
+    /// Functions that the diffuse fit has.
+    diffuse_width: usize,
+    /// The layer in the light that the paper gives back, where that is another one.
+    returned: Option<(LayerEnsemble, Fits)>,
     whole: Vec<LayerOnPaper>,
     /// \[realisation left out\]\[node\]
     replicates: Vec<Vec<LayerOnPaper>>,
@@ -102,6 +107,27 @@ impl InkOnPaper {
         solved: &[SolvedRealisation],
         inputs: &InkInputs,
     ) -> Result<Self, InkError> {
+        Self::lit((layer, solved), None, inputs)
+    }
+
+    /// The same where polarised light comes in, `inputs.films` being its own; `returned` is the layer in the unpolarised
+    /// light that the paper gives back.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::new`].
+    pub fn polarised(
+        lit: (LayerEnsemble, &[SolvedRealisation]),
+        returned: (LayerEnsemble, &[SolvedRealisation]),
+        inputs: &InkInputs,
+    ) -> Result<Self, InkError> {
+        Self::lit(lit, Some(returned), inputs)
+    }
+
+    fn lit(
+        (layer, solved): (LayerEnsemble, &[SolvedRealisation]),
+        returned: Option<(LayerEnsemble, &[SolvedRealisation])>,
+        inputs: &InkInputs,
+    ) -> Result<Self, InkError> {
         let anchored = [0.0, PRINT_DEG].map(|deg| layer.place(deg));
         let ([Some(normal), Some(slanted)], true) = (anchored, layer.strata > 0) else {
             return Err(InkError::AnglesMissing);
@@ -113,12 +139,17 @@ impl InkOnPaper {
         let albedos =
             nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
         let shares = nodes_nm.iter().map(|&nm| layer.basis.shares(nm)).collect();
-        let means = films.iter().map(|film| film_means(film, layer.exit)).collect();
+        let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
         let nodes = Nodes { wavelengths_nm: nodes_nm, films, albedos, shares, means };
-        let (curves, diffuse) = match solved {
-            [] => (Fits::nothing(&layer.basis, BENDS, 3), Fits::nothing(&layer.basis, DIFFUSE, 1)),
-            _ => (curves(&layer, anchored, solved, inputs.films), diffuse(&layer, solved)),
+        let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
+        let (own_curves, diffuse) = match solved {
+            [] => (Fits::nothing(&layer.basis, BENDS, 3), Fits::nothing(&layer.basis, diffuse_width, 1)),
+            _ => (curves(&layer, anchored, solved, inputs.films), diffuse(&layer, solved, diffuse_width)),
         };
+        let returned = returned.map(|(layer, solved)| {
+            let fits = curves(&layer, anchored, solved, &inputs.films.returned());
+            (layer, fits)
+        });
         let replicates = layer.replicates();
         let mut ink = Self {
             layer,
@@ -127,8 +158,10 @@ impl InkOnPaper {
             nodes,
             places,
             meter,
-            curves,
+            curves: own_curves,
             diffuse,
+            diffuse_width,
+            returned,
             whole: Vec::new(),
             replicates: Vec::new(),
         };
@@ -171,16 +204,16 @@ impl InkOnPaper {
             let coefficients = left_out.map_or(&fits.whole, |r| &fits.without[r]);
             SpectralBasis::at(shares, |i| coefficients[[i * width + row, column]])
         };
-        let measured = Measured {
-            anchors: anchors(self.anchored, |angle, total| {
-                self.layer.fitted(left_out, shares, self.layer.column(angle, total))
-            }),
-            transmittance: self.layer.fitted(left_out, shares, self.layer.mean_column(Mean::Transmittance)),
-            absorptance: self.layer.fitted(left_out, shares, self.layer.mean_column(Mean::ExitAbsorptance)),
+        let measured = self.measured(|layer, column| layer.fitted(left_out, shares, column));
+        let bends = |fits: &Fits| {
+            std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)))
         };
+        let width = self.diffuse_width;
+        let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
         let curve = Curve {
-            bends: std::array::from_fn(|column| std::array::from_fn(|b| at(&self.curves, b, BENDS, column))),
-            diffuse: std::array::from_fn(|k| at(&self.diffuse, k, DIFFUSE, 0)),
+            bends: bends(&self.curves),
+            returned: bends(self.returned.as_ref().map_or(&self.curves, |(_, fits)| fits)),
+            diffuse: std::array::from_fn(diffuse),
         };
         let [mean_t, _, mean_a, _] = self.nodes.means[node];
         let film = [mean_t, mean_a];
@@ -327,12 +360,21 @@ impl InkOnPaper {
     /// What a solve says beyond the fit.
     fn residual(&self, left_out: Option<usize>, r: usize, j: usize, node: usize) -> Measured {
         let shares = &self.nodes.shares[node];
-        let of =
-            |column: usize| self.layer.measured(r, j, column) - self.layer.fitted(left_out, shares, column);
+        self.measured(|layer, column| layer.measured(r, j, column) - layer.fitted(left_out, shares, column))
+    }
+
+    /// Differences from the film at the anchors and of the means, by a source of them for any column of an ensemble.
+    fn measured(&self, of: impl Fn(&LayerEnsemble, usize) -> f64) -> Measured {
+        let returned = self.returned.as_ref().map_or(&self.layer, |(layer, _)| layer);
+        let at = |layer: &LayerEnsemble| {
+            anchors(self.anchored, |angle, total| of(layer, layer.column(angle, total)))
+        };
+        let mean = |mean: Mean| of(returned, returned.mean_column(mean));
         Measured {
-            anchors: anchors(self.anchored, |angle, total| of(self.layer.column(angle, total))),
-            transmittance: of(self.layer.mean_column(Mean::Transmittance)),
-            absorptance: of(self.layer.mean_column(Mean::ExitAbsorptance)),
+            anchors: at(&self.layer),
+            returned: at(returned),
+            transmittance: mean(Mean::Transmittance),
+            absorptance: mean(Mean::ExitAbsorptance),
         }
     }
 
@@ -448,22 +490,22 @@ fn curves(layer: &LayerEnsemble, anchored: [usize; 2], solved: &[SolvedRealisati
 }
 
 /// The layer's own diffuse BRDF, from all orders of all solves from the incident side.
-fn diffuse(layer: &LayerEnsemble, solved: &[SolvedRealisation]) -> Fits {
+fn diffuse(layer: &LayerEnsemble, solved: &[SolvedRealisation], width: usize) -> Fits {
     let part = |realisation: &SolvedRealisation| {
-        let mut normal = Normal::new(layer.basis.len() * DIFFUSE, 1);
+        let mut normal = Normal::new(layer.basis.len() * width, 1);
         for at in &realisation.wavelengths {
-            let mut sums = Sums::new(DIFFUSE, 1);
+            let mut sums = Sums::new(width, 1);
             for s in at.exact.iter().chain(&at.strata) {
                 let lit = s.polar_deg.to_radians().cos();
                 s.scattered.iter().for_each(|&[seen, density]| {
-                    sums.add(&super::on_paper::symmetric(lit, seen), &[density])
+                    sums.add(&diffuse_functions(lit, seen)[..width], &[density])
                 });
             }
             normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
         }
         normal
     };
-    Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, DIFFUSE)
+    Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, width)
 }
 
 #[cfg(test)]

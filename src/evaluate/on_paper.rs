@@ -4,12 +4,15 @@ use super::films::FilmAt;
 use super::wavelengths::Shares;
 use crate::appearance::paper::{MirroredSky, PaperError, returned};
 use gauss_quad::GaussLegendre;
+use std::borrow::Cow;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Functions that a curve over the angle has besides its values at 0° and 45°.
 pub const BENDS: usize = 2;
 /// Symmetric functions of both cosines that the diffuse BRDF has.
-pub const DIFFUSE: usize = 6;
+pub const SYMMETRIC: usize = 6;
+/// With the antisymmetric ones that it has where polarised light comes in and all light is seen.
+pub const DIFFUSE: usize = 9;
 /// Nodes of the integrals of fitted curves, which are polynomials of degree 5.
 const CURVE_NODES: usize = 6;
 
@@ -36,6 +39,8 @@ pub struct Nodes {
 pub struct Measured {
     /// At 0° and 45°.
     pub anchors: Anchors,
+    /// The same in the light that the paper gives back, unpolarised: equal to `anchors` but where polarised light comes in.
+    pub returned: Anchors,
     /// Of T̄.
     pub transmittance: f64,
     /// Of Ā from the exit side.
@@ -47,6 +52,8 @@ pub struct Measured {
 pub struct Curve {
     /// \[R, T, specular R\]: coefficients of the bends between the anchors.
     pub bends: [[f64; BENDS]; 3],
+    /// The same in the light that the paper gives back.
+    pub returned: [[f64; BENDS]; 3],
     /// Coefficients of the layer's own diffuse BRDF, 1/sr.
     pub diffuse: [f64; DIFFUSE],
 }
@@ -59,8 +66,8 @@ pub struct PolarAngle {
     mu: f64,
     between: [f64; 2],
     bends: [f64; BENDS],
-    /// \[node\]\[R, T\]
-    film: Vec<[f64; 2]>,
+    /// \[node\]\[R, T, T in the light that the paper gives back\]
+    film: Vec<[f64; 3]>,
 }
 
 impl PolarAngle {
@@ -72,7 +79,14 @@ impl PolarAngle {
         }
         let mu = polar_deg.to_radians().cos();
         let (between, bends) = anchor_shares(mu);
-        let film = nodes.films.iter().map(|film| film.reflectance_transmittance(polar_deg)).collect();
+        let of_film = |film: &FilmAt| {
+            let [r, t] = film.reflectance_transmittance(polar_deg);
+            match film.returned() {
+                Cow::Borrowed(_) => [r, t, t],
+                Cow::Owned(back) => [r, t, back.reflectance_transmittance(polar_deg)[1]],
+            }
+        };
+        let film = nodes.films.iter().map(of_film).collect();
         Ok(Self { polar_deg, mu, between, bends, film })
     }
 }
@@ -143,25 +157,33 @@ impl LayerOnPaper {
         at.film[self.node][1] + self.difference(at, 1)
     }
 
+    /// T(θ) of the layer alone for the light that the paper gives back, unpolarised: T(θ) itself but where polarised light
+    /// comes in.
+    pub fn transmittance_returned(&self, at: &PolarAngle) -> f64 {
+        at.film[self.node][2]
+            + curve(&self.measured.returned, &self.curve.returned, 1, (at.between, at.bends))
+    }
+
     /// Specular part of R(θ).
     pub fn specular(&self, at: &PolarAngle) -> f64 {
         at.film[self.node][0] + self.difference(at, 2)
     }
 
-    /// The layer's own diffuse f(i, o), 1/sr, azimuthal mean. Symmetric in i and o.
+    /// The layer's own diffuse f(i, o), 1/sr, azimuthal mean. Symmetric in i and o but where polarised light comes in.
     pub fn diffuse_brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
         self.diffuse_brdf_at(illumination.mu, viewing.mu)
     }
 
     /// The same at cosines of the polar angles.
     pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
-        let functions = symmetric(illumination, viewing);
+        let functions = diffuse_functions(illumination, viewing);
         functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
     }
 
-    /// Diffuse f(i, o), 1/sr, azimuthal mean: layer's own plus paper. Symmetric in i and o.
+    /// Diffuse f(i, o), 1/sr, azimuthal mean: layer's own plus paper. Symmetric in i and o but where polarised light comes in;
+    /// all light is seen, of whichever polarisation.
     pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
-        let through = self.transmittance(illumination) * self.transmittance(viewing);
+        let through = self.transmittance(illumination) * self.transmittance_returned(viewing);
         self.diffuse_brdf(illumination, viewing) + self.return_factor() * through / PI
     }
 
@@ -171,7 +193,8 @@ impl LayerOnPaper {
         self.reflectance(illumination) + returned
     }
 
-    /// Radiance at `viewing` under a uniform sky of radiance 1 (white paper: 1).
+    /// Radiance at `viewing` under a uniform sky of radiance 1 (white paper: 1), by reciprocity: with polarised light what an
+    /// eye behind a polariser sees of an unpolarised sky, over the white paper behind the same.
     pub fn natural_light(&self, viewing: &PolarAngle, sky: MirroredSky) -> f64 {
         let mirrored = match sky {
             MirroredSky::Included => 0.0,
@@ -183,9 +206,11 @@ impl LayerOnPaper {
     /// The same layer with `step` times other measured values added.
     pub(super) fn moved(&self, by: &Measured, step: f64) -> Self {
         let mut layer = *self;
-        for (own, by) in layer.measured.anchors.iter_mut().flatten().zip(by.anchors.iter().flatten()) {
-            *own += step * by;
-        }
+        let move_all = |own: &mut Anchors, by: &Anchors| {
+            own.iter_mut().flatten().zip(by.iter().flatten()).for_each(|(own, by)| *own += step * by);
+        };
+        move_all(&mut layer.measured.anchors, &by.anchors);
+        move_all(&mut layer.measured.returned, &by.returned);
         layer.measured.transmittance += step * by.transmittance;
         layer.measured.absorptance += step * by.absorptance;
         layer
@@ -197,28 +222,36 @@ impl LayerOnPaper {
         polar_deg: impl Iterator<Item = f64> + Clone,
         exit: bool,
     ) -> Measured {
-        let curve = |quantity: usize, mu: f64| self.difference_at(anchor_shares(mu), quantity);
+        let back = |quantity: usize, mu: f64| {
+            curve(&self.measured.returned, &self.curve.returned, quantity, anchor_shares(mu))
+        };
         let rule = GaussLegendre::new(CURVE_NODES).expect("a positive number of nodes");
         let count = polar_deg.clone().count().max(1) as f64;
         let error = |quantity: usize| {
             let sampled =
-                polar_deg.clone().map(|deg| curve(quantity, deg.to_radians().cos())).sum::<f64>() / count;
-            sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * curve(quantity, mu))
+                polar_deg.clone().map(|deg| back(quantity, deg.to_radians().cos())).sum::<f64>() / count;
+            sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * back(quantity, mu))
         };
         let (reflected, transmittance) = (error(0), error(1));
         // without solves from the exit side its A is that from the incident side, 1 − R − T
         let absorptance = if exit { 0.0 } else { -reflected - transmittance };
-        Measured { anchors: Anchors::default(), transmittance, absorptance }
+        Measured { transmittance, absorptance, ..Measured::default() }
     }
 
     fn difference(&self, at: &PolarAngle, quantity: usize) -> f64 {
-        self.difference_at((at.between, at.bends), quantity)
+        curve(&self.measured.anchors, &self.curve.bends, quantity, (at.between, at.bends))
     }
+}
 
-    fn difference_at(&self, (between, bends): ([f64; 2], [f64; BENDS]), quantity: usize) -> f64 {
-        let anchored: f64 = between.iter().zip(&self.measured.anchors).map(|(s, a)| s * a[quantity]).sum();
-        anchored + bends.iter().zip(&self.curve.bends[quantity]).map(|(b, c)| b * c).sum::<f64>()
-    }
+/// A fitted difference from the film: shares of the anchors, and bends.
+fn curve(
+    anchors: &Anchors,
+    coefficients: &[[f64; BENDS]; 3],
+    quantity: usize,
+    (between, bends): ([f64; 2], [f64; BENDS]),
+) -> f64 {
+    let anchored: f64 = between.iter().zip(anchors).map(|(s, a)| s * a[quantity]).sum();
+    anchored + bends.iter().zip(&coefficients[quantity]).map(|(b, c)| b * c).sum::<f64>()
 }
 
 /// A curve over μ: shares of its values at 0° and 45° (Lagrange through these and zero at grazing, where every layer reflects all), and
@@ -232,9 +265,16 @@ pub fn anchor_shares(mu: f64) -> ([f64; 2], [f64; BENDS]) {
 }
 
 /// Polynomials of both cosines, at most of the second degree in each, that do not change when they are exchanged (reciprocity).
-pub fn symmetric(x: f64, y: f64) -> [f64; DIFFUSE] {
+pub fn symmetric(x: f64, y: f64) -> [f64; SYMMETRIC] {
     let (sum, product) = (x + y, x * y);
     [1.0, sum, product, x * x + y * y, product * sum, product * product]
+}
+
+/// The same polynomials, and those that change their sign, of the cosines of illumination and viewing.
+pub fn diffuse_functions(lit: f64, seen: f64) -> [f64; DIFFUSE] {
+    let [one, sum, product, squares, mixed, fourth] = symmetric(lit, seen);
+    let apart = lit - seen;
+    [one, sum, product, squares, mixed, fourth, apart, apart * sum, apart * product]
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::appearance::paper::Substrate;
 use crate::input::study::Study;
 use crate::input::variation::{CellRule, LightRule};
 use crate::run::runner::{Collected, Realisation};
+use crate::solve::door::Wave;
 use crate::store::record::PointRecord;
 use crate::wave::FarField;
 use num_complex::Complex64;
@@ -92,26 +93,47 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
         let ink = Err(NoInk::Unfinished);
         return Ok(Seen { realisations: 0, solved: Vec::new(), layer: None, bdfs: Vec::new(), ink });
     }
-    let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(r)).collect();
+    let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(study, r, study.wave)).collect();
     let solved: Vec<SolvedRealisation> =
         complete.iter().zip(&fields).map(|(r, fields)| solved(study, r, fields)).collect();
+    let returned = returned(study, &complete);
     let indices = |nm: f64| indices(study, nm);
     let films = Films {
         profile: mean_profile(&complete),
         indices: &indices,
         thicknesses_um: study.thicknesses_um(),
         index_out: study.layer.index_below,
+        wave: study.wave,
     };
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
-    let ink = on_paper(study, &ensemble, &solved, &films);
+    let ink = on_paper(study, (&ensemble, &solved), returned.as_deref(), &films);
     let wavelengths_nm = study.wavelengths_nm.clone();
     let at_outputs = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
     let layer = Some(LayerSeen { ensemble, films: at_outputs, wavelengths_nm });
     Ok(Seen { realisations: complete.len(), bdfs: distributions(study, &fields)?, solved, layer, ink })
 }
 
-fn far_fields(realisation: &Realisation) -> Vec<FarField> {
-    realisation.points.iter().flatten().map(PointRecord::far_field).collect()
+/// Far fields of a complete realisation in one light, direction by direction.
+fn far_fields(study: &Study, realisation: &Realisation, wave: Wave) -> Vec<FarField> {
+    let records: Vec<&PointRecord> = realisation.points.iter().flatten().collect();
+    records.chunks(study.polarisations().len()).map(|records| in_light(records, wave)).collect()
+}
+
+/// The far field of one direction in one light, from the records of its polarisations.
+fn in_light(records: &[&PointRecord], wave: Wave) -> FarField {
+    match (records, wave) {
+        ([s, p], Wave::Unpolarised) => FarField::unpolarised(&s.far_field(), &p.far_field()),
+        ([_, p], Wave::P) => p.far_field(),
+        (records, _) => records[0].far_field(),
+    }
+}
+
+/// The solves in the light that paper gives back, where polarised light comes in.
+fn returned(study: &Study, complete: &[&Realisation]) -> Option<Vec<SolvedRealisation>> {
+    let wave = study.wave.returned();
+    let other = wave != study.wave && study.angles.no_paper.is_none();
+    let of = |r: &&Realisation| solved(study, r, &far_fields(study, r, wave));
+    other.then(|| complete.iter().map(of).collect())
 }
 
 /// Functions of the wavelength: as many pieces as each realisation has wavelengths.
@@ -162,8 +184,8 @@ fn mean_profile(complete: &[&Realisation]) -> Profile {
 
 fn on_paper(
     study: &Study,
-    ensemble: &LayerEnsemble,
-    solved: &[SolvedRealisation],
+    (ensemble, solved): (&LayerEnsemble, &[SolvedRealisation]),
+    returned: Option<&[SolvedRealisation]>,
     films: &Films,
 ) -> Result<InkOnPaper, NoInk> {
     if let Some(reason) = &study.angles.no_paper {
@@ -171,7 +193,15 @@ fn on_paper(
     }
     let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
     let inputs = InkInputs { films, substrate: &substrate, outputs_nm: &study.wavelengths_nm };
-    Ok(InkOnPaper::new(ensemble.clone(), solved, &inputs)?)
+    let lit = (ensemble.clone(), solved);
+    Ok(match returned {
+        None => InkOnPaper::new(lit.0, lit.1, &inputs)?,
+        Some(solved) => {
+            let basis = ensemble.basis.clone();
+            let layer = LayerEnsemble::new(solved, basis, &films.returned(), &study.angles.exact_deg);
+            InkOnPaper::polarised(lit, (layer, solved), &inputs)?
+        }
+    })
 }
 
 /// Distributions at every exact angle, one for each stratum of wavelengths.

@@ -95,7 +95,7 @@ pub(super) fn natural_light_moved(layer: &LayerOnPaper, view: &PolarAngle, [r, t
 
 /// Error of π times the BRDF; the layer's own diffuse part is at most as uncertain as its R.
 pub(super) fn lit_moved(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle, [r, t]: Shift) -> f64 {
-    r + layer.return_factor() * (layer.transmittance(light) + layer.transmittance(view)) * t
+    r + layer.return_factor() * (layer.transmittance(light) + layer.transmittance_returned(view)) * t
 }
 
 /// π times the BRDF of the ink on its paper.

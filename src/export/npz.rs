@@ -45,13 +45,16 @@ fn solves(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzErr
     npz.add_array("solve_reflectance", &numbers(&|r| r.reflectance))?;
     npz.add_array("solve_transmittance", &numbers(&|r| r.transmittance))?;
     npz.add_array("solve_absorptance", &numbers(&|r| r.absorptance))?;
+    // 0: s, 1: p, −1: the scalar wave
+    let polarisation: Array1<i8> = records.iter().map(|r| r.polarisation.map_or(-1, |p| p as i8)).collect();
+    npz.add_array("solve_polarisation", &polarisation)?;
     let period = Array2::from_shape_fn((records.len(), 2), |(s, axis)| records[s].period_um[axis]);
     npz.add_array("solve_period_um", &period)?;
     npz.add_array("solve_first_order", &Array1::from(first))
 }
 
 fn orders(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzError> {
-    let all: Vec<&Order> = records.iter().flat_map(|r| r.orders.iter().map(|row| &row.0)).collect();
+    let all: Vec<Order> = records.iter().flat_map(|r| r.far_field().orders).collect();
     let numbers = |f: &dyn Fn(&Order) -> f64| all.iter().map(|o| f(o)).collect::<Array1<f64>>();
     let amplitudes = |f: &dyn Fn(&Order) -> Complex64| all.iter().map(|o| f(o)).collect::<Array1<_>>();
     npz.add_array("order_m", &all.iter().map(|o| o.m).collect::<Array1<i32>>())?;
@@ -60,6 +63,8 @@ fn orders(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzErr
     npz.add_array("order_beta", &numbers(&|o| o.direction[1]))?;
     npz.add_array("order_reflected", &amplitudes(&|o| o.reflected))?;
     npz.add_array("order_transmitted", &amplitudes(&|o| o.transmitted))?;
+    npz.add_array("order_reflected_crossed", &amplitudes(&|o| o.further[0][0]))?;
+    npz.add_array("order_transmitted_crossed", &amplitudes(&|o| o.further[0][1]))?;
     npz.add_array("order_reflected_efficiency", &numbers(&|o| o.reflected_efficiency))?;
     npz.add_array("order_transmitted_efficiency", &numbers(&|o| o.transmitted_efficiency))
 }

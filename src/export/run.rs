@@ -87,6 +87,14 @@ pub enum ExportError {
         /// The study's own, nm.
         allowed: String,
     },
+    /// The near field of Maxwell's equations is known as moments alone.
+    #[error(
+        "near field: light.wave is {wave}; allowed is \"scalar\": Maxwell's equations are solved for moments of E, which no volume shows yet"
+    )]
+    VectorNearField {
+        /// The study's wave.
+        wave: &'static str,
+    },
     /// Too few wavelengths for spectra on a grid of 10 nm.
     #[error("{format} needs at least two multiples of 10 nm inside the study's wavelengths")]
     TooFewWavelengths {
@@ -297,6 +305,9 @@ impl Exporter<'_> {
             "η² less that of the binder, and every pigment's share; lengths in µm",
         );
         if let Some(light) = self.request.near_field {
+            if study.wave.is_vector() {
+                return Err(ExportError::VectorNearField { wave: study.wave.name() });
+            }
             self.watch.stage("solving for the near field");
             let incidence = Incidence {
                 wavelength_um: 1e-3 * study.wavelengths_nm[w],

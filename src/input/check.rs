@@ -5,12 +5,13 @@ mod index;
 mod judgement;
 mod paper;
 mod pigments;
+mod wave;
 
 pub(crate) use pigments::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults};
 use super::file::{
-    LayerTable, LightTable, OutputTable, ResolutionTable, SamplingName, SolverTable, StudyFile,
+    LayerTable, LightTable, OutputTable, SamplingName, SolverTable, StudyFile,
 };
 use super::forms::ThicknessWritten;
 use super::study::{Layer, Output, Study, WantedResolution};
@@ -73,11 +74,11 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
     let mut layer = layer(&file.layer, period_um, &wavelengths_nm, folder, &mut faults);
     let pigments = pigments::pigments(file, period_um, &wavelengths_nm, folder, &mut faults);
     let dissolved = pigments::dissolved(file, &wavelengths_nm, folder, &mut faults);
-    layer.binder = pigments::solution(layer.binder, &dissolved, &pigments);
+    layer.binder = pigments::solution(layer.binder, &dissolved, &pigments, wave::mixing(file));
     let packing = pigments::packing(file, period_um, &pigments, &mut faults);
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut faults);
     let angles = angles::angles(file, paper.coupling, &mut faults);
-    let resolution = resolution(&file.resolution, &mut faults);
+    let resolution = resolution(file, &mut faults);
     let goal = goal(&file.solver, &resolution, &mut faults);
     counts(file, &mut faults);
     let variation = variation(file, &wavelengths_nm, &mut faults);
@@ -92,6 +93,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         packing,
         paper,
         wavelengths_nm,
+        wave: file.light.wave,
         angles,
         realisations,
         target_delta_e: file.run.target_delta_e,
@@ -102,6 +104,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         output: output(&file.output),
         judgement: judgement::judgement(file, folder, &mut faults),
     };
+    wave::refusals(file, &study, &mut faults);
     (study, faults)
 }
 
@@ -250,8 +253,9 @@ fn realisations(file: &StudyFile) -> usize {
     })
 }
 
-fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution {
-    let scheme = table.scheme;
+fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
+    let table = &file.resolution;
+    let scheme = file.light.wave.scheme(table.scheme.unwrap_or_default());
     match (table.accuracy, table.points_per_um, table.planes_per_um) {
         (accuracy, None, None) => {
             let accuracy = accuracy.unwrap_or(1e-2);

@@ -25,7 +25,9 @@ use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,
 };
+use crate::material::spectra::MixingRule;
 use crate::solve::Goal;
+use crate::solve::door::Wave;
 use crate::wave::Scheme;
 use serde::{Deserialize, Serialize};
 
@@ -119,6 +121,9 @@ pub struct LayerTable {
     /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
     #[serde(default = "vacuum", alias = "index_out")]
     pub index_below: f64,
+    /// How `"molecular"` pigments mix with the binder: `"volume-average"` for the scalar wave and `"maxwell-garnett"` for
+    /// Maxwell's equations when left out, the limits of vanishing grains of either.
+    pub mixing: Option<MixingRule>,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
     /// Older place of `packing.method`.
@@ -206,6 +211,10 @@ pub enum CouplingName {
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightTable {
+    /// Which equation is solved, and for which light: `"scalar"` when left out, `"s"`, `"p"` or `"unpolarised"` for Maxwell's
+    /// equations.
+    #[serde(default)]
+    pub wave: Wave,
     /// The list.
     pub wavelengths_nm: Option<Vec<f64>>,
     /// First of the range, nm.
@@ -290,9 +299,8 @@ pub struct ResolutionTable {
     pub points_per_um: Option<f64>,
     /// Planes with unknowns per µm in z.
     pub planes_per_um: Option<f64>,
-    /// The discretisation in z.
-    #[serde(default)]
-    pub scheme: Scheme,
+    /// The discretisation in z of the scalar wave: `"cubic"` when left out. Maxwell's equations have their own.
+    pub scheme: Option<Scheme>,
 }
 
 /// `[solver]`

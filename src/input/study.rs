@@ -5,10 +5,12 @@ use super::variation::{Turn, Variation, stratified_deg};
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::appearance::viewing::Viewing;
 use crate::ink::{PackingRequest, PigmentGrains};
-use crate::material::spectra::{Spectrum, molecular_mixture};
+use crate::material::spectra::{MixingRule, Spectrum};
+use crate::solve::door::Wave;
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
 use crate::wave::contrast::coverage::{EXACT, error_for};
+use crate::wave::maxwell::Polarisation;
 use crate::wave::{Incidence, Media, Scheme, Side};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -30,6 +32,9 @@ pub struct Study {
     pub paper: Paper,
     /// Vacuum wavelengths, nm, rising.
     pub wavelengths_nm: Vec<f64>,
+    /// The equation solved and the light's polarisation.
+    #[serde(default)]
+    pub wave: Wave,
     /// Directions of the light.
     pub angles: Angles,
     /// Most packings.
@@ -110,6 +115,9 @@ pub struct Material {
     pub spectrum: Spectrum,
     /// What is dissolved in it: shares of its own volume, and indices.
     pub dissolved: Vec<(f64, Spectrum)>,
+    /// How that mixes with it.
+    #[serde(default, skip_serializing_if = "MixingRule::is_volume_average")]
+    pub mixing: MixingRule,
 }
 
 impl Material {
@@ -122,7 +130,7 @@ impl Material {
             return own;
         }
         let shares: Vec<_> = self.dissolved.iter().map(|(share, spectrum)| (*share, of(spectrum))).collect();
-        molecular_mixture(own, &shares)
+        self.mixing.mix(own, &shares)
     }
 }
 
@@ -156,7 +164,7 @@ pub struct Angles {
 }
 
 impl Angles {
-    /// Solves of one wavelength.
+    /// Directions that each wavelength is solved at.
     pub fn count(&self) -> usize {
         self.exact_deg.len() + self.strata + self.exit_strata
     }
@@ -222,6 +230,8 @@ pub struct Point {
     pub wavelength: usize,
     /// Wavelength, direction and side of the light.
     pub incidence: Incidence,
+    /// Its polarisation; `None` for the scalar wave.
+    pub polarisation: Option<Polarisation>,
 }
 
 impl Study {
@@ -240,7 +250,8 @@ impl Study {
             &self.variation,
         );
         let light = (&self.paper, &self.wavelengths_nm, &self.angles);
-        Key::of("study", &(ensemble, light, &self.resolution, &self.solver, &self.goal))
+        let inputs = (ensemble, light, &self.resolution, &self.solver, &self.goal);
+        Key::of_wave("study", &inputs, self.vector_wave())
     }
 
     /// The packing of a realisation: its own cell, and its own stream of the study's seed.
@@ -270,7 +281,26 @@ impl Study {
         [incident, exit].into_iter().chain(backgrounds).chain(inclusions).collect()
     }
 
-    /// All solves of one realisation, in their order: wavelength; exact angles, strata, strata from the exit side.
+    /// The wave where it is one of Maxwell's, for content hashes.
+    pub fn vector_wave(&self) -> Option<Wave> {
+        self.wave.is_vector().then_some(self.wave)
+    }
+
+    /// Polarisations that every direction is solved in, next to each other; one entry, `None`, for the scalar wave. Paper
+    /// depolarises: what comes back from it through the layer is unpolarised, so ink on paper needs both whatever lights it.
+    pub fn polarisations(&self) -> &'static [Option<Polarisation>] {
+        const BOTH: [Option<Polarisation>; 2] = [Some(Polarisation::S), Some(Polarisation::P)];
+        let on_paper = self.angles.no_paper.is_none();
+        match self.wave {
+            Wave::Scalar => &[None],
+            Wave::S if !on_paper => &BOTH[..1],
+            Wave::P if !on_paper => &BOTH[1..],
+            Wave::S | Wave::P | Wave::Unpolarised => &BOTH,
+        }
+    }
+
+    /// All solves of one realisation, in their order: wavelength; exact angles, strata, strata from the exit side;
+    /// polarisation.
     pub fn points(&self, realisation: usize) -> Vec<Point> {
         let draw = self.draw(realisation);
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
@@ -279,11 +309,12 @@ impl Study {
             let incident = exact_deg.iter().copied().chain(stratified_deg(*strata, direction));
             let incident = incident.map(|deg| (Side::Incident, deg));
             let exit = stratified_deg(*exit_strata, direction).into_iter().map(|deg| (Side::Exit, deg));
-            let point = |(from, polar_deg): (Side, f64)| {
+            let points = |(from, polar_deg): (Side, f64)| {
                 let incidence = Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
-                Point { realisation, wavelength, incidence }
+                let point = move |&polarisation| Point { realisation, wavelength, incidence, polarisation };
+                self.polarisations().iter().map(point)
             };
-            incident.chain(exit).map(point).collect::<Vec<_>>()
+            incident.chain(exit).flat_map(points).collect::<Vec<_>>()
         };
         self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
     }
@@ -295,7 +326,7 @@ impl Study {
 
     /// Number of solves of one realisation.
     pub fn solves_each(&self) -> usize {
-        self.solved_wavelengths() * self.angles.count()
+        self.solved_wavelengths() * self.angles.count() * self.polarisations().len()
     }
 
     /// Number of solves of the whole study.

@@ -5,21 +5,18 @@ use crate::ink::pack;
 use crate::ink::{PackError, PackProgress, PackWatch, Packing};
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::grid_error::GridError;
-use crate::solve::{SolveError, Solver, Step, Watch};
+use crate::solve::door::{DoorError, Geometry, WaveProblem};
+use crate::solve::{Account, SolveError, Solver, Step, Watch};
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
-use crate::wave::{Coverage, Mean, Physical, Problem, TotalErrors, Unphysical, WaveError};
+use crate::wave::{Mean, Physical, TotalErrors, Unphysical, WaveError};
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum PointError {
-    /// The scene does not make a problem on the grid.
+    /// The scene does not make a problem on the grid, or the solve failed or was stopped.
     #[error(transparent)]
-    Wave(#[from] WaveError),
-    /// The solve failed or was stopped.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
+    Door(#[from] DoorError),
     /// The result breaks a law it must obey.
     #[error(transparent)]
     Unphysical(#[from] Unphysical),
@@ -31,7 +28,7 @@ pub enum PointError {
 impl PointError {
     /// True when the user stopped the solve, which is no failure.
     pub fn is_stop(&self) -> bool {
-        matches!(self, Self::Solve(SolveError::Cancelled { .. }))
+        matches!(self, Self::Door(DoorError::Solve(SolveError::Cancelled { .. })))
     }
 }
 
@@ -57,33 +54,36 @@ pub(crate) fn is_physical(record: &PointRecord, grid: GridError) -> bool {
     Physical::judge(record.far_field(), total_errors(grid, record.account.residual)).is_ok()
 }
 
-/// Solves one point and keeps what it found under `key`; `grid` is how wrong R and T may be.
+/// Solves one point of its problem and keeps what it found under `key`; `grid` is how wrong R and T may be.
 ///
 /// It starts from nothing. The field of a neighbouring angle or wavelength was tried as a start (2.5 µm, 30 % of 200 nm,
 /// residual 2e-5): another angle costs 1 to 2 steps more of 12 to 19, 20 nm and even 5 nm save none or one, since the
-/// phase of the incident wave changes everywhere. What is shared is the coverage.
+/// phase of the incident wave changes everywhere. What is shared is the geometry, and the problem by s and p.
 pub fn solve_point(
     study: &Study,
     solver: &dyn Solver,
-    coverage: &Arc<Coverage>,
+    problem: &WaveProblem,
     point: &Point,
     grid: GridError,
     key: &str,
     watch: &dyn RunWatch,
 ) -> Result<PointRecord, PointError> {
+    let solved = problem.far_field(point.polarisation, solver, study.goal, &mut Stopper(watch));
+    let (far_field, account) = solved?;
+    let Account { solver, steps, operator_applications, residual, seconds, .. } = account;
+    let far_field = Physical::judge(far_field, total_errors(grid, residual))?;
+    let account = SolveAccount { solver, steps, operator_applications, residual, seconds };
+    let (key, Point { realisation, polarisation, .. }) = (key.to_owned(), *point);
+    Ok(PointRecord::new(key, realisation, polarisation, &far_field, account)?)
+}
+
+/// The problem of a point, which those that differ in polarisation alone share.
+///
+/// # Errors
+/// The scene does not make a problem on the grid.
+pub fn problem_of(study: &Study, geometry: &Geometry, point: &Point) -> Result<WaveProblem, WaveError> {
     let media = study.media(point.incidence.wavelength_um);
-    let problem = Problem::new(coverage, &media, &point.incidence, Mean::default())?;
-    let solution = solver.solve(&problem, study.goal, &mut Stopper(watch))?;
-    let account = SolveAccount {
-        solver: solution.account.solver.clone(),
-        steps: solution.account.steps,
-        operator_applications: solution.account.operator_applications,
-        residual: solution.account.residual,
-        seconds: solution.account.seconds,
-    };
-    let errors = total_errors(grid, solution.account.residual);
-    let far_field = Physical::judge(problem.far_field(&solution.field), errors)?;
-    Ok(PointRecord::new(key.to_owned(), point.realisation, &far_field, account)?)
+    geometry.problem(&media, &point.incidence, Mean::default())
 }
 
 /// Passes the run's wish to stop on to packings and solvers.

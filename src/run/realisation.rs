@@ -2,19 +2,20 @@
 
 use super::collected::{Failure, Realisation, RunError, RunSettings, Stores};
 use super::crew::work_through;
-use super::point::{PointError, is_physical, pack_realisation, solve_point};
+use super::point::{PointError, is_physical, pack_realisation, problem_of, solve_point};
 use super::resolve;
 use super::resolve::Resolved;
 use super::watch::RunWatch;
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::solve::Solver;
+use crate::solve::door::{Geometry, Wave, WaveProblem};
 use crate::store::identity::Key;
 use crate::store::packing_record::PackingRecord;
 use crate::store::record::{FailureRecord, PointRecord};
-use crate::wave::{Coverage, Mean, Resolution, Scene};
+use crate::wave::{Mean, Resolution, Scene};
 use std::io;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 /// Packings on demand; the first one serves the choice of the resolution too, and the latest one all studies
 /// that share it.
@@ -24,12 +25,12 @@ pub(crate) struct Packings<'a> {
     first: Option<Packing>,
     latest: Option<(usize, Packing)>,
     /// Of the realisation, grid and error that were last asked for: inks that share a packing share it too.
-    coverage: Option<((usize, Resolution, f64), Arc<Coverage>)>,
+    geometry: Option<((usize, Resolution, f64, bool), Geometry)>,
 }
 
 impl<'a> Packings<'a> {
     pub fn new(study: &'a Study, watch: &'a dyn RunWatch) -> Self {
-        Self { study, watch, first: None, latest: None, coverage: None }
+        Self { study, watch, first: None, latest: None, geometry: None }
     }
 
     pub fn get(&mut self, realisation: usize) -> Result<Packing, RunError> {
@@ -49,21 +50,22 @@ impl<'a> Packings<'a> {
         Ok(packing)
     }
 
-    fn coverage(
+    fn geometry(
         &mut self,
+        wave: Wave,
         realisation: usize,
         resolution: Resolution,
         error: f64,
-    ) -> Result<Arc<Coverage>, RunError> {
-        let asked = (realisation, resolution, error);
-        if let Some((_, coverage)) = self.coverage.as_ref().filter(|(kept, _)| *kept == asked) {
-            return Ok(coverage.clone());
+    ) -> Result<Geometry, RunError> {
+        let asked = (realisation, resolution, error, wave.is_vector());
+        if let Some((_, geometry)) = self.geometry.as_ref().filter(|(kept, _)| *kept == asked) {
+            return Ok(geometry.clone());
         }
-        self.coverage = None;
+        self.geometry = None;
         let scene = Scene::from_packing(&self.get(realisation)?);
-        let coverage = Arc::new(Coverage::within(&scene, resolution, error)?);
-        self.coverage = Some((asked, coverage.clone()));
-        Ok(coverage)
+        let geometry = Geometry::new(wave, &scene, resolution, error)?;
+        self.geometry = Some((asked, geometry.clone()));
+        Ok(geometry)
     }
 }
 
@@ -74,7 +76,8 @@ pub(crate) fn point_keys(study: &Study, resolved: &Resolved, realisation: usize)
     let key = |point: &Point| {
         let error = study.resolution.coverage_error();
         let method = (&resolution, Mean::default(), &study.solver, &study.goal, error);
-        Key::of("point", &(&packing, study.indices(point.incidence.wavelength_um), &point.incidence, method))
+        let indices = study.indices(point.incidence.wavelength_um);
+        Key::of_wave("point", &(&packing, indices, &point.incidence, method), point.polarisation)
     };
     study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
 }
@@ -123,8 +126,8 @@ impl RealisationRun<'_> {
         let solver = size.admit(&*solver, self.settings.memory)?;
         let jobs = self.jobs(size.bytes(solver.solver()));
         let error = self.study.resolution.coverage_error();
-        let coverage = packings.coverage(self.realisation, resolution, error)?;
-        for (&i, result) in missing.iter().zip(self.solve_all(solver.solver(), jobs, &coverage, &todo)?) {
+        let geometry = packings.geometry(self.study.wave, self.realisation, resolution, error)?;
+        for (&i, result) in missing.iter().zip(self.solve_all(solver.solver(), jobs, &geometry, &todo)?) {
             match result {
                 Some(Ok(point)) => points[i] = Some(point),
                 Some(Err(reason)) => failures.push(self.note_failure(&keyed[i], reason)?),
@@ -163,22 +166,24 @@ impl RealisationRun<'_> {
         Ok(Failure { point: *point, reason })
     }
 
-    /// Solves side by side; `None` for those that a stop left out.
+    /// Solves side by side, those of one problem after one another; `None` for those that a stop left out.
     fn solve_all(
         &self,
         solver: &dyn Solver,
         jobs: usize,
-        coverage: &Arc<Coverage>,
+        geometry: &Geometry,
         todo: &[&(Point, Key)],
     ) -> Result<Vec<Solved>, RunError> {
         let results: Vec<Mutex<Solved>> = todo.iter().map(|_| Mutex::new(None)).collect();
         let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
         let stop = || self.watch.stop() || lock(&trouble).is_some();
-        work_through(todo.len(), jobs, stop, |i| {
-            let (point, key) = todo[i];
-            match self.solve_one(solver, coverage, point, key) {
-                Ok(solved) => *lock(&results[i]) = solved,
-                Err(error) => *lock(&trouble) = Some(error),
+        let groups: Vec<&[&(Point, Key)]> =
+            todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
+        let places: Vec<usize> = starts(&groups);
+        work_through(groups.len(), jobs, stop, |g| {
+            let own = &results[places[g]..places[g] + groups[g].len()];
+            if let Err(error) = self.solve_group(solver, geometry, groups[g], own) {
+                *lock(&trouble) = Some(error);
             }
         })?;
         match trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {
@@ -190,24 +195,42 @@ impl RealisationRun<'_> {
         }
     }
 
-    /// One solve, in the store when it returns. The error is the store's alone.
+    /// The solves of one wavelength and direction, whose problem they share. The error is the store's alone.
+    fn solve_group(
+        &self,
+        solver: &dyn Solver,
+        geometry: &Geometry,
+        group: &[&(Point, Key)],
+        results: &[Mutex<Solved>],
+    ) -> io::Result<()> {
+        let mut problem = None;
+        for ((point, key), result) in group.iter().zip(results) {
+            if self.watch.stop() {
+                break;
+            }
+            *lock(result) = self.solve_one(solver, (geometry, &mut problem), point, key)?;
+        }
+        Ok(())
+    }
+
+    /// One solve, in the store when it returns; the problem is made for the first of a group. The error is the store's alone.
     fn solve_one(
         &self,
         solver: &dyn Solver,
-        coverage: &Arc<Coverage>,
+        (geometry, shared): (&Geometry, &mut Option<WaveProblem>),
         point: &Point,
         key: &Key,
     ) -> io::Result<Solved> {
         self.watch.solving(self.study, point);
-        let solved = solve_point(
-            self.study,
-            solver,
-            coverage,
-            point,
-            self.resolved.grid_error,
-            key.as_str(),
-            self.watch,
-        );
+        let (study, grid) = (self.study, self.resolved.grid_error);
+        let made = match shared.take() {
+            Some(problem) => Ok(problem),
+            None => problem_of(study, geometry, point).map_err(|e| PointError::Door(e.into())),
+        };
+        let solved = made.and_then(|made| {
+            let problem = shared.insert(made);
+            solve_point(study, solver, problem, point, grid, key.as_str(), self.watch)
+        });
         self.watch.ended();
         match solved {
             Ok(record) => {
@@ -227,6 +250,17 @@ impl RealisationRun<'_> {
 
 /// A record, the reason why there is none, or nothing when the run was stopped before.
 type Solved = Option<Result<PointRecord, String>>;
+
+/// Places of the first members of groups that lie one after another.
+fn starts<T>(groups: &[&[T]]) -> Vec<usize> {
+    let mut next = 0;
+    let place = |group: &&[T]| {
+        let start = next;
+        next += group.len();
+        start
+    };
+    groups.iter().map(place).collect()
+}
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)

@@ -8,6 +8,7 @@ use super::point::Stopper;
 use super::watch::RunWatch;
 use crate::input::study::{Pigment, Study, WantedResolution};
 use crate::input::variation::{Draw, stratified_deg};
+use crate::solve::accuracy::discretisation::Discretisation;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
 use crate::solve::demand::Size;
@@ -15,7 +16,8 @@ use crate::solve::{Coverages, Solver};
 use crate::store::identity::Key;
 use crate::store::{Record, Store};
 use crate::wave::physical::largest;
-use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
+use crate::wave::maxwell::NormalMoments;
+use crate::wave::{Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
 
 /// Packings on which two grids are compared: enough for a standard error of the difference.
@@ -64,7 +66,9 @@ pub fn size(study: &Study, resolution: Resolution) -> Size {
     let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
     let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
     let channels = study.pigments.len() + usize::from(study.packing.relief.is_some());
-    Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers: [k0 * densest, k0], vector: false }
+    let vector = study.wave.is_vector();
+    let wavenumbers = if vector { [0.0; 2] } else { [k0 * densest, k0] };
+    Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers, vector }
 }
 
 impl Record for Resolved {
@@ -93,11 +97,17 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     }
     let first = scene(0)?;
     watch.stage("estimating the error of the grid");
-    let mut resolved = settle(study, &first, &probes, memory, watch)?;
+    let mut resolved = match study.wave.is_vector() {
+        false => settle::<Coverage>(study, &first, &probes, memory, watch)?,
+        true => settle::<NormalMoments>(study, &first, &probes, memory, watch)?,
+    };
     let mut differences = Vec::new();
     for r in 0..study.realisations.min(GRID_PACKINGS) {
         let scene = if r == 0 { first.clone() } else { scene(r)? };
-        differences.push(grid_differences(study, &resolved, r, &scene, memory, watch)?);
+        differences.push(match study.wave.is_vector() {
+            false => grid_differences::<Coverage>(study, &resolved, r, &scene, memory, watch)?,
+            true => grid_differences::<NormalMoments>(study, &resolved, r, &scene, memory, watch)?,
+        });
     }
     resolved.grid_error = GridError::from_differences(&differences);
     store.put(key.as_str(), &resolved)?;
@@ -114,7 +124,8 @@ fn key(study: &Study, probes: &[Incidence]) -> Key {
     let packing = Key::of("packing", &study.packing_request(0));
     let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
     let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
-    Key::of("resolution", &(packing, media, probes, method))
+    // s, p and unpolarised light share a grid.
+    Key::of_wave("resolution", &(packing, media, probes, method), study.wave.is_vector().then_some(()))
 }
 
 fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
@@ -144,7 +155,7 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     probes
 }
 
-fn settle(
+fn settle<G: Discretisation>(
     study: &Study,
     scene: &Scene,
     probes: &[Incidence],
@@ -153,10 +164,10 @@ fn settle(
 ) -> Result<Resolved, AccuracyError> {
     let draw = study.draw(0);
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
-    for task in &Prepared::new(study, scene, probes, memory).tasks() {
+    for task in &Prepared::<G>::new(study, scene, probes, memory).tasks() {
         let probed = probe(study, &draw, task, resolution, watch)?;
         error_estimate = largest([error_estimate, probed.error_estimate]);
-        resolution = Some(probed.problem.coverage.grid.resolution);
+        resolution = Some(G::grid_of(&probed.problem).resolution);
     }
     let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
     let Draw { period_um, thickness_um, .. } = draw;
@@ -164,7 +175,7 @@ fn settle(
 }
 
 /// What the grid does to R and T of the probes on one packing.
-fn grid_differences(
+fn grid_differences<G: Discretisation>(
     study: &Study,
     resolved: &Resolved,
     realisation: usize,
@@ -174,13 +185,13 @@ fn grid_differences(
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let probes = probes(study, realisation);
     let own = resolved.for_cell(&study.draw(realisation));
-    GridError::differences(&Prepared::new(study, scene, &probes, memory).tasks(), own, &mut Stopper(watch))
+    GridError::differences(&Prepared::<G>::new(study, scene, &probes, memory).tasks(), own, &mut Stopper(watch))
 }
 
 /// What the probes of one packing borrow.
-struct Prepared<'a> {
+struct Prepared<'a, G> {
     study: &'a Study,
-    coverages: Coverages<'a>,
+    coverages: Coverages<'a, G>,
     solver: Box<dyn Solver>,
     media: Vec<Media>,
     probes: &'a [Incidence],
@@ -188,14 +199,14 @@ struct Prepared<'a> {
     memory: f64,
 }
 
-impl<'a> Prepared<'a> {
+impl<'a, G: Discretisation> Prepared<'a, G> {
     fn new(study: &'a Study, scene: &'a Scene, probes: &'a [Incidence], memory: f64) -> Self {
         let media = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
-        let coverages = Coverages::within(scene, study.resolution.coverage_error());
+        let coverages = Coverages::of_any(scene, study.resolution.coverage_error());
         Self { study, coverages, solver: study.solver.build(), media, probes, memory }
     }
 
-    fn tasks(&self) -> Vec<Task<'_>> {
+    fn tasks(&self) -> Vec<Task<'_, G>> {
         let task = |(media, incidence)| Task {
             coverages: &self.coverages,
             media,
@@ -211,13 +222,13 @@ impl<'a> Prepared<'a> {
 }
 
 /// Tries the grid found so far and refines it for this probe where that is asked.
-fn probe(
+fn probe<G: Discretisation>(
     study: &Study,
     draw: &Draw,
-    task: &Task,
+    task: &Task<G>,
     before: Option<Resolution>,
     watch: &dyn RunWatch,
-) -> Result<Estimated, AccuracyError> {
+) -> Result<Estimated<G>, AccuracyError> {
     let watch = &mut Stopper(watch);
     let accuracy = match study.resolution {
         WantedResolution::Grid { points_per_um, planes_per_um, scheme } => {
@@ -233,7 +244,7 @@ fn probe(
         }
     }
     let refined = task.solve_to_accuracy(accuracy, watch)?;
-    let (fine, Some(coarse)) = (refined.problem.coverage.grid.resolution, before) else { return Ok(refined) };
+    let (fine, Some(coarse)) = (G::grid_of(&refined.problem).resolution, before) else { return Ok(refined) };
     let both = Resolution {
         nx: fine.nx.max(coarse.nx),
         ny: fine.ny.max(coarse.ny),

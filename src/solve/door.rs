@@ -1,7 +1,7 @@
 //! One door to every wave: scene, media, light and grid in, far fields out, scalar or in s, p and unpolarised light.
 //!
 //! [`Geometry`] holds what does not depend on wavelength and direction, so that it is made once per scene and grid;
-//! s and p share it, the contrast's tensor and the mean operator's tables.
+//! s and p share it, and in a [`WaveProblem`] the contrast's tensor and the mean operator's tables.
 
 use super::solver::{Account, Goal, SolveError, Solver, Watch};
 use crate::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem};
@@ -41,10 +41,39 @@ impl Wave {
         }
     }
 
-    /// A resolution in the scheme that the wave needs: the vector wave has two Gauss planes a cell.
-    pub fn resolution(self, nx: usize, ny: usize, cells: usize, scalar: Scheme) -> Resolution {
-        let scheme = if self == Wave::Scalar { scalar } else { Scheme::Quadratic };
-        Resolution { nx, ny, cells, scheme }
+    /// True for Maxwell's equations.
+    pub fn is_vector(self) -> bool {
+        self != Wave::Scalar
+    }
+
+    /// The light that paper gives back: it depolarises.
+    pub fn returned(self) -> Wave {
+        if self.is_vector() { Wave::Unpolarised } else { Wave::Scalar }
+    }
+
+    /// The scheme that the wave needs: the vector wave has two Gauss planes a cell.
+    pub fn scheme(self, scalar: Scheme) -> Scheme {
+        if self.is_vector() { Scheme::Quadratic } else { scalar }
+    }
+
+    /// The name as it is written in study files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Wave::Scalar => "scalar",
+            Wave::S => "s",
+            Wave::P => "p",
+            Wave::Unpolarised => "unpolarised",
+        }
+    }
+
+    /// What it is, in a few words for reports.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Wave::Scalar => "scalar wave equation",
+            Wave::S => "Maxwell's equations, s-polarised light",
+            Wave::P => "Maxwell's equations, p-polarised light",
+            Wave::Unpolarised => "Maxwell's equations, unpolarised light",
+        }
     }
 }
 
@@ -57,7 +86,15 @@ pub enum Geometry {
     Vector(Arc<NormalMoments>),
 }
 
-/// Why there are no far fields.
+/// The discrete problem of one wavelength and direction.
+pub enum WaveProblem {
+    /// Of the scalar wave.
+    Scalar(Box<Problem>),
+    /// Of Maxwell's equations: s and p share it.
+    Vector(Box<VectorProblem>),
+}
+
+/// Why there is no far field.
 #[derive(Debug, Error)]
 pub enum DoorError {
     /// The scene, the light or the grid is refused.
@@ -66,28 +103,6 @@ pub enum DoorError {
     /// A strategy gave up.
     #[error(transparent)]
     Solve(#[from] SolveError),
-}
-
-/// What leaves the layer, for each solve that the wave needs.
-#[derive(Clone, Debug)]
-pub struct FarFields {
-    /// One far field, or those of s and p for unpolarised light.
-    pub each: Vec<FarField>,
-    /// The solves' accounts, in the same order.
-    pub accounts: Vec<Account>,
-}
-
-/// What is solved: everything but the geometry.
-#[derive(Clone, Copy)]
-pub struct Light<'a> {
-    /// Equation and polarisation.
-    pub wave: Wave,
-    /// Indices of all media.
-    pub media: &'a Media,
-    /// Wavelength and direction.
-    pub incidence: &'a Incidence,
-    /// Choice of ⟨k²⟩.
-    pub mean: Mean,
 }
 
 impl Geometry {
@@ -102,61 +117,49 @@ impl Geometry {
         })
     }
 
-    /// Solves for one wavelength and direction.
+    /// The problem for one wavelength and direction.
     ///
     /// # Errors
-    /// [`DoorError`]; [`Light::wave`] must be the kind of wave that the geometry was made for.
-    pub fn far_fields(
-        &self,
-        light: Light,
-        solver: &dyn Solver,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<FarFields, DoorError> {
-        let mut found = FarFields { each: Vec::new(), accounts: Vec::new() };
-        match self {
-            Geometry::Scalar(coverage) if light.wave == Wave::Scalar => {
-                let problem = Problem::new(coverage, light.media, light.incidence, light.mean)?;
-                let solution = solver.solve(&problem, goal, watch)?;
-                found.each.push(problem.far_field(&solution.field));
-                found.accounts.push(solution.account);
+    /// Media and lights that are refused.
+    pub fn problem(&self, media: &Media, light: &Incidence, mean: Mean) -> Result<WaveProblem, WaveError> {
+        Ok(match self {
+            Geometry::Scalar(coverage) => {
+                WaveProblem::Scalar(Box::new(Problem::new(coverage, media, light, mean)?))
             }
-            Geometry::Vector(moments) if light.wave != Wave::Scalar => {
-                let averaging = Averaging::Normal;
-                let problem =
-                    VectorProblem::new(moments, light.media, light.incidence, light.mean, averaging)?;
-                for &polarisation in light.wave.polarisations() {
-                    let solution = solver.solve(&problem.polarised(polarisation), goal, watch)?;
-                    found.each.push(problem.polarised_far_field(&solution.field, polarisation));
-                    found.accounts.push(solution.account);
-                }
+            Geometry::Vector(moments) => {
+                let problem = VectorProblem::new(moments, media, light, mean, Averaging::Normal)?;
+                WaveProblem::Vector(Box::new(problem))
             }
-            _ => {
-                return Err(DoorError::Wave(WaveError::NotInVectorMode {
-                    what: "a geometry made for the other kind of wave",
-                    reason: "coverage serves the scalar wave, normal moments Maxwell's equations",
-                    remedy: "make the geometry with the wave that is to be solved",
-                }));
-            }
-        }
-        Ok(found)
+        })
     }
 }
 
-impl FarFields {
-    /// The mean of efficiencies and totals, as unpolarised light has them. Amplitudes are those of the first far field:
-    /// s and p are not coherent, and their mean would mean nothing.
-    pub fn mean(&self) -> FarField {
-        let mut mean = self.each[0].clone();
-        let count = self.each.len() as f64;
-        let average = |of: &dyn Fn(&FarField) -> f64| self.each.iter().map(of).sum::<f64>() / count;
-        mean.reflectance = average(&|f| f.reflectance);
-        mean.transmittance = average(&|f| f.transmittance);
-        mean.absorptance = average(&|f| f.absorptance);
-        for (i, order) in mean.orders.iter_mut().enumerate() {
-            order.reflected_efficiency = average(&|f| f.orders[i].reflected_efficiency);
-            order.transmitted_efficiency = average(&|f| f.orders[i].transmitted_efficiency);
+impl WaveProblem {
+    /// Solves for light of one polarisation, or for the scalar wave.
+    ///
+    /// # Errors
+    /// [`DoorError`]: the strategy gives up, or the polarisation does not fit the kind of wave.
+    pub fn far_field(
+        &self,
+        polarisation: Option<Polarisation>,
+        solver: &dyn Solver,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<(FarField, Account), DoorError> {
+        match (self, polarisation) {
+            (WaveProblem::Scalar(problem), None) => {
+                let solution = solver.solve(&**problem, goal, watch)?;
+                Ok((problem.far_field(&solution.field), solution.account))
+            }
+            (WaveProblem::Vector(problem), Some(polarisation)) => {
+                let solution = solver.solve(&problem.polarised(polarisation), goal, watch)?;
+                Ok((problem.polarised_far_field(&solution.field, polarisation), solution.account))
+            }
+            _ => Err(DoorError::Wave(WaveError::NotInVectorMode {
+                what: "a polarisation of the scalar wave, or none of the vector wave",
+                reason: "the scalar wave has no polarisation, Maxwell's equations need one",
+                remedy: "make the geometry with the wave that is to be solved",
+            })),
         }
-        mean
     }
 }

@@ -25,6 +25,14 @@ impl Key {
         Self(hasher.finalize().to_hex()[..32].to_owned())
     }
 
+    /// The key where inputs are the scalar wave's (`None`), or Maxwell's equations' with what these add.
+    pub fn of_wave(kind: &str, inputs: &impl Serialize, vector: Option<impl Serialize>) -> Self {
+        match vector {
+            None => Self::of(kind, inputs),
+            Some(vector) => Self::of(kind, &(inputs, "maxwell", vector)),
+        }
+    }
+
     /// The key as text, fit for a file name.
     pub fn as_str(&self) -> &str {
         &self.0
@@ -50,6 +58,8 @@ mod tests {
     fn the_key_depends_on_kind_and_content_alone() {
         assert_eq!(Key::of("point", &(1.0, "a")), Key::of("point", &(1.0, "a")));
         assert_ne!(Key::of("point", &(1.0, "a")), Key::of("packing", &(1.0, "a")));
+        assert_eq!(Key::of_wave("point", &1.0, None::<u8>), Key::of("point", &1.0));
+        assert_ne!(Key::of_wave("point", &1.0, Some(1)), Key::of_wave("point", &1.0, Some(2)));
         assert_ne!(Key::of("point", &1.0), Key::of("point", &(1.0 + f64::EPSILON)));
     }
 }

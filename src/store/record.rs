@@ -1,6 +1,7 @@
 //! What is kept of one solve: its propagating orders, its energy receipt and its account.
 
 use super::store::Record;
+use crate::wave::maxwell::Polarisation;
 use crate::wave::{FarField, Incidence, Order};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,12 @@ pub struct PointRecord {
     pub account: SolveAccount,
     /// All orders listed.
     pub orders: Vec<OrderRow>,
+    /// Polarisation of the light; `None` for the scalar wave.
+    #[serde(default)]
+    pub polarisation: Option<Polarisation>,
+    /// Re r, Im r, Re t, Im t of every order into the other polarisation; empty for the scalar wave.
+    #[serde(default)]
+    pub crossed: Vec<[f64; 4]>,
 }
 
 impl Record for PointRecord {
@@ -102,6 +109,7 @@ impl From<Row> for OrderRow {
             transmitted: Complex64::new(t_re, t_im),
             reflected_efficiency: e_r,
             transmitted_efficiency: e_t,
+            further: Default::default(),
         })
     }
 }
@@ -111,11 +119,17 @@ impl From<Row> for OrderRow {
 #[error("the far field holds a number that is not finite")]
 pub struct NotFinite;
 
+fn crossed(order: &Order) -> [f64; 4] {
+    let [r, t] = order.further[0];
+    [r.re, r.im, t.re, t.im]
+}
+
 impl PointRecord {
-    /// Keeps what a solve found. Fails when any number is not finite.
+    /// Keeps what a solve found for light of one polarisation, or the scalar wave. Fails when any number is not finite.
     pub fn new(
         key: String,
         realisation: usize,
+        polarisation: Option<Polarisation>,
         far_field: &FarField,
         account: SolveAccount,
     ) -> Result<Self, NotFinite> {
@@ -131,6 +145,11 @@ impl PointRecord {
             absorptance: far_field.absorptance,
             account,
             orders: far_field.orders.iter().filter(propagates).copied().map(OrderRow).collect(),
+            polarisation,
+            crossed: match polarisation {
+                None => Vec::new(),
+                Some(_) => far_field.orders.iter().filter(propagates).map(crossed).collect(),
+            },
         };
         if record.is_finite() { Ok(record) } else { Err(NotFinite) }
     }
@@ -140,11 +159,20 @@ impl PointRecord {
         FarField {
             incidence: self.incidence,
             period_um: self.period_um,
-            orders: self.orders.iter().map(|row| row.0).collect(),
+            orders: self.orders.iter().enumerate().map(|(i, row)| self.order(i, row.0)).collect(),
             reflectance: self.reflectance,
             transmittance: self.transmittance,
             absorptance: self.absorptance,
         }
+    }
+
+    /// An order with its crossed amplitudes.
+    fn order(&self, i: usize, order: Order) -> Order {
+        let mut full = order;
+        if let Some([r, r_im, t, t_im]) = self.crossed.get(i) {
+            full.further[0] = [Complex64::new(*r, *r_im), Complex64::new(*t, *t_im)];
+        }
+        full
     }
 
     /// R + T + A − 1.
@@ -160,7 +188,8 @@ impl PointRecord {
                 .into_iter()
                 .chain(efficiencies)
         });
-        totals.into_iter().chain(amplitudes).all(f64::is_finite)
+        let crossed = self.crossed.iter().flatten().copied();
+        totals.into_iter().chain(amplitudes).chain(crossed).all(f64::is_finite)
     }
 }
 
@@ -182,6 +211,7 @@ pub(crate) mod tests {
             transmitted: Complex64::new(2.0_f64.sqrt() / 2.0, 1e-300),
             reflected_efficiency: 0.05,
             transmitted_efficiency: 0.5,
+            further: Default::default(),
         };
         FarField {
             incidence: Incidence {
@@ -205,7 +235,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_record_reads_back_bit_for_bit() {
-        let record = PointRecord::new("k".into(), 3, &two_orders(), account()).unwrap();
+        let record = PointRecord::new("k".into(), 3, None, &two_orders(), account()).unwrap();
         let store = Store::in_memory().unwrap();
         store.put("k", &record).unwrap();
         let back: PointRecord = store.get("k").unwrap();
@@ -214,9 +244,24 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn crossed_amplitudes_read_back_for_polarised_light() {
+        let mut far_field = two_orders();
+        far_field.orders[0].further[0] = [Complex64::new(0.01, 0.02), Complex64::new(1.0 / 3.0, -0.5)];
+        let record = PointRecord::new("k".into(), 3, Some(Polarisation::P), &far_field, account()).unwrap();
+        let store = Store::in_memory().unwrap();
+        store.put("k", &record).unwrap();
+        let back: PointRecord = store.get("k").unwrap();
+        assert_eq!((back.polarisation, back.crossed.len()), (Some(Polarisation::P), 1));
+        assert_eq!(back.far_field().orders, far_field.orders[..1]);
+        far_field.orders[0].further[0][1].re = f64::NAN;
+        let refused = PointRecord::new("k".into(), 3, Some(Polarisation::P), &far_field, account());
+        assert_eq!(refused, Err(NotFinite));
+    }
+
+    #[test]
     fn a_number_that_is_not_finite_makes_no_record() {
         let mut far_field = two_orders();
         far_field.orders[0].transmitted.im = f64::NAN;
-        assert_eq!(PointRecord::new("k".into(), 0, &far_field, account()), Err(NotFinite));
+        assert_eq!(PointRecord::new("k".into(), 0, None, &far_field, account()), Err(NotFinite));
     }
 }

@@ -9,11 +9,11 @@ use crate::run::realisation::Packings;
 use crate::run::resolve::size;
 use crate::run::runner::{RunError, stopped};
 use crate::run::watch::RunWatch;
+use crate::solve::door::Geometry;
 use crate::store::identity::Key;
-use crate::wave::{Coverage, Scene};
+use crate::wave::Scene;
 use serde::Serialize;
 use std::collections::HashSet;
-use std::sync::Arc;
 use trial::{Trial, density, full_resolution, time_solves, trial, volume};
 
 /// Most variants that are tried.
@@ -147,7 +147,7 @@ fn at_full_size(
     watch.stage(&format!("calibrating with {} at full size", variant.name));
     let scene = Scene::from_packing(&Packings::new(&variant.study, watch).get(0).map_err(stopped)?);
     let error = variant.study.resolution.coverage_error();
-    let cover = Arc::new(Coverage::within(&scene, full_resolution(trial, &variant.study), error)?);
+    let cover = Geometry::new(variant.study.wave, &scene, full_resolution(trial, &variant.study), error)?;
     let solve = time_solves(&variant.study, &cover, jobs, watch)? / volume(&variant.study);
     Ok(Some((variant.name.clone(), solve / trial.solve)))
 }
@@ -192,12 +192,14 @@ impl Counts {
             let method = (&study.solver, &study.goal);
             for r in 0..study.realisations {
                 let key = |p: &Point| {
-                    Key::of("solve", &(r, study.indices(p.incidence.wavelength_um), p.incidence, method))
+                    let indices = study.indices(p.incidence.wavelength_um);
+                    Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
                 };
                 solves.extend(study.points(r).iter().map(key));
             }
             let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-            grids.insert(Key::of("grid", &(&study.wavelengths_nm, &study.angles, indices, method)));
+            let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
+            grids.insert(Key::of("grid", &(light, indices, method)));
         }
         Self {
             packings: studies.iter().map(|s| s.realisations).max().unwrap_or(0),

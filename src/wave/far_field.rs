@@ -29,7 +29,14 @@ pub struct Order {
     pub reflected_efficiency: f64,
     /// Share of the incident power that it carries on.
     pub transmitted_efficiency: f64,
+    /// Amplitudes \[reflected, transmitted\] that do not interfere with the first ones, zero in the scalar wave: light of
+    /// the other polarisation, and in unpolarised light both of the other incident one. Their powers add, with one
+    /// flux factor for all.
+    pub further: [[Complex64; 2]; FURTHER],
 }
+
+/// Pairs of amplitudes beside the first one: crossed, and two of the second incident polarisation.
+pub const FURTHER: usize = 3;
 
 /// All orders of one solve with their receipt: R + T + A = 1, A from the discrete quadratic form.
 ///
@@ -72,10 +79,43 @@ impl FarField {
         self.reflectance + self.transmittance + self.absorptance - 1.0
     }
 
+    /// Unpolarised light from s and p light of the same direction: the mean of efficiencies and totals. All amplitudes are
+    /// kept side by side, less a factor √2, so that powers are theirs.
+    pub fn unpolarised(s: &FarField, p: &FarField) -> FarField {
+        let orders = s.orders.iter().zip(&p.orders).map(|(s, p)| Order::unpolarised(s, p)).collect();
+        FarField {
+            orders,
+            reflectance: 0.5 * (s.reflectance + p.reflectance),
+            transmittance: 0.5 * (s.transmittance + p.transmittance),
+            absorptance: 0.5 * (s.absorptance + p.absorptance),
+            ..s.clone()
+        }
+    }
+
     /// The specular order (0, 0).
     pub fn specular(&self) -> &Order {
         let is_specular = |o: &&Order| o.m == 0 && o.n == 0;
         self.orders.iter().find(is_specular).expect("order (0, 0) is always kept")
+    }
+}
+
+impl Order {
+    /// All amplitudes \[reflected, transmitted\], those that do not interfere beside each other.
+    pub fn amplitudes(&self) -> impl Iterator<Item = [Complex64; 2]> + use<> {
+        std::iter::once([self.reflected, self.transmitted]).chain(self.further)
+    }
+
+    fn unpolarised(s: &Order, p: &Order) -> Order {
+        let share = |amplitudes: [Complex64; 2]| amplitudes.map(|a| std::f64::consts::FRAC_1_SQRT_2 * a);
+        let [reflected, transmitted] = share([s.reflected, s.transmitted]);
+        Order {
+            reflected,
+            transmitted,
+            further: [s.further[0], [p.reflected, p.transmitted], p.further[0]].map(share),
+            reflected_efficiency: 0.5 * (s.reflected_efficiency + p.reflected_efficiency),
+            transmitted_efficiency: 0.5 * (s.transmitted_efficiency + p.transmitted_efficiency),
+            ..*s
+        }
     }
 }
 
@@ -137,6 +177,7 @@ impl Problem {
             transmitted,
             reflected_efficiency: efficiency(back, reflected),
             transmitted_efficiency: efficiency(onward, transmitted),
+            further: Default::default(),
         }
     }
 }

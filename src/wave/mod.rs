@@ -19,7 +19,7 @@ pub mod scene;
 
 pub use contrast::coverage::Coverage;
 pub use error::WaveError;
-pub use far_field::{FarField, Order};
+pub use far_field::{FURTHER, FarField, Order};
 pub use grid::{Grid, Resolution, Scheme};
 pub use incidence::{Incidence, Side};
 pub use layout::Layout;

@@ -133,10 +133,12 @@ impl Physical {
 
 fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
     let amplitude = |quantity, z: num_complex::Complex64| [(quantity, z.re), (quantity, z.im)];
-    let of_order = |o: &super::Order| {
-        let [r, t] = [amplitude("an amplitude R", o.reflected), amplitude("an amplitude T", o.transmitted)];
+    let of_pair = move |[r, t]: [num_complex::Complex64; 2]| {
+        [amplitude("an amplitude R", r), amplitude("an amplitude T", t)].into_iter().flatten()
+    };
+    let of_order = move |o: &super::Order| {
         let efficiencies = [o.reflected_efficiency, o.transmitted_efficiency].map(|e| ("an efficiency", e));
-        r.into_iter().chain(t).chain(efficiencies)
+        o.amplitudes().flat_map(of_pair).chain(efficiencies)
     };
     let totals = [("R", far.reflectance), ("T", far.transmittance), ("A", far.absorptance)];
     let mut all = totals.into_iter().chain(far.orders.iter().flat_map(of_order));
@@ -173,6 +175,7 @@ mod tests {
             transmitted: Complex64::new(0.3, 0.1),
             reflected_efficiency: reflectance,
             transmitted_efficiency: transmittance,
+            further: Default::default(),
         };
         let incidence =
             Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };

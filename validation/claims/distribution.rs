@@ -62,6 +62,7 @@ fn reflecting(wavelength_um: f64, side: f64, mut efficiency: impl FnMut() -> f64
                 transmitted: Complex64::ZERO,
                 reflected_efficiency: efficiency,
                 transmitted_efficiency: 0.0,
+                further: Default::default(),
             });
         }
     }

@@ -10,6 +10,7 @@ use inkwave::evaluate::layer::LayerEnsemble;
 use inkwave::evaluate::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use inkwave::evaluate::wavelengths::SpectralBasis;
 use inkwave::input::variation::stratified_deg;
+use inkwave::solve::door::Wave;
 use num_complex::Complex64;
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -41,6 +42,7 @@ fn ink(case: &Value, index: Complex64, coupling: Coupling, solved: Option<usize>
         indices: &indices,
         thicknesses_um: vec![thickness_um],
         index_out,
+        wave: Wave::Scalar,
     };
     let substrate = Substrate { albedo: Albedo::Constant(number("rho")), coupling };
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[OUTPUT_NM] };

@@ -3,7 +3,7 @@
 use crate::input::fault::{Allowed, Fault, Faults};
 use crate::input::forms::IndexWritten;
 use crate::input::study::Material;
-use crate::material::spectra::{Spectrum, SpectrumError, Synthetic};
+use crate::material::spectra::{MixingRule, Spectrum, SpectrumError, Synthetic};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -20,6 +20,7 @@ pub(crate) fn tabulate(
         index: vec![Complex64::ONE; wavelengths_nm.len()],
         spectrum: Spectrum::VACUUM,
         dissolved: Vec::new(),
+        mixing: MixingRule::default(),
     };
     let Some(spectrum) = spectrum(field, written, folder, faults) else { return vacuum() };
     if let Some(fault) = outside(field, &spectrum, wavelengths_nm) {
@@ -35,6 +36,7 @@ pub(crate) fn tabulate(
             index,
             spectrum: spectrum.clone(),
             dissolved: Vec::new(),
+        mixing: MixingRule::default(),
         },
     )
 }

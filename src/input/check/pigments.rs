@@ -7,7 +7,7 @@ use crate::input::file::{LayerTable, PigmentTable, StudyFile};
 use crate::input::forms::Diameter;
 use crate::input::study::{Dissolved, Material, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
-use crate::material::spectra::molecular_mixture;
+use crate::material::spectra::MixingRule;
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -51,15 +51,20 @@ pub(crate) fn dissolved(
         .collect()
 }
 
-/// The binder with what is dissolved in it: ⟨η²⟩ over the volume that the grains leave.
-pub(crate) fn solution(binder: Material, dissolved: &[Dissolved], grains: &[Pigment]) -> Material {
+/// The binder with what is dissolved in it, over the volume that the grains leave.
+pub(crate) fn solution(
+    binder: Material,
+    dissolved: &[Dissolved],
+    grains: &[Pigment],
+    mixing: MixingRule,
+) -> Material {
     if dissolved.is_empty() {
         return binder;
     }
     let room = 1.0 - grains.iter().map(|pigment| pigment.grains.volume_fraction).sum::<f64>();
     let mixed = |(w, &eta): (usize, &Complex64)| {
         let share = |d: &Dissolved| (d.volume_fraction / room, d.material.index[w]);
-        molecular_mixture(eta, &dissolved.iter().map(share).collect::<Vec<_>>())
+        mixing.mix(eta, &dissolved.iter().map(share).collect::<Vec<_>>())
     };
     Material {
         source: binder.source,
@@ -69,6 +74,7 @@ pub(crate) fn solution(binder: Material, dissolved: &[Dissolved], grains: &[Pigm
             .iter()
             .map(|d| (d.volume_fraction / room, d.material.spectrum.clone()))
             .collect(),
+        mixing,
     }
 }
 
@@ -77,7 +83,7 @@ fn name(table: &PigmentTable) -> String {
     table.name.clone().unwrap_or_default()
 }
 
-fn is_molecular(table: &PigmentTable) -> bool {
+pub(super) fn is_molecular(table: &PigmentTable) -> bool {
     table.diameter_nm == Some(Diameter::Molecular)
 }
 

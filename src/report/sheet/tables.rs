@@ -6,6 +6,7 @@ use crate::evaluate::manifest::{Budget, ColourNote, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::ink::Method;
 use crate::input::study::{Study, WantedResolution};
+use crate::solve::door::Wave;
 use crate::input::variation::{CellRule, LightRule};
 use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
 
@@ -227,10 +228,7 @@ pub(crate) fn failures(manifest: &Manifest<&Study>) -> Vec<FailureRow> {
 
 pub(crate) fn limits(study: &Study) -> Vec<String> {
     let mut lines = vec![
-        "The wave equation is solved as a scalar one: the field and its slope are continuous everywhere. That is exact for \
-         s-polarised light on plane layers; unpolarised light, and p-polarised light above all at slanting angles, is \
-         approximated."
-            .to_owned(),
+        wave_in_words(study.wave).to_owned(),
         "Every grain is there: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell repeats \
          sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
             .to_owned(),
@@ -257,6 +255,23 @@ pub(crate) fn limits(study: &Study) -> Vec<String> {
     lines
 }
 
+fn wave_in_words(wave: Wave) -> &'static str {
+    match wave {
+        Wave::Scalar => {
+            "The wave equation is solved as a scalar one: the field and its slope are continuous everywhere. That is exact for \
+             s-polarised light on plane layers; unpolarised light, and p-polarised light above all at slanting angles, is \
+             approximated."
+        }
+        Wave::Unpolarised => {
+            "Maxwell's equations are solved in s and p light, and efficiencies averaged: unpolarised light. The paper depolarises."
+        }
+        Wave::S | Wave::P => {
+            "Maxwell's equations are solved for light of one polarisation, and all light that leaves is seen. The paper \
+             depolarises, so what it gives back through the layer is unpolarised."
+        }
+    }
+}
+
 pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Provenance {
     let r = manifest.resolution;
     let grid = match study.resolution {
@@ -276,6 +291,7 @@ pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Provenan
             Named::new("program", format!("{}, method {}", manifest.program, manifest.method_version)),
             Named::new("solves made by", builds),
             Named::new("seed", manifest.seed.to_string()),
+            Named::new("wave", study.wave.in_words()),
             Named::new("grid", resolution),
             Named::new("solver", format!("{solver}, to a residual of {:.0e}", study.goal.tolerance)),
             Named::new("solves", format!("{} of {}", manifest.solves.finished, manifest.solves.asked)),

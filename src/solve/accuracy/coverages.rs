@@ -27,18 +27,23 @@ impl<'a> Coverages<'a> {
 
     /// Coverages with coefficients of a relative error, see [`Coverage::within`].
     pub fn within(scene: &'a Scene, error: f64) -> Self {
-        Self { error, ..Self::of(scene) }
+        Self::of_any(scene, error)
     }
 }
 
 impl<'a> Coverages<'a, NormalMoments> {
     /// For Maxwell's equations, with moments of a relative error, see [`NormalMoments::within`].
     pub fn vector(scene: &'a Scene, error: f64) -> Self {
-        Self { scene, error, latest: Mutex::default() }
+        Self::of_any(scene, error)
     }
 }
 
-impl<G: Discretisation> Coverages<'_, G> {
+impl<'a, G: Discretisation> Coverages<'a, G> {
+    /// For any discretisation, with coefficients of a relative error.
+    pub fn of_any(scene: &'a Scene, error: f64) -> Self {
+        Self { scene, error, latest: Mutex::default() }
+    }
+
     /// The coverage on a grid, kept or new.
     ///
     /// # Errors

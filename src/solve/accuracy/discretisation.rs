@@ -67,6 +67,9 @@ pub trait Discretisation: Sized + Send + Sync {
     /// Largest difference of any amplitude that counts, see [`largest_difference`].
     fn difference(a: &Self::FarField, b: &Self::FarField) -> f64;
 
+    /// \[R, T\] of every polarisation.
+    fn totals(far: &Self::FarField) -> Vec<[f64; 2]>;
+
     /// Refuses totals that no passive layer has.
     fn judge(far: Self::FarField, errors: TotalErrors) -> Result<Self::Judged, Unphysical>;
 
@@ -131,6 +134,10 @@ impl Discretisation for Coverage {
 
     fn difference(a: &FarField, b: &FarField) -> f64 {
         largest_difference(a, b)
+    }
+
+    fn totals(far: &FarField) -> Vec<[f64; 2]> {
+        vec![[far.reflectance, far.transmittance]]
     }
 
     fn judge(far: FarField, errors: TotalErrors) -> Result<Physical, Unphysical> {
@@ -214,6 +221,10 @@ impl Discretisation for NormalMoments {
 
     fn difference(a: &VectorFarField, b: &VectorFarField) -> f64 {
         a.largest_difference(b)
+    }
+
+    fn totals(far: &VectorFarField) -> Vec<[f64; 2]> {
+        (0..2).map(|i| [far.reflectance[i], far.transmittance[i]]).collect()
     }
 
     fn judge(far: VectorFarField, errors: TotalErrors) -> Result<VectorFarField, Unphysical> {

@@ -6,11 +6,12 @@
 //! to a large part: over several packings it averages out, and the mean with its own standard error is what an ensemble's
 //! means are uncertain by.
 
+use super::discretisation::Discretisation;
 use super::search::{AccuracyError, Task, smooth_size};
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;
 use crate::wave::physical::largest;
-use crate::wave::{Coverage, Problem, Resolution};
+use crate::wave::Resolution;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -45,9 +46,9 @@ impl GridError {
         Self { reflectance: of(0), transmittance: of(1) }
     }
 
-    /// Differences \[R, T\] of the probes on one packing: at `own`, less on a coarser grid, or on a finer one where the coarser is refused.
-    pub(crate) fn differences(
-        tasks: &[Task],
+    /// Differences \[R, T\] of the probes on one packing, each polarisation for itself: at `own`, less on a coarser grid, or on a finer one where the coarser is refused.
+    pub(crate) fn differences<G: Discretisation>(
+        tasks: &[Task<G>],
         own: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<Vec<[f64; 2]>, AccuracyError> {
@@ -63,19 +64,23 @@ impl GridError {
                 Err(_) => totals(task, &cover(scaled(own, 1.0 / COARSER))?, watch)?,
             };
             // Layers without grains are exact on every grid: rounding is no error of theirs.
-            let difference =
-                |i: usize| if (one[i] - other[i]).abs() > ROUNDING { one[i] - other[i] } else { 0.0 };
-            differences.push([difference(0), difference(1)]);
+            let difference = |a: f64, b: f64| if (a - b).abs() > ROUNDING { a - b } else { 0.0 };
+            let of_light = |(a, b): (&[f64; 2], &[f64; 2])| [difference(a[0], b[0]), difference(a[1], b[1])];
+            differences.extend(one.iter().zip(&other).map(of_light));
         }
         Ok(differences)
     }
 }
 
-/// R and T of one probe.
-fn totals(task: &Task, coverage: &Arc<Coverage>, watch: &mut dyn Watch) -> Result<[f64; 2], AccuracyError> {
-    let problem = Problem::new(coverage, task.media, task.incidence, task.mean)?;
-    let far_field = problem.far_field(&task.solver.solve(&problem, task.goal, watch)?.field);
-    Ok([far_field.reflectance, far_field.transmittance])
+/// R and T of one probe, for each polarisation.
+fn totals<G: Discretisation>(
+    task: &Task<G>,
+    geometry: &Arc<G>,
+    watch: &mut dyn Watch,
+) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    let problem = G::problem(geometry, task.media, task.incidence, task.mean)?;
+    let solution = G::solve(&problem, task.solver, task.goal, watch)?;
+    Ok(G::totals(&G::far_field(&problem, &solution)))
 }
 
 /// A grid with about `factor` times the points and cells, different from `r` wherever that has several.

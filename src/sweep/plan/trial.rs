@@ -6,16 +6,16 @@ use crate::input::study::{Point, Study, WantedResolution};
 use crate::input::variation::CellRule;
 use crate::run::crew::work_through;
 use crate::run::memory;
-use crate::run::point::solve_point;
+use crate::run::point::{problem_of, solve_point};
 use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
 use crate::run::runner::RunError;
 use crate::run::watch::RunWatch;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
+use crate::solve::door::Geometry;
 use crate::store::store::Store;
-use crate::wave::{Coverage, Resolution, Scene};
-use std::sync::Arc;
+use crate::wave::{Resolution, Scene};
 use std::time::Instant;
 
 /// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
@@ -88,7 +88,7 @@ pub(crate) fn trial(
         }
     };
     let (coverage, cover) =
-        timed(|| Ok(Arc::new(Coverage::within(&scene, resolution, study.resolution.coverage_error())?)))?;
+        timed(|| Ok(Geometry::new(study.wave, &scene, resolution, study.resolution.coverage_error())?))?;
     let solve = time_solves(&study, &cover, jobs, watch)?;
     // Solves with their coverages that the search was worth; an earlier trial's is as long.
     let search = match (searched, alike) {
@@ -134,7 +134,7 @@ fn processor_seconds() -> Option<f64> {
 /// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
 pub(crate) fn time_solves(
     study: &Study,
-    coverage: &Arc<Coverage>,
+    geometry: &Geometry,
     jobs: usize,
     watch: &dyn RunWatch,
 ) -> Result<f64, RunError> {
@@ -142,7 +142,10 @@ pub(crate) fn time_solves(
     let solver = study.solver.build();
     let solve = |i: usize| {
         // A failure costs about what a success does.
-        let _ = solve_point(study, &*solver, coverage, &chosen[i], GridError::default(), "trial", watch);
+        let problem = problem_of(study, geometry, &chosen[i]);
+        let _ = problem.map(|problem| {
+            solve_point(study, &*solver, &problem, &chosen[i], GridError::default(), "trial", watch)
+        });
     };
     let (mut seconds, mut solves) = (0.0, 0);
     while seconds < LEAST_SECONDS && solves < MOST_SOLVES {

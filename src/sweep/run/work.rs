@@ -99,5 +99,5 @@ pub(crate) fn stage_key(study: &Study, realisation: usize) -> Key {
     let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
     let light = (&study.wavelengths_nm, &study.angles, indices);
     let method = (&study.resolution, &study.solver, &study.goal);
-    Key::of("stage", &(study.packing_request(realisation), light, method))
+    Key::of_wave("stage", &(study.packing_request(realisation), light, method), study.vector_wave())
 }

@@ -6,7 +6,7 @@
 
 use super::mean::Faces;
 use super::problem::{Polarisation, VectorProblem};
-use crate::wave::far_field::listed_orders;
+use crate::wave::far_field::{FURTHER, listed_orders};
 use crate::wave::{FarField, Field, Incidence, Order};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -80,7 +80,7 @@ impl VectorFarField {
     }
 
     /// The far field of one incident polarisation as the appearance stages read it: efficiencies of both outgoing
-    /// polarisations together; the complex amplitude is the one whose polarisation is unchanged.
+    /// polarisations together; the first complex amplitude is the one whose polarisation is unchanged.
     pub fn polarised(&self, polarisation: Polarisation) -> FarField {
         let i = polarisation as usize;
         let order = |o: &VectorOrder| Order {
@@ -93,6 +93,7 @@ impl VectorFarField {
             transmitted: o.transmitted[i][i],
             reflected_efficiency: o.reflected_efficiency[i],
             transmitted_efficiency: o.transmitted_efficiency[i],
+            further: crossed(o.reflected[i][1 - i], o.transmitted[i][1 - i]),
         };
         FarField {
             incidence: self.incidence,
@@ -103,6 +104,11 @@ impl VectorFarField {
             absorptance: self.absorptance()[i],
         }
     }
+}
+
+/// The amplitudes of the other polarisation in their place of [`Order::further`].
+fn crossed(reflected: Complex64, transmitted: Complex64) -> [[Complex64; 2]; FURTHER] {
+    [[reflected, transmitted], Default::default(), Default::default()]
 }
 
 impl VectorProblem {
@@ -139,6 +145,7 @@ impl VectorProblem {
                 transmitted: transmitted[own],
                 reflected_efficiency: self.efficiency(back, i, reflected),
                 transmitted_efficiency: self.efficiency(onward, i, transmitted),
+                further: crossed(reflected[1 - own], transmitted[1 - own]),
             }
         };
         let orders: Vec<Order> = self.listed().map(order).collect();
