@@ -4,7 +4,7 @@ use super::watch::RunWatch;
 use crate::ink::pack;
 use crate::ink::{PackError, PackProgress, PackWatch, Packing};
 use crate::input::study::{Point, Study};
-use crate::solve::{SolveError, Step, Watch};
+use crate::solve::{GridTrial, SolveError, Step, Watch};
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
 use crate::wave::{Coverage, Mean, Problem, WaveError};
 use std::ops::ControlFlow;
@@ -76,6 +76,10 @@ impl Stopper<'_> {
 impl Watch for Stopper<'_> {
     fn step(&mut self, _: &Step) -> ControlFlow<()> {
         self.go_on()
+    }
+
+    fn grid(&mut self, trial: &GridTrial) {
+        self.0.stage(&format!("grid: {trial}"));
     }
 }
 

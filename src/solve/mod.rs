@@ -4,6 +4,7 @@
 //! [`accuracy`] searches the grid for a wanted error and estimates the error of what it delivers.
 
 pub mod accuracy;
+mod basis;
 mod ledger;
 pub mod solver;
 pub mod strategies;
@@ -11,6 +12,6 @@ mod system;
 pub mod vectors;
 
 pub use accuracy::coverages::Coverages;
-pub use solver::{Account, Goal, Silent, Solution, SolveError, Solver, SolverChoice, Step, Watch};
+pub use solver::{Account, Goal, GridTrial, Silent, Solution, SolveError, Solver, SolverChoice, Step, Watch};
 pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Relaxation};
 pub use system::System;

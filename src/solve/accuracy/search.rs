@@ -5,9 +5,9 @@
 
 use super::coverages::Coverages;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Goal, GridTrial, Solution, SolveError, Solver, Watch};
 use crate::wave::{
-    FarField, Grid, Incidence, Mean, Media, Order, Problem, Resolution, Scheme, Shape, WaveError,
+    FarField, Field, Grid, Incidence, Mean, Media, Order, Problem, Resolution, Scheme, Shape, WaveError,
 };
 use num_complex::Complex64;
 use thiserror::Error;
@@ -66,9 +66,19 @@ pub enum AccuracyError {
     #[error(
         "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
          and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
-         a smaller cell, or more memory"
+         a smaller cell, or more memory (tried: {tried})"
     )]
-    NotReached { asked: f64, reached: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
+    NotReached {
+        asked: f64,
+        reached: f64,
+        nx: usize,
+        ny: usize,
+        cells: usize,
+        need_gb: f64,
+        allowed_gb: f64,
+        /// Every grid tried, with its estimate and time.
+        tried: String,
+    },
     #[error(
         "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {need_gb:.2} GB of the \
          {allowed_gb:.2} GB allowed; ask for less accuracy, a smaller cell, or more memory"
@@ -85,11 +95,22 @@ impl Task<'_> {
         resolution: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<(Problem, Solution, f64), AccuracyError> {
+        self.solve_from(None, resolution, watch)
+    }
+
+    /// Solves at one resolution, with another's solution as first guess.
+    fn solve_from(
+        &self,
+        guess: Option<(&Problem, &Field)>,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<(Problem, Solution, f64), AccuracyError> {
         let clock = std::time::Instant::now();
         let coverage = self.coverages.at(resolution)?;
         let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
-        let solution = self.solver.solve(&problem, self.goal, watch)?;
+        let start = guess.map(|(known, field)| known.transferred(field, &problem));
+        let solution = self.solver.solve_from(&problem, start.as_ref(), self.goal, watch)?;
         Ok((problem, solution, setup))
     }
 
@@ -99,7 +120,16 @@ impl Task<'_> {
         resolution: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<Estimated, AccuracyError> {
-        let (problem, solution, seconds_setup) = self.solve(resolution, watch)?;
+        self.estimated_from(None, resolution, watch)
+    }
+
+    fn estimated_from(
+        &self,
+        guess: Option<(&Problem, &Field)>,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated, AccuracyError> {
+        let (problem, solution, seconds_setup) = self.solve_from(guess, resolution, watch)?;
         let far_field = problem.far_field(&solution.field);
         let clock = std::time::Instant::now();
         let mut parts = [0.0; 2];
@@ -110,9 +140,9 @@ impl Task<'_> {
             parts[0] = if self.coverages.scene.uniform_in_plane() {
                 0.0
             } else {
-                self.compare(&problem, &far_field, plane, watch)?
+                self.compare((&problem, &solution.field), &far_field, plane, watch)?
             };
-            parts[1] = self.compare(&problem, &far_field, across, watch)?;
+            parts[1] = self.compare((&problem, &solution.field), &far_field, across, watch)?;
         }
         let floor = 1e-13 + RESIDUAL_WEIGHT * solution.account.residual;
         Ok(Estimated {
@@ -129,16 +159,16 @@ impl Task<'_> {
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
-        finer: &Problem,
+        finer: (&Problem, &Field),
         far: &FarField,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
-        let own = finer.coverage.grid.resolution;
+        let own = finer.0.coverage.grid.resolution;
         let [coarse, fine] = companions;
         let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
-            None => self.solve(fine, watch)?,
+            None => self.solve_from(Some(finer), fine, watch)?,
         };
         let difference = largest_difference(far, &problem.far_field(&solution.field));
         let used = problem.coverage.grid.resolution;
@@ -184,18 +214,18 @@ impl Task<'_> {
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        finer: &Problem,
+        finer: (&Problem, &Field),
         watch: &mut dyn Watch,
     ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
-        let own = finer.coverage.grid.resolution;
-        let cells = finer.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
+        let own = finer.0.coverage.grid.resolution;
+        let cells = finer.0.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };
         if coarser == own || cells > own.cells {
             return Ok(None);
         }
-        let solved = match self.solve(coarser, watch) {
+        let solved = match self.solve_from(Some(finer), coarser, watch) {
             Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) if needed < own.cells => {
-                self.solve(Resolution { cells: needed, ..coarser }, watch)
+                self.solve_from(Some(finer), Resolution { cells: needed, ..coarser }, watch)
             }
             other => other,
         };
@@ -219,14 +249,18 @@ impl Task<'_> {
         let mut resolution = task.start(accuracy);
         let mut last: Option<Estimated> = None;
         let mut refused: Option<WaveError> = None;
+        let mut tried: Vec<GridTrial> = Vec::new();
         for _ in 0..LEVELS {
             if task.bytes(resolution) > task.memory {
                 return Err(match &last {
-                    Some(estimated) => task.not_reached(accuracy, estimated, resolution),
+                    Some(estimated) => task.not_reached(accuracy, estimated, resolution, &tried),
                     None => task.too_large(accuracy, resolution),
                 });
             }
-            let estimated = match task.solve_with_estimate(resolution, watch) {
+            let clock = std::time::Instant::now();
+            watch.grid(&GridTrial { resolution, accuracy, estimate: None, seconds: 0.0 });
+            let guess = last.as_ref().map(|coarser| (&coarser.problem, &coarser.solution.field));
+            let estimated = match task.estimated_from(guess, resolution, watch) {
                 Err(AccuracyError::Wave(refusal)) => {
                     let Some(finer) = raised(resolution, &refusal) else { return Err(refusal.into()) };
                     (resolution, refused) = (finer, Some(refusal));
@@ -234,6 +268,10 @@ impl Task<'_> {
                 }
                 other => other?,
             };
+            let (estimate, seconds) = (Some(estimated.error_estimate), clock.elapsed().as_secs_f64());
+            let trial = GridTrial { resolution, accuracy, estimate, seconds };
+            watch.grid(&trial);
+            tried.push(trial);
             if estimated.error_estimate <= accuracy {
                 return Ok(estimated);
             }
@@ -241,7 +279,7 @@ impl Task<'_> {
             last = Some(estimated);
         }
         match last {
-            Some(estimated) => Err(task.not_reached(accuracy, &estimated, resolution)),
+            Some(estimated) => Err(task.not_reached(accuracy, &estimated, resolution, &tried)),
             None => Err(refused.map_or(AccuracyError::Accuracy(accuracy), AccuracyError::Wave)),
         }
     }
@@ -274,7 +312,13 @@ impl Task<'_> {
         AccuracyError::TooLarge { asked, nx: r.nx, ny: r.ny, cells: r.cells, need_gb, allowed_gb }
     }
 
-    fn not_reached(&self, asked: f64, last: &Estimated, next: Resolution) -> AccuracyError {
+    fn not_reached(
+        &self,
+        asked: f64,
+        last: &Estimated,
+        next: Resolution,
+        tried: &[GridTrial],
+    ) -> AccuracyError {
         let r = last.problem.coverage.grid.resolution;
         let gb = |bytes: usize| bytes as f64 / 1e9;
         AccuracyError::NotReached {
@@ -285,6 +329,7 @@ impl Task<'_> {
             cells: r.cells,
             need_gb: gb(self.bytes(next)),
             allowed_gb: gb(self.memory),
+            tried: tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; "),
         }
     }
 }

@@ -189,14 +189,17 @@ impl<T: Real> Scattering<T> {
             ));
             share_load(slice(&mut first), left, slice(&mut last), right, slice(&mut load));
         }
-        let mut inner = y.slice_mut(s![degree * cell + 1..degree * (cell + 1), ..]);
-        for i in 0..columns.len() {
-            let mut loads = [Complex::default(); MAX_DEGREE];
-            (0..degree - 1).for_each(|q| loads[q] = inner[[q, i]]);
-            for (b, bubble) in self.bubbles.iter().enumerate() {
-                let sum = bubble.iter().zip(&loads).fold(Complex::default(), |sum, (&x, y)| sum + y.scale(x));
-                inner[[b, i]] = sum * self.inverse_bubble[[cell * (degree - 1) + b, columns.start + i]];
-            }
+        let mut loads = [[Complex::default(); BLOCK]; MAX_DEGREE - 1];
+        for point in 1..degree {
+            let mut row = y.row_mut(degree * cell + point);
+            loads[point - 1][..columns.len()].copy_from_slice(slice(&mut row));
+            row.fill(Complex::default());
+        }
+        for (b, bubble) in self.bubbles.iter().enumerate() {
+            let mut row = y.row_mut(degree * cell + 1 + b);
+            let row = slice(&mut row);
+            bubble.iter().zip(&loads).for_each(|(&x, load)| add_scaled(row, x, load));
+            multiply(row, &row_of(&self.inverse_bubble, cell * (degree - 1) + b)[columns.clone()]);
         }
     }
 }
@@ -208,7 +211,8 @@ impl<T: Real> Scatter<T> for Scattering<T> {
     }
 }
 
-fn narrow<T: Real>(z: Complex64) -> Complex<T> {
+/// The same number in another precision.
+pub fn narrow<T: Real>(z: Complex64) -> Complex<T> {
     Complex::new(T::of(z.re), T::of(z.im))
 }
 
