@@ -2,7 +2,7 @@
 
 mod commands;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Predicts what a printer-ink or paint layer looks like before it exists.
 #[derive(Parser)]
@@ -22,6 +22,9 @@ enum Command {
     Report(commands::report::ReportArgs),
     Solve(commands::solve::SolveArgs),
     Compare(commands::compare::CompareArgs),
+    Export(commands::export::ExportArgs),
+    Completions(commands::completions::CompletionsArgs),
+    Man(commands::completions::ManArgs),
 }
 
 fn main() -> miette::Result<()> {
@@ -29,6 +32,9 @@ fn main() -> miette::Result<()> {
         Command::Run(args) => commands::run::run(&args),
         Command::Pack(args) => commands::pack::run(&args),
         Command::Compare(args) => commands::compare::run(&args),
+        Command::Completions(args) => commands::completions::completions(&args, Cli::command()),
+        Command::Man(args) => commands::completions::man(&args, Cli::command()),
+        Command::Export(args) => commands::export::run(&args),
         Command::Sweep(args) => commands::sweep::run(&args),
         Command::Merge(args) => commands::merge::run(&args),
         Command::Report(args) => commands::report::run(&args),

@@ -9,7 +9,8 @@ use inkwave::run::runner;
 use inkwave::run::runner::RunSettings;
 use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
-use inkwave::store::record::PointRecord;
+use inkwave::store::marker::Holds;
+use inkwave::store::{PointRecord, Record, Store};
 use run_support::{TINY, study, succeed};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -21,12 +22,9 @@ fn tables(out: &Path) -> [Vec<u8>; 3] {
     TABLES.map(|file| std::fs::read(out.join(file)).unwrap())
 }
 
-fn points(out: &Path) -> Vec<std::path::PathBuf> {
-    let files = std::fs::read_dir(out.join("points")).into_iter().flatten();
-    files
-        .map(|file| file.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|e| e == "json"))
-        .collect()
+fn points(out: &Path) -> Vec<PointRecord> {
+    let store: Store<PointRecord> = Store::open(out).unwrap();
+    store.database().keys(PointRecord::KIND).iter().filter_map(|key| store.get(key)).collect()
 }
 
 /// Stops after so many solves.
@@ -56,8 +54,9 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
     let checked = load(&study_file).unwrap();
     for solves in [5, 11] {
         let watch = StopAfter { solves, done: AtomicUsize::new(0) };
-        let output = OutputFolder::open(&parts).unwrap();
-        let collected = runner::run(&checked, &output, RunSettings { jobs: Some(1) }, &watch).unwrap();
+        let output = OutputFolder::open(&parts, Holds::Study).unwrap();
+        let settings = RunSettings { jobs: Some(1), ..RunSettings::default() };
+        let collected = runner::run(&checked, &output, settings, &watch).unwrap();
         publish(&checked, &collected, &output).unwrap();
         assert!(parts.join("PARTIAL").exists());
         let page = std::fs::read_to_string(parts.join("report.html")).unwrap();
@@ -78,11 +77,15 @@ fn lost_and_damaged_records_are_computed_again() {
     let out = folder.path().join("out");
     succeed(&study_file, &out, &[]);
     let before = tables(&out);
-    let files = points(&out);
-    std::fs::remove_file(&files[0]).unwrap();
-    let half = std::fs::read(&files[1]).unwrap();
-    std::fs::write(&files[1], &half[..half.len() / 2]).unwrap();
-    succeed(&study_file, &out, &[]);
+    let keys: Vec<String> = points(&out).into_iter().map(|point| point.key).collect();
+    let records = rusqlite::Connection::open(out.join("records/1.sqlite")).unwrap();
+    let of = |key: &str| format!("where kind = 'point' and key = '{key}'");
+    let half = "set content = substr(content, 1, length(content) / 2)";
+    records.execute_batch(&format!("delete from records {}", of(&keys[0]))).unwrap();
+    records.execute_batch(&format!("update records {half} {}", of(&keys[1]))).unwrap();
+    drop(records);
+    let said = succeed(&study_file, &out, &[]);
+    assert!(said.contains("1 record of the store damaged") && said.contains(&keys[1]), "{said}");
     assert!(before == tables(&out));
 }
 
@@ -110,10 +113,7 @@ fn a_change_recomputes_what_depends_on_it() {
 fn a_solve_that_fails_is_told_and_does_not_stop_the_others() {
     let folder = tempfile::tempdir().unwrap();
     let steps = |out: &Path, of_first: bool| {
-        let record = |path: &std::path::PathBuf| -> PointRecord {
-            serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
-        };
-        let records = points(out).iter().map(record).collect::<Vec<_>>();
+        let records = points(out);
         let own = records.iter().filter(|r| (r.realisation == 0) == of_first);
         own.map(|r| r.account.steps).max().unwrap()
     };

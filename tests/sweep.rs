@@ -1,5 +1,6 @@
 //! Sweeps: stopped, killed, divided among machines and joined again; wrong sweep files.
 
+use inkwave::store::{PointRecord, Record, Store};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -95,9 +96,12 @@ impl Place {
     }
 }
 
+fn store(folder: &str) -> Store<PointRecord> {
+    Store::open(folder).unwrap()
+}
+
 fn points(folder: &str) -> usize {
-    let files = std::fs::read_dir(Path::new(folder).join("points")).into_iter().flatten();
-    files.filter(|f| f.as_ref().unwrap().path().extension().is_some_and(|e| e == "json")).count()
+    store(folder).database().keys(PointRecord::KIND).len()
 }
 
 /// All result files that hold no times.
@@ -177,21 +181,17 @@ fn a_kill_loses_at_most_the_points_in_flight() {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    let survived: Vec<_> =
-        std::fs::read_dir(Path::new(&out).join("points")).unwrap().map(|f| f.unwrap().path()).collect();
-    let whole = survived.iter().filter(|p| p.extension().is_some_and(|e| e == "json"));
-    for point in whole.clone() {
-        let record: serde_json::Value = serde_json::from_slice(&std::fs::read(point).unwrap()).unwrap();
-        assert!(record["orders"].is_array());
-    }
-    let before: Vec<_> =
-        whole.map(|p| (p.clone(), std::fs::metadata(p).unwrap().modified().unwrap())).collect();
+    let survived = store(&out);
+    let keys = survived.database().keys(PointRecord::KIND);
+    let before: Vec<PointRecord> =
+        keys.iter().map(|key| survived.get(key).expect("a whole record")).collect();
     assert!(before.len() >= 20 && Path::new(&out).join("PARTIAL").exists());
     let unfinished = inkwave(&["report", &out]).output().unwrap();
     assert!(said(&unfinished).contains("variants are finished"), "{}", said(&unfinished));
     place.sweep("out", &[]);
-    for (path, time) in before {
-        assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), time, "computed twice");
+    let after = store(&out);
+    for record in before {
+        assert_eq!(after.get(&record.key), Some(record), "computed twice");
     }
 }
 

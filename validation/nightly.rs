@@ -17,11 +17,11 @@ mod page;
 
 use claim::{Claim, Findings, Level};
 use clap::Parser;
-use inkwave::store::Store;
+use inkwave::store::{Record, Store};
 use manifest::Manifest;
 use serde::{Deserialize, Serialize};
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -62,6 +62,10 @@ pub struct Measured {
     pub findings: Findings,
     /// Why there are no findings.
     pub failure: Option<String>,
+}
+
+impl Record for Measured {
+    const KIND: &'static str = "claim";
 }
 
 impl Measured {
@@ -107,7 +111,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         .iter()
         .enumerate()
         .map(|(i, claim)| {
-            let measured = night_of(claim, level, &store)?;
+            let measured = night_of(claim, level, &args.work, &store)?;
             let verdict = if measured.holds() { "holds" } else { "FAILS" };
             let (n, margin, seconds) = (chosen.len(), measured.margin(), measured.seconds);
             eprintln!("[{}/{n}] {} {verdict}, margin {margin:.2} ({seconds:.0} s)", i + 1, claim.id);
@@ -130,19 +134,18 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 }
 
 /// The kept result, or a new one from a process of its own. Failed measurements are tried again.
-fn night_of(claim: &Claim, level: Level, store: &Store<Measured>) -> std::io::Result<Measured> {
+fn night_of(claim: &Claim, level: Level, work: &Path, store: &Store<Measured>) -> std::io::Result<Measured> {
     if let Some(kept) = store.get(claim.id).filter(|m| m.failure.is_none()) {
         return Ok(kept);
     }
     let clock = Instant::now();
     let mut command = Command::new(std::env::current_exe()?);
-    command
-        .args(["--measure", claim.id, "--work"])
-        .arg(store.folder().ancestors().nth(2).unwrap_or(store.folder()));
+    command.args(["--measure", claim.id, "--work"]).arg(work);
     if level == Level::Quick {
         command.arg("--quick");
     }
     let output = command.output()?;
+    store.database().refresh()?;
     if let Some(found) = store.get(claim.id).filter(|_| output.status.success()) {
         return Ok(found);
     }

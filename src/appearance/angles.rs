@@ -3,7 +3,7 @@
 #[cfg(doc)]
 use super::paper::LayerOptics;
 use super::paper::{Coupling, PaperError};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Most nodes of a rule; more would be nearer to grazing than any solve can go.
@@ -12,14 +12,14 @@ const MOST_POINTS: usize = 64;
 const ANGLE_SLACK_DEG: f64 = 1e-9;
 
 /// A polar angle to solve for and its weight in the hemispherical mean 2∫₀¹ f(μ) μ dμ ≈ Σ weight · f.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AngleNode {
     pub polar_deg: f64,
     pub weight: f64,
 }
 
 /// Angles for light from above (in vacuum) and from below (in the medium there).
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AngleRule {
     /// Nodes for T(θ) and R(θ); the first is normal incidence, angles increase.
     pub above: Vec<AngleNode>,

@@ -176,7 +176,7 @@ fn resampled_weights(grid: &[f64]) -> Vec<[f64; 3]> {
 }
 
 /// (index, weight) of the local Lagrange interpolation through up to four neighbours.
-fn lagrange_shares(grid: &[f64], at: f64) -> Vec<(usize, f64)> {
+pub(crate) fn lagrange_shares(grid: &[f64], at: f64) -> Vec<(usize, f64)> {
     let after = grid.partition_point(|&x| x < at).clamp(1, grid.len() - 1);
     let window = after.saturating_sub(2)..(after + 2).min(grid.len());
     let share = |j: usize| {

@@ -1,8 +1,12 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
+use super::run::folder_report;
+use super::say::{note, say};
 use clap::Args;
 use inkwave::compare::experiment::ComparisonFile;
 use inkwave::solve::{Step, Watch};
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -21,17 +25,19 @@ pub struct CompareArgs {
 pub fn run(args: &CompareArgs) -> Result<()> {
     let file = ComparisonFile::read(&args.file).into_diagnostic()?;
     let folder = args.file.parent().unwrap_or(Path::new("."));
+    let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let mut stop = Stop(super::stop::StopFlag::listen());
     let told = |row: &inkwave::compare::pages::Row| {
         let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
-        eprintln!(
+        note(format_args!(
             "{:16} {:?} {} × {} × {}: {error}, {} applications, {:.2} s",
             row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
-        );
+        ));
     };
-    let comparison = file.run(folder, &mut stop, told).into_diagnostic()?;
-    comparison.write(&args.output).into_diagnostic()?;
-    println!("Comparison: {}", args.output.join("comparison.html").display());
+    let comparison =
+        file.run(folder, &mut stop, told).inspect_err(|_| output.discard_when_empty()).into_diagnostic()?;
+    comparison.write(output.path()).into_diagnostic()?;
+    say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     Ok(())
 }
 

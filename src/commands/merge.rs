@@ -1,10 +1,11 @@
 //! `inkwave merge SHARDS… --output DIR`: joins what several machines have computed.
 
 use super::diagnostics::study_report;
-use super::run::folder_report;
+use super::run::{folder_report, tell_damages};
 use super::sweep::tell;
 use clap::Args;
 use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use inkwave::sweep::folder::OpenError;
 use inkwave::sweep::merge::{MergeError, merge};
 use inkwave::sweep::publish::publish;
@@ -24,9 +25,16 @@ pub struct MergeArgs {
 
 /// Merges and reports.
 pub fn run(args: &MergeArgs) -> miette::Result<()> {
-    let folder = OutputFolder::open(&args.output).map_err(folder_report)?;
-    let sweep = merge(&args.shards, &folder).map_err(merge_report)?;
-    let reported = publish(&sweep, &folder).into_diagnostic()?;
+    let folder = OutputFolder::open(&args.output, Holds::Sweep).map_err(folder_report)?;
+    let merged = merge(&args.shards, &folder).map_err(merge_report)?;
+    tell_damages(&merged.damages);
+    if merged.healed > 0 {
+        super::say::note(format_args!(
+            "{} damaged records were taken from other shards, where they are sound",
+            merged.healed
+        ));
+    }
+    let reported = publish(&merged.sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, false)
 }
 
@@ -45,7 +53,7 @@ fn merge_report(error: MergeError) -> miette::Report {
             miette!(help = "merge shards of the same sweep file only; run the others again", "{error}")
         }
         MergeError::Contradiction { .. } => {
-            let help = "the shards were run by different builds or a disk is damaged; run one of them again";
+            let help = "one of the two builds computes something else: run one of the shards again with the build of the other";
             miette!(help = help, "{error}")
         }
         MergeError::Copy { .. } => miette!(help = "check the disk and the permissions", "{error}"),

@@ -1,12 +1,16 @@
 //! The commands, one file each.
 
 pub mod compare;
+pub mod completions;
 pub mod diagnostics;
+pub mod export;
+pub mod memory;
 pub mod merge;
 pub mod pack;
 pub mod progress;
 pub mod report;
 pub mod run;
+pub mod say;
 pub mod solve;
 pub mod stop;
 pub mod sweep;

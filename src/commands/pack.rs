@@ -1,11 +1,15 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
+use super::run::folder_report;
+use super::say::say;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
 use inkwave::ink::{PackProgress, PackWatch, Packing};
 use inkwave::input::PackStudy;
 use inkwave::report::packing::write_report;
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, LabeledSpan, NamedSource, Result, WrapErr, miette};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -39,11 +43,13 @@ pub fn run(args: &PackArgs) -> Result<()> {
     let flag = stop.clone();
     // A handler that is already set by another part of the program serves as well.
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
-    let packings = (0..study.realisations).map(|k| one(&study, k, &stop)).collect::<Result<Vec<_>>>()?;
     let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.study));
+    let folder = OutputFolder::open(&folder, Holds::Packings).map_err(folder_report)?;
+    let packings = (0..study.realisations).map(|k| one(&study, k, &stop)).collect::<Result<Vec<_>>>();
+    let packings = packings.inspect_err(|_| folder.discard_when_empty())?;
     let title = study.title.clone().unwrap_or_else(|| args.study.display().to_string());
-    let (_, page) = write_report(&folder, &title, &study.pigments(), &packings).into_diagnostic()?;
-    println!("report: {}", page.display());
+    let (_, page) = write_report(folder.path(), &title, &study.pigments(), &packings).into_diagnostic()?;
+    say(format_args!("report: {}", page.display()))?;
     Ok(())
 }
 
@@ -69,7 +75,7 @@ fn one(study: &PackStudy, stream: u64, stop: &AtomicBool) -> Result<Packing> {
     let packed = pack(&study.request(stream), &mut Bar { bar: &bar, stop });
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {stream}"))?;
-    println!("{}", summary(&packing, stream, start.elapsed().as_secs_f64()));
+    say(format_args!("{}", summary(&packing, stream, start.elapsed().as_secs_f64())))?;
     Ok(packing)
 }
 

@@ -1,9 +1,11 @@
 //! Progress of a run on stderr: a bar on a terminal, a plain line every ten seconds elsewhere.
 
+use super::say::note;
 use super::stop::StopFlag;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use inkwave::input::study::{Point, Study};
 use inkwave::run::watch::RunWatch;
+use inkwave::store::queue::Standing;
 use inkwave::wave::Side;
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -53,6 +55,8 @@ pub struct Progress {
     busy: Mutex<Busy>,
     /// A whole sweep is counted, not one study.
     whole: AtomicBool,
+    /// Processes that share the work.
+    workers: AtomicUsize,
 }
 
 impl Progress {
@@ -75,6 +79,7 @@ impl Progress {
             left: AtomicUsize::new(0),
             busy: Mutex::new(Busy::new()),
             whole: AtomicBool::new(false),
+            workers: AtomicUsize::new(1),
         }
     }
 
@@ -96,9 +101,9 @@ impl Progress {
             let seconds = busy.begun.elapsed().as_secs_f64();
             let idle = 100.0 * (1.0 - busy.busy.as_secs_f64() / seconds);
             let an_hour = solved as f64 * 3600.0 / seconds;
-            eprintln!(
+            note(format_args!(
                 "{solved} solves in {seconds:.0} s: {an_hour:.0} an hour, {idle:.0} % of the time outside solves"
-            );
+            ));
         }
     }
 
@@ -107,9 +112,14 @@ impl Progress {
         self.stop.is_raised()
     }
 
+    fn fewer_left(&self, solves: usize) {
+        let fewer = |left: usize| Some(left.saturating_sub(solves));
+        let _ = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fewer);
+    }
+
     fn say(&self, text: &str) {
         match self.last_line {
-            Some(_) => eprintln!("{text}"),
+            Some(_) => note(format_args!("{text}")),
             None => self.bar.println(text),
         }
     }
@@ -121,8 +131,14 @@ impl Progress {
         if solved == 0 {
             return "time left unknown".into();
         }
-        let seconds = started.elapsed().as_secs_f64() * left as f64 / solved as f64;
-        format!("about {} left", HumanDuration(Duration::from_secs_f64(seconds)))
+        let workers = self.workers.load(Ordering::Relaxed);
+        let seconds = started.elapsed().as_secs_f64() * left as f64 / (solved * workers) as f64;
+        let left = HumanDuration(Duration::from_secs_f64(seconds));
+        if workers == 1 {
+            format!("about {left} left")
+        } else {
+            format!("about {left} left for {workers} processes")
+        }
     }
 
     fn line_when_due(&self) {
@@ -131,7 +147,7 @@ impl Progress {
         if last.elapsed() >= BETWEEN_LINES {
             *last = Instant::now();
             let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0));
-            eprintln!("{done}/{all} solves, {}, {}", self.bar.message(), self.time_left());
+            note(format_args!("{done}/{all} solves, {}, {}", self.bar.message(), self.time_left()));
         }
     }
 }
@@ -154,17 +170,24 @@ impl RunWatch for Progress {
         }
     }
 
+    fn standing(&self, standing: &Standing) {
+        let (all, done) = (self.bar.length().unwrap_or(0), self.bar.position().max(standing.solves as u64));
+        self.bar.set_position(done);
+        self.left.store(all.saturating_sub(done) as usize, Ordering::Relaxed);
+        self.workers.store(standing.workers.max(1), Ordering::Relaxed);
+    }
+
     fn kept(&self, _study: &Study, solves: usize) {
         if self.whole.load(Ordering::Relaxed) {
             self.bar.inc(solves as u64);
-            self.left.fetch_sub(solves, Ordering::Relaxed);
+            self.fewer_left(solves);
         }
     }
 
     fn stage(&self, what: &str) {
         self.bar.set_message(what.to_owned());
         if self.last_line.is_some() {
-            eprintln!("{what}");
+            note(format_args!("{what}"));
         }
     }
 
@@ -189,7 +212,7 @@ impl RunWatch for Progress {
 
     fn solved(&self, _study: &Study, point: &Point, failure: Option<&str>) {
         self.solved.fetch_add(1, Ordering::Relaxed);
-        self.left.fetch_sub(1, Ordering::Relaxed);
+        self.fewer_left(1);
         self.bar.inc(1);
         if let Some(failure) = failure {
             let nm = 1e3 * point.incidence.wavelength_um;

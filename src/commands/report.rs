@@ -5,6 +5,7 @@ use super::run::folder_report;
 use super::sweep::tell;
 use clap::Args;
 use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use inkwave::sweep::folder::read;
 use inkwave::sweep::publish::publish;
 use miette::{IntoDiagnostic, miette};
@@ -35,7 +36,7 @@ pub fn run(args: &ReportArgs) -> miette::Result<()> {
         }
         *place = option.clone().or(place.take());
     }
-    let folder = OutputFolder::open(&args.folder).map_err(folder_report)?;
+    let folder = OutputFolder::open(&args.folder, Holds::Sweep).map_err(folder_report)?;
     let reported = publish(&sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, false)
 }

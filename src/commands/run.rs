@@ -2,6 +2,7 @@
 
 use super::diagnostics::study_report;
 use super::progress::Progress;
+use super::say::say;
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
@@ -10,9 +11,11 @@ use inkwave::input::load::load;
 use inkwave::input::study::Study;
 use inkwave::report::publish::{Published, publish};
 use inkwave::run::runner;
-use inkwave::run::runner::{Collected, RunError, RunSettings};
+use inkwave::run::runner::{Collected, RunError};
 use inkwave::solve::accuracy::AccuracyError;
+use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
+use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 
@@ -27,21 +30,25 @@ pub struct RunArgs {
     /// Solves at a time; the number of processors when left out. Fewer take less memory.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
+    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
+    pub memory_gb: Option<f64>,
 }
 
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> miette::Result<()> {
     let study = load(&args.study).map_err(study_report)?;
     let path = output_path(args, &study);
-    let folder = OutputFolder::open(&path).map_err(folder_report)?;
+    let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
-    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     let collected = runner::run(&study, &folder, settings, &progress);
     progress.finish();
     let collected = collected.map_err(|error| {
         folder.discard_when_empty();
         run_report(error)
     })?;
+    tell_damages(&collected.damages);
     let published = publish(&study, &collected, &folder).into_diagnostic()?;
     tell(&study, &collected, &published, &folder, progress.stopped())
 }
@@ -56,9 +63,9 @@ fn tell(
 ) -> miette::Result<()> {
     let report = folder.path().join("report.html");
     if let Some(colour) = &published.colour {
-        println!("{}: {colour}", study.title);
+        say(format_args!("{}: {colour}", study.title))?;
     }
-    println!("Report: {}", report.display());
+    say(format_args!("Report: {}", report.display()))?;
     if published.status == Status::Complete {
         return Ok(());
     }
@@ -80,6 +87,13 @@ fn output_path(args: &RunArgs, study: &Study) -> PathBuf {
     let name = || args.study.file_stem().map_or_else(|| "study".into(), PathBuf::from);
     let own = || study.output.folder.as_ref().map(PathBuf::from);
     args.output.clone().or_else(own).unwrap_or_else(|| Path::new("out").join(name()))
+}
+
+/// Says what was found damaged in a store.
+pub(super) fn tell_damages(damages: &[Damage]) {
+    if let Some(told) = in_words(damages) {
+        super::say::note(told);
+    }
 }
 
 pub(super) fn folder_report(error: FolderError) -> miette::Report {

@@ -1,5 +1,6 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
+use super::say::say;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::run::crew::processor_seconds;
@@ -96,7 +97,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         scheme: scheme(args),
         solver: &*solver,
         goal: Goal { tolerance: tolerance(args), ..Goal::default() },
-        memory: (args.memory_gb * 1e9) as usize,
+        memory: super::memory::bytes(args.memory_gb)?,
     };
     let mut bar = Bar::new();
     let estimated = match args.nz {
@@ -104,7 +105,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         None => task.solve_to_accuracy(args.accuracy.unwrap_or(DEFAULT_ACCURACY), &mut bar),
     };
     bar.0.finish_and_clear();
-    println!("{:#}", report(&estimated.into_diagnostic()?));
+    say(format_args!("{:#}", report(&estimated.into_diagnostic()?)))?;
     Ok(())
 }
 
@@ -112,9 +113,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     if let Some(tolerance) = args.tolerance.filter(|t| !(1e-15..1.0).contains(t)) {
         miette::bail!("--tolerance is {tolerance}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6");
     }
-    if args.memory_gb.is_nan() || args.memory_gb <= 0.0 {
-        miette::bail!("--memory-gb is {}; it must be above 0: try 4", args.memory_gb);
-    }
+    super::memory::bytes(args.memory_gb)?;
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! Ctrl-C: the first stops cleanly, the second at once.
 
+use super::say::note;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,10 +21,10 @@ impl StopFlag {
             if raised.swap(true, Ordering::SeqCst) {
                 std::process::exit(INTERRUPTED);
             }
-            eprintln!("\nStopping after the present step; once more to end at once.");
+            note(format_args!("\nStopping after the present step; once more to end at once."));
         });
         if let Err(error) = listening {
-            eprintln!("Ctrl-C will end the program at once ({error}).");
+            note(format_args!("Ctrl-C will end the program at once ({error})."));
         }
         flag
     }

@@ -2,11 +2,13 @@
 
 use super::diagnostics::study_report;
 use super::progress::Progress;
-use super::run::{folder_report, run_report};
+use super::run::{folder_report, run_report, tell_damages};
+use super::say::say;
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::run::runner::RunSettings;
 use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Reported, publish};
 use inkwave::sweep::units::Shard;
 use inkwave::sweep::{Sweep, folder, load, plan, run as runner};
@@ -27,6 +29,9 @@ pub struct SweepArgs {
     /// Solves at a time; the number of processors when left out. Fewer take less memory.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
+    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
+    pub memory_gb: Option<f64>,
     /// Only say what the sweep costs, after a short trial.
     #[arg(long)]
     pub plan: bool,
@@ -44,26 +49,32 @@ pub struct SweepArgs {
 /// Reads, checks and runs a sweep, or plans it.
 pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let sweep = load::load(&args.sweep).map_err(study_report)?;
-    let settings = RunSettings { jobs: args.jobs.map(usize::from) };
+    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     if args.plan {
         return tell_plan(&sweep, args.json, settings);
     }
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
+    let part = shard.unwrap_or(Shard::ALL);
+    part.check(&sweep).map_err(|most| too_many_shards(part, most))?;
     let path = output_path(args, shard);
-    let folder = OutputFolder::open(&path).map_err(folder_report)?;
+    let folder = OutputFolder::open(&path, Holds::Sweep).map_err(folder_report)?;
     folder.begin().map_err(folder_report)?;
     folder::write(&sweep, &folder).map_err(folder_report)?;
     if args.retry_failed {
         runner::forget_failures(&folder).into_diagnostic()?;
     }
     let progress = Progress::new(StopFlag::listen());
-    let part = shard.unwrap_or(Shard::ALL);
     progress.expect(runner::solves(&sweep, part));
     let tally = runner::run(&sweep, &folder, part, settings, &progress);
     progress.finish();
     let tally = tally.map_err(run_report)?;
+    tell_damages(&tally.damages);
     if shard.is_some() {
         return tell_shard(&tally, part, &folder, progress.stopped());
+    }
+    if !tally.publishes {
+        say(format_args!("Other processes work on in {} and write the report.", folder.path().display()))?;
+        return Ok(());
     }
     let reported = publish(&sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, progress.stopped())
@@ -72,9 +83,9 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
 /// Says where the results are; anything less than all of them is an error, so that scripts notice.
 pub(super) fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
     for judged in &reported.conclusions {
-        println!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality);
+        say(format_args!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality))?;
     }
-    println!("Report: {}", folder.path().join("report.html").display());
+    say(format_args!("Report: {}", folder.path().join("report.html").display()))?;
     let (complete, all, failures) = (reported.complete(), reported.outcomes.len(), reported.failures());
     if complete == all {
         return Ok(());
@@ -93,9 +104,12 @@ fn tell_shard(
     folder: &OutputFolder,
     stopped: bool,
 ) -> miette::Result<()> {
-    let runner::Tally { asked, finished, failed } = *tally;
+    let runner::Tally { asked, finished, failed, .. } = *tally;
     let Shard { index, count } = shard;
-    println!("Shard {index}/{count} in {}: {finished} of {asked} solves finished", folder.path().display());
+    say(format_args!(
+        "Shard {index}/{count} in {}: {finished} of {asked} solves finished",
+        folder.path().display()
+    ))?;
     if stopped || finished + failed < asked {
         return Err(miette!(
             help = "run the same shard again to continue",
@@ -109,6 +123,12 @@ fn tell_shard(
     Ok(())
 }
 
+fn too_many_shards(shard: Shard, most: usize) -> miette::Report {
+    let help =
+        "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
+    miette!(help = help, "--shard: found {} parts; this sweep can be divided into 1 to {most}", shard.count)
+}
+
 fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
@@ -117,18 +137,22 @@ fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result
     progress.finish();
     let plan = plan.map_err(run_report)?;
     if json {
-        println!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
+        say(format_args!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?))?;
         return Ok(());
     }
     let time = |cores: f64| in_words(plan.core_seconds / cores);
-    println!("variants          {}", plan.variants);
-    println!("packings          {}", plan.packings);
-    println!("solves            {}", plan.solves);
-    println!("unknowns          {} in the largest solve", plan.unknowns);
-    println!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs);
-    println!("time              about {} on {jobs} cores, {} on 100", time(jobs as f64), time(100.0));
-    println!("largest division  {} shards", plan.units);
-    println!("calibrated with   {}", plan.calibration);
+    say(format_args!("variants          {}", plan.variants))?;
+    say(format_args!("packings          {}", plan.packings))?;
+    say(format_args!("solves            {}", plan.solves))?;
+    say(format_args!("unknowns          {} in the largest solve", plan.unknowns))?;
+    say(format_args!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs))?;
+    say(format_args!(
+        "time              about {} on {jobs} cores, {} on 100",
+        time(jobs as f64),
+        time(100.0)
+    ))?;
+    say(format_args!("largest division  {} shards", plan.units))?;
+    say(format_args!("calibrated with   {}", plan.calibration))?;
     Ok(())
 }
 

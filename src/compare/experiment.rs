@@ -4,15 +4,20 @@ use super::pages::{Comparison, Row};
 use crate::ink::pack;
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::input::case::{Case, CaseError};
-use crate::solve::accuracy::{AccuracyError, Task, largest_difference};
-use crate::solve::{Coverages, Gmres, Goal, Silent, SolveError, Solver, SolverChoice, Watch};
+use crate::input::fault::StudyError;
+use crate::input::read::read as read_tree;
+use crate::input::tree::parse_toml;
+use crate::numerics::files;
+use crate::run::memory;
+use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
+use crate::solve::{Coverages, Gmres, Goal, Silent, SolveError, SolverChoice, Watch};
 use crate::wave::{
-    Coverage, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side, WaveError,
+    FarField, Incidence, Mean, Media, Physical, Problem, Resolution, Scene, Scheme, Side, TotalErrors,
+    WaveError,
 };
 use num_complex::Complex64;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use thiserror::Error;
 
 /// A comparison as written (TOML). Lengths in the units of the key names; indices as [re, im].
@@ -72,6 +77,23 @@ pub struct PackedLayer {
     pub seed: u64,
 }
 
+impl Default for ComparisonFile {
+    fn default() -> Self {
+        Self {
+            title: String::new(),
+            case: None,
+            layer: None,
+            strategies: default_strategies(),
+            schemes: default_schemes(),
+            resolutions: default_resolutions(),
+            absorbing_mean: false,
+            mean_depends_on_z: true,
+            goal: Goal::default(),
+            repeats: default_repeats(),
+        }
+    }
+}
+
 fn default_strategies() -> Vec<String> {
     SolverChoice::NAMES.iter().filter(|&&n| n != "direct").map(|n| n.to_string()).collect()
 }
@@ -97,8 +119,8 @@ fn default_repeats() -> usize {
 pub enum CompareError {
     #[error("cannot read {path}: {message}; check the path and its permissions")]
     Read { path: PathBuf, message: String },
-    #[error("{path} is no comparison: {message}")]
-    Parse { path: PathBuf, message: String },
+    #[error(transparent)]
+    Study(#[from] StudyError),
     #[error("{field} is {found}; allowed is {allowed}: {remedy}")]
     Field { field: &'static str, found: String, allowed: String, remedy: &'static str },
     #[error(transparent)]
@@ -124,12 +146,14 @@ impl ComparisonFile {
     pub fn read(path: &Path) -> Result<ComparisonFile, CompareError> {
         let read =
             |message: std::io::Error| CompareError::Read { path: path.into(), message: message.to_string() };
-        let text = std::fs::read_to_string(path).map_err(read)?;
         if path.extension().is_some_and(|e| e == "json") {
-            let file = format!("case = {:?}", path.file_name().unwrap_or_default());
-            return Ok(toml::from_str(&file).expect("a file name is a valid comparison"));
+            let case = path.file_name().map(PathBuf::from);
+            return Ok(ComparisonFile { case, ..ComparisonFile::default() });
         }
-        toml::from_str(&text).map_err(|e| CompareError::Parse { path: path.into(), message: e.to_string() })
+        let text = files::read_text(path, files::STUDY).map_err(read)?;
+        let table = parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?;
+        let values = |faults| StudyError::Values { path: path.into(), text: text.clone(), faults };
+        Ok(read_tree(table.into()).map_err(values)?)
     }
 
     fn check(&self) -> Result<(), CompareError> {
@@ -185,13 +209,13 @@ impl ComparisonFile {
         self.check()?;
         let subject = self.subject(folder)?;
         let (truth, reference) = self.reference(&subject)?;
+        let coverages = Coverages::of(&subject.case.scene);
         let mut rows = Vec::new();
         for scheme in &self.schemes {
             for points in &self.resolutions {
                 let resolution = resolution(&subject.case.scene, *points, *scheme);
-                let coverage = Arc::new(Coverage::new(&subject.case.scene, resolution)?);
                 for name in &self.strategies {
-                    let row = self.row(name, &subject.case, &coverage, &truth, watch)?;
+                    let row = self.row(name, resolution, &subject.case, &coverages, &truth, watch)?;
                     told(&row);
                     rows.push(row);
                 }
@@ -214,10 +238,13 @@ impl ComparisonFile {
             scheme: Scheme::Cubic,
             solver: &Gmres::default(),
             goal: Goal { tolerance: 1e-9, ..Goal::default() },
-            memory: usize::MAX,
+            memory: memory::usable(),
         };
         let (problem, solution, _) = task.solve(resolution, &mut Silent)?;
-        let mut far = problem.far_field(&solution.field);
+        let errors = TotalErrors::of_totals([1.0; 2], solution.account.residual);
+        let mut far = Physical::judge(problem.far_field(&solution.field), errors)
+            .map_err(AccuracyError::Unphysical)?
+            .into_inner();
         if let Some(known) = subject.known.as_ref().and_then(|k| k.as_array()) {
             far.orders.retain_mut(|o| replace(o, known));
             return Ok((far, "the case file's own amplitudes".into()));
@@ -229,78 +256,76 @@ impl ComparisonFile {
         Ok((far, name))
     }
 
+    /// One line: a result, or the reason why there is none. Errors: the user stopped it.
     fn row(
         &self,
         name: &str,
+        resolution: Resolution,
         case: &Case,
-        coverage: &Arc<Coverage>,
+        coverages: &Coverages,
         truth: &FarField,
         watch: &mut dyn Watch,
     ) -> Result<Row, CompareError> {
-        let mean = Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean };
         let solver = SolverChoice::named(name)?.build();
-        let r = coverage.grid.resolution;
-        let mut row = Row {
-            strategy: name.to_string(),
-            scheme: r.scheme,
-            nx: r.nx,
-            ny: r.ny,
-            cells: r.cells,
-            unknowns: 0,
-            error: None,
-            error_estimate: None,
-            residual: f64::NAN,
-            steps: 0,
-            operator_applications: 0,
-            seconds: 0.0,
-            bytes: 0,
-            outcome: String::new(),
-            history: Vec::new(),
+        let task = Task {
+            coverages,
+            media: &case.media,
+            incidence: &case.incidence,
+            mean: Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean },
+            scheme: resolution.scheme,
+            solver: &*solver,
+            goal: self.goal,
+            memory: memory::usable(),
         };
-        let problem = match Problem::new(coverage, &case.media, &case.incidence, mean) {
-            Ok(problem) => problem,
+        let mut row = Row::new(name, resolution);
+        match self.measure(&task, resolution, truth, &mut row, watch) {
+            Err(AccuracyError::Solve(cancelled @ SolveError::Cancelled { .. })) => Err(cancelled.into()),
             Err(error) => {
+                let account = match &error {
+                    AccuracyError::Solve(error) => error.account().cloned(),
+                    _ => None,
+                };
+                account.iter().for_each(|account| row.take(account));
                 row.outcome = error.to_string();
-                return Ok(row);
+                Ok(row)
             }
+            Ok(()) => Ok(row),
+        }
+    }
+
+    /// Solves as often as was asked, and judges the first result.
+    fn measure(
+        &self,
+        task: &Task,
+        resolution: Resolution,
+        truth: &FarField,
+        row: &mut Row,
+        watch: &mut dyn Watch,
+    ) -> Result<(), AccuracyError> {
+        let solver = task.admitted(resolution)?;
+        let coverage = task.coverages.at(resolution)?;
+        let problem = Problem::new(&coverage, task.media, task.incidence, task.mean)?;
+        (row.unknowns, row.bytes) = (problem.unknowns(), problem.bytes());
+        let solution = solver.solver().solve(&problem, task.goal, watch)?;
+        row.take(&solution.account);
+        let far = problem.far_field(&solution.field);
+        let error = largest_difference(truth, &far);
+        let residual = solution.account.residual;
+        row.error_estimate = match task.estimate_parts((&problem, &solution.field), &far, watch) {
+            Err(stopped @ AccuracyError::Solve(SolveError::Cancelled { .. })) => return Err(stopped),
+            parts => parts.ok().map(|parts| error_estimate(parts, residual)),
         };
-        row.unknowns = problem.unknowns();
-        let mut seconds = Vec::new();
-        for repeat in 0..self.repeats {
-            match solver.solve(&problem, self.goal, watch) {
-                Ok(solution) => {
-                    seconds.push(solution.account.seconds);
-                    if repeat == 0 {
-                        let far = problem.far_field(&solution.field);
-                        row.error = Some(largest_difference(truth, &far));
-                        row.error_estimate = self.estimate(case, &problem, &*solver, &far);
-                        row.take(&solution.account, "converged".into(), problem.bytes());
-                    }
-                }
-                Err(cancelled @ SolveError::Cancelled { .. }) => return Err(cancelled.into()),
-                Err(error) => {
-                    let account = error.account().cloned().unwrap_or_default();
-                    seconds.push(account.seconds);
-                    row.take(&account, error.to_string(), problem.bytes());
-                    break;
-                }
-            }
+        let errors = TotalErrors::of_amplitudes(row.error_estimate.unwrap_or(error), residual);
+        Physical::judge(far, errors)?;
+        let mut seconds = vec![solution.account.seconds];
+        for _ in 1..self.repeats {
+            seconds.push(solver.solver().solve(&problem, task.goal, watch)?.account.seconds);
         }
         seconds.sort_by(f64::total_cmp);
         row.seconds = seconds[seconds.len() / 2];
-        Ok(row)
-    }
-
-    /// Difference to a companion with four fifths of the points and cells, where that can be solved.
-    fn estimate(&self, case: &Case, problem: &Problem, solver: &dyn Solver, far: &FarField) -> Option<f64> {
-        let r = problem.coverage.grid.resolution;
-        let fewer = |n: usize| if n == 1 { 1 } else { (4 * n / 5).max(2) };
-        let companion = Resolution { nx: fewer(r.nx), ny: fewer(r.ny), cells: fewer(r.cells), ..r };
-        let coverage = Arc::new(Coverage::new(&case.scene, companion).ok()?);
-        let mean = Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean };
-        let coarse = Problem::new(&coverage, &case.media, &case.incidence, mean).ok()?;
-        let solution = solver.solve(&coarse, self.goal, &mut Silent).ok()?;
-        Some(largest_difference(far, &coarse.far_field(&solution.field)))
+        row.error = Some(error);
+        row.outcome = "converged".into();
+        Ok(())
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::draw::figure::FigureError;
 use crate::draw::log_plot::{Curve, LogPlot, Style};
 use crate::solve::Account;
-use crate::wave::Scheme;
+use crate::wave::{Resolution, Scheme};
 use minijinja::{Environment, context};
 use serde::Serialize;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub struct Row {
     pub unknowns: usize,
     /// Largest amplitude error against the reference.
     pub error: Option<f64>,
-    /// Difference to four fifths of the points and cells.
+    /// Largest expected amplitude error, as `inkwave solve` estimates it; unknown where no companion could be solved.
     pub error_estimate: Option<f64>,
     pub residual: f64,
     pub steps: usize,
@@ -81,7 +81,7 @@ impl Comparison {
     fn table(&self) -> Result<Vec<u8>, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         self.rows.iter().try_for_each(|row| writer.serialize(row))?;
-        Ok(writer.into_inner().unwrap_or_default())
+        writer.into_inner().map_err(|error| error.into_error().into())
     }
 
     fn residuals(&self) -> Result<Vec<u8>, csv::Error> {
@@ -104,7 +104,7 @@ impl Comparison {
                 ])?;
             }
         }
-        Ok(writer.into_inner().unwrap_or_default())
+        writer.into_inner().map_err(|error| error.into_error().into())
     }
 
     /// File name and plot.
@@ -182,13 +182,36 @@ impl Comparison {
 }
 
 impl Row {
-    pub(crate) fn take(&mut self, account: &Account, outcome: String, problem_bytes: usize) {
+    /// A row without a result yet.
+    pub(crate) fn new(strategy: &str, resolution: Resolution) -> Self {
+        let Resolution { nx, ny, cells, scheme } = resolution;
+        Self {
+            strategy: strategy.to_owned(),
+            scheme,
+            nx,
+            ny,
+            cells,
+            unknowns: 0,
+            error: None,
+            error_estimate: None,
+            residual: f64::NAN,
+            steps: 0,
+            operator_applications: 0,
+            seconds: 0.0,
+            bytes: 0,
+            outcome: String::new(),
+            history: Vec::new(),
+        }
+    }
+
+    /// What a solve took, finished or not.
+    pub(crate) fn take(&mut self, account: &Account) {
         self.residual = account.residual;
         self.steps = account.steps;
         self.operator_applications = account.operator_applications;
-        self.bytes = account.bytes + problem_bytes;
+        self.seconds = account.seconds;
+        self.bytes += account.bytes;
         self.history = account.history.clone();
-        self.outcome = outcome;
     }
 
     pub fn converged(&self) -> bool {

@@ -5,6 +5,7 @@ use crate::numerics::estimate::Estimate;
 use crate::store::packing_record::PackingRecord;
 use crate::wave::Resolution;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Whether every solve of the study is in the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -24,6 +25,8 @@ pub struct Manifest<Study: Serialize> {
     pub study_hash: String,
     /// Name and version of the program.
     pub program: String,
+    /// Builds that made the solves; several where the results are mixed.
+    pub builds: BTreeSet<String>,
     pub method_version: u32,
     pub seed: u64,
     pub realisations: Count,

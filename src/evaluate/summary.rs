@@ -40,6 +40,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         title: study.title.clone(),
         study_hash: study.key().to_string(),
         program: program(),
+        builds: records().map(|record| record.build.clone()).collect(),
         method_version: METHOD_VERSION,
         seed: study.packing.seed,
         realisations: Count { asked: study.realisations, finished: collected.complete().count() },

@@ -16,6 +16,8 @@ pub struct IndexWritten {
     pub built_in: Option<String>,
     /// CSV file, relative to the study file: wavelength in nm, κ and optionally n.
     pub csv: Option<String>,
+    /// Record of refractiveindex.info (YAML), relative to the study file.
+    pub yaml: Option<String>,
 }
 
 /// Grain size as written: a diameter in nm, or `"molecular"` for the limit of vanishing grains.
@@ -136,6 +138,7 @@ struct IndexTable {
     k: Option<f64>,
     built_in: Option<String>,
     csv: Option<String>,
+    yaml: Option<String>,
 }
 
 impl<'de> Deserialize<'de> for IndexWritten {
@@ -154,8 +157,8 @@ impl<'de> Deserialize<'de> for IndexWritten {
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<IndexWritten, A::Error> {
                 let table = IndexTable::deserialize(MapAccessDeserializer::new(map))?;
-                let IndexTable { n, k, built_in, csv } = table;
-                Ok(IndexWritten { n, k, built_in, csv })
+                let IndexTable { n, k, built_in, csv, yaml } = table;
+                Ok(IndexWritten { n, k, built_in, csv, yaml })
             }
         }
         deserializer.deserialize_any(IndexVisitor)

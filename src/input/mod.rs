@@ -11,8 +11,11 @@ pub mod file;
 pub mod forms;
 pub mod load;
 pub mod locate;
+pub mod measured;
 pub mod pack_study;
+pub mod read;
 pub mod study;
+pub mod tree;
 
 pub use pack_study::PackStudy;
 pub use study::Study;

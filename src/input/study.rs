@@ -8,10 +8,10 @@ use crate::store::identity::Key;
 use crate::wave::contrast::coverage::{EXACT, error_for};
 use crate::wave::{Incidence, Media, Scheme, Side};
 use num_complex::Complex64;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// All that was asked, checked. Built by [`super::check`] alone.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Study {
     pub title: String,
     pub layer: Layer,
@@ -32,7 +32,7 @@ pub struct Study {
 }
 
 /// The periodic cell 0 ≤ z ≤ thickness and its surroundings.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Layer {
     pub period_um: [f64; 2],
     pub thickness_um: f64,
@@ -42,7 +42,7 @@ pub struct Layer {
 }
 
 /// One kind of grain.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pigment {
     pub name: String,
     pub grains: PigmentGrains,
@@ -50,7 +50,7 @@ pub struct Pigment {
 }
 
 /// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Dissolved {
     pub name: String,
     /// Share of the layer's volume.
@@ -59,7 +59,7 @@ pub struct Dissolved {
 }
 
 /// A material by its index n + iκ at every wavelength of the study.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Material {
     /// For people: a constant, the name of a built-in spectrum, or the path of a table.
     pub source: String,
@@ -67,7 +67,7 @@ pub struct Material {
 }
 
 /// The Lambertian substrate.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Paper {
     /// For people: the albedo itself, or where its table comes from.
     pub source: String,
@@ -76,7 +76,7 @@ pub struct Paper {
 }
 
 /// Angles of incidence, degrees from the normal, below 90.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Angles {
     /// For light from above, rising.
     pub above: Vec<f64>,
@@ -90,7 +90,7 @@ pub struct Angles {
 }
 
 /// A wanted accuracy, or the grid itself.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WantedResolution {
     /// Largest error of any order's amplitude.
@@ -118,7 +118,7 @@ impl WantedResolution {
 }
 
 /// What the results look like; no solve depends on it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Output {
     pub folder: Option<String>,
     pub picture_pixels: usize,
@@ -177,6 +177,11 @@ impl Study {
             above.chain(below)
         };
         (0..self.wavelengths_nm.len()).flat_map(of_wavelength).collect()
+    }
+
+    /// Volume of the cell, µm³.
+    pub fn volume_um3(&self) -> f64 {
+        self.layer.period_um[0] * self.layer.period_um[1] * self.layer.thickness_um
     }
 
     /// Number of solves of one realisation.

@@ -1,3 +1,5 @@
 //! What things are made of: refractive indices n + iκ against wavelength, and mixtures.
 
+pub mod columns;
+pub mod dispersion;
 pub mod spectra;

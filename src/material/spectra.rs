@@ -4,6 +4,8 @@
 //! plot (Fig. 5). The built-in pigments are therefore **synthetic**: smooth sums of Gaussians made for this
 //! project (`validation/data/pigments.json`), not measured data. Measured spectra come from a CSV file.
 
+use super::columns::{Columns, ColumnsError};
+use super::dispersion::{Dispersion, DispersionError};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -61,14 +63,20 @@ pub enum SpectrumError {
         /// Rows found.
         rows: usize,
     },
-    /// A file that is no table of a spectrum.
-    #[error("{path}: {source}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n", path = path.display())]
-    Unreadable {
+    /// A file that is no table of numbers.
+    #[error(transparent)]
+    Unreadable(#[from] ColumnsError),
+    /// A table that is no spectrum.
+    #[error("{path}: {reason}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k for kappa will do)", path = path.display())]
+    Header {
         /// The file.
         path: PathBuf,
-        /// What the reader of CSV found.
-        source: csv::Error,
+        /// What is wrong with its columns.
+        reason: String,
     },
+    /// A file that is no record of refractiveindex.info.
+    #[error(transparent)]
+    Record(#[from] DispersionError),
 }
 
 /// The built-in synthetic pigments (κ(λ) of `validation/data/pigments.json`, Re η = 1.4).
@@ -126,15 +134,6 @@ pub struct Sample {
     pub kappa: f64,
 }
 
-/// A row of the user's file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Row {
-    wavelength_nm: f64,
-    kappa: f64,
-    n: Option<f64>,
-}
-
 /// A tabulated spectrum, increasing in wavelength; linear between its rows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Table {
@@ -157,6 +156,8 @@ pub enum Spectrum {
     Synthetic(Synthetic),
     /// A user's table.
     Tabulated(Table),
+    /// A record of refractiveindex.info.
+    Recorded(Dispersion),
 }
 
 impl Spectrum {
@@ -175,25 +176,35 @@ impl Spectrum {
         known.map(Self::Synthetic).ok_or_else(|| SpectrumError::UnknownPigment { value: name.into() })
     }
 
-    /// Reads `wavelength_nm,kappa[,n]`; lines that start with `#` are comments, `n` defaults to 1.4 (P1).
+    /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start with `#` are comments,
+    /// `n` defaults to 1.4 (P1).
     ///
     /// # Errors
     /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ < 0, n ≤ 0.
     pub fn from_csv(path: impl AsRef<Path>) -> Result<Self, SpectrumError> {
         let path = path.as_ref();
-        let unreadable = |source| SpectrumError::Unreadable { path: path.into(), source };
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(unreadable)?;
-        let rows = reader.deserialize().collect::<Result<Vec<Row>, _>>().map_err(unreadable)?;
-        if rows.len() < 2 {
-            return Err(SpectrumError::TooFewRows { path: path.into(), rows: rows.len() });
+        let columns = Columns::read(path)?;
+        let places =
+            Places::of(&columns).map_err(|reason| SpectrumError::Header { path: path.into(), reason })?;
+        if columns.rows.len() < 2 {
+            return Err(SpectrumError::TooFewRows { path: path.into(), rows: columns.rows.len() });
         }
-        let sample =
-            |r: &Row| Sample { wavelength_nm: r.wavelength_nm, n: r.n.unwrap_or(PIGMENT_N), kappa: r.kappa };
-        Self::tabulated(&path.display().to_string(), rows.iter().map(sample).collect())
+        // what is missing is no number, and refused as such below
+        let cell = |row: &[Option<f64>], place: usize| row[place].unwrap_or(f64::NAN);
+        let sample = |row: &Vec<Option<f64>>| Sample {
+            wavelength_nm: cell(row, places.wavelength),
+            n: places.n.and_then(|n| row[n]).unwrap_or(PIGMENT_N),
+            kappa: cell(row, places.kappa),
+        };
+        Self::tabulated(&path.display().to_string(), columns.rows.iter().map(sample).collect())
+    }
+
+    /// Reads a record of refractiveindex.info (YAML); without n it is 1.4 (P1), without k the material is transparent.
+    ///
+    /// # Errors
+    /// Unreadable files, and files that are no such record.
+    pub fn from_yaml(path: impl AsRef<Path>) -> Result<Self, SpectrumError> {
+        Ok(Self::Recorded(Dispersion::read(path.as_ref())?))
     }
 
     /// A table given in memory, checked as [`Spectrum::from_csv`] checks a file.
@@ -235,6 +246,7 @@ impl Spectrum {
             Self::Constant { n, kappa } => Complex64::new(*n, *kappa),
             Self::Synthetic(pigment) => Complex64::new(PIGMENT_N, pigment.kappa(nm)),
             Self::Tabulated(table) => table.interpolate(nm),
+            Self::Recorded(record) => record.index(wavelength_um, PIGMENT_N),
         })
     }
 
@@ -243,6 +255,7 @@ impl Spectrum {
         match self {
             Self::Constant { .. } => None,
             Self::Synthetic(_) => Some(SYNTHETIC_RANGE_NM),
+            Self::Recorded(record) => Some(record.range_nm()),
             Self::Tabulated(t) => {
                 Some([t.samples[0].wavelength_nm, t.samples[t.samples.len() - 1].wavelength_nm])
             }
@@ -255,7 +268,33 @@ impl Spectrum {
             Self::Constant { n, kappa } => format!("{n} + {kappa}i"),
             Self::Synthetic(pigment) => format!("{} (synthetic)", pigment.name()),
             Self::Tabulated(table) => table.name.clone(),
+            Self::Recorded(record) => record.name().to_owned(),
         }
+    }
+}
+
+/// Where a table keeps what.
+struct Places {
+    wavelength: usize,
+    kappa: usize,
+    n: Option<usize>,
+}
+
+impl Places {
+    fn of(columns: &Columns) -> Result<Self, String> {
+        let known = ["wavelength_nm", "kappa", "k", "n"];
+        if let Some(unknown) = columns.names.iter().find(|name| !known.contains(&name.as_str())) {
+            return Err(format!("column {unknown:?} is not known"));
+        }
+        let need = |names: &[&str]| columns.find(names).ok_or(format!("column {:?} is missing", names[0]));
+        if columns.find(&["kappa"]).and(columns.find(&["k"])).is_some() {
+            return Err("columns kappa and k mean the same; keep one".into());
+        }
+        Ok(Self {
+            wavelength: need(&["wavelength_nm"])?,
+            kappa: need(&["kappa", "k"])?,
+            n: columns.find(&["n"]),
+        })
     }
 }
 

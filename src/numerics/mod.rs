@@ -1,7 +1,9 @@
-//! Mathematics without physics: vectors and rotations, random draws, estimates with their errors, Fourier planes.
+//! Mathematics without physics: vectors and rotations, random draws, estimates with their errors, Fourier planes; and reading
+//! of what people hand in.
 
 pub mod draws;
 pub mod estimate;
+pub mod files;
 pub mod fourier;
 pub mod vector;
 

@@ -4,8 +4,44 @@
 //! `jobs` solves hold memory at a time. What a solve computes does not depend on its worker, so the results
 //! do not depend on the number of threads.
 
-use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Workers with their threads.
+#[derive(Debug)]
+pub struct Crew {
+    pools: Vec<ThreadPool>,
+    /// Solves at a time that each worker is allowed.
+    pub jobs_each: usize,
+}
+
+impl Crew {
+    /// As many workers as `jobs` (by default one for each thread), but no more than there are `tasks`.
+    ///
+    /// # Errors
+    /// The system refuses threads.
+    pub fn new(jobs: Option<usize>, tasks: usize) -> Result<Self, ThreadPoolBuildError> {
+        let jobs = jobs.unwrap_or_else(rayon::current_num_threads).max(1);
+        let workers = jobs.min(tasks.max(1));
+        let threads_each = (rayon::current_num_threads() / workers).max(1);
+        let pool = |_| ThreadPoolBuilder::new().num_threads(threads_each).build();
+        Ok(Self { pools: (0..workers).map(pool).collect::<Result<_, _>>()?, jobs_each: jobs / workers })
+    }
+
+    /// Every worker does what `take` gives it until that is nothing.
+    pub fn work_off(&self, take: impl Fn() -> Option<usize> + Sync, work: impl Fn(usize) + Sync) {
+        let (take, work) = (&take, &work);
+        std::thread::scope(|scope| {
+            for pool in &self.pools {
+                scope.spawn(move || {
+                    while let Some(task) = take() {
+                        pool.install(|| work(task));
+                    }
+                });
+            }
+        });
+    }
+}
 
 /// Does `work` for every index below `count`, `jobs` at a time, in rising order of their beginnings; ends
 /// early once `stop` says so.
@@ -18,22 +54,9 @@ pub fn work_through(
     stop: impl Fn() -> bool + Sync,
     work: impl Fn(usize) + Sync,
 ) -> Result<(), ThreadPoolBuildError> {
-    let jobs = jobs.clamp(1, count.max(1));
-    let threads_each = (rayon::current_num_threads() / jobs).max(1);
-    let pools = (0..jobs)
-        .map(|_| ThreadPoolBuilder::new().num_threads(threads_each).build())
-        .collect::<Result<Vec<_>, _>>()?;
     let next = AtomicUsize::new(0);
     let take = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&i| i < count && !stop());
-    std::thread::scope(|scope| {
-        for pool in &pools {
-            scope.spawn(|| {
-                while let Some(i) = take() {
-                    pool.install(|| work(i));
-                }
-            });
-        }
-    });
+    Crew::new(Some(jobs), count)?.work_off(take, work);
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! Carries a study out: a point (one solve), a realisation (one packing), the study, its resolution, work side by side.
 
 pub mod crew;
+pub mod memory;
 pub mod point;
 pub(crate) mod realisation;
 pub mod resolve;

@@ -4,9 +4,10 @@ use super::watch::RunWatch;
 use crate::ink::pack;
 use crate::ink::{PackError, PackProgress, PackWatch, Packing};
 use crate::input::study::{Point, Study};
-use crate::solve::{GridTrial, SolveError, Step, Watch};
+use crate::solve::accuracy::grid_error::GridError;
+use crate::solve::{GridTrial, SolveError, Solver, Step, Watch};
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
-use crate::wave::{Coverage, Mean, Problem, WaveError};
+use crate::wave::{Coverage, Mean, Physical, Problem, TotalErrors, Unphysical, WaveError};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -17,6 +18,8 @@ pub enum PointError {
     Wave(#[from] WaveError),
     #[error(transparent)]
     Solve(#[from] SolveError),
+    #[error(transparent)]
+    Unphysical(#[from] Unphysical),
     #[error(transparent)]
     NotFinite(#[from] NotFinite),
 }
@@ -38,21 +41,35 @@ pub fn pack_realisation(
     pack(&request, &mut Stopper(watch))
 }
 
-/// Solves one point and keeps what it found under `key`.
+/// How many times the errors of R and T at the probes others may have.
+const BEYOND_PROBES: f64 = 3.0;
+
+fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
+    TotalErrors::of_totals([grid.reflectance, grid.transmittance].map(|e| BEYOND_PROBES * e), residual)
+}
+
+/// True for a kept record that passes the gate a new one has to pass: older programs had none.
+pub(crate) fn is_physical(record: &PointRecord, grid: GridError) -> bool {
+    Physical::judge(record.far_field(), total_errors(grid, record.account.residual)).is_ok()
+}
+
+/// Solves one point and keeps what it found under `key`; `grid` is how wrong R and T may be.
 ///
 /// It starts from nothing. The field of a neighbouring angle or wavelength was tried as a start (2.5 µm, 30 % of 200 nm,
 /// residual 2e-5): another angle costs 1 to 2 steps more of 12 to 19, 20 nm and even 5 nm save none or one, since the
 /// phase of the incident wave changes everywhere. What is shared is the coverage.
 pub fn solve_point(
     study: &Study,
+    solver: &dyn Solver,
     coverage: &Arc<Coverage>,
     point: &Point,
+    grid: GridError,
     key: &str,
     watch: &dyn RunWatch,
 ) -> Result<PointRecord, PointError> {
     let media = study.media(point.wavelength);
     let problem = Problem::new(coverage, &media, &point.incidence, Mean::default())?;
-    let solution = study.solver.build().solve(&problem, study.goal, &mut Stopper(watch))?;
+    let solution = solver.solve(&problem, study.goal, &mut Stopper(watch))?;
     let account = SolveAccount {
         solver: solution.account.solver.clone(),
         steps: solution.account.steps,
@@ -60,7 +77,8 @@ pub fn solve_point(
         residual: solution.account.residual,
         seconds: solution.account.seconds,
     };
-    let far_field = problem.far_field(&solution.field);
+    let errors = total_errors(grid, solution.account.residual);
+    let far_field = Physical::judge(problem.far_field(&solution.field), errors)?;
     Ok(PointRecord::new(key.to_owned(), point.realisation, &far_field, account)?)
 }
 

@@ -1,12 +1,14 @@
 //! One realisation of a run: its packing, its coverage, its solves.
 
 use super::crew::work_through;
-use super::point::{PointError, pack_realisation, solve_point};
+use super::point::{PointError, is_physical, pack_realisation, solve_point};
+use super::resolve;
 use super::resolve::Resolved;
 use super::runner::{Failure, Realisation, RunError, RunSettings, Stores};
 use super::watch::RunWatch;
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
+use crate::solve::Solver;
 use crate::store::identity::Key;
 use crate::store::packing_record::PackingRecord;
 use crate::store::record::{FailureRecord, PointRecord};
@@ -92,6 +94,9 @@ impl RealisationRun<'_> {
         let keyed = point_keys(self.study, self.resolved, self.realisation);
         let mut points: Vec<Option<PointRecord>> =
             keyed.iter().map(|(_, key)| self.stores.points.get(key.as_str())).collect();
+        for point in &mut points {
+            *point = point.take().filter(|record| is_physical(record, self.resolved.grid_error));
+        }
         let mut failures = Vec::new();
         let mut missing: Vec<usize> = (0..points.len()).filter(|&i| points[i].is_none()).collect();
         missing.retain(|&i| match self.failed_before(&keyed[i].1) {
@@ -111,9 +116,13 @@ impl RealisationRun<'_> {
         let record = PackingRecord::new(self.realisation, &packing);
         self.stores.packings.put(packing_key.as_str(), &record)?;
         let todo: Vec<&(Point, Key)> = missing.iter().map(|&i| &keyed[i]).collect();
+        let size = resolve::size(self.study, self.resolved.resolution);
+        let solver = self.study.solver.build();
+        let solver = size.admit(&*solver, self.settings.memory)?;
+        let jobs = self.jobs(size.bytes(solver.solver()));
         let error = self.study.resolution.coverage_error();
         let coverage = packings.coverage(self.realisation, self.resolved.resolution, error)?;
-        for (&i, result) in missing.iter().zip(self.solve_all(&coverage, &todo)?) {
+        for (&i, result) in missing.iter().zip(self.solve_all(solver.solver(), jobs, &coverage, &todo)?) {
             match result {
                 Some(Ok(point)) => points[i] = Some(point),
                 Some(Err(reason)) => failures.push(self.note_failure(&keyed[i], reason)?),
@@ -121,6 +130,19 @@ impl RealisationRun<'_> {
             }
         }
         Ok(Realisation { packing: record, points, failures })
+    }
+
+    /// Solves at a time: as many as were asked for, and the memory holds.
+    fn jobs(&self, bytes_each: f64) -> usize {
+        let asked = self.settings.jobs.unwrap_or_else(rayon::current_num_threads);
+        let fitting = (self.settings.memory / bytes_each) as usize;
+        if fitting < asked {
+            let most = 1e-9 * bytes_each;
+            let held = fitting.max(1);
+            self.watch
+                .stage(&format!("{held} solves at a time instead of {asked}: each may take {most:.2} GB"));
+        }
+        asked.min(fitting.max(1))
     }
 
     fn failed_before(&self, key: &Key) -> Option<String> {
@@ -140,14 +162,19 @@ impl RealisationRun<'_> {
     }
 
     /// Solves side by side; `None` for those that a stop left out.
-    fn solve_all(&self, coverage: &Arc<Coverage>, todo: &[&(Point, Key)]) -> Result<Vec<Solved>, RunError> {
+    fn solve_all(
+        &self,
+        solver: &dyn Solver,
+        jobs: usize,
+        coverage: &Arc<Coverage>,
+        todo: &[&(Point, Key)],
+    ) -> Result<Vec<Solved>, RunError> {
         let results: Vec<Mutex<Solved>> = todo.iter().map(|_| Mutex::new(None)).collect();
         let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
-        let jobs = self.settings.jobs.unwrap_or_else(rayon::current_num_threads);
         let stop = || self.watch.stop() || lock(&trouble).is_some();
         work_through(todo.len(), jobs, stop, |i| {
             let (point, key) = todo[i];
-            match self.solve_one(coverage, point, key) {
+            match self.solve_one(solver, coverage, point, key) {
                 Ok(solved) => *lock(&results[i]) = solved,
                 Err(error) => *lock(&trouble) = Some(error),
             }
@@ -162,9 +189,23 @@ impl RealisationRun<'_> {
     }
 
     /// One solve, in the store when it returns. The error is the store's alone.
-    fn solve_one(&self, coverage: &Arc<Coverage>, point: &Point, key: &Key) -> io::Result<Solved> {
+    fn solve_one(
+        &self,
+        solver: &dyn Solver,
+        coverage: &Arc<Coverage>,
+        point: &Point,
+        key: &Key,
+    ) -> io::Result<Solved> {
         self.watch.solving(self.study, point);
-        let solved = solve_point(self.study, coverage, point, key.as_str(), self.watch);
+        let solved = solve_point(
+            self.study,
+            solver,
+            coverage,
+            point,
+            self.resolved.grid_error,
+            key.as_str(),
+            self.watch,
+        );
         self.watch.ended();
         match solved {
             Ok(record) => {

@@ -9,14 +9,13 @@ use super::watch::RunWatch;
 use crate::input::study::{Layer, Pigment, Study, WantedResolution};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
+use crate::solve::demand::Size;
 use crate::solve::{Coverages, SolveError};
 use crate::store::identity::Key;
-use crate::store::store::Store;
+use crate::store::{Record, Store};
+use crate::wave::physical::largest;
 use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
-
-/// Most bytes of one solve.
-const MEMORY: usize = 8_000_000_000;
 
 /// The grid that all solves of a study share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,13 +27,28 @@ pub struct Resolved {
     pub grid_error: GridError,
 }
 
+/// What the study's solves take on a grid.
+pub fn size(study: &Study, resolution: Resolution) -> Size {
+    let indices = study.pigments.iter().map(|p| &p.material).chain([&study.layer.binder]);
+    let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
+    let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
+    let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
+    let channels = study.pigments.len() + usize::from(study.packing.relief.is_some());
+    Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers: [k0 * densest, k0] }
+}
+
+impl Record for Resolved {
+    const KIND: &'static str = "grid";
+}
+
 /// The study's grid: from the store, or from solves on `scene`, which is made when it is needed.
 ///
 /// # Errors
-/// The accuracy is out of reach, or a probe cannot be solved.
+/// The accuracy is out of reach, the grid does not fit `memory` (bytes), or a probe cannot be solved.
 pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     study: &Study,
     store: &Store<Resolved>,
+    memory: f64,
     watch: &dyn RunWatch,
     scene: impl FnOnce() -> Result<Scene, E>,
 ) -> Result<Resolved, E> {
@@ -43,9 +57,13 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     if let Some(resolved) = store.get(key.as_str()) {
         return Ok(resolved);
     }
+    if let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution {
+        let grid = grid(&study.layer, points_per_um, planes_per_um, scheme);
+        size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
+    }
     let scene = scene()?;
     watch.stage("estimating the error of the grid");
-    let resolved = settle(study, &scene, &probes, watch)?;
+    let resolved = settle(study, &scene, &probes, memory, watch)?;
     store.put(key.as_str(), &resolved)?;
     Ok(resolved)
 }
@@ -98,6 +116,7 @@ fn settle(
     study: &Study,
     scene: &Scene,
     probes: &[Probe],
+    memory: f64,
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
     let (solver, coverages) =
@@ -106,12 +125,12 @@ fn settle(
     let (mean, scheme, goal) = (Mean::default(), study.resolution.scheme(), study.goal);
     let task = |i: usize| {
         let (media, incidence) = (&media[i], &probes[i].1);
-        Task { coverages: &coverages, media, incidence, mean, scheme, solver: &*solver, goal, memory: MEMORY }
+        Task { coverages: &coverages, media, incidence, mean, scheme, solver: &*solver, goal, memory }
     };
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
     for task in (0..probes.len()).map(task) {
         let probed = probe(study, &task, resolution, watch)?;
-        error_estimate = error_estimate.max(probed.error_estimate);
+        error_estimate = largest([error_estimate, probed.error_estimate]);
         resolution = Some(probed.problem.coverage.grid.resolution);
     }
     let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;

@@ -11,18 +11,32 @@ use super::watch::RunWatch;
 use crate::ink::PackError;
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::AccuracyError;
-use crate::store::folder::{FolderError, GRIDS, OutputFolder, PACKINGS, POINTS};
+use crate::solve::demand::TooLarge;
+use crate::store::Store;
+use crate::store::damage::Damage;
+use crate::store::database::Database;
+use crate::store::folder::{FolderError, OutputFolder};
 use crate::store::packing_record::PackingRecord;
+use crate::store::queue::QueueError;
 use crate::store::record::{FailureRecord, PointRecord};
-use crate::store::store::Store;
 use crate::wave::{Scene, WaveError};
 use std::io;
+use std::path::Path;
+use std::sync::Arc;
 
 /// How to run, as opposed to what.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct RunSettings {
-    /// Solves at a time; the number of threads when nothing is said. Fewer need less memory.
+    /// Most solves at a time; the number of threads when nothing is said. As many run as the memory holds.
     pub jobs: Option<usize>,
+    /// Bytes that all solves at a time may take.
+    pub memory: f64,
+}
+
+impl Default for RunSettings {
+    fn default() -> Self {
+        Self { jobs: None, memory: super::memory::usable() }
+    }
 }
 
 /// All that a run has, finished or not.
@@ -30,6 +44,8 @@ pub struct RunSettings {
 pub struct Collected {
     pub resolved: Resolved,
     pub realisations: Vec<Realisation>,
+    /// What was found damaged in the store, and computed again as far as this study needs it.
+    pub damages: Vec<Damage>,
 }
 
 /// One realisation's records, in the order of [`Study::points`]; `None` where a solve is missing.
@@ -55,11 +71,15 @@ pub enum RunError {
     #[error(transparent)]
     Resolution(#[from] AccuracyError),
     #[error(transparent)]
+    Memory(#[from] TooLarge),
+    #[error(transparent)]
     Wave(#[from] WaveError),
     #[error(transparent)]
     Folder(#[from] FolderError),
     #[error("cannot keep a result: {0}")]
     Store(#[from] io::Error),
+    #[error(transparent)]
+    Queue(#[from] QueueError),
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     #[error("stopped before the first solve")]
@@ -94,9 +114,10 @@ pub fn run(
     watch: &dyn RunWatch,
 ) -> Result<Collected, RunError> {
     let stores = Stores::open(folder)?;
+    stores.database().prepare()?;
     let mut packings = Packings::new(study, watch);
     let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
-    let resolved = resolve(study, &stores.grids, watch, scene).map_err(stopped)?;
+    let resolved = resolve(study, &stores.grids, settings.memory, watch, scene).map_err(stopped)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
     let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));
     let kept = kept.count();
@@ -116,7 +137,10 @@ pub fn run(
             result => realisations.push(result?),
         }
     }
-    if realisations.is_empty() { Err(RunError::Stopped) } else { Ok(Collected { resolved, realisations }) }
+    if realisations.is_empty() {
+        return Err(RunError::Stopped);
+    }
+    Ok(Collected { resolved, realisations, damages: stores.database().damages() })
 }
 
 /// A stop is no failure of packing or grid.
@@ -129,6 +153,7 @@ pub(crate) fn stopped(error: RunError) -> RunError {
 }
 
 pub(crate) struct Stores {
+    database: Arc<Database>,
     pub points: Store<PointRecord>,
     pub packings: Store<PackingRecord>,
     pub grids: Store<Resolved>,
@@ -138,12 +163,23 @@ pub(crate) struct Stores {
 
 impl Stores {
     pub fn open(folder: &OutputFolder) -> io::Result<Self> {
-        let open = |name| folder.path().join(name);
-        Ok(Self {
-            points: Store::open(open(POINTS))?,
-            packings: Store::open(open(PACKINGS))?,
-            grids: Store::open(open(GRIDS))?,
-            failures: None,
-        })
+        Self::at(folder.path())
+    }
+
+    /// The stores of a folder that is only read.
+    pub fn at(path: &Path) -> io::Result<Self> {
+        let database = Arc::new(Database::open(path)?);
+        let (points, packings, grids) = (Store::of(&database), Store::of(&database), Store::of(&database));
+        Ok(Self { points, packings, grids, failures: None, database })
+    }
+
+    /// The same, remembering failures.
+    pub fn with_failures(self) -> Self {
+        Self { failures: Some(Store::of(&self.database)), ..self }
+    }
+
+    /// What all of them are part of.
+    pub fn database(&self) -> &Database {
+        &self.database
     }
 }

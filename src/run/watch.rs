@@ -1,6 +1,7 @@
 //! Who looks on while a study runs, and may stop it.
 
 use crate::input::study::{Point, Study};
+use crate::store::queue::Standing;
 
 /// Hears what a run does; called from several threads.
 pub trait RunWatch: Sync {
@@ -14,6 +15,9 @@ pub trait RunWatch: Sync {
 
     /// A stage other than the solves begins, such as "packing realisation 2".
     fn stage(&self, _what: &str) {}
+
+    /// How far all workers of a folder are.
+    fn standing(&self, _standing: &Standing) {}
 
     /// A solve begins.
     fn solving(&self, _study: &Study, _point: &Point) {}

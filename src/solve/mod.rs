@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 mod basis;
+pub mod demand;
 mod ledger;
 pub mod solver;
 pub mod strategies;

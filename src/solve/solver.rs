@@ -1,6 +1,7 @@
 //! The door: what a strategy is asked for, what it reports, and how it fails.
 
 use super::System;
+use super::demand::Size;
 use crate::wave::{Field, Problem, Resolution};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -142,6 +143,16 @@ pub trait Solver: Send + Sync {
 
     fn solve(&self, problem: &dyn System, goal: Goal, watch: &mut dyn Watch) -> Result<Solution, SolveError> {
         self.solve_from(problem, None, goal, watch)
+    }
+
+    /// Most bytes that the strategy takes besides the problem itself, for a problem of that size.
+    fn most_bytes(&self, size: &Size) -> f64 {
+        size.fields(50.0)
+    }
+
+    /// The same strategy in `bytes`, where it can do with less than [`Solver::most_bytes`].
+    fn within(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
+        None
     }
 }
 

@@ -1,13 +1,16 @@
 //! The folder a run writes to.
 //!
 //! ```text
-//! points/<hash>.json    one finished solve each        packings/<hash>.json   one packing each
-//!                                                      grids/<hash>.json      grids and their errors
+//! inkwave.json                                         marks the folder as ours
+//! records/1.sqlite …                                   finished solves, packings, grids (one file a worker)
 //! results.json          numbers and provenance         report.html            the page to show
 //! picture.png  spectra.csv  bdf.csv                    PARTIAL                there while not all is finished
 //! ```
 
+use super::database::{Database, RECORDS};
+use super::marker::{Holds, MARKER, Marker};
 use super::safely;
+use super::slot::Slot;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -16,20 +19,46 @@ pub const PARTIAL: &str = "PARTIAL";
 /// Files that tell of a study and must not outlive it.
 pub const RESULTS: [&str; 6] =
     ["results.json", "report.html", "picture.png", "picture-with-axes.png", "spectra.csv", "bdf.csv"];
-/// Finished solves.
-pub const POINTS: &str = "points";
-/// Packings made.
-pub const PACKINGS: &str = "packings";
-/// Grids chosen, with their error estimates.
-pub const GRIDS: &str = "grids";
+/// Folder in which older versions kept solves as JSON files.
+const OLD_POINTS: &str = "points";
 
 /// Why a folder cannot take results.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
+    /// Files cannot be made or written.
     #[error("cannot write results to {}: {source}", path.display())]
-    NotWritable { path: PathBuf, source: io::Error },
+    NotWritable {
+        /// The folder or file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// No marker of ours, but other files.
     #[error("{} holds other files ({found}), but no results of inkwave", path.display())]
-    Foreign { path: PathBuf, found: String },
+    Foreign {
+        /// The folder.
+        path: PathBuf,
+        /// One of the files.
+        found: String,
+    },
+    /// Ours, for something else.
+    #[error("{} holds {found} of inkwave, not {wanted}", path.display())]
+    Other {
+        /// The folder.
+        path: PathBuf,
+        /// What the folder holds.
+        found: Holds,
+        /// What shall be written.
+        wanted: Holds,
+    },
+    /// Results in a form that is no longer, or not yet, read.
+    #[error("{} holds results of {found}, which this version neither reads nor continues", path.display())]
+    Older {
+        /// The folder.
+        path: PathBuf,
+        /// The program that wrote them.
+        found: String,
+    },
 }
 
 impl FolderError {
@@ -40,6 +69,10 @@ impl FolderError {
                 "give a folder that you may write to, on a disk with room: --output DIR"
             }
             Self::Foreign { .. } => "give a new folder, an empty one or one of an earlier run: --output DIR",
+            Self::Other { .. } => "give a folder of its own: --output DIR",
+            Self::Older { .. } => {
+                "give a new folder (--output DIR) to compute everything again, or use the version that wrote it"
+            }
         }
     }
 }
@@ -48,22 +81,31 @@ impl FolderError {
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
+    /// Folders that were not there before.
     made: Vec<PathBuf>,
+    /// The marker was there before.
+    marked: bool,
 }
 
 impl OutputFolder {
-    /// Makes the folder where needed.
+    /// Makes the folder for what it shall hold, where it is not there, and marks it as ours.
     ///
     /// # Errors
     /// It cannot be made or written to, or holds files of something else.
-    pub fn open(path: &Path) -> Result<Self, FolderError> {
-        refuse_foreign(path)?;
+    pub fn open(path: &Path, holds: Holds) -> Result<Self, FolderError> {
+        let marked = refuse_foreign(path, holds)?;
         let missing = |p: &&Path| !p.as_os_str().is_empty() && !p.exists();
         let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
         let not_writable = |source| FolderError::NotWritable { path: path.to_owned(), source };
         std::fs::create_dir_all(path).map_err(not_writable)?;
-        let folder = Self { path: path.to_owned(), made };
+        let folder = Self { path: path.to_owned(), made, marked };
         tempfile::tempfile_in(path).map_err(not_writable).inspect_err(|_| folder.discard_when_empty())?;
+        if !marked {
+            let marker =
+                serde_json::to_vec_pretty(&Marker::new(holds)).map_err(|e| not_writable(e.into()))?;
+            folder.write(MARKER, &marker)?;
+        }
+        folder.remove_leftovers();
         Ok(folder)
     }
 
@@ -71,11 +113,20 @@ impl OutputFolder {
     pub fn inside(&self, name: &str) -> Result<Self, FolderError> {
         let path = self.path.join(name);
         match std::fs::create_dir_all(&path) {
-            Ok(()) => Ok(Self { path, made: Vec::new() }),
+            Ok(()) => Ok(Self { path, made: Vec::new(), marked: true }),
             Err(source) => Err(FolderError::NotWritable { path, source }),
         }
     }
 
+    /// Removes what a killed process left half written, unless others are at work here.
+    fn remove_leftovers(&self) {
+        let records = self.path.join(RECORDS);
+        if !Slot::any_is_held(&records) {
+            safely::remove_leftovers(&self.path);
+        }
+    }
+
+    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -111,30 +162,47 @@ impl OutputFolder {
 
     /// After a failure: leaves no empty folders behind that this run made.
     pub fn discard_when_empty(&self) {
-        let empty =
-            |name: &str| std::fs::read_dir(self.path.join(name)).is_ok_and(|mut d| d.next().is_none());
-        if self.made.is_empty() || !empty(POINTS) && self.path.join(POINTS).exists() {
+        let records = self.path.join(RECORDS);
+        if self.marked || Database::open(&self.path).is_ok_and(|database| !database.is_empty()) {
             return;
         }
-        // Removal of a folder fails when it is not empty, which is what is wanted.
+        // What cannot be removed stays; removal of a folder fails when it is not empty, which is what is wanted.
+        let _ = std::fs::remove_dir_all(records);
         let _ = self.complete();
-        for name in [POINTS, PACKINGS, GRIDS] {
-            let _ = std::fs::remove_dir(self.path.join(name));
-        }
+        let _ = self.remove(MARKER);
         for folder in &self.made {
             let _ = std::fs::remove_dir(folder);
         }
     }
 }
 
-fn refuse_foreign(path: &Path) -> Result<(), FolderError> {
-    let Ok(entries) = std::fs::read_dir(path) else { return Ok(()) };
+/// True when the folder is marked as ours; false when it is new or empty.
+fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
+    let path_owned = || path.to_owned();
+    if let Some(marker) = Marker::read(path) {
+        let found = marker.inkwave_folder;
+        if !marker.is_readable() {
+            return Err(FolderError::Older { path: path_owned(), found: marker.program });
+        }
+        return if found == wanted {
+            Ok(true)
+        } else {
+            Err(FolderError::Other { path: path_owned(), found, wanted })
+        };
+    }
+    let Ok(entries) = std::fs::read_dir(path) else { return Ok(false) };
     let names: Vec<String> =
         entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
-    let ours = names.iter().any(|name| name == POINTS || name == PARTIAL);
-    match names.iter().find(|name| !name.starts_with('.')) {
-        Some(found) if !ours => Err(FolderError::Foreign { path: path.to_owned(), found: found.clone() }),
-        _ => Ok(()),
+    let points = names.iter().any(|name| name == OLD_POINTS);
+    let older =
+        points && names.iter().any(|name| name == PARTIAL || name == RESULTS[0] || name == "sweep.json");
+    match names.into_iter().find(|name| !name.starts_with('.')) {
+        Some(_) if older => Err(FolderError::Older {
+            path: path_owned(),
+            found: "an older inkwave (a file for each solve)".into(),
+        }),
+        Some(found) => Err(FolderError::Foreign { path: path_owned(), found }),
+        None => Ok(false),
     }
 }
 
@@ -145,32 +213,48 @@ mod tests {
     #[test]
     fn a_failed_run_leaves_nothing_behind() {
         let root = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::open(&root.path().join("out/yellow")).unwrap();
-        std::fs::create_dir(folder.path().join(POINTS)).unwrap();
+        let folder = OutputFolder::open(&root.path().join("out/yellow"), Holds::Study).unwrap();
         folder.discard_when_empty();
         assert_eq!(std::fs::read_dir(root.path()).unwrap().count(), 0);
     }
 
     #[test]
-    fn finished_points_stay() {
+    fn finished_records_stay_and_results_of_earlier_runs_and_leftovers_go() {
         let root = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::open(&root.path().join("yellow")).unwrap();
-        std::fs::create_dir(folder.path().join(POINTS)).unwrap();
-        std::fs::write(folder.path().join("points/a.json"), "{}").unwrap();
-        std::fs::write(folder.path().join("report.html"), "old").unwrap();
+        let folder = OutputFolder::open(&root.path().join("yellow"), Holds::Study).unwrap();
+        Database::open(folder.path()).unwrap().put("point", "a", vec![1]).unwrap();
+        for name in ["report.html", ".inkwave-x.partial"] {
+            std::fs::write(folder.path().join(name), "old").unwrap();
+        }
+        let folder = OutputFolder::open(folder.path(), Holds::Study).unwrap();
         folder.begin().unwrap();
         folder.discard_when_empty();
-        assert!(!folder.path().join("report.html").exists());
-        assert!(folder.path().join("points/a.json").exists() && folder.path().join(PARTIAL).exists());
+        let there = |name: &str| folder.path().join(name).exists();
+        assert!(!there("report.html") && !there(".inkwave-x.partial"));
+        assert!(there("records/1.sqlite") && there(PARTIAL));
     }
 
     #[test]
-    fn other_peoples_folders_and_files_are_refused() {
+    fn folders_of_other_people_other_kinds_and_other_versions_are_refused() {
         let root = tempfile::tempdir().unwrap();
-        std::fs::write(root.path().join("thesis.tex"), "").unwrap();
-        let foreign = OutputFolder::open(root.path());
-        assert!(matches!(foreign, Err(FolderError::Foreign { .. })));
-        let below_a_file = OutputFolder::open(&root.path().join("thesis.tex/out"));
-        assert!(matches!(below_a_file, Err(FolderError::NotWritable { .. })));
+        let make = |name: &str, file: &str, text: &str| {
+            let path = root.path().join(name);
+            std::fs::create_dir_all(path.join(file).parent().unwrap()).unwrap();
+            std::fs::write(path.join(file), text).unwrap();
+            path
+        };
+        let open = |path: &Path| OutputFolder::open(path, Holds::Study).map(drop).unwrap_err();
+        // A folder that merely holds points/ is nobody's of ours.
+        for (name, file) in [("thesis", "thesis.tex"), ("maps", "points/a.json"), ("other", "inkwave.json")] {
+            assert!(matches!(open(&make(name, file, "{}")), FolderError::Foreign { .. }), "{name}");
+        }
+        make("old", "points/a.json", "{}");
+        assert!(matches!(open(&make("old", "PARTIAL", "")), FolderError::Older { .. }));
+        let later = r#"{"inkwave_folder": "study", "layout": 3, "program": "inkwave 9.0"}"#;
+        assert!(matches!(open(&make("later", "inkwave.json", later)), FolderError::Older { .. }));
+        let comparison = OutputFolder::open(&root.path().join("comparison"), Holds::Comparison).unwrap();
+        assert!(matches!(open(comparison.path()), FolderError::Other { .. }));
+        let below_a_file = open(&root.path().join("thesis/thesis.tex/out"));
+        assert!(matches!(below_a_file, FolderError::NotWritable { .. }));
     }
 }

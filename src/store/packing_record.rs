@@ -1,5 +1,6 @@
 //! What is kept of one packing: what was asked, what was reached and how.
 
+use super::store::Record;
 use crate::ink::{Account, Method, Packing, Share};
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,10 @@ pub struct PackingRecord {
     pub notes: Vec<String>,
     /// One entry for each pigment, in the study's order.
     pub shares: Vec<ShareRecord>,
+}
+
+impl Record for PackingRecord {
+    const KIND: &'static str = "packing";
 }
 
 /// One pigment's share of the layer's volume.

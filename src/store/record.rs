@@ -1,5 +1,6 @@
 //! What is kept of one solve: its propagating orders, its energy receipt and its account.
 
+use super::store::Record;
 use crate::wave::{FarField, Incidence, Order};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -10,8 +11,10 @@ use serde::{Deserialize, Serialize};
 /// [`Order`]'s conventions; evanescent orders are not kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointRecord {
-    /// Content hash of everything the numbers depend on; also the file's name.
+    /// Content hash of everything the numbers depend on; also the record's name.
     pub key: String,
+    /// The build that made it: program, version and, where known, commit.
+    pub build: String,
     pub realisation: usize,
     pub incidence: Incidence,
     pub period_um: [f64; 2],
@@ -20,6 +23,18 @@ pub struct PointRecord {
     pub absorptance: f64,
     pub account: SolveAccount,
     pub orders: Vec<OrderRow>,
+}
+
+impl Record for PointRecord {
+    const KIND: &'static str = "point";
+
+    fn numbers(self) -> Self {
+        Self { build: String::new(), account: SolveAccount { seconds: 0.0, ..self.account.clone() }, ..self }
+    }
+}
+
+impl Record for FailureRecord {
+    const KIND: &'static str = "failure";
 }
 
 /// What is kept of a solve, packing or grid that ended without a result.
@@ -92,6 +107,7 @@ impl PointRecord {
         let propagates = |o: &&Order| o.reflected_propagates || o.transmitted_propagates;
         let record = Self {
             key,
+            build: super::build::build().to_owned(),
             realisation,
             incidence: far_field.incidence,
             period_um: far_field.period_um,
@@ -136,6 +152,7 @@ impl PointRecord {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::store::Store;
     use crate::wave::Side;
 
     /// A far field of two orders, one of them evanescent, with numbers that need all their digits.
@@ -174,8 +191,9 @@ pub(crate) mod tests {
     #[test]
     fn a_record_reads_back_bit_for_bit() {
         let record = PointRecord::new("k".into(), 3, &two_orders(), account()).unwrap();
-        let text = serde_json::to_string(&record).unwrap();
-        let back: PointRecord = serde_json::from_str(&text).unwrap();
+        let store = Store::in_memory().unwrap();
+        store.put("k", &record).unwrap();
+        let back: PointRecord = store.get("k").unwrap();
         assert_eq!(back, record);
         assert_eq!(back.far_field().orders, two_orders().orders[..1]);
     }

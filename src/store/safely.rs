@@ -3,16 +3,39 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+/// Names of temporary files begin and end so.
+const PREFIX: &str = ".inkwave-";
+const SUFFIX: &str = ".partial";
+
 /// Writes `bytes` to a temporary file beside `path`, flushes it to the disk and renames it into place: a
 /// crash, a full disk or a second process leaves either the old file or the whole new one.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::Builder::new().prefix(".inkwave-").suffix(".partial").tempfile_in(folder)?;
+    let mut file = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempfile_in(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_data()?;
     readable_by_others(file.path())?;
     file.persist(path)?;
     Ok(())
+}
+
+/// Removes temporary files that a killed process left in `folder` and below it.
+pub fn remove_leftovers(folder: &Path) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            remove_leftovers(&path);
+        } else if is_temporary(&path) {
+            // Another process may have been faster.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+fn is_temporary(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy());
+    name.is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX))
 }
 
 /// Temporary files are private to their owner; results follow the usual permissions.

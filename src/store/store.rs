@@ -1,74 +1,102 @@
-//! The results store: one small JSON file per finished record, named by its content hash.
-//!
-//! Every record is written the moment it is finished, whole or not at all, so an interrupted run keeps what
-//! it finished and several processes may share a store. Any tool reads it; `jq -s . points/*.json` is a table.
+//! Records of one kind in a [`Database`].
 
-use super::safely;
+use super::damage::{Damage, Fault};
+use super::database::Database;
 use serde::{Serialize, de::DeserializeOwned};
 use std::io;
 use std::marker::PhantomData;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 
-/// Records of one kind in one folder.
+/// What can be kept.
+pub trait Record: Serialize + DeserializeOwned {
+    /// Names the kind in the store and in messages, such as `point`.
+    const KIND: &'static str;
+
+    /// What must be equal when the same inputs are computed twice: all but times and builds.
+    fn numbers(self) -> Self {
+        self
+    }
+}
+
+/// Whether two records as they lie in the store tell the same numbers.
+pub fn same<R: Record + PartialEq>(one: &[u8], other: &[u8]) -> bool {
+    let read = |content| rmp_serde::from_slice::<R>(content).map(R::numbers);
+    matches!((read(one), read(other)), (Ok(one), Ok(other)) if one == other)
+}
+
+/// Records of one kind; what is put is there for good, what is got is what was put, or nothing.
 #[derive(Debug)]
 pub struct Store<R> {
-    folder: PathBuf,
+    database: Arc<Database>,
     kind: PhantomData<fn() -> R>,
 }
 
-impl<R: Serialize + DeserializeOwned> Store<R> {
-    /// Opens the store in `folder`, making it when it is not there.
-    pub fn open(folder: impl Into<PathBuf>) -> io::Result<Self> {
-        let folder = folder.into();
-        std::fs::create_dir_all(&folder)?;
-        Ok(Self { folder, kind: PhantomData })
+impl<R: Record> Store<R> {
+    /// The records of this kind in `database`.
+    pub fn of(database: &Arc<Database>) -> Self {
+        Self { database: database.clone(), kind: PhantomData }
     }
 
-    /// The record of this key; `None` when there is none, or none that can be read.
+    /// The records of this kind below `folder`.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn open(folder: impl AsRef<Path>) -> io::Result<Self> {
+        Ok(Self::of(&Arc::new(Database::open(folder.as_ref())?)))
+    }
+
+    /// A store that lives as long as the value.
+    ///
+    /// # Errors
+    /// SQLite cannot be started.
+    pub fn in_memory() -> io::Result<Self> {
+        Ok(Self::of(&Arc::new(Database::in_memory()?)))
+    }
+
+    /// The record of this key; `None` when there is none, or none that is sound, which is noted as damage.
     pub fn get(&self, key: &str) -> Option<R> {
-        let text = std::fs::read(self.path(key)).ok()?;
-        serde_json::from_slice(&text).ok()
+        let content = self.database.get(R::KIND, key)?;
+        let fault = match rmp_serde::from_slice(&content) {
+            Ok(record) => return Some(record),
+            Err(error) => Fault::Form(error.to_string()),
+        };
+        self.database.note(Damage::Record { kind: R::KIND.to_owned(), key: key.to_owned(), fault });
+        None
     }
 
-    /// True when there is a record of this key, readable or not.
+    /// True when there is a record of this key with its seal unbroken.
     pub fn has(&self, key: &str) -> bool {
-        self.path(key).exists()
+        self.database.get(R::KIND, key).is_some()
     }
 
     /// Keeps a record for good.
+    ///
+    /// # Errors
+    /// It cannot be written.
     pub fn put(&self, key: &str, record: &R) -> io::Result<()> {
-        safely::write(&self.path(key), &serde_json::to_vec(record)?)
+        let content = rmp_serde::to_vec_named(record).map_err(io::Error::other)?;
+        self.database.put(R::KIND, key, content)
     }
 
     /// Forgets a record, if it is there.
+    ///
+    /// # Errors
+    /// The store cannot be written to.
     pub fn remove(&self, key: &str) -> io::Result<()> {
-        match std::fs::remove_file(self.path(key)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        }
+        self.database.remove(R::KIND, key)
     }
 
-    pub fn folder(&self) -> &Path {
-        &self.folder
+    /// Forgets all records of this kind.
+    ///
+    /// # Errors
+    /// They cannot be written to.
+    pub fn remove_all(&self) -> io::Result<()> {
+        self.database.remove_all(R::KIND)
     }
 
-    fn path(&self, key: &str) -> PathBuf {
-        self.folder.join(key).with_extension("json")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_put_is_got_and_damage_counts_as_absence() {
-        let folder = tempfile::tempdir().unwrap();
-        let store: Store<Vec<f64>> = Store::open(folder.path().join("points")).unwrap();
-        assert_eq!(store.get("a"), None);
-        store.put("a", &vec![0.1, 1.0 / 3.0]).unwrap();
-        assert_eq!(store.get("a"), Some(vec![0.1, 1.0 / 3.0]));
-        std::fs::write(store.folder().join("a.json"), b"[0.1, 0.3").unwrap();
-        assert_eq!(store.get("a"), None);
+    /// The store that these records are part of.
+    pub fn database(&self) -> &Arc<Database> {
+        &self.database
     }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! sweep.json                       axes, variants, conclusions        inputs/…             tables that variants read
 //! variants/<name>/study.toml       each variant as a study of its own, beside its results
-//! points/ packings/ grids/ failures/   the store that all variants share
+//! records/                         the store that all variants share      inkwave.json     marks the folder
 //! sweep.csv  conclusions.csv  contact-sheet*.png  report.html          PARTIAL while not all is finished
 //! ```
 
@@ -11,14 +11,11 @@ use super::load::{Input, Outline, Place, Sweep, Variant};
 use crate::input::fault::StudyError;
 use crate::run::runner::Stores;
 use crate::store::folder::{FolderError, OutputFolder};
-use crate::store::store::Store;
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// Outline of the sweep.
 pub const OUTLINE: &str = "sweep.json";
-/// Solves, packings and grids that failed.
-pub const FAILURES: &str = "failures";
 /// One folder for each variant.
 pub const VARIANTS: &str = "variants";
 
@@ -47,7 +44,10 @@ pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
         make(folder.path().join(VARIANTS).join(name))?;
         folder.write(&format!("{VARIANTS}/{name}/study.toml"), text.as_bytes())?;
     }
-    let outline = serde_json::to_vec_pretty(&sweep.outline).unwrap_or_default();
+    let outline = serde_json::to_vec_pretty(&sweep.outline).map_err(|error| FolderError::NotWritable {
+        path: folder.path().join(OUTLINE),
+        source: error.into(),
+    })?;
     folder.write(OUTLINE, &outline)
 }
 
@@ -86,6 +86,5 @@ fn inputs(path: &Path) -> io::Result<Vec<Input>> {
 
 /// The store of a sweep, which remembers failures.
 pub(crate) fn stores(folder: &OutputFolder) -> io::Result<Stores> {
-    let failures = Some(Store::open(folder.path().join(FAILURES))?);
-    Ok(Stores { failures, ..Stores::open(folder)? })
+    Ok(Stores::open(folder)?.with_failures())
 }

@@ -216,10 +216,10 @@ impl Reading<'_> {
         }
     }
 
-    /// Copies the CSV tables that the study names, and names the copies instead.
+    /// Copies the tables that the study names, and names the copies instead.
     fn keep_inputs(&mut self, study: &mut Table) -> Result<(), StudyError> {
-        for csv in csv_fields(study) {
-            let Value::String(name) = csv else { continue };
+        for file_name in table_files(study) {
+            let Value::String(name) = file_name else { continue };
             let from = self.folder.join(name.as_str());
             let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
             let bytes = std::fs::read(&from).map_err(unreadable)?;
@@ -253,15 +253,15 @@ fn same_field(study: &Table, one: &str, other: &str) -> bool {
     (0..one.len().min(other.len())).all(same)
 }
 
-/// Every `csv` of an index in a study.
-fn csv_fields(study: &mut Table) -> Vec<&mut Value> {
+/// Every `csv` and `yaml` of a study: the tables that it names.
+fn table_files(study: &mut Table) -> Vec<&mut Value> {
     let mut found = Vec::new();
     for (key, value) in study.iter_mut() {
         match value {
-            Value::String(_) if key == "csv" => found.push(value),
-            Value::Table(table) => found.extend(csv_fields(table)),
+            Value::String(_) if key == "csv" || key == "yaml" => found.push(value),
+            Value::Table(table) => found.extend(table_files(table)),
             Value::Array(items) => {
-                found.extend(items.iter_mut().filter_map(Value::as_table_mut).flat_map(csv_fields));
+                found.extend(items.iter_mut().filter_map(Value::as_table_mut).flat_map(table_files));
             }
             _ => {}
         }

@@ -1,102 +1,140 @@
 //! Joins the stores of several shards into one folder.
 
+use super::Sweep;
 use super::folder;
-use super::folder::{FAILURES, OpenError};
-use super::load::Sweep;
-use crate::store::folder::{FolderError, GRIDS, OutputFolder, PACKINGS, POINTS};
-use crate::store::record::PointRecord;
+use super::folder::OpenError;
+use crate::run::realisation::point_keys;
+use crate::run::resolve::{Resolved, kept};
+use crate::run::runner::Stores;
+use crate::store::damage::Damage;
+use crate::store::database::Database;
+use crate::store::folder::{FolderError, OutputFolder};
+use crate::store::record::{FailureRecord, PointRecord};
+use crate::store::rows::Row;
+use crate::store::store::Record;
+use crate::store::{PackingRecord, same};
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// Why shards cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
+    /// A shard holds no sweep.
     #[error(transparent)]
     Open(#[from] OpenError),
+    /// The folder cannot be written to.
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// Shards of different sweeps.
     #[error("{} is of another sweep than {}", other.display(), first.display())]
-    OtherSweep { first: PathBuf, other: PathBuf },
-    #[error("{} differs from the record of the same inputs in another shard", path.display())]
-    Contradiction { path: PathBuf },
-    #[error("cannot read or copy {}: {source}", path.display())]
-    Copy { path: PathBuf, source: io::Error },
+    OtherSweep {
+        /// The first shard.
+        first: PathBuf,
+        /// The one that differs.
+        other: PathBuf,
+    },
+    /// Two sound records of the same inputs with different numbers.
+    #[error("{what} in {} differs from the sound record of the same inputs in another shard ({builds})", shard.display())]
+    Contradiction {
+        /// Which solve, packing or grid.
+        what: String,
+        /// The later shard.
+        shard: PathBuf,
+        /// The programs that made them.
+        builds: String,
+    },
+    /// A store cannot be read or written.
+    #[error("cannot read or copy the records of {}: {source}", shard.display())]
+    Copy {
+        /// The shard.
+        shard: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
 }
 
-/// Copies the records of all shards into `folder`; gives the sweep that they belong to.
+/// What a merge has come to.
+#[derive(Debug)]
+pub struct Merged {
+    /// The sweep that the shards belong to.
+    pub sweep: Sweep,
+    /// Damaged records and files of the shards of which no sound copy was found.
+    pub damages: Vec<Damage>,
+    /// Damaged records of which another shard had a sound copy.
+    pub healed: usize,
+}
+
+/// Copies the sound records of all shards into `folder`.
 ///
 /// # Errors
-/// Shards of different sweeps, records of the same key that differ, or files that cannot be read or written.
-pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Sweep, MergeError> {
+/// Shards of different sweeps, sound records of the same inputs that differ, or files that cannot be read or written.
+pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeError> {
     let first = shards.first().map_or(Path::new(""), PathBuf::as_path);
     let sweep = folder::read(first)?;
-    for shard in &shards[1..] {
-        let other = folder::read(shard)?;
-        let texts = |s: &Sweep| s.variants.iter().map(|v| v.text.clone()).collect::<Vec<_>>();
-        if other.outline != sweep.outline || texts(&other) != texts(&sweep) || other.inputs != sweep.inputs {
-            return Err(MergeError::OtherSweep { first: first.to_owned(), other: shard.clone() });
-        }
-    }
+    shards[1..].iter().try_for_each(|other| refuse_other_sweep(&sweep, first, other))?;
     folder.begin()?;
     folder::write(&sweep, folder)?;
-    for store in [POINTS, PACKINGS, GRIDS, FAILURES] {
-        folder.inside(store)?;
-        for shard in shards {
-            copy_store(&shard.join(store), store, folder)?;
+    let failed = |shard: &Path| {
+        let shard = shard.to_owned();
+        |source| MergeError::Copy { shard, source }
+    };
+    let into = Database::open(folder.path()).map_err(failed(folder.path()))?;
+    let mut found = Vec::new();
+    for shard in shards {
+        let from = Database::open(shard).map_err(failed(shard))?;
+        let contradiction = into.adopt(&from, same_numbers).map_err(failed(shard))?;
+        if let Some((one, other)) = contradiction {
+            let what = describe(&sweep, folder, &other);
+            let builds = format!("{} and {}", one.program, other.sealed.program);
+            return Err(MergeError::Contradiction { what, shard: shard.clone(), builds });
         }
+        found.extend(from.damages());
     }
-    drop_settled_failures(folder)?;
-    Ok(sweep)
+    let mut damages = found.clone();
+    damages.retain(|damage| !is_healed(damage, &into));
+    Ok(Merged { sweep, healed: found.len() - damages.len(), damages })
 }
 
-fn copy_store(from: &Path, store: &str, folder: &OutputFolder) -> Result<(), MergeError> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        |source| MergeError::Copy { path, source }
-    };
-    for name in names(from).map_err(failed(from))? {
-        let source = from.join(&name);
-        let bytes = std::fs::read(&source).map_err(failed(&source))?;
-        let there = std::fs::read(folder.path().join(store).join(&name)).ok();
-        match there {
-            Some(there) if store != POINTS || same_point(&there, &bytes) => {}
-            Some(_) => return Err(MergeError::Contradiction { path: source }),
-            None => folder.write(&format!("{store}/{name}"), &bytes)?,
-        }
+fn refuse_other_sweep(sweep: &Sweep, first: &Path, shard: &Path) -> Result<(), MergeError> {
+    let other = folder::read(shard)?;
+    let texts = |s: &Sweep| s.variants.iter().map(|v| v.text.clone()).collect::<Vec<_>>();
+    if other.outline != sweep.outline || texts(&other) != texts(sweep) || other.inputs != sweep.inputs {
+        return Err(MergeError::OtherSweep { first: first.to_owned(), other: shard.to_owned() });
     }
     Ok(())
 }
 
-/// Names of the records in a store; none where there is no store.
-fn names(folder: &Path) -> io::Result<Vec<String>> {
-    let mut names = Vec::new();
-    match std::fs::read_dir(folder) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-        entries => {
-            for entry in entries? {
-                names.push(entry?.file_name().to_string_lossy().into_owned());
-            }
+fn is_healed(damage: &Damage, into: &Database) -> bool {
+    match damage {
+        Damage::Record { kind, key, .. } => into.get(kind, key).is_some(),
+        Damage::File { .. } => false,
+    }
+}
+
+/// Whether two records of a kind tell the same, whoever made them and however long it took.
+fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
+    match kind {
+        PointRecord::KIND => same::<PointRecord>(one, other),
+        PackingRecord::KIND => same::<PackingRecord>(one, other),
+        Resolved::KIND => same::<Resolved>(one, other),
+        FailureRecord::KIND => true,
+        _ => one == other,
+    }
+}
+
+/// The record in words: variant, realisation, wavelength and angle of a solve, kind and hash of anything else.
+fn describe(sweep: &Sweep, folder: &OutputFolder, row: &Row) -> String {
+    let hash = format!("{} {}", row.kind, row.key);
+    let Ok(stores) = Stores::open(folder) else { return hash };
+    for variant in sweep.variants.iter().filter(|_| row.kind == PointRecord::KIND) {
+        let Some(resolved) = kept(&variant.study, &stores.grids) else { continue };
+        let realisations = 0..variant.study.realisations;
+        let mut points = realisations.flat_map(|r| point_keys(&variant.study, &resolved, r));
+        if let Some((point, _)) = points.find(|(_, key)| key.as_str() == row.key) {
+            let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
+            let realisation = point.realisation + 1;
+            return format!("{}, realisation {realisation}, {nm:.0} nm, {deg:.1}° ({hash})", variant.name);
         }
     }
-    names.retain(|name| name.ends_with(".json") && !name.starts_with('.'));
-    names.sort_unstable();
-    Ok(names)
-}
-
-/// Equal in every number but the seconds that the solve took.
-fn same_point(one: &[u8], other: &[u8]) -> bool {
-    let read = |bytes| {
-        let mut record: PointRecord = serde_json::from_slice(bytes).ok()?;
-        record.account.seconds = 0.0;
-        Some(record)
-    };
-    read(one) == read(other)
-}
-
-/// A solve that succeeded in one shard is no failure of another.
-fn drop_settled_failures(folder: &OutputFolder) -> Result<(), MergeError> {
-    let failures = folder.path().join(FAILURES);
-    let names = names(&failures).map_err(|source| MergeError::Copy { path: failures, source })?;
-    let mut settled = names.iter().filter(|name| folder.path().join(POINTS).join(name).exists());
-    settled.try_for_each(|name| folder.remove(&format!("{FAILURES}/{name}")).map_err(MergeError::from))
+    hash
 }

@@ -6,12 +6,11 @@
 //! [`merge`](mod@merge) joins the stores of several machines.
 //!
 //! # The store
-//! All variants share one store of small JSON files, named by the content hash of what they depend on: `points/`,
-//! `packings/`, `grids/`, `failures/` (see [`crate::store::store`]). Variants that differ in their paper alone share their solves;
-//! those that differ in the pigment's spectrum share their packings. Files were chosen over a database: each is
-//! flushed and renamed into place, so a kill at any time loses the solves in flight and nothing else; any number
-//! of processes may write at once, also on network file systems, where SQLite's write-ahead log is not safe;
-//! merging is copying. `sweep.csv` is the table for spreadsheets, R and Python.
+//! All variants share one store of sealed records, named by the content hash of what they depend on (see
+//! [`crate::store::database`]). Variants that differ in their paper alone share their solves; those that differ in the
+//! pigment's spectrum share their packings. Every process writes an SQLite file of its own, so a kill at any time loses the
+//! solves in flight and nothing else, and any number of processes of one machine may work in one folder. Machines that share
+//! no disk, or a network disk, take shards in folders of their own. `sweep.csv` is the table for spreadsheets, R and Python.
 
 pub mod axes;
 pub mod conclusions;

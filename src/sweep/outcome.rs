@@ -115,5 +115,5 @@ pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
         Some(Realisation { packing, points, failures })
     };
     let realisations: Vec<Realisation> = (0..study.realisations).filter_map(realisation).collect();
-    (!realisations.is_empty()).then_some(Collected { resolved, realisations })
+    (!realisations.is_empty()).then_some(Collected { resolved, realisations, damages: Vec::new() })
 }

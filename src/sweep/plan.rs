@@ -6,6 +6,7 @@ use super::load::Sweep;
 use super::units::{groups, units};
 use crate::input::study::{Point, Study, WantedResolution};
 use crate::run::realisation::Packings;
+use crate::run::resolve::size;
 use crate::run::runner::{RunError, stopped};
 use crate::run::watch::RunWatch;
 use crate::store::identity::Key;
@@ -17,8 +18,6 @@ use trial::{Trial, density, full_resolution, time_solves, trial, volume};
 
 /// Most variants that are tried.
 const TRIALS: usize = 4;
-/// Bytes of a solve for each unknown: the solver's vectors of complex numbers.
-const BYTES_PER_UNKNOWN: usize = 50 * 16;
 
 /// The size of a sweep, and its cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,7 +31,7 @@ pub struct Plan {
     pub units: usize,
     /// Unknowns of the largest solve among the variants tried, at full size.
     pub unknowns: usize,
-    /// For one solve at a time.
+    /// For one solve at a time, at most.
     pub memory_mb: usize,
     /// On one core, all in all.
     pub core_seconds: f64,
@@ -72,6 +71,11 @@ pub fn plan(sweep: &Sweep, jobs: usize, watch: &dyn RunWatch) -> Result<Plan, Ru
     let (solves, core_seconds) = cost(sweep, &groups, &trials);
     let full = |t: &Trial| full_resolution(t, &sweep.variants[t.variant].study);
     let unknowns = trials.iter().map(full).map(|r| r.nx * r.ny * r.planes()).max().unwrap_or(0);
+    let bytes = |t: &Trial| {
+        let study = &sweep.variants[t.variant].study;
+        size(study, full(t)).bytes(&*study.solver.build())
+    };
+    let most_bytes = trials.iter().map(bytes).fold(0.0, f64::max);
     let realisations = |g: &Vec<usize>| g.iter().map(|&v| sweep.variants[v].study.realisations).max();
     Ok(Plan {
         variants: sweep.variants.len(),
@@ -79,7 +83,7 @@ pub fn plan(sweep: &Sweep, jobs: usize, watch: &dyn RunWatch) -> Result<Plan, Ru
         solves,
         units: units(sweep).len(),
         unknowns,
-        memory_mb: (unknowns * BYTES_PER_UNKNOWN).div_ceil(1_000_000),
+        memory_mb: (1e-6 * most_bytes).ceil() as usize,
         core_seconds,
         calibration,
     })

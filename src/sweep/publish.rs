@@ -17,6 +17,7 @@ use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::report::publish::{PublishError, publish_seen};
 use crate::run::runner::Stores;
+use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 
 /// Rows and columns of a picture on a contact sheet.
@@ -28,6 +29,8 @@ const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap
 pub struct Reported {
     pub outcomes: Vec<Outcome>,
     pub conclusions: Vec<Judged>,
+    /// What was found damaged in the store.
+    pub damages: Vec<Damage>,
 }
 
 impl Reported {
@@ -56,7 +59,7 @@ pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, Publish
         pictures.push(picture);
     }
     let conclusions: Vec<Judged> = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
-    let reported = Reported { outcomes, conclusions };
+    let reported = Reported { outcomes, conclusions, damages: stores.database().damages() };
     let sheets = sheets(&sweep.outline);
     let drawn = draw(&sweep.outline.title, &sheets, &pictures)?;
     for (i, png) in drawn.iter().enumerate() {

@@ -1,8 +1,9 @@
 //! What is computed together, and by whom.
 //!
-//! Variants with the same packings form a group: its packings are made once. A unit is one realisation of a group.
-//! Groups are ordered by their content hash, which mixes costly and cheap ones; a shard is a run of
-//! consecutive units, so that at most one group is divided between two neighbouring shards.
+//! Variants with the same packings form a group: its packings are made once. A unit is one realisation of a group; the
+//! workers of a folder take units in turn (see [`crate::store::queue`]). A shard, for machines that share no folder, is
+//! a run of consecutive units. Groups are ordered by their content hash, which mixes costly and cheap ones, and at most
+//! one group is divided between two neighbouring shards.
 
 use super::load::Sweep;
 use crate::store::identity::Key;
@@ -12,14 +13,20 @@ use std::ops::Range;
 /// One realisation of the variants that share its packing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unit {
+    /// Place of the group.
+    pub group: usize,
+    /// Places of the variants in the sweep.
     pub variants: Vec<usize>,
+    /// Counted from 0.
     pub realisation: usize,
 }
 
 /// Part `index` (from 1) of `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
+    /// Which part, from 1 to `count`.
     pub index: usize,
+    /// Number of parts.
     pub count: usize,
 }
 
@@ -27,9 +34,16 @@ impl Shard {
     /// The whole sweep.
     pub const ALL: Self = Self { index: 1, count: 1 };
 
-    /// The part of `units` that is this shard's.
+    /// Whether there is a unit for each part; the error is their number.
+    pub fn check(self, sweep: &Sweep) -> Result<(), usize> {
+        let most = units(sweep).len();
+        if self.count <= most { Ok(()) } else { Err(most) }
+    }
+
+    /// The part of `units` that is this shard's; empty for some shards when there are more of them than units.
     pub fn range(self, units: usize) -> Range<usize> {
-        (self.index - 1) * units / self.count..self.index * units / self.count
+        let up_to = |index: usize| (index as u128 * units as u128 / self.count as u128) as usize;
+        up_to(self.index - 1)..up_to(self.index)
     }
 }
 
@@ -45,14 +59,15 @@ pub fn groups(sweep: &Sweep) -> Vec<Vec<usize>> {
 /// All units, group by group.
 pub fn units(sweep: &Sweep) -> Vec<Unit> {
     let realisations = |v: &usize| sweep.variants[*v].study.realisations;
-    let of_group = |group: Vec<usize>| {
-        let most = group.iter().map(realisations).max().unwrap_or(0);
+    let of_group = |(group, members): (usize, Vec<usize>)| {
+        let most = members.iter().map(realisations).max().unwrap_or(0);
         (0..most).map(move |realisation| Unit {
-            variants: group.iter().copied().filter(|v| realisations(v) > realisation).collect(),
+            group,
+            variants: members.iter().copied().filter(|v| realisations(v) > realisation).collect(),
             realisation,
         })
     };
-    groups(sweep).into_iter().flat_map(of_group).collect()
+    groups(sweep).into_iter().enumerate().flat_map(of_group).collect()
 }
 
 #[cfg(test)]
@@ -65,5 +80,6 @@ mod tests {
             let parts = (1..=count).flat_map(|index| Shard { index, count }.range(units));
             assert!(parts.eq(0..units), "{units} in {count}");
         }
+        assert_eq!(Shard { index: usize::MAX, count: usize::MAX }.range(72), 71..72);
     }
 }

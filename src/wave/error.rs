@@ -12,6 +12,11 @@ pub enum WaveError {
          would drown it: leave the stratum out"
     )]
     TooThin { stratum: usize, thickness_um: f64, least_um: f64 },
+    #[error(
+        "{field} is {value:e}; at most {most_um:e} µm (a million periods) leaves enough digits of its place in the period: \
+         give it within the period"
+    )]
+    FarOut { field: String, value: f64, most_um: f64 },
     #[error("{field} is {value}; it must be a finite number")]
     NotFinite { field: String, value: f64 },
     #[error(

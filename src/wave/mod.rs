@@ -10,7 +10,9 @@ pub mod far_field;
 pub mod grid;
 pub mod incidence;
 pub mod operator;
+mod overlap;
 pub mod packed;
+pub mod physical;
 pub mod scene;
 
 pub use contrast::coverage::Coverage;
@@ -19,4 +21,5 @@ pub use far_field::{FarField, Order};
 pub use grid::{Grid, Resolution, Scheme};
 pub use incidence::{Incidence, Side};
 pub use operator::problem::{Field, Mean, Problem};
+pub use physical::{Physical, TotalErrors, Unphysical};
 pub use scene::{Ball, Body, HeightField, Material, Media, Scene, Shape, Stratum};

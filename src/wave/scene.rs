@@ -108,7 +108,8 @@ impl Scene {
             check_thickness(i, stratum.thickness_um)?;
         }
         let height = self.thickness_um();
-        self.bodies.iter().enumerate().try_for_each(|(i, body)| body.check(i, height))?;
+        let period = self.period_um[0].min(self.period_um[1]);
+        self.bodies.iter().enumerate().try_for_each(|(i, body)| body.check(i, period, height))?;
         media.check(self)
     }
 }
@@ -131,10 +132,10 @@ impl Body {
         }
     }
 
-    fn check(&self, index: usize, height: f64) -> Result<(), WaveError> {
+    fn check(&self, index: usize, period: f64, height: f64) -> Result<(), WaveError> {
         let [lo, hi] = self.extent_um();
         let size = hi - lo;
-        self.check_lateral(index)?;
+        self.check_lateral(index, period)?;
         positive(&format!("height of body {index} (µm)"), size)?;
         // A grain that touches a wall may stand out of it by the rounding of its coordinates.
         let slack = 1e-9 * height;
@@ -151,8 +152,9 @@ impl Body {
 }
 
 impl Body {
-    /// Refuses lateral positions that are no numbers; they would only show as NaN in every amplitude.
-    fn check_lateral(&self, index: usize) -> Result<(), WaveError> {
+    /// Refuses lateral positions that are no numbers, which would only show as NaN in every amplitude, and those so far
+    /// out that wrapping them into the period leaves too few digits.
+    fn check_lateral(&self, index: usize, period: f64) -> Result<(), WaveError> {
         let lateral: Vec<f64> = match &self.shape {
             Shape::Balls(balls) | Shape::Above { balls, .. } => {
                 balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect()
@@ -161,9 +163,11 @@ impl Body {
             Shape::BarY { x_um, .. } => x_um.to_vec(),
             Shape::Sheet { .. } => Vec::new(),
         };
-        lateral.into_iter().find(|x| !x.is_finite()).map_or(Ok(()), |value| {
-            let field = format!("lateral position of body {index} (µm)");
-            Err(WaveError::NotFinite { field, value })
+        let field = || format!("lateral position of body {index} (µm)");
+        let wrong = lateral.into_iter().find(|x| x.is_nan() || x.abs() > FARTHEST * period);
+        wrong.map_or(Ok(()), |value| match value.is_finite() {
+            false => Err(WaveError::NotFinite { field: field(), value }),
+            true => Err(WaveError::FarOut { field: field(), value, most_um: FARTHEST * period }),
         })
     }
 }
@@ -208,6 +212,9 @@ fn check_index(name: &str, eta: Complex64) -> Result<(), WaveError> {
     Err(WaveError::Index { medium: name.to_string(), real: eta.re, imaginary: eta.im })
 }
 
+/// Most periods that a body may be away from the origin: ten digits of its place in the period are left.
+const FARTHEST: f64 = 1e6;
+
 /// Thinnest stratum, µm: rounding of its mean operator is about 1e-16/(k h), here 1e-11.
 pub const THINNEST_UM: f64 = 1e-6;
 
@@ -223,69 +230,4 @@ fn positive(field: &str, value: f64) -> Result<(), WaveError> {
         return Ok(());
     }
     Err(WaveError::NotPositive { field: field.to_string(), value })
-}
-
-impl Scene {
-    /// Refuses bodies that overlap: their contrasts would be counted twice. All pairs, with periodic images.
-    pub fn check_overlaps(&self) -> Result<(), WaveError> {
-        for (j, b) in self.bodies.iter().enumerate() {
-            for (i, a) in self.bodies[..=j].iter().enumerate() {
-                let overlap_um = self.overlap_um(a, b, i == j);
-                // Touching grains may overlap by the rounding of their coordinates.
-                if overlap_um > 1e-9 * self.period_um[0] {
-                    let between = WaveError::Overlap { first: i, second: j, overlap_um };
-                    return Err(if i == j {
-                        WaveError::OverlapsImage { body: i, overlap_um }
-                    } else {
-                        between
-                    });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Depth by which two bodies of the same kind reach into each other, at most; ≤ 0 when they are apart.
-    fn overlap_um(&self, a: &Body, b: &Body, same: bool) -> f64 {
-        let [lx, ly] = self.period_um;
-        let height = |a: [f64; 2], b: [f64; 2]| a[1].min(b[1]) - a[0].max(b[0]);
-        match (&a.shape, &b.shape) {
-            (Shape::Balls(a), Shape::Balls(b)) => {
-                let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
-                pairs.map(|(a, b)| self.ball_overlap(a, b, same)).fold(f64::NEG_INFINITY, f64::max)
-            }
-            (
-                Shape::CylinderY { x_um: x1, z_um: z1, radius_um: r1 },
-                Shape::CylinderY { x_um: x2, z_um: z2, radius_um: r2 },
-            ) => {
-                let reach = if same { lx } else { nearest(x1 - x2, lx).hypot(z1 - z2) };
-                r1 + r2 - reach
-            }
-            (Shape::BarY { x_um: x1, z_um: z1 }, Shape::BarY { x_um: x2, z_um: z2 }) if !same => {
-                let apart = nearest(0.5 * (x1[0] + x1[1] - x2[0] - x2[1]), lx).abs();
-                (0.5 * (x1[1] - x1[0] + x2[1] - x2[0]) - apart).min(height(*z1, *z2))
-            }
-            (Shape::Sheet { z_um: z1 }, Shape::Sheet { z_um: z2 }) if !same => height(*z1, *z2),
-            _ => -lx.min(ly),
-        }
-    }
-
-    fn ball_overlap(&self, a: &Ball, b: &Ball, same_body: bool) -> f64 {
-        let [lx, ly] = self.period_um;
-        let delta: [f64; 3] = std::array::from_fn(|i| a.center_um[i] - b.center_um[i]);
-        let reach = a.radius_um + b.radius_um;
-        if same_body {
-            // Parts of one grain may overlap each other, but not their own periodic images.
-            let images =
-                [[lx, 0.0], [0.0, ly], [lx, ly], [-lx, ly]].into_iter().flat_map(|[x, y]| [[x, y], [-x, -y]]);
-            let distance = |[x, y]: [f64; 2]| (delta[0] + x).hypot(delta[1] + y).hypot(delta[2]);
-            return images.map(|i| reach - distance(i)).fold(f64::NEG_INFINITY, f64::max);
-        }
-        reach - nearest(delta[0], lx).hypot(nearest(delta[1], ly)).hypot(delta[2])
-    }
-}
-
-/// Signed distance to the nearest periodic image.
-fn nearest(delta: f64, period: f64) -> f64 {
-    delta - period * (delta / period).round()
 }

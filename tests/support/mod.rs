@@ -127,7 +127,7 @@ pub fn solve_to(case: &Case, accuracy: f64) -> Result<Estimated, AccuracyError> 
         scheme: suited_scheme(accuracy),
         solver: &solver,
         goal: Goal::default(),
-        memory: 4_000_000_000,
+        memory: 4e9,
     };
     task.solve_to_accuracy(accuracy, &mut Silent)
 }

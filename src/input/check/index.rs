@@ -33,7 +33,7 @@ fn source(spectrum: &Spectrum) -> String {
     match spectrum {
         Spectrum::Constant { n, kappa: 0.0 } => n.to_string(),
         // The file's name alone: the same table is the same material wherever it lies.
-        Spectrum::Tabulated(_) => Path::new(&spectrum.name())
+        Spectrum::Tabulated(_) | Spectrum::Recorded(_) => Path::new(&spectrum.name())
             .file_name()
             .map_or_else(|| spectrum.name(), |name| name.to_string_lossy().into_owned()),
         other => other.name(),
@@ -41,12 +41,14 @@ fn source(spectrum: &Spectrum) -> String {
 }
 
 fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
-    match (&written.built_in, &written.csv, written.n, written.k) {
-        (Some(name), None, None, None) => built_in(field, name, faults),
-        (None, Some(csv), None, None) => from_csv(field, &folder.join(csv), faults),
-        (None, None, Some(n), k) => constant(field, n, k.unwrap_or(0.0), faults),
+    match (&written.built_in, &written.csv, &written.yaml, written.n, written.k) {
+        (Some(name), None, None, None, None) => built_in(field, name, faults),
+        (None, Some(csv), None, None, None) => from_csv(field, &folder.join(csv), faults),
+        (None, None, Some(yaml), None, None) => from_yaml(field, &folder.join(yaml), faults),
+        (None, None, None, Some(n), k) => constant(field, n, k.unwrap_or(0.0), faults),
         _ => {
-            let allowed = "a number, { n = …, k = … }, { built_in = \"…\" } or { csv = \"…\" }";
+            let allowed =
+                "a number, { n = …, k = … }, { built_in = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }";
             let remedy = "write for example index = { n = 1.4, k = 0.1 }";
             faults.push(Fault::new(field, "another mixture of keys", allowed, remedy));
             None
@@ -77,9 +79,18 @@ fn from_csv(field: &str, path: &Path, faults: &mut Faults) -> Option<Spectrum> {
     Spectrum::from_csv(path).map_err(|error| faults.push(csv_fault(field, path, &error))).ok()
 }
 
+fn from_yaml(field: &str, path: &Path, faults: &mut Faults) -> Option<Spectrum> {
+    let fault = |error: SpectrumError| {
+        let allowed = "a record of refractiveindex.info: tabulated nk, n, k, or formula 1 to 9";
+        let remedy = "download the record's YAML file; its path is relative to the study file";
+        Fault::new(format!("{field}.yaml"), error.to_string(), allowed, remedy)
+    };
+    Spectrum::from_yaml(path).map_err(|error| faults.push(fault(error))).ok()
+}
+
 fn csv_fault(field: &str, path: &Path, error: &SpectrumError) -> Fault {
     let found = match error {
-        SpectrumError::Unreadable { .. } => error.to_string(),
+        SpectrumError::Unreadable(_) | SpectrumError::Header { .. } => error.to_string(),
         other => format!("{} ({other})", path.display()),
     };
     let allowed = "a readable table wavelength_nm,kappa[,n] with rising wavelengths, kappa ≥ 0 and n > 0";

@@ -63,9 +63,7 @@ pub fn packing_json(packing: &Packing) -> Vec<u8> {
         "relief": packing.relief().map(relief_json),
         "grains": packing.grains(),
     });
-    let mut text = serde_json::to_vec_pretty(&value).unwrap_or_default();
-    text.push(b'\n');
-    text
+    format!("{value:#}\n").into_bytes()
 }
 
 fn relief_json(relief: &Relief) -> serde_json::Value {

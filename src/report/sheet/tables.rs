@@ -194,11 +194,14 @@ pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Provenan
     };
     let resolution = format!("{} × {} points, {} cells ({} planes), {grid}", r.nx, r.ny, r.cells, r.planes());
     let solver = study.solver.build().name();
+    let all: Vec<&str> = manifest.builds.iter().map(String::as_str).collect();
+    let builds = if all.len() > 1 { format!("different builds: {}", all.join(", ")) } else { all.concat() };
     Provenance {
         program: manifest.program.clone(),
         rows: vec![
             Named::code("study", manifest.study_hash.clone()),
             Named::new("program", format!("{}, method {}", manifest.program, manifest.method_version)),
+            Named::new("solves made by", builds),
             Named::new("seed", manifest.seed.to_string()),
             Named::new("grid", resolution),
             Named::new("solver", format!("{solver}, to a residual of {:.0e}", study.goal.tolerance)),

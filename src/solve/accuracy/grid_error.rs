@@ -7,6 +7,7 @@
 use super::search::{AccuracyError, Task, smooth_size};
 use crate::run::resolve::is_stop;
 use crate::solve::Watch;
+use crate::wave::physical::largest;
 use crate::wave::{Coverage, Problem, Resolution};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -27,8 +28,8 @@ pub struct GridError {
 impl GridError {
     pub fn max(self, other: Self) -> Self {
         Self {
-            reflectance: self.reflectance.max(other.reflectance),
-            transmittance: self.transmittance.max(other.transmittance),
+            reflectance: largest([self.reflectance, other.reflectance]),
+            transmittance: largest([self.transmittance, other.transmittance]),
         }
     }
 
@@ -51,7 +52,7 @@ impl GridError {
             };
             let apart = |i: usize| (one[i] - other[i]).abs();
             // Layers without grains are exact on every grid: rounding is no error of theirs.
-            let difference = |i: usize| if apart(i) > ROUNDING { apart(i) } else { 0.0 };
+            let difference = |i: usize| if apart(i) <= ROUNDING { 0.0 } else { apart(i) };
             error = error.max(Self { reflectance: difference(0), transmittance: difference(1) });
         }
         Ok(error)

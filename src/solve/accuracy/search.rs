@@ -5,9 +5,13 @@
 
 use super::coverages::Coverages;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
+use crate::solve::demand::{Admitted, Size, TooLarge};
 use crate::solve::solver::{Goal, GridTrial, Solution, SolveError, Solver, Watch};
+use crate::wave::grid::MOST_POINTS;
+use crate::wave::physical::largest;
 use crate::wave::{
-    FarField, Field, Grid, Incidence, Mean, Media, Order, Problem, Resolution, Scheme, Shape, WaveError,
+    FarField, Field, Grid, Incidence, Mean, Media, Order, Physical, Problem, Resolution, Scheme, Shape,
+    TotalErrors, Unphysical, WaveError,
 };
 use num_complex::Complex64;
 use thiserror::Error;
@@ -24,6 +28,8 @@ const SAFETY: f64 = 1.4;
 const FINE: [f64; 2] = [8.0, 3.3];
 /// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
 const START: [f64; 2] = [3.0, 5.4];
+/// Error that a result without physical sense counts as when the grid is refined.
+const UNPHYSICAL: f64 = 1.0;
 /// Resolutions tried before giving up.
 const LEVELS: usize = 24;
 
@@ -37,15 +43,15 @@ pub struct Task<'a> {
     pub scheme: Scheme,
     pub solver: &'a dyn Solver,
     pub goal: Goal,
-    /// Most bytes that one solve may take.
-    pub memory: usize,
+    /// Most bytes that one solve may take, with what is held for its companions.
+    pub memory: f64,
 }
 
 /// A solve with its error estimate.
 pub struct Estimated {
     pub problem: Problem,
     pub solution: Solution,
-    pub far_field: FarField,
+    pub far_field: Physical,
     /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
     pub error_estimate: f64,
     /// The estimate's parts: plane, z.
@@ -63,6 +69,10 @@ pub enum AccuracyError {
     Wave(#[from] WaveError),
     #[error(transparent)]
     Solve(#[from] SolveError),
+    #[error(transparent)]
+    Unphysical(#[from] Unphysical),
+    #[error(transparent)]
+    Memory(#[from] TooLarge),
     #[error(
         "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
          and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
@@ -84,11 +94,27 @@ pub enum AccuracyError {
          {allowed_gb:.2} GB allowed; ask for less accuracy, a smaller cell, or more memory"
     )]
     TooLarge { asked: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
+    #[error(
+        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} after {LEVELS} finer and finer grids; ask for \
+         less accuracy"
+    )]
+    GivenUp { asked: f64, reached: f64 },
     #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
     Accuracy(f64),
 }
 
+/// A problem and its solution.
+pub type Known<'a> = (&'a Problem, &'a Field);
+
 impl Task<'_> {
+    /// The strategy as the memory holds it on that grid.
+    ///
+    /// # Errors
+    /// Nothing holds it.
+    pub fn admitted(&self, resolution: Resolution) -> Result<Admitted<'_>, TooLarge> {
+        self.size(resolution).admit(self.solver, self.memory)
+    }
+
     /// Solves at one resolution.
     pub fn solve(
         &self,
@@ -101,16 +127,17 @@ impl Task<'_> {
     /// Solves at one resolution, with another's solution as first guess.
     fn solve_from(
         &self,
-        guess: Option<(&Problem, &Field)>,
+        guess: Option<Known>,
         resolution: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<(Problem, Solution, f64), AccuracyError> {
         let clock = std::time::Instant::now();
+        let solver = self.admitted(resolution)?;
         let coverage = self.coverages.at(resolution)?;
         let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
         let start = guess.map(|(known, field)| known.transferred(field, &problem));
-        let solution = self.solver.solve_from(&problem, start.as_ref(), self.goal, watch)?;
+        let solution = solver.solver().solve_from(&problem, start.as_ref(), self.goal, watch)?;
         Ok((problem, solution, setup))
     }
 
@@ -125,41 +152,58 @@ impl Task<'_> {
 
     fn estimated_from(
         &self,
-        guess: Option<(&Problem, &Field)>,
+        guess: Option<Known>,
         resolution: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<Estimated, AccuracyError> {
         let (problem, solution, seconds_setup) = self.solve_from(guess, resolution, watch)?;
         let far_field = problem.far_field(&solution.field);
         let clock = std::time::Instant::now();
-        let mut parts = [0.0; 2];
-        if problem.has_contrast() {
-            let uniform = problem.coverage.uniform;
-            let plane = [COMPANION, 1.0 / COMPANION].map(|factor| scaled_plane(resolution, factor, uniform));
-            let across = [scaled_cells(resolution, COMPANION), scaled_cells(resolution, 1.0 / COMPANION)];
-            parts[0] = if self.coverages.scene.uniform_in_plane() {
-                0.0
-            } else {
-                self.compare((&problem, &solution.field), &far_field, plane, watch)?
-            };
-            parts[1] = self.compare((&problem, &solution.field), &far_field, across, watch)?;
-        }
-        let floor = 1e-13 + RESIDUAL_WEIGHT * solution.account.residual;
+        let parts = self.estimate_parts((&problem, &solution.field), &far_field, watch)?;
+        let error_estimate = error_estimate(parts, solution.account.residual);
+        let errors = TotalErrors::of_amplitudes(error_estimate, solution.account.residual);
         Ok(Estimated {
-            error_estimate: SAFETY * (parts[0] + parts[1]) + floor,
+            far_field: Physical::judge(far_field, errors)?,
+            error_estimate,
             seconds_estimate: clock.elapsed().as_secs_f64(),
             problem,
             solution,
-            far_field,
             parts,
             seconds_setup,
         })
     }
 
+    /// The estimated error's parts from the plane and from z, by two companions.
+    ///
+    /// # Errors
+    /// Neither a coarser nor a finer companion has a solution.
+    pub fn estimate_parts(
+        &self,
+        known: Known,
+        far: &FarField,
+        watch: &mut dyn Watch,
+    ) -> Result<[f64; 2], AccuracyError> {
+        let problem = known.0;
+        if !problem.has_contrast() {
+            return Ok([0.0; 2]);
+        }
+        let own = problem.coverage.grid.resolution;
+        // What is held of the result meanwhile: its problem, its field, and the incident wave.
+        let size = self.size(own);
+        let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
+        let plane = [COMPANION, 1.0 / COMPANION].map(|f| scaled_plane(own, f, problem.coverage.uniform));
+        let across = [COMPANION, 1.0 / COMPANION].map(|f| scaled_cells(own, f));
+        let in_plane = match self.coverages.scene.uniform_in_plane() {
+            true => 0.0,
+            false => companion.compare(known, far, plane, watch)?,
+        };
+        Ok([in_plane, companion.compare(known, far, across, watch)?])
+    }
+
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
-        finer: (&Problem, &Field),
+        finer: Known,
         far: &FarField,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
@@ -214,7 +258,7 @@ impl Task<'_> {
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        finer: (&Problem, &Field),
+        finer: Known,
         watch: &mut dyn Watch,
     ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
         let own = finer.0.coverage.grid.resolution;
@@ -248,13 +292,13 @@ impl Task<'_> {
         task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
         let mut resolution = task.start(accuracy);
         let mut last: Option<Estimated> = None;
-        let mut refused: Option<WaveError> = None;
+        let mut refused: Option<AccuracyError> = None;
         let mut tried: Vec<GridTrial> = Vec::new();
         for _ in 0..LEVELS {
-            if task.bytes(resolution) > task.memory {
+            if let Err(refusal) = task.admitted(resolution) {
                 return Err(match &last {
-                    Some(estimated) => task.not_reached(accuracy, estimated, resolution, &tried),
-                    None => task.too_large(accuracy, resolution),
+                    Some(estimated) => not_reached(accuracy, estimated, &refusal, &tried),
+                    None => too_large(accuracy, &refusal),
                 });
             }
             let clock = std::time::Instant::now();
@@ -263,7 +307,13 @@ impl Task<'_> {
             let estimated = match task.estimated_from(guess, resolution, watch) {
                 Err(AccuracyError::Wave(refusal)) => {
                     let Some(finer) = raised(resolution, &refusal) else { return Err(refusal.into()) };
-                    (resolution, refused) = (finer, Some(refusal));
+                    (resolution, refused) = (finer, Some(refusal.into()));
+                    continue;
+                }
+                // Ringing of a grid that is too coarse for its contrast: a finer one rings less.
+                Err(AccuracyError::Unphysical(refusal @ Unphysical::OutOfRange { .. })) => {
+                    (resolution, refused) =
+                        (refine(resolution, [UNPHYSICAL; 2], accuracy), Some(refusal.into()));
                     continue;
                 }
                 other => other?,
@@ -279,8 +329,10 @@ impl Task<'_> {
             last = Some(estimated);
         }
         match last {
-            Some(estimated) => Err(task.not_reached(accuracy, &estimated, resolution, &tried)),
-            None => Err(refused.map_or(AccuracyError::Accuracy(accuracy), AccuracyError::Wave)),
+            Some(estimated) => {
+                Err(AccuracyError::GivenUp { asked: accuracy, reached: estimated.error_estimate })
+            }
+            None => Err(refused.unwrap_or(AccuracyError::Accuracy(accuracy))),
         }
     }
 
@@ -288,8 +340,7 @@ impl Task<'_> {
     fn start(&self, accuracy: f64) -> Resolution {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
-        let points =
-            |period: f64| smooth_size((START[0] * finer.powf(0.25) * waves * period).ceil() as usize);
+        let points = |period: f64| starting_size(START[0] * finer.powf(0.25) * waves * period);
         let nx = if self.coverages.scene.uniform_in_plane() {
             1
         } else {
@@ -298,40 +349,46 @@ impl Task<'_> {
         let ny =
             if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1]) };
         let planes = START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
-        let cells = (planes / self.scheme.degree() as f64).ceil() as usize;
+        let cells = (planes / self.scheme.degree() as f64).ceil().min(MOST_POINTS as f64) as usize;
         Resolution { nx, ny, cells: cells.max(self.coverages.scene.strata.len()).max(2), scheme: self.scheme }
     }
 
-    /// Bytes of a solve: some 40 basis vectors, factors, coverage.
-    fn bytes(&self, r: Resolution) -> usize {
-        r.nx * r.ny * r.planes() * size_of::<Complex64>() * 50
+    /// What a solve on that grid will take.
+    fn size(&self, resolution: Resolution) -> Size {
+        Size::new(self.coverages.scene, self.media, self.incidence.wavelength_um, resolution)
     }
+}
 
-    fn too_large(&self, asked: f64, r: Resolution) -> AccuracyError {
-        let [need_gb, allowed_gb] = [self.bytes(r), self.memory].map(|bytes| bytes as f64 / 1e9);
-        AccuracyError::TooLarge { asked, nx: r.nx, ny: r.ny, cells: r.cells, need_gb, allowed_gb }
-    }
+fn too_large(asked: f64, refusal: &TooLarge) -> AccuracyError {
+    let TooLarge { resolution: Resolution { nx, ny, cells, .. }, need_gb, allowed_gb } = *refusal;
+    AccuracyError::TooLarge { asked, nx, ny, cells, need_gb, allowed_gb }
+}
 
-    fn not_reached(
-        &self,
-        asked: f64,
-        last: &Estimated,
-        next: Resolution,
-        tried: &[GridTrial],
-    ) -> AccuracyError {
-        let r = last.problem.coverage.grid.resolution;
-        let gb = |bytes: usize| bytes as f64 / 1e9;
-        AccuracyError::NotReached {
-            asked,
-            reached: last.error_estimate,
-            nx: r.nx,
-            ny: r.ny,
-            cells: r.cells,
-            need_gb: gb(self.bytes(next)),
-            allowed_gb: gb(self.memory),
-            tried: tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; "),
-        }
+fn not_reached(asked: f64, last: &Estimated, refusal: &TooLarge, tried: &[GridTrial]) -> AccuracyError {
+    let Resolution { nx, ny, cells, .. } = last.problem.coverage.grid.resolution;
+    let TooLarge { need_gb, allowed_gb, .. } = *refusal;
+    let tried = tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; ");
+    AccuracyError::NotReached {
+        asked,
+        reached: last.error_estimate,
+        nx,
+        ny,
+        cells,
+        need_gb,
+        allowed_gb,
+        tried,
     }
+}
+
+/// Points to start with, in a size that transforms fast; beyond [`MOST_POINTS`] no such size is looked for, the grid is
+/// refused as it is.
+fn starting_size(points: f64) -> usize {
+    if points < MOST_POINTS as f64 { smooth_size(points.ceil() as usize) } else { MOST_POINTS }
+}
+
+/// Largest expected error of any amplitude, from the parts of [`Task::estimate_parts`] and the residual.
+pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
+    SAFETY * (parts[0] + parts[1]) + 1e-13 + RESIDUAL_WEIGHT * residual
 }
 
 /// The scheme that reaches an accuracy with the fewest planes: higher cells pay once the planes are needed anyway.
@@ -348,8 +405,8 @@ pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
         |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
     let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
     let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
-    let difference = |(a, b): (&Order, &Order)| {
-        (a.reflected - b.reflected).norm().max((a.transmitted - b.transmitted).norm())
+    let differences = |(a, b): (&Order, &Order)| {
+        [(a.reflected - b.reflected).norm(), (a.transmitted - b.transmitted).norm()]
     };
-    pairs.map(difference).fold(0.0, f64::max)
+    largest(pairs.flat_map(differences))
 }

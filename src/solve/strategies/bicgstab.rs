@@ -4,6 +4,7 @@
 //! cancelled nor watched. Erratic without absorption, where GMRES is the better choice.
 
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::{dot, norm};
@@ -57,6 +58,10 @@ impl Solver for Bicgstab {
             }
         }
         Err(ledger.not_converged("the recurrence keeps breaking down; use solver = \"krylov\""))
+    }
+
+    fn most_bytes(&self, size: &Size) -> f64 {
+        size.fields(11.0)
     }
 }
 

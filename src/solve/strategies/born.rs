@@ -1,6 +1,7 @@
 //! The Born series about the mean medium: u ← u₀ − A⁻¹V u (P2 (2.5)–(2.7)).
 
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, ratio_of_terms};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::Field;
@@ -50,6 +51,10 @@ impl Solver for Born {
             field += &term;
             ledger.account.steps += 1;
         }
+    }
+
+    fn most_bytes(&self, size: &Size) -> f64 {
+        size.fields(6.0)
     }
 }
 

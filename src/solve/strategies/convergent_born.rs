@@ -7,6 +7,7 @@
 
 use super::relaxation::contrasts;
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::Ledger;
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::wave::operator::banded::ShiftedMean;
@@ -73,6 +74,11 @@ impl Solver for ConvergentBorn {
                 "it converges slowly without absorption: use solver = \"krylov\" or allow more applications",
             )?;
         }
+    }
+
+    fn most_bytes(&self, size: &Size) -> f64 {
+        // Five fields of the series, three of the ledger, and the banded factors with their making.
+        size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The referee: the assembled matrix 1 + A⁻¹V by dense LU, for tiny grids only.
 
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::Field;
@@ -54,6 +55,12 @@ impl Solver for Direct {
             return Err(ledger.not_converged("the matrix is nearly singular; change the grid a little"));
         }
         Ok(ledger.finish(field))
+    }
+
+    fn most_bytes(&self, size: &Size) -> f64 {
+        // Larger ones it refuses itself, before it assembles anything.
+        let unknowns = size.unknowns().min(self.max_unknowns as f64);
+        3.0 * 16.0 * unknowns * unknowns + size.fields(6.0)
     }
 }
 

@@ -7,6 +7,7 @@
 //! its Fourier coefficients at differences of harmonics). Q couples modes of one harmonic only.
 
 use crate::numerics::fourier::Real;
+use crate::solve::demand::Size;
 use crate::wave::Problem;
 use crate::wave::operator::scattering::narrow;
 use faer::linalg::solvers::{DenseSolveCore, PartialPivLu, Solve};
@@ -60,7 +61,27 @@ pub(crate) struct Correction {
     stride: usize,
 }
 
+/// Dense blocks that are there at a time: columns, the matrix, and both factors.
+const BLOCKS: f64 = 4.0;
+
 impl GuidedModes {
+    /// Most bytes that the correction takes, in the making included.
+    pub(super) fn most_bytes(&self, size: &Size) -> f64 {
+        if self.threshold <= 0.0 || self.most == 0 {
+            return 0.0;
+        }
+        let modes = size.near_null_modes(self.threshold).min(self.most as f64);
+        // Profiles, images and values on planes of every mode; spectra of every plane.
+        let profiles = 48.0 * modes * size.planes();
+        BLOCKS * 16.0 * modes * modes + profiles + size.fields(1.0)
+    }
+
+    /// The same with a dense block of at most `bytes`.
+    pub(super) fn within(self, bytes: f64) -> Self {
+        let most = (bytes.max(0.0) / (BLOCKS * 16.0)).sqrt() as usize;
+        Self { most: self.most.min(most), ..self }
+    }
+
     /// The correction for a problem, or none where it would not pay.
     pub(crate) fn correction(&self, problem: &Problem) -> Option<Correction> {
         let k0_squared = (TAU / problem.incidence.wavelength_um).powi(2);

@@ -6,6 +6,7 @@ use super::least_squares::LeastSquares;
 use crate::numerics::fourier::Real;
 use crate::solve::System;
 use crate::solve::basis::Basis;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::system::Double;
@@ -39,6 +40,12 @@ const SINGLE: f64 = 5e-6;
 const MOST_SINGLE: usize = 60;
 /// A basis in single precision must reduce the true residual by this factor, or double precision takes over.
 const SINGLE_GAIN: f64 = 0.2;
+/// Vectors besides the basis: guess, field, residual, the incident wave, the work of one step.
+const OTHER_VECTORS: f64 = 9.0;
+/// Share of scarce memory that the guided modes' dense block may take.
+const GUIDED_SHARE: f64 = 0.3;
+/// Fewest basis vectors that restarts still converge with.
+const LEAST_RESTART: usize = 20;
 
 impl Solver for Gmres {
     fn name(&self) -> &'static str {
@@ -83,6 +90,19 @@ impl Solver for Gmres {
             single = single.filter(|_| after < SINGLE_GAIN * before);
         }
         Ok(run.ledger.finish(run.field))
+    }
+
+    fn most_bytes(&self, size: &Size) -> f64 {
+        size.fields(self.restart as f64 + OTHER_VECTORS) + self.guided_modes.most_bytes(size)
+    }
+
+    fn within(&self, size: &Size, bytes: f64) -> Option<Box<dyn Solver>> {
+        let mut smaller = *self;
+        smaller.guided_modes = self.guided_modes.within(GUIDED_SHARE * bytes);
+        let left = bytes - smaller.guided_modes.most_bytes(size);
+        let vectors = left / size.fields(1.0) - OTHER_VECTORS;
+        smaller.restart = self.restart.min(vectors.max(0.0) as usize);
+        (smaller.restart >= LEAST_RESTART.min(self.restart)).then(|| Box::new(smaller) as Box<dyn Solver>)
     }
 }
 

@@ -7,6 +7,7 @@
 //! ("averaging restart") removes them.
 
 use crate::solve::System;
+use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::solve::vectors::{dot, norm};
@@ -101,6 +102,12 @@ impl Solver for Relaxation {
             memory.insert(0, best);
             ledger.judge("try another tau or window, or solver = \"krylov\"")?;
         }
+    }
+
+    fn most_bytes(&self, size: &Size) -> f64 {
+        // Kept candidates hold four fields with their differences; two more are in the making.
+        let candidates = 5.0 * (self.memory.max(1) as f64 + 3.0);
+        size.fields(candidates + 9.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0))
     }
 }
 

@@ -4,11 +4,13 @@ use crate::ink::PigmentGrains;
 use crate::input::check::largest_extents_nm;
 use crate::input::study::{Point, Study, WantedResolution};
 use crate::run::crew::{processor_seconds, work_through};
+use crate::run::memory;
 use crate::run::point::solve_point;
 use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
 use crate::run::runner::RunError;
 use crate::run::watch::RunWatch;
+use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::store::store::Store;
 use crate::wave::{Coverage, Resolution, Scene};
@@ -72,10 +74,9 @@ pub(crate) fn trial(
     let (searched, resolution) = match alike {
         Some(trial) => (None, full_resolution(trial, &study)),
         None => {
-            let folder = tempfile::tempdir()?;
-            let store = Store::open(folder.path())?;
+            let store = Store::in_memory()?;
             let (seconds, found) =
-                timed(|| resolve::<RunError>(&study, &store, watch, || Ok(scene.clone())))?;
+                timed(|| resolve::<RunError>(&study, &store, memory::usable(), watch, || Ok(scene.clone())))?;
             (Some(seconds), found.resolution)
         }
     };
@@ -122,9 +123,10 @@ pub(crate) fn time_solves(
     watch: &dyn RunWatch,
 ) -> Result<f64, RunError> {
     let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
+    let solver = study.solver.build();
     let solve = |i: usize| {
         // A failure costs about what a success does.
-        let _ = solve_point(study, coverage, &chosen[i], "trial", watch);
+        let _ = solve_point(study, &*solver, coverage, &chosen[i], GridError::default(), "trial", watch);
     };
     let (mut seconds, mut solves) = (0.0, 0);
     while seconds < LEAST_SECONDS && solves < MOST_SOLVES {

@@ -112,9 +112,12 @@ impl Grid {
     }
 }
 
+/// Most points along an axis, and most cells.
+pub const MOST_POINTS: usize = 100_000;
+
 fn check_counts(resolution: &Resolution) -> Result<(), WaveError> {
     let counts = [("nx", resolution.nx), ("ny", resolution.ny), ("nz (cells)", resolution.cells)];
-    let wrong = counts.into_iter().find(|&(_, count)| count == 0 || count > 100_000);
+    let wrong = counts.into_iter().find(|&(_, count)| count == 0 || count > MOST_POINTS);
     wrong.map_or(Ok(()), |(field, count)| {
         Err(WaveError::Range {
             field,

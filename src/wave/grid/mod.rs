@@ -3,4 +3,4 @@
 mod cells;
 pub mod element;
 
-pub use cells::{Grid, Resolution, Scheme};
+pub use cells::{Grid, MOST_POINTS, Resolution, Scheme};

@@ -1,0 +1,154 @@
+//! Kubelka–Munk coefficients of a layer: what an ink maker mixes with, from the layer's own diffuse reflectance and
+//! transmittance.
+//!
+//! Two diffuse fluxes in a layer of thickness X obey (Kubelka 1948), with a = 1 + K/S and b = √(a² − 1):
+//!
+//! ```text
+//! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)      over a backing ρ:  R + T² ρ/(1 − ρ R)
+//! ```
+//!
+//! K and S are those of the layer with its faces: Fresnel reflection at them is part of S, as it is in coefficients from
+//! measured reflectances without Saunderson's correction. They hold for a layer that is the same from both sides.
+
+/// Absorption and scattering per unit of thickness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KubelkaMunk {
+    /// K, 1/µm.
+    pub absorption_per_um: f64,
+    /// S, 1/µm.
+    pub scattering_per_um: f64,
+}
+
+/// a² − 1 below this counts as no absorption: differences of rounding size.
+const NO_ABSORPTION: f64 = 1e-12;
+
+impl KubelkaMunk {
+    /// From the diffuse reflectance and transmittance of the layer alone. Noise that makes R + T exceed 1 counts as no
+    /// absorption. `None` unless 0 ≤ R < 1, 0 < T ≤ 1 and the thickness is positive.
+    pub fn from_layer(reflectance: f64, transmittance: f64, thickness_um: f64) -> Option<Self> {
+        let (r, t) = (reflectance, transmittance);
+        if !((0.0..1.0).contains(&r) && t > 0.0 && t <= 1.0 && thickness_um > 0.0) {
+            return None;
+        }
+        if r == 0.0 {
+            return Some(Self { absorption_per_um: -t.ln() / thickness_um, scattering_per_um: 0.0 });
+        }
+        let a = ((1.0 + r * r - t * t) / (2.0 * r)).max(1.0);
+        let b2 = a * a - 1.0;
+        let depth =
+            if b2 < NO_ABSORPTION { r / t } else { ((1.0 - r * (a - b2.sqrt())) / t).ln() / b2.sqrt() };
+        let scattering_per_um = depth / thickness_um;
+        Some(Self { absorption_per_um: scattering_per_um * (a - 1.0), scattering_per_um })
+    }
+
+    /// From reflectances of one layer over two known backings, as a draw-down card gives them. `None` where no layer gives
+    /// such a pair: R over the lighter backing must be larger, and both inside 0–1.
+    pub fn from_backings(darker: [f64; 2], lighter: [f64; 2], thickness_um: f64) -> Option<Self> {
+        let ([rho0, r0], [rho1, r1]) = (darker, lighter);
+        // (r_i − R)(1 − ρ_i R) = T² ρ_i: the difference of both divided by ρ leaves one equation for R
+        let square = |r: f64| {
+            let t2 = |rho: f64, measured: f64| (measured - r) * (1.0 - rho * r) / rho;
+            if rho0 > 0.0 { t2(rho0, r0) - t2(rho1, r1) } else { r - r0 }
+        };
+        let r = if rho0 > 0.0 { root(square, 0.0, r0.min(r1))? } else { r0 };
+        let t2 = (r1 - r) * (1.0 - rho1 * r) / rho1;
+        if t2 > 0.0 { Self::from_layer(r, t2.sqrt(), thickness_um) } else { None }
+    }
+
+    /// \[R, T\] of a layer of any thickness.
+    pub fn layer(&self, thickness_um: f64) -> [f64; 2] {
+        let (k, s) = (self.absorption_per_um * thickness_um, self.scattering_per_um * thickness_um);
+        if s == 0.0 {
+            return [0.0, (-k).exp()];
+        }
+        let a = 1.0 + k / s;
+        let b = (a * a - 1.0).sqrt();
+        if b * b < NO_ABSORPTION {
+            return [s / (1.0 + s), 1.0 / (1.0 + s)];
+        }
+        // divided through by e^{bS}, so that thick layers do not overflow
+        let (sinh, cosh) = ((1.0 - (-2.0 * b * s).exp()) / 2.0, (1.0 + (-2.0 * b * s).exp()) / 2.0);
+        let denominator = a * sinh + b * cosh;
+        [sinh / denominator, b * (-b * s).exp() / denominator]
+    }
+
+    /// Reflectance over a backing of albedo ρ.
+    pub fn over(&self, backing: f64, thickness_um: f64) -> f64 {
+        let [r, t] = self.layer(thickness_um);
+        r + t * t * backing / (1.0 - backing * r)
+    }
+
+    /// R∞ = a − b, the reflectance of a layer that hides everything; 1 without absorption.
+    pub fn infinite(&self) -> f64 {
+        if self.scattering_per_um == 0.0 {
+            return 0.0;
+        }
+        let a = 1.0 + self.absorption_per_um / self.scattering_per_um;
+        a - (a * a - 1.0).sqrt()
+    }
+}
+
+/// The root of a function that changes sign in an interval, to rounding.
+fn root(f: impl Fn(f64) -> f64, mut lo: f64, mut hi: f64) -> Option<f64> {
+    if f(lo).is_nan() || f(hi).is_nan() || f(lo) * f(hi) > 0.0 {
+        return None;
+    }
+    for _ in 0..200 {
+        let middle = (lo + hi) / 2.0;
+        if f(lo) * f(middle) <= 0.0 { hi = middle } else { lo = middle }
+    }
+    Some((lo + hi) / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CASES: [[f64; 2]; 5] = [[0.5, 0.0], [0.0, 0.5], [0.3, 0.8], [1e-3, 2.0], [4.0, 3.0]];
+
+    #[test]
+    fn coefficients_come_back_from_the_layer_they_make() {
+        for [absorption_per_um, scattering_per_um] in CASES {
+            let ink = KubelkaMunk { absorption_per_um, scattering_per_um };
+            let [r, t] = ink.layer(0.8);
+            let back = KubelkaMunk::from_layer(r, t, 0.8).unwrap();
+            assert!((back.absorption_per_um - absorption_per_um).abs() < 1e-8, "{ink:?} {back:?}");
+            assert!((back.scattering_per_um - scattering_per_um).abs() < 1e-8, "{ink:?} {back:?}");
+            assert!(r + t <= 1.0 + 1e-15);
+        }
+    }
+
+    /// Two layers of half the thickness, put together by the light going back and forth between them, are one layer.
+    #[test]
+    fn half_layers_add_up() {
+        for [absorption_per_um, scattering_per_um] in CASES {
+            let ink = KubelkaMunk { absorption_per_um, scattering_per_um };
+            let ([r, t], [half_r, half_t]) = (ink.layer(1.0), ink.layer(0.5));
+            let back = 1.0 - half_r * half_r;
+            assert!((half_r + half_t * half_t * half_r / back - r).abs() < 1e-13);
+            assert!((half_t * half_t / back - t).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_third_backing_follows_from_two() {
+        for ink in CASES.map(|[k, s]| KubelkaMunk { absorption_per_um: k, scattering_per_um: s }) {
+            for (dark, light) in [(0.0, 0.8), (0.05, 0.9)] {
+                let pair = [dark, light].map(|rho| [rho, ink.over(rho, 1.0)]);
+                let back = KubelkaMunk::from_backings(pair[0], pair[1], 1.0).unwrap();
+                assert!((back.over(0.4, 1.0) - ink.over(0.4, 1.0)).abs() < 1e-9, "{ink:?} {back:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_thick_layer_hides_everything_and_impossible_layers_are_refused() {
+        let ink = KubelkaMunk { absorption_per_um: 0.5, scattering_per_um: 3.0 };
+        assert!((ink.over(0.9, 500.0) - ink.infinite()).abs() < 1e-12);
+        assert_eq!(KubelkaMunk::from_layer(0.4, 0.0, 1.0), None);
+        assert_eq!(KubelkaMunk::from_layer(f64::NAN, 0.5, 1.0), None);
+        assert_eq!(KubelkaMunk::from_backings([0.0, 0.5], [0.8, 0.4], 1.0), None);
+        // noise: R + T slightly above 1 is a layer without absorption
+        assert_eq!(KubelkaMunk::from_layer(0.4, 0.6001, 1.0).unwrap().absorption_per_um, 0.0);
+    }
+}

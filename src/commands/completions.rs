@@ -1,0 +1,40 @@
+//! `inkwave completions SHELL` and `inkwave man DIR`: made from the same definitions as `--help`.
+
+use clap::{Args, Command};
+use clap_complete::Shell;
+use miette::{IntoDiagnostic, WrapErr};
+use std::path::PathBuf;
+
+/// Print the completions of a shell.
+///
+/// inkwave completions bash > ~/.local/share/bash-completion/completions/inkwave
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_enum)]
+    pub shell: Shell,
+}
+
+/// Write the man pages, one a command, to a folder.
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Folder for the pages; made when it is not there.
+    pub folder: PathBuf,
+}
+
+/// Prints the completions.
+pub fn completions(args: &CompletionsArgs, mut command: Command) -> miette::Result<()> {
+    let name = command.get_name().to_owned();
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut command, name, &mut text);
+    std::io::Write::write_all(&mut std::io::stdout(), &text).into_diagnostic()
+}
+
+/// Writes the pages.
+pub fn man(args: &ManArgs, command: Command) -> miette::Result<()> {
+    let cannot = || format!("cannot write to {}", args.folder.display());
+    std::fs::create_dir_all(&args.folder).into_diagnostic().wrap_err_with(cannot)?;
+    clap_mangen::generate_to(command, &args.folder).into_diagnostic().wrap_err_with(cannot)?;
+    println!("man pages: {}", args.folder.display());
+    Ok(())
+}

@@ -1,0 +1,93 @@
+//! `inkwave export FOLDER`: files for renderers, colour programs, NumPy, ParaView and archives.
+
+use super::progress::Progress;
+use super::stop::StopFlag;
+use clap::{Args, ValueEnum};
+use inkwave::export::run::{Format, NearField, Request, export};
+use inkwave::export::stored::Stored;
+use inkwave::store::safely;
+use miette::{IntoDiagnostic, WrapErr, miette};
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+/// Turn a finished study into files that other programs open.
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// Folder that `inkwave run` has written, or one variant of a sweep (SWEEP/variants/NAME).
+    pub folder: PathBuf,
+    /// Formats, separated by commas.
+    #[arg(long, value_enum, value_delimiter = ',', required = true, value_name = "FORMAT,…")]
+    pub to: Vec<To>,
+    /// Folder for the files; FOLDER/export when left out.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Solve once more at this wavelength (nm) and angle (degrees, 0 when left out) and add near-field.vti.
+    #[arg(long, value_name = "NM[:DEG]", value_parser = near_field)]
+    pub near_field: Option<NearField>,
+}
+
+/// The formats by name.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum To {
+    /// Material for Mitsuba 3 (spectral and RGB), scenes, tables to check it by.
+    Mitsuba,
+    /// Spectra with Lab, CxF3.
+    Cxf,
+    /// Spectra with Lab, CGATS.17 and ArgyllCMS's sp.
+    Cgats,
+    /// Far fields as NumPy arrays.
+    Npz,
+    /// Contrast of the first packing as a VTK image.
+    Vti,
+    /// RO-Crate and Data Package.
+    Crate,
+}
+
+impl From<To> for Format {
+    fn from(to: To) -> Format {
+        match to {
+            To::Mitsuba => Format::Mitsuba,
+            To::Cxf => Format::Cxf,
+            To::Cgats => Format::Cgats,
+            To::Npz => Format::Npz,
+            To::Vti => Format::Vti,
+            To::Crate => Format::Crate,
+        }
+    }
+}
+
+/// Reads the folder and writes the files.
+pub fn run(args: &ExportArgs) -> miette::Result<()> {
+    let stored = Stored::read(&args.folder).map_err(|e| miette!(help = e.remedy(), "{e}"))?;
+    let progress = Progress::new(StopFlag::listen());
+    let request = Request {
+        formats: args.to.iter().map(|&to| to.into()).collect(),
+        near_field: args.near_field,
+        created: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+    };
+    let exported = export(&stored, &request, &progress);
+    progress.finish();
+    let exported = exported.into_diagnostic()?;
+    let folder = args.output.clone().unwrap_or_else(|| args.folder.join("export"));
+    let cannot = || format!("cannot write to {}", folder.display());
+    std::fs::create_dir_all(&folder).into_diagnostic().wrap_err_with(cannot)?;
+    for file in &exported.files {
+        let path = folder.join(&file.name);
+        safely::write(&path, &file.bytes).into_diagnostic().wrap_err_with(cannot)?;
+        println!("{}: {}", path.display(), file.about);
+    }
+    exported.remarks.iter().for_each(|remark| println!("{remark}"));
+    Ok(())
+}
+
+/// `550` or `550:30`.
+fn near_field(text: &str) -> Result<NearField, String> {
+    let (nm, deg) = text.split_once(':').unwrap_or((text, "0"));
+    let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    match (number(nm), number(deg)) {
+        (Some(wavelength_nm), Some(polar_deg)) if (0.0..90.0).contains(&polar_deg) => {
+            Ok(NearField { wavelength_nm, polar_deg })
+        }
+        _ => Err("write a wavelength in nm, or wavelength:angle with 0 ≤ angle < 90, such as 550:30".into()),
+    }
+}

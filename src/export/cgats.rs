@@ -1,0 +1,60 @@
+//! CGATS.17 text: spectra in percent with Lab, one row a geometry, in the columns that ArgyllCMS reads.
+
+use super::print::Print;
+use std::fmt::Write;
+
+/// Which program the first line addresses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// `CGATS.17`, the standard's own.
+    Standard,
+    /// `SPECT`: what the tools of ArgyllCMS take as measured spectra without device values.
+    Argyll,
+}
+
+/// The whole file.
+pub fn cgats(print: &Print, dialect: Dialect) -> String {
+    let mut out = match dialect {
+        Dialect::Standard => "CGATS.17\n\n",
+        Dialect::Argyll => "SPECT\n\n",
+    }
+    .to_owned();
+    header(&mut out, print, dialect);
+    fields(&mut out, print);
+    let _ = writeln!(out, "\nNUMBER_OF_SETS {}\nBEGIN_DATA", print.spectra.len());
+    for (i, spectrum) in print.spectra.iter().enumerate() {
+        let lab = spectrum.colour.as_ref().map_or([0.0; 3], |c| c.lab);
+        let numbers = lab.into_iter().chain(spectrum.values.iter().map(|e| 100.0 * e.value));
+        let row: Vec<String> = numbers.map(|x| format!("{x:.6}")).collect();
+        let _ = writeln!(out, "{} \"{}\" {}", i + 1, spectrum.geometry.name(), row.join(" "));
+    }
+    out + "END_DATA\n"
+}
+
+fn header(out: &mut String, print: &Print, dialect: Dialect) {
+    let quoted = |text: &str| text.replace('"', "'").replace(['\n', '\r'], " ");
+    let _ = writeln!(out, "ORIGINATOR \"{} (simulated)\"", quoted(&print.program));
+    let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: {}\"", quoted(&print.title));
+    let _ = writeln!(out, "CREATED \"{}\"", print.created);
+    let mut own = |keyword: &str, value: &str| {
+        let _ = writeln!(out, "KEYWORD \"{keyword}\"\n{keyword} \"{value}\"");
+    };
+    own("STUDY_HASH", &print.study_hash);
+    own("MEASUREMENT_GEOMETRY", "45:0 and uniform sky:0, simulated");
+    own("LAB_CONDITIONS", "D65, 2 degree observer");
+    if dialect == Dialect::Argyll {
+        own("SPECTRAL_NORM", "100.000000");
+        own("MEAS_TYPE", "REFLECTIVE");
+    }
+    let (first, last) = (print.wavelengths_nm.first(), print.wavelengths_nm.last());
+    own("SPECTRAL_BANDS", &print.wavelengths_nm.len().to_string());
+    own("SPECTRAL_START_NM", &format!("{:.6}", f64::from(first.copied().unwrap_or(0))));
+    own("SPECTRAL_END_NM", &format!("{:.6}", f64::from(last.copied().unwrap_or(0))));
+}
+
+fn fields(out: &mut String, print: &Print) {
+    let bands: Vec<String> = print.wavelengths_nm.iter().map(|nm| format!("SPEC_{nm:03}")).collect();
+    let _ = writeln!(out, "\nNUMBER_OF_FIELDS {}", 5 + bands.len());
+    let _ = writeln!(out, "BEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME LAB_L LAB_A LAB_B {}", bands.join(" "));
+    let _ = writeln!(out, "END_DATA_FORMAT");
+}

@@ -1,0 +1,105 @@
+//! CxF3 (ISO 17972): the spectra of the print with Lab, as colour instruments' programs exchange them.
+//!
+//! The format has no slot for uncertainties: they are tags of each object. What was simulated says so in `Creator`,
+//! `Description` and in the tags.
+
+use super::print::{Geometry, Print, PrintSpectrum, xml};
+use std::fmt::Write;
+
+/// Decimals of reflectance factors: far below any standard error.
+const DECIMALS: usize = 7;
+
+/// The whole file.
+pub fn cxf(print: &Print) -> String {
+    let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    out += "<cc:CxF xmlns:cc=\"http://colorexchangeformat.com/CxF3-core\">\n";
+    out += &information(print);
+    out += "<cc:Resources>\n<cc:ObjectCollection>\n";
+    print.spectra.iter().for_each(|spectrum| out += &object(print, spectrum));
+    out += "</cc:ObjectCollection>\n<cc:ColorSpecificationCollection>\n";
+    print.spectra.iter().for_each(|spectrum| out += &specification(print, spectrum.geometry));
+    out += "</cc:ColorSpecificationCollection>\n</cc:Resources>\n</cc:CxF>\n";
+    out
+}
+
+fn information(print: &Print) -> String {
+    let description = format!(
+        "Simulated, not measured: {} (study {}, mirror reflection {})",
+        print.title, print.study_hash, "left out of 45:0"
+    );
+    format!(
+        "<cc:FileInformation>\n<cc:Creator>{} (simulated)</cc:Creator>\n<cc:CreationDate>{}</cc:CreationDate>\n\
+         <cc:Description>{}</cc:Description>\n</cc:FileInformation>\n",
+        xml(&print.program),
+        print.created,
+        xml(&description),
+    )
+}
+
+fn object(print: &Print, spectrum: &PrintSpectrum) -> String {
+    let (id, name) = (spectrum.geometry.id(), spectrum.geometry.name());
+    let mut out = format!(
+        "<cc:Object ObjectType=\"Standard\" Name=\"{}\" Id=\"{id}\">\n<cc:CreationDate>{}</cc:CreationDate>\n",
+        xml(&format!("{} ({name})", print.title)),
+        print.created,
+    );
+    let values: Vec<String> = spectrum.values.iter().map(|e| format!("{:.DECIMALS$}", e.value)).collect();
+    let start = print.wavelengths_nm.first().copied().unwrap_or(0);
+    let _ = writeln!(
+        out,
+        "<cc:ColorValues>\n<cc:ReflectanceSpectrum ColorSpecification=\"spec_{id}\" StartWL=\"{start}\">{}</cc:ReflectanceSpectrum>",
+        values.join(" ")
+    );
+    if let Some(colour) = &spectrum.colour {
+        let [l, a, b] = colour.lab;
+        let _ = writeln!(
+            out,
+            "<cc:ColorCIELab ColorSpecification=\"spec_{id}\"><cc:L>{l:.5}</cc:L><cc:A>{a:.5}</cc:A><cc:B>{b:.5}</cc:B></cc:ColorCIELab>"
+        );
+    }
+    out += "</cc:ColorValues>\n";
+    out += &tags(print, spectrum);
+    out + "</cc:Object>\n"
+}
+
+fn tags(print: &Print, spectrum: &PrintSpectrum) -> String {
+    let mut out = String::from("<cc:TagCollection Name=\"inkwave\">\n");
+    let mut tag = |name: &str, value: &str| {
+        let _ = writeln!(out, "<cc:Tag Name=\"{name}\" Value=\"{}\"/>", xml(value));
+    };
+    tag("Origin", "simulated");
+    tag("StudyHash", &print.study_hash);
+    let errors: Option<Vec<String>> =
+        spectrum.values.iter().map(|e| e.standard_error.map(|s| format!("{s:.DECIMALS$}"))).collect();
+    tag("StandardErrors", &errors.map_or_else(|| "unknown".to_owned(), |e| e.join(" ")));
+    if let Some(error) = spectrum.colour.as_ref().and_then(|c| c.lab_standard_error()) {
+        tag("LabStandardErrors", &error.map(|e| format!("{e:.5}")).join(" "));
+    }
+    out + "</cc:TagCollection>\n"
+}
+
+fn specification(print: &Print, geometry: Geometry) -> String {
+    let start = print.wavelengths_nm.first().copied().unwrap_or(0);
+    let increment = print.wavelengths_nm.get(1).map_or(10, |second| second - start);
+    let choice = match geometry {
+        Geometry::LitAt45 => {
+            "<cc:SingleAngle><cc:SingleAngleConfiguration>Annular</cc:SingleAngleConfiguration>\
+             <cc:IlluminationAngle>45</cc:IlluminationAngle><cc:MeasurementAngle>0</cc:MeasurementAngle></cc:SingleAngle>"
+        }
+        Geometry::NaturalLight => {
+            "<cc:UnknownGeometry>uniform hemisphere, seen along the normal</cc:UnknownGeometry>"
+        }
+    };
+    format!(
+        "<cc:ColorSpecification Id=\"spec_{}\">\n<cc:TristimulusSpec><cc:Illuminant>D65</cc:Illuminant>\
+         <cc:Observer>2_Degree</cc:Observer><cc:Method>unknown</cc:Method></cc:TristimulusSpec>\n\
+         <cc:MeasurementSpec>\n<cc:MeasurementType>Spectrum_Reflectance</cc:MeasurementType>\n\
+         <cc:GeometryChoice>{choice}</cc:GeometryChoice>\n\
+         <cc:WavelengthRange StartWL=\"{start}\" Increment=\"{increment}\"/>\n\
+         <cc:CalibrationStandard>Others</cc:CalibrationStandard>\n\
+         <cc:Device><cc:Manufacturer>inkwave</cc:Manufacturer><cc:Model>simulation</cc:Model>\
+         <cc:DeviceIllumination>M0_Incandescent</cc:DeviceIllumination></cc:Device>\n\
+         </cc:MeasurementSpec>\n</cc:ColorSpecification>\n",
+        geometry.id(),
+    )
+}

@@ -1,0 +1,113 @@
+//! The wave inside the layer as a volume.
+
+use super::vti::{Image, PointArray};
+use crate::wave::{Field, Problem};
+use ndarray::Array2;
+use num_complex::Complex64;
+
+/// Heights within each cell of the solver's grid; its interpolation carries the wave between its own points.
+const HEIGHTS_PER_CELL: usize = 4;
+
+/// u(x, y, z), Bloch phase included, on the solver's points in the plane and on evenly spaced heights 0 … H.
+///
+/// The arrays are `u` (real and imaginary part) and `intensity` |u|², 1 for the incident wave alone.
+pub fn image(problem: &Problem, field: &Field) -> Image {
+    let (grid, resolution) = (&problem.coverage.grid, problem.coverage.grid.resolution);
+    let planes = plane_values(problem, field);
+    let phases = phases(problem);
+    let heights = HEIGHTS_PER_CELL * grid.cells() + 1;
+    let points = grid.points();
+    let mut wave = Vec::with_capacity(heights * points);
+    for k in 0..heights {
+        let (cell, t) = place(k, grid.cells());
+        let shares = grid.element.shape_functions(t);
+        let rows: Vec<usize> = grid.planes_of_cell(cell).collect();
+        let at = |i: usize| -> Complex64 { rows.iter().zip(shares).map(|(&p, s)| planes[[p, i]] * s).sum() };
+        wave.extend((0..points).map(|i| at(i) * phases[i]));
+    }
+    let complex = wave.iter().flat_map(|u| [u.re as f32, u.im as f32]).collect();
+    let intensity = wave.iter().map(|u| u.norm_sqr() as f32).collect();
+    let [lx, ly] = grid.period_um;
+    let height = grid.nodes_um[grid.cells()] / (heights - 1) as f64;
+    Image {
+        points: [resolution.nx, resolution.ny, heights],
+        spacing_um: [lx / resolution.nx as f64, ly / resolution.ny as f64, height],
+        origin_um: [0.0; 3],
+        arrays: vec![
+            PointArray { name: "intensity".into(), components: 1, values: intensity },
+            PointArray { name: "u".into(), components: 2, values: complex },
+        ],
+    }
+}
+
+/// Cell and place in it (0–1) of height `k`.
+fn place(k: usize, cells: usize) -> (usize, f64) {
+    let cell = (k / HEIGHTS_PER_CELL).min(cells - 1);
+    (cell, (k - HEIGHTS_PER_CELL * cell) as f64 / HEIGHTS_PER_CELL as f64)
+}
+
+/// The periodic part of the wave at the points of every plane.
+fn plane_values(problem: &Problem, field: &Field) -> Array2<Complex64> {
+    let mut harmonics = Field::zeros(problem.shape());
+    for (plane, mut row) in harmonics.outer_iter_mut().enumerate() {
+        if let Some(row) = row.as_slice_mut() {
+            problem.mean.plane_values(field.view(), plane, row);
+        }
+    }
+    let mut points = Array2::zeros((problem.shape().0, problem.coverage.grid.points()));
+    problem.planes_to_points(&harmonics, &mut points);
+    points
+}
+
+/// e^{iq·x} with the reduced Bloch vector at the points of a plane, x fastest.
+fn phases(problem: &Problem) -> Vec<Complex64> {
+    let resolution = problem.coverage.grid.resolution;
+    let [lx, ly] = problem.coverage.grid.period_um;
+    let [qx, qy] = problem.harmonics.find(0, 0).map_or([0.0; 2], |origin| problem.lateral[origin]);
+    let at = |i: usize| {
+        let x = (i % resolution.nx) as f64 * lx / resolution.nx as f64;
+        let y = (i / resolution.nx) as f64 * ly / resolution.ny as f64;
+        Complex64::cis(qx * x + qy * y)
+    };
+    (0..problem.coverage.grid.points()).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wave::scene::Material;
+    use crate::wave::{Ball, Body, Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side};
+    use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    /// A ball of the binder's own index scatters nothing: the wave is the plane wave itself, at every point.
+    #[test]
+    fn without_contrast_the_wave_is_the_incident_one() {
+        let ball = Ball { center_um: [0.4, 0.3, 0.25], radius_um: 0.2 };
+        let scene = Scene::layer(
+            [1.0, 0.8],
+            0.5,
+            vec![Body { shape: Shape::Balls(vec![ball]), material: Material::Inclusion(0) }],
+        );
+        let one = Complex64::ONE;
+        let media = Media { incident: one, exit: one, backgrounds: vec![one], inclusions: vec![one] };
+        let incidence =
+            Incidence { wavelength_um: 0.5, polar_deg: 50.0, azimuth_deg: 30.0, from: Side::Incident };
+        let resolution = Resolution { nx: 12, ny: 10, cells: 5, scheme: Scheme::Cubic };
+        let coverage = Arc::new(Coverage::new(&scene, resolution).unwrap());
+        let problem = Problem::new(&coverage, &media, &incidence, Mean::default()).unwrap();
+        let image = image(&problem, &problem.background_wave());
+        let (k, theta, phi) = (TAU / 0.5, 50.0_f64.to_radians(), 30.0_f64.to_radians());
+        let wave = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()].map(|c| k * c);
+        let [nx, ny, nz] = image.points;
+        assert_eq!([nx, ny, nz], [12, 10, 21]);
+        for i in 0..nx * ny * nz {
+            let place = [i % nx, i / nx % ny, i / (nx * ny)];
+            let phase: f64 = (0..3).map(|a| wave[a] * place[a] as f64 * image.spacing_um[a]).sum();
+            let u = &image.arrays[1].values[2 * i..2 * i + 2];
+            // cubic interpolation over a tenth of a micrometre: (k h)^4/384 of the wave
+            let apart = (Complex64::new(f64::from(u[0]), f64::from(u[1])) - Complex64::cis(phase)).norm();
+            assert!(apart < 2e-3, "{place:?}: {apart}");
+        }
+    }
+}

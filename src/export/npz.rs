@@ -1,0 +1,65 @@
+//! Far fields as NumPy arrays (`.npz`): what every solve found, order by order.
+//!
+//! Arrays of one row a solve are named `solve_…`; arrays of one row an order `order_…`. The orders of solve s are the
+//! rows `solve_first_order[s] .. solve_first_order[s + 1]`:
+//!
+//! ```python
+//! f = numpy.load("far-fields.npz")
+//! rows = slice(f["solve_first_order"][s], f["solve_first_order"][s + 1])
+//! alpha, r = f["order_alpha"][rows], f["order_reflected"][rows]
+//! ```
+
+use crate::store::record::PointRecord;
+use crate::wave::{Order, Side};
+use ndarray::{Array1, Array2};
+use ndarray_npy::{NpzWriter, WriteNpzError};
+use num_complex::Complex64;
+use std::io::Cursor;
+
+/// All far fields in one archive.
+///
+/// # Errors
+/// The archive cannot be made.
+pub fn far_fields(records: &[&PointRecord]) -> Result<Vec<u8>, WriteNpzError> {
+    let mut bytes = Cursor::new(Vec::new());
+    let mut npz = NpzWriter::new(&mut bytes);
+    solves(&mut npz, records)?;
+    orders(&mut npz, records)?;
+    npz.finish()?;
+    Ok(bytes.into_inner())
+}
+
+type Archive<'a> = NpzWriter<&'a mut Cursor<Vec<u8>>>;
+
+fn solves(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzError> {
+    let numbers = |f: &dyn Fn(&PointRecord) -> f64| records.iter().map(|r| f(r)).collect::<Array1<f64>>();
+    let realisation: Array1<i64> = records.iter().map(|r| r.realisation as i64).collect();
+    let from_below: Array1<bool> = records.iter().map(|r| r.incidence.from != Side::Incident).collect();
+    let mut first = vec![0_i64];
+    records.iter().for_each(|r| first.push(first[first.len() - 1] + r.orders.len() as i64));
+    npz.add_array("solve_realisation", &realisation)?;
+    npz.add_array("solve_wavelength_nm", &numbers(&|r| 1e3 * r.incidence.wavelength_um))?;
+    npz.add_array("solve_polar_deg", &numbers(&|r| r.incidence.polar_deg))?;
+    npz.add_array("solve_azimuth_deg", &numbers(&|r| r.incidence.azimuth_deg))?;
+    npz.add_array("solve_from_exit_side", &from_below)?;
+    npz.add_array("solve_reflectance", &numbers(&|r| r.reflectance))?;
+    npz.add_array("solve_transmittance", &numbers(&|r| r.transmittance))?;
+    npz.add_array("solve_absorptance", &numbers(&|r| r.absorptance))?;
+    let period = Array2::from_shape_fn((records.len(), 2), |(s, axis)| records[s].period_um[axis]);
+    npz.add_array("solve_period_um", &period)?;
+    npz.add_array("solve_first_order", &Array1::from(first))
+}
+
+fn orders(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzError> {
+    let all: Vec<&Order> = records.iter().flat_map(|r| r.orders.iter().map(|row| &row.0)).collect();
+    let numbers = |f: &dyn Fn(&Order) -> f64| all.iter().map(|o| f(o)).collect::<Array1<f64>>();
+    let amplitudes = |f: &dyn Fn(&Order) -> Complex64| all.iter().map(|o| f(o)).collect::<Array1<_>>();
+    npz.add_array("order_m", &all.iter().map(|o| o.m).collect::<Array1<i32>>())?;
+    npz.add_array("order_n", &all.iter().map(|o| o.n).collect::<Array1<i32>>())?;
+    npz.add_array("order_alpha", &numbers(&|o| o.direction[0]))?;
+    npz.add_array("order_beta", &numbers(&|o| o.direction[1]))?;
+    npz.add_array("order_reflected", &amplitudes(&|o| o.reflected))?;
+    npz.add_array("order_transmitted", &amplitudes(&|o| o.transmitted))?;
+    npz.add_array("order_reflected_efficiency", &numbers(&|o| o.reflected_efficiency))?;
+    npz.add_array("order_transmitted_efficiency", &numbers(&|o| o.transmitted_efficiency))
+}

@@ -1,0 +1,132 @@
+//! What an instrument would have measured on the print: spectra on a uniform grid, with their colours.
+
+use crate::appearance::colour::Colour;
+use crate::appearance::tristimulus::lagrange_shares;
+use crate::numerics::estimate::Estimate;
+
+/// Step of exported spectra: with 20 nm the summation rules of other programs move Lab by ΔE 0.15.
+const STEP_NM: f64 = 10.0;
+/// Wavelengths nearer than this to a multiple of the step count as that multiple.
+const SLACK_NM: f64 = 1e-6;
+
+/// How the print is lit and seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry {
+    /// Lit at 45°, seen along the normal (ISO 13655).
+    LitAt45,
+    /// Under a uniform sky, seen along the normal.
+    NaturalLight,
+}
+
+/// One spectrum of reflectance factors (perfect white diffuser: 1).
+#[derive(Clone, Debug)]
+pub struct PrintSpectrum {
+    /// Light and view.
+    pub geometry: Geometry,
+    /// One value a wavelength, with its standard error where it is known.
+    pub values: Vec<Estimate>,
+    /// Colour from the study's own wavelengths, if they carry one.
+    pub colour: Option<Colour>,
+}
+
+/// All spectra of a print, and where they come from.
+#[derive(Clone, Debug)]
+pub struct Print {
+    /// The study's heading.
+    pub title: String,
+    /// Content hash of the study.
+    pub study_hash: String,
+    /// Name and version of the program.
+    pub program: String,
+    /// Date and time of the export, RFC 3339.
+    pub created: String,
+    /// A uniform grid, nm.
+    pub wavelengths_nm: Vec<u32>,
+    /// The spectra on that grid.
+    pub spectra: Vec<PrintSpectrum>,
+}
+
+impl Geometry {
+    /// For people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LitAt45 => "45:0",
+            Self::NaturalLight => "uniform sky, 0",
+        }
+    }
+
+    /// For identifiers.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::LitAt45 => "lit_at_45",
+            Self::NaturalLight => "natural_light",
+        }
+    }
+}
+
+/// Multiples of 10 nm inside a grid of rising wavelengths.
+pub fn uniform_grid(wavelengths_nm: &[f64]) -> Vec<u32> {
+    let (Some(first), Some(last)) = (wavelengths_nm.first(), wavelengths_nm.last()) else {
+        return Vec::new();
+    };
+    let from = ((first - SLACK_NM) / STEP_NM).ceil() as u32;
+    let to = ((last + SLACK_NM) / STEP_NM).floor() as u32;
+    (from..=to).map(|k| k * STEP_NM as u32).collect()
+}
+
+/// A spectrum on another grid: values by the rule that colours use (four points, ASTM E2022), standard errors linear
+/// between their neighbours, since chance at neighbouring wavelengths of one packing is shared.
+pub fn resample(wavelengths_nm: &[f64], values: &[Estimate], grid: &[u32]) -> Vec<Estimate> {
+    let at = |&nm: &u32| {
+        let shares = lagrange_shares(wavelengths_nm, f64::from(nm));
+        let value = shares.iter().map(|&(j, share)| share * values[j].value).sum();
+        Estimate { value, standard_error: error_between(wavelengths_nm, values, f64::from(nm)) }
+    };
+    grid.iter().map(at).collect()
+}
+
+fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option<f64> {
+    let after = wavelengths_nm.partition_point(|&x| x < nm).clamp(1, wavelengths_nm.len() - 1);
+    let (lo, hi) = (wavelengths_nm[after - 1], wavelengths_nm[after]);
+    let t = ((nm - lo) / (hi - lo)).clamp(0.0, 1.0);
+    Some((1.0 - t) * values[after - 1].standard_error? + t * values[after].standard_error?)
+}
+
+/// Text inside an XML element or attribute.
+pub fn xml(text: &str) -> String {
+    let escape = |c: char| match c {
+        '&' => "&amp;".to_owned(),
+        '<' => "&lt;".to_owned(),
+        '>' => "&gt;".to_owned(),
+        '"' => "&quot;".to_owned(),
+        c if c.is_control() => " ".to_owned(),
+        c => c.to_string(),
+    };
+    text.chars().map(escape).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_of_20_nm_becomes_one_of_10_and_keeps_its_values() {
+        let nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
+        let cubic = |x: f64| 1e-6 * (x - 550.0).powi(3) / 100.0 + 0.4;
+        let values: Vec<Estimate> =
+            nm.iter().map(|&x| Estimate { value: cubic(x), standard_error: Some(x * 1e-5) }).collect();
+        let grid = uniform_grid(&nm);
+        assert_eq!((grid[0], grid[1], grid.len()), (400, 410, 31));
+        let fine = resample(&nm, &values, &grid);
+        assert_eq!(fine[2], values[1]);
+        // inside, four points carry a cubic: rounding alone
+        assert!((fine[7].value - cubic(470.0)).abs() < 1e-14);
+        assert!((fine[7].standard_error.unwrap() - 470.0e-5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn wavelengths_off_the_grid_are_not_extrapolated() {
+        assert_eq!(uniform_grid(&[405.0, 500.0, 691.0]), (41..=69).map(|k| 10 * k).collect::<Vec<u32>>());
+        assert_eq!(uniform_grid(&[]), Vec::<u32>::new());
+    }
+}

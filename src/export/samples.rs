@@ -1,0 +1,98 @@
+//! Tables beside the material: the BRDF at directions that anyone may check, and what the material leaves out.
+
+use crate::appearance::directional::{Direction, DirectionalInk};
+use crate::appearance::ink_on_paper::InkError;
+
+/// Directions in `brdf-samples.csv`.
+const SAMPLES: usize = 256;
+/// Smallest cosines sampled: grazing directions carry little light.
+const LEAST_COSINE: f64 = 0.1;
+/// Step of `specular.csv`, degrees.
+const STEP_DEG: f64 = 5.0;
+
+/// Why a table was not made.
+#[derive(Debug, thiserror::Error)]
+pub enum SampleError {
+    /// The ink has no value there.
+    #[error(transparent)]
+    Ink(#[from] InkError),
+    /// The table cannot be written.
+    #[error("cannot write a table: {0}")]
+    Csv(#[from] csv::Error),
+}
+
+/// f(i, o) in 1/sr at directions spread over both hemispheres, for every wavelength. Azimuth 0 is forward, where the
+/// mirror image lies; the mirror part itself is left out.
+///
+/// # Errors
+/// What [`DirectionalInk::brdf`] refuses.
+pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record([
+        "wavelength_nm",
+        "light_polar_deg",
+        "view_polar_deg",
+        "azimuth_deg",
+        "brdf_per_sr",
+    ])?;
+    for (light_deg, view) in directions(ink) {
+        for (w, nm) in ink.ink().wavelengths_nm().iter().enumerate() {
+            let value = ink.brdf(w, light_deg, view)?;
+            table.serialize((nm, light_deg, view.polar_deg, view.azimuth_deg, value))?;
+        }
+    }
+    finish(table)
+}
+
+/// The Halton sequence in both cosines and the azimuth (0–180°: the other half is its mirror image).
+fn directions(ink: &DirectionalInk) -> Vec<(f64, Direction)> {
+    let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
+    let polar = |u: f64| (LEAST_COSINE + (1.0 - LEAST_COSINE) * u).acos().to_degrees();
+    let one = |k: usize| {
+        let [u, v, w] = [2, 3, 5].map(|base| halton(k, base));
+        (polar(u).min(largest), Direction { polar_deg: polar(v), azimuth_deg: 180.0 * w })
+    };
+    (1..=SAMPLES).map(one).collect()
+}
+
+/// The number whose digits in `base` are those of `k`, mirrored at the point.
+fn halton(mut k: usize, base: usize) -> f64 {
+    let (mut value, mut digit) = (0.0, 1.0);
+    while k > 0 {
+        digit /= base as f64;
+        value += digit * (k % base) as f64;
+        k /= base;
+    }
+    value
+}
+
+/// The mirror part R_s(θ, λ) that the material leaves out, and the albedo of what it holds.
+///
+/// # Errors
+/// What [`DirectionalInk::specular`] refuses.
+pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
+    let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(["wavelength_nm", "polar_deg", "specular_reflectance", "albedo_without_specular"])?;
+    for (w, nm) in ink.ink().wavelengths_nm().iter().enumerate() {
+        for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
+            table.serialize((nm, deg, ink.specular(w, deg)?, ink.diffuse_albedo(w, deg)?))?;
+        }
+    }
+    finish(table)
+}
+
+fn finish(table: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, SampleError> {
+    Ok(table.into_inner().map_err(|error| csv::Error::from(error.into_error()))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mirrored_digits() {
+        assert_eq!([1, 2, 3, 4].map(|k| halton(k, 2)), [0.5, 0.25, 0.75, 0.125]);
+        assert!((halton(5, 3) - 7.0 / 9.0).abs() < 1e-15);
+    }
+}

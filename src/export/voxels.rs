@@ -1,0 +1,144 @@
+//! The layer as a volume: which share of every voxel each pigment fills, and the contrast that the wave sees.
+
+use super::vti::{Image, PointArray};
+use crate::ink::Packing;
+use crate::wave::Media;
+use num_complex::Complex64;
+
+/// Samples along each edge of a voxel: shares come in steps of 1/27.
+const SAMPLES: usize = 3;
+/// Largest number of voxels; a wider cell gets larger ones.
+const MOST_VOXELS: f64 = 2.0e6;
+/// Smallest edge of a voxel, µm: a fraction of the finest grains.
+const FINEST_UM: f64 = 0.02;
+
+/// Marks of the fine raster: the binder, what lies above a relief, and pigments from `FIRST_PIGMENT` on.
+const BINDER: u8 = 0;
+const VACUUM: u8 = 1;
+const FIRST_PIGMENT: usize = 2;
+
+/// Raster of a packing.
+#[derive(Clone, Debug)]
+pub struct Voxels {
+    /// Voxels along x, y, z.
+    pub count: [usize; 3],
+    /// Edges of a voxel, µm.
+    pub edge_um: [f64; 3],
+    /// Share of each voxel's volume, x fastest: first what lies above a relief, then one list a pigment.
+    pub shares: Vec<Vec<f32>>,
+}
+
+impl Voxels {
+    /// Rasters the union of every grain's spheres.
+    pub fn of(packing: &Packing) -> Self {
+        let [lx, ly] = packing.period_um();
+        let size = [lx, ly, packing.thickness_um()];
+        let edge = (size.iter().product::<f64>() / MOST_VOXELS).cbrt().max(FINEST_UM);
+        let count = size.map(|s| (s / edge).ceil() as usize);
+        let fine = count.map(|n| SAMPLES * n);
+        let raster = Raster { count: fine, step_um: [0, 1, 2].map(|i| size[i] / fine[i] as f64) };
+        let marks = raster.marks(packing);
+        let kinds = FIRST_PIGMENT - 1 + packing.shares().len();
+        let mut shares = vec![vec![0.0_f32; count.iter().product()]; kinds];
+        let part = 1.0 / SAMPLES.pow(3) as f32;
+        for (i, &mark) in marks.iter().enumerate() {
+            if mark != BINDER {
+                let [x, y, z] = raster.place(i).map(|k| k / SAMPLES);
+                shares[usize::from(mark) - 1][x + count[0] * (y + count[1] * z)] += part;
+            }
+        }
+        Self { count, edge_um: [0, 1, 2].map(|i| size[i] / count[i] as f64), shares }
+    }
+
+    /// η² − η_binder² of every voxel, as its shares mix it.
+    pub fn contrast(&self, media: &Media) -> Vec<Complex64> {
+        let square = |eta: Complex64| eta * eta;
+        let binder = square(media.backgrounds[0]);
+        let mut contrast = vec![Complex64::ZERO; self.shares[0].len()];
+        for (kind, shares) in self.shares.iter().enumerate() {
+            let inclusion = if kind == 0 { Some(&media.incident) } else { media.inclusions.get(kind - 1) };
+            let step = inclusion.map_or(Complex64::ZERO, |&eta| square(eta) - binder);
+            contrast.iter_mut().zip(shares).for_each(|(v, &share)| *v += step * f64::from(share));
+        }
+        contrast
+    }
+
+    /// Shares of the pigments by name, and the contrast at one wavelength, on the voxels' centres.
+    pub fn image(&self, pigments: &[&str], media: &Media, wavelength_nm: f64) -> Image {
+        let share = |(kind, values): (usize, &Vec<f32>)| {
+            let name =
+                if kind == 0 { "share_above_relief".into() } else { format!("share_{}", pigments[kind - 1]) };
+            PointArray { name, components: 1, values: values.clone() }
+        };
+        let filled = |(_, values): &(usize, &Vec<f32>)| values.iter().any(|&v| v > 0.0);
+        let contrast = self.contrast(media).iter().flat_map(|v| [v.re as f32, v.im as f32]).collect();
+        let name = format!("contrast_{wavelength_nm:.0}nm");
+        let mut arrays = vec![PointArray { name, components: 2, values: contrast }];
+        arrays.extend(self.shares.iter().enumerate().filter(filled).map(share));
+        let origin_um = self.edge_um.map(|e| e / 2.0);
+        Image { points: self.count, spacing_um: self.edge_um, origin_um, arrays }
+    }
+}
+
+/// The fine raster, points at the centres of its steps.
+struct Raster {
+    count: [usize; 3],
+    step_um: [f64; 3],
+}
+
+impl Raster {
+    fn place(&self, i: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.count;
+        [i % nx, i / nx % ny, i / (nx * ny)]
+    }
+
+    fn marks(&self, packing: &Packing) -> Vec<u8> {
+        let mut marks = vec![BINDER; self.count.iter().product()];
+        if packing.relief().is_some() {
+            self.mark_vacuum(packing, &mut marks);
+        }
+        for grain in packing.grains() {
+            for sphere in &grain.spheres {
+                self.mark_ball(
+                    sphere.center_um,
+                    sphere.radius_um,
+                    (FIRST_PIGMENT + grain.pigment) as u8,
+                    &mut marks,
+                );
+            }
+        }
+        marks
+    }
+
+    fn mark_vacuum(&self, packing: &Packing, marks: &mut [u8]) {
+        for (i, mark) in marks.iter_mut().enumerate() {
+            let place = self.place(i);
+            let [x, y, z] = [0, 1, 2].map(|a| (place[a] as f64 + 0.5) * self.step_um[a]);
+            if z < packing.surface_z_um(x, y) {
+                *mark = VACUUM;
+            }
+        }
+    }
+
+    /// Marks the points inside a ball; x and y wrap.
+    fn mark_ball(&self, center: [f64; 3], radius: f64, mark: u8, marks: &mut [u8]) {
+        let range = |a: usize| {
+            let first = ((center[a] - radius) / self.step_um[a] - 0.5).ceil() as i64;
+            let last = ((center[a] + radius) / self.step_um[a] - 0.5).floor() as i64;
+            first..=last
+        };
+        let offset = |a: usize, k: i64| (k as f64 + 0.5) * self.step_um[a] - center[a];
+        let wrap = |a: usize, k: i64| k.rem_euclid(self.count[a] as i64) as usize;
+        let [nx, ny, nz] = self.count;
+        for z in range(2).filter(|&z| (0..nz as i64).contains(&z)) {
+            for y in range(1) {
+                for x in range(0) {
+                    let square = offset(0, x).powi(2) + offset(1, y).powi(2) + offset(2, z).powi(2);
+                    if square <= radius * radius {
+                        marks[wrap(0, x) + nx * (wrap(1, y) + ny * z as usize)] = mark;
+                    }
+                }
+            }
+        }
+    }
+}

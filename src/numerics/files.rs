@@ -1,0 +1,57 @@
+//! Reading of what people hand in: regular files of a bounded size, so that no device, pipe or slip of the path keeps
+//! the program reading for ever.
+
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read, Result};
+use std::path::Path;
+
+/// Largest study, sweep or comparison, bytes.
+pub const STUDY: u64 = 8 << 20;
+/// Largest table of indices or albedos, bytes.
+pub const TABLE: u64 = 64 << 20;
+/// Largest case, bytes: some hundred bytes for each of a million spheres.
+pub const CASE: u64 = 256 << 20;
+
+/// The text of a regular file of at most `most` bytes.
+///
+/// # Errors
+/// The file cannot be opened or read, is no regular file, is larger, or is not UTF-8.
+pub fn read_text(path: &Path, most: u64) -> Result<String> {
+    String::from_utf8(read_bytes(path, most)?)
+        .map_err(|_| Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
+}
+
+/// The bytes of a regular file of at most `most` bytes. Errors: see [`read_text`].
+pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
+    // Asked before it is opened: opening a pipe would wait for a writer.
+    if !std::fs::metadata(path)?.is_file() {
+        let what = "it is not a regular file but a folder, a pipe or a device";
+        return Err(Error::new(ErrorKind::InvalidInput, what));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let what = format!("it is larger than the {} MB that are read", most >> 20);
+        return Err(Error::new(ErrorKind::FileTooLarge, what));
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_regular_files_of_bounded_size_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        std::fs::write(&path, "12345").unwrap();
+        assert_eq!(read_text(&path, 5).unwrap(), "12345");
+        assert!(read_text(&path, 4).unwrap_err().to_string().contains("larger"));
+        assert!(read_text(folder.path(), 4).unwrap_err().to_string().contains("regular"));
+        std::fs::write(&path, [0xff, 0xfe]).unwrap();
+        assert!(read_text(&path, 5).unwrap_err().to_string().contains("UTF-8"));
+        #[cfg(unix)]
+        assert!(read_text(Path::new("/dev/zero"), 5).unwrap_err().to_string().contains("regular"));
+    }
+}

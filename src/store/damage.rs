@@ -1,0 +1,120 @@
+//! What was found damaged in a store, in words.
+
+use super::identity::METHOD_VERSION;
+use std::fmt;
+use std::path::PathBuf;
+
+/// Damaged records that are named one by one; the others are counted.
+const NAMED: usize = 5;
+
+/// Why a record counts as absent although something is there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// Content, kind or name are not those that were sealed.
+    Seal,
+    /// Sound, but made by another method.
+    Method(u32),
+    /// Sound, but of a form that this program does not read.
+    Form(String),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Seal => write!(f, "its checksum does not fit its name and content"),
+            Self::Method(found) => write!(f, "made by method {found}, this program's is {METHOD_VERSION}"),
+            Self::Form(why) => write!(f, "not of the form that this program reads: {why}"),
+        }
+    }
+}
+
+/// Something damaged in a store.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Damage {
+    /// One record.
+    Record {
+        /// Such as `point`.
+        kind: String,
+        /// Its content hash.
+        key: String,
+        /// What is wrong with it.
+        fault: Fault,
+    },
+    /// A whole file, or pages of it.
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What SQLite says.
+        reason: String,
+        /// Sound records taken over into another file; `None` while the file is left as it is.
+        saved: Option<usize>,
+    },
+}
+
+impl Damage {
+    /// The record or file that is damaged.
+    pub fn subject(&self) -> String {
+        match self {
+            Self::Record { kind, key, .. } => format!("{kind} {key}"),
+            Self::File { path, .. } => path.display().to_string(),
+        }
+    }
+
+    /// The file, where a file is damaged.
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Self::Record { .. } => None,
+            Self::File { path, .. } => Some(path),
+        }
+    }
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Record { fault, .. } => write!(f, "{}: {fault}", self.subject()),
+            Self::File { reason, saved: None, .. } => write!(f, "{}: {reason}", self.subject()),
+            Self::File { reason, saved: Some(saved), .. } => {
+                write!(f, "{}: {reason}; {saved} sound records of it were saved", self.subject())
+            }
+        }
+    }
+}
+
+/// Says how many records and files are damaged, and which; `None` when all is sound.
+pub fn in_words(damages: &[Damage]) -> Option<String> {
+    let records = damages.iter().filter(|d| matches!(d, Damage::Record { .. })).count();
+    let files = damages.len() - records;
+    let what = match (records, files) {
+        (0, 0) => return None,
+        (n, 0) => counted(n, "record"),
+        (0, n) => counted(n, "file"),
+        (n, m) => format!("{} and {}", counted(n, "record"), counted(m, "file")),
+    };
+    let mut text = format!("{what} of the store damaged or outdated; they count as absent:");
+    for damage in damages.iter().take(NAMED) {
+        text += &format!("\n  {damage}");
+    }
+    if damages.len() > NAMED {
+        text += &format!("\n  and {} more", damages.len() - NAMED);
+    }
+    Some(text)
+}
+
+fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn damage_is_counted_and_named() {
+        let point =
+            |key: &str| Damage::Record { kind: "point".into(), key: key.to_owned(), fault: Fault::Seal };
+        assert_eq!(in_words(&[]), None);
+        let told = in_words(&["a", "b", "c", "d", "e", "f", "g"].map(point)).unwrap();
+        assert!(told.starts_with("7 records") && told.contains("point a") && told.ends_with("and 2 more"));
+    }
+}

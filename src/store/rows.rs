@@ -1,0 +1,218 @@
+//! One SQLite file of sealed records.
+//!
+//! Write-ahead logging without a flush at every commit: a process that is killed loses nothing that it wrote, a machine
+//! that loses power the last moments at most, and thousands of small records a second are no burden. Any SQLite reads it:
+//! `select kind, key, program, length(content) from records`.
+
+use super::seal::Sealed;
+use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Marks SQLite files of ours ("inkw").
+const APPLICATION: i32 = 0x696e_6b77;
+/// Other processes read and check-point the same file; their turns are short.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Pages of the log before it is folded into the file.
+const LOG_PAGES: i32 = 4000;
+
+const COLUMNS: &str =
+    "(kind text not null, key text not null, method integer not null, program text not null,
+    seal blob not null, content blob not null, primary key (kind, key))";
+
+/// A file of records, open.
+#[derive(Debug)]
+pub struct Rows {
+    path: PathBuf,
+    connection: Connection,
+}
+
+/// A record with its kind and name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Such as `point`.
+    pub kind: String,
+    /// Content hash of what the record depends on.
+    pub key: String,
+    /// The record.
+    pub sealed: Sealed,
+}
+
+/// Where a scan begins; the other end reaches what lies behind a damaged page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The oldest record.
+    First,
+    /// The newest record.
+    Last,
+}
+
+impl Rows {
+    /// Opens the file to write, making it when it is not there.
+    pub fn create(path: &Path) -> rusqlite::Result<Self> {
+        Self::to_write(path.to_owned(), Connection::open(path)?)
+    }
+
+    /// Records that live as long as the value.
+    pub fn in_memory() -> rusqlite::Result<Self> {
+        Self::to_write(PathBuf::new(), Connection::open_in_memory()?)
+    }
+
+    fn to_write(path: PathBuf, connection: Connection) -> rusqlite::Result<Self> {
+        connection.busy_timeout(PATIENCE)?;
+        // File systems without shared memory refuse the log; there a journal serves, more slowly.
+        let logged = connection.pragma_update(None, "journal_mode", "wal");
+        logged.or_else(|_| connection.pragma_update(None, "journal_mode", "truncate"))?;
+        connection.pragma_update(None, "synchronous", "normal")?;
+        connection.pragma_update(None, "wal_autocheckpoint", LOG_PAGES)?;
+        connection.pragma_update(None, "application_id", APPLICATION)?;
+        connection.execute(&format!("create table if not exists records {COLUMNS}"), [])?;
+        Ok(Self { path, connection })
+    }
+
+    /// Opens the file to read, also while another process writes it.
+    pub fn read(path: &Path) -> rusqlite::Result<Self> {
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let connection = Connection::open_with_flags(path, flags)?;
+        connection.busy_timeout(PATIENCE)?;
+        Ok(Self { path: path.to_owned(), connection })
+    }
+
+    /// Where the file is; empty in memory.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What is there under this name, sound or not.
+    pub fn get(&self, kind: &str, key: &str) -> rusqlite::Result<Option<Sealed>> {
+        let sql = "select method, program, seal, content from records where kind = ?1 and key = ?2";
+        let mut statement = self.connection.prepare_cached(sql)?;
+        statement.query_row([kind, key], |row| Self::sealed(row, 0)).optional()
+    }
+
+    /// Keeps a record, in place of one of the same name.
+    pub fn put(&self, row: &Row) -> rusqlite::Result<()> {
+        let sql = "insert or replace into records values (?1, ?2, ?3, ?4, ?5, ?6)";
+        let Sealed { method, program, seal, content } = &row.sealed;
+        let mut statement = self.connection.prepare_cached(sql)?;
+        statement.execute(params![row.kind, row.key, method, program, seal, content]).map(drop)
+    }
+
+    /// Forgets a record, if it is there.
+    pub fn remove(&self, kind: &str, key: &str) -> rusqlite::Result<()> {
+        self.connection.execute("delete from records where kind = ?1 and key = ?2", [kind, key]).map(drop)
+    }
+
+    /// Forgets all records of a kind.
+    pub fn remove_all(&self, kind: &str) -> rusqlite::Result<()> {
+        self.connection.execute("delete from records where kind = ?1", [kind]).map(drop)
+    }
+
+    /// Gives every record from the first or from the last on, until the file cannot be read further.
+    ///
+    /// # Errors
+    /// Why the file cannot be read further.
+    pub fn scan<E: From<rusqlite::Error>>(
+        &self,
+        from: End,
+        mut each: impl FnMut(Row) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let order = match from {
+            End::First => "asc",
+            End::Last => "desc",
+        };
+        let columns = "kind, key, method, program, seal, content";
+        let mut statement =
+            self.connection.prepare(&format!("select {columns} from records order by rowid {order}"))?;
+        let mut rows = statement.query([])?;
+        while let Some(row) = rows.next()? {
+            each(Self::row(row)?)?;
+        }
+        Ok(())
+    }
+
+    /// Names of all records of a kind.
+    pub fn keys(&self, kind: &str) -> rusqlite::Result<Vec<String>> {
+        let mut statement = self.connection.prepare_cached("select key from records where kind = ?1")?;
+        statement.query_map([kind], |row| row.get(0))?.collect()
+    }
+
+    /// True when there is no record, or none that can be seen.
+    pub fn is_empty(&self) -> bool {
+        self.connection.query_row("select 1 from records limit 1", [], |_| Ok(())).is_err()
+    }
+
+    fn row(row: &rusqlite::Row) -> rusqlite::Result<Row> {
+        Ok(Row { kind: row.get(0)?, key: row.get(1)?, sealed: Self::sealed(row, 2)? })
+    }
+
+    fn sealed(row: &rusqlite::Row, from: usize) -> rusqlite::Result<Sealed> {
+        let [method, program, seal, content] = [0, 1, 2, 3].map(|i| from + i);
+        Ok(Sealed {
+            method: row.get(method)?,
+            program: row.get(program)?,
+            seal: row.get(seal)?,
+            content: row.get(content)?,
+        })
+    }
+
+    /// What is wrong with the file's layout or its pages; `None` when they are sound.
+    pub fn trouble(&self) -> Option<String> {
+        let layout =
+            "select sql, (select encoding from pragma_encoding) from sqlite_schema where name = 'records'";
+        let texts = |row: &rusqlite::Row| Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?));
+        match self.connection.query_row(layout, [], texts) {
+            Ok((table, encoding)) if table.ends_with(COLUMNS) && encoding == "UTF-8" => {}
+            Ok(_) => return Some("the table of records is not as it was made".into()),
+            Err(error) => return Some(error.to_string()),
+        }
+        if self.connection.is_readonly("main").unwrap_or(true) {
+            return Some("the file cannot be written to".into());
+        }
+        let first = |row: &rusqlite::Row| row.get::<_, String>(0);
+        match self.connection.query_row("pragma integrity_check(1)", [], first) {
+            Ok(told) if told == "ok" => None,
+            Ok(told) => Some(told),
+            Err(error) => Some(error.to_string()),
+        }
+    }
+
+    /// Does several things as one: all of them are kept, or none.
+    ///
+    /// # Errors
+    /// Those of `work`, or of SQLite when it keeps them.
+    pub fn at_once<T, E: From<rusqlite::Error>>(&self, work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        let transaction = self.connection.unchecked_transaction()?;
+        let done = work()?;
+        transaction.commit()?;
+        Ok(done)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_are_kept_replaced_scanned_and_forgotten() {
+        let rows = Rows::in_memory().unwrap();
+        let row = |kind: &str, key: &str, content: u8| Row {
+            kind: kind.into(),
+            key: key.into(),
+            sealed: Sealed::new(kind, key, vec![content]),
+        };
+        let all = [row("point", "a", 1), row("point", "b", 2), row("grid", "a", 3)];
+        rows.at_once::<(), rusqlite::Error>(|| all.iter().try_for_each(|row| rows.put(row))).unwrap();
+        rows.put(&row("point", "a", 9)).unwrap();
+        assert_eq!(rows.get("point", "a").unwrap().unwrap().content, [9]);
+        assert_eq!(rows.get("grid", "b").unwrap(), None);
+        for (from, first) in [(End::First, "b"), (End::Last, "a")] {
+            let mut keys = Vec::new();
+            rows.scan::<rusqlite::Error>(from, |row| Ok(keys.push(row.key))).unwrap();
+            assert!(keys.len() == 3 && keys[0] == first, "{keys:?}");
+        }
+        rows.remove_all("point").unwrap();
+        assert_eq!(rows.get("point", "b").unwrap(), None);
+        assert_eq!(rows.trouble(), None);
+    }
+}

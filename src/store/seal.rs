@@ -1,0 +1,87 @@
+//! The seal of a record: what shows that it is whole, of this method, and the one that its name promises.
+
+use super::build::build;
+use super::damage::Fault;
+use super::identity::METHOD_VERSION;
+
+/// Bytes of a seal: 128 bits of BLAKE3.
+const SEAL_BYTES: usize = 16;
+
+/// A record as it lies in the store.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sealed {
+    /// [`METHOD_VERSION`] of the program that made it.
+    pub method: u32,
+    /// The program that made it: name, version, commit.
+    pub program: String,
+    /// Checksum of the record's kind, name, method, program and content.
+    pub seal: Vec<u8>,
+    /// The record itself (MessagePack).
+    pub content: Vec<u8>,
+}
+
+impl Sealed {
+    /// Seals `content` as the record `key` of a `kind`.
+    pub fn new(kind: &str, key: &str, content: Vec<u8>) -> Self {
+        Self::by(METHOD_VERSION, build(), kind, key, content)
+    }
+
+    fn by(method: u32, program: &str, kind: &str, key: &str, content: Vec<u8>) -> Self {
+        let program = program.to_owned();
+        let mut record = Self { method, program, seal: Vec::new(), content };
+        record.seal = record.expected_seal(kind, key).to_vec();
+        record
+    }
+
+    /// Whether this is, untouched, the record `key` of a `kind`.
+    ///
+    /// # Errors
+    /// The seal does not fit (a changed digit, another record under this name), or the method is another one.
+    pub fn check(&self, kind: &str, key: &str) -> Result<(), Fault> {
+        if self.seal != self.expected_seal(kind, key) {
+            Err(Fault::Seal)
+        } else if self.method != METHOD_VERSION {
+            Err(Fault::Method(self.method))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn expected_seal(&self, kind: &str, key: &str) -> [u8; SEAL_BYTES] {
+        let Self { method, program, content, .. } = self;
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(format!("inkwave record/{kind}/{key}/{method}/{program}/").as_bytes()).update(content);
+        let mut seal = [0; SEAL_BYTES];
+        hasher.finalize_xof().fill(&mut seal);
+        seal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_seal_breaks_with_name_kind_method_program_and_every_bit() {
+        let whole = Sealed::new("point", "a", vec![1, 2, 3]);
+        assert_eq!(whole.check("point", "a"), Ok(()));
+        assert_eq!(whole.check("point", "b"), Err(Fault::Seal));
+        assert_eq!(whole.check("grid", "a"), Err(Fault::Seal));
+        let forged = Sealed { method: METHOD_VERSION + 1, ..whole.clone() };
+        assert_eq!(forged.check("point", "a"), Err(Fault::Seal));
+        let renamed = Sealed { program: "another".into(), ..whole.clone() };
+        assert_eq!(renamed.check("point", "a"), Err(Fault::Seal));
+        for bit in 0..24 {
+            let mut damaged = whole.clone();
+            damaged.content[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(damaged.check("point", "a"), Err(Fault::Seal));
+        }
+    }
+
+    #[test]
+    fn a_record_of_another_method_is_told_as_such() {
+        let other = METHOD_VERSION + 1;
+        let record = Sealed::by(other, "inkwave 9", "point", "a", vec![1]);
+        assert_eq!(record.check("point", "a"), Err(Fault::Method(other)));
+    }
+}

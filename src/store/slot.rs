@@ -1,0 +1,120 @@
+//! Numbered places for the processes that work in one folder.
+//!
+//! A process holds the lock of its number's file. The system takes the lock back when the process ends in whichever
+//! way, so a killed worker's place, and its work, is free at once. The file tells who holds it, so that a later process
+//! at the same place is not taken for an earlier one.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// More processes in one folder are a mistake.
+const MOST: u32 = 10_000;
+
+/// A place, held as long as the value lives.
+#[derive(Debug)]
+pub struct Slot {
+    number: u32,
+    holder: String,
+    _lock: File,
+}
+
+impl Slot {
+    /// The lowest free place of `folder`.
+    ///
+    /// # Errors
+    /// The lock's file cannot be made.
+    pub fn first_free(folder: &Path) -> io::Result<Self> {
+        for number in 1..=MOST {
+            if let Some(slot) = Self::take(folder, number)? {
+                return Ok(slot);
+            }
+        }
+        Err(io::Error::other(format!("{MOST} processes work in {} already", folder.display())))
+    }
+
+    /// Takes the place `number`; `None` while another process holds it.
+    ///
+    /// # Errors
+    /// The lock's file cannot be made.
+    pub fn take(folder: &Path, number: u32) -> io::Result<Option<Self>> {
+        let Some(mut lock) = locked(&lock_file(folder, number), true)? else { return Ok(None) };
+        let holder = name_of_this_process();
+        lock.set_len(0)?;
+        lock.write_all(holder.as_bytes())?;
+        Ok(Some(Self { number, holder, _lock: lock }))
+    }
+
+    /// Whether a process holds the place `number`.
+    pub fn is_held(folder: &Path, number: u32) -> bool {
+        matches!(locked(&lock_file(folder, number), false), Ok(None))
+    }
+
+    /// Whether a process holds any place of `folder`.
+    pub fn any_is_held(folder: &Path) -> bool {
+        let Ok(entries) = std::fs::read_dir(folder) else { return false };
+        let mut numbers = entries.flatten().filter_map(|entry| {
+            let path = entry.path();
+            let lock = path.extension().is_some_and(|e| e == "lock");
+            path.file_stem().filter(|_| lock)?.to_str()?.parse().ok()
+        });
+        numbers.any(|number| Self::is_held(folder, number))
+    }
+
+    /// Whether `holder`, and no later process, holds the place `number`.
+    pub fn is_held_by(folder: &Path, number: u32, holder: &str) -> bool {
+        let told = std::fs::read_to_string(lock_file(folder, number));
+        told.is_ok_and(|told| told == holder) && Self::is_held(folder, number)
+    }
+
+    /// Counted from 1.
+    pub fn number(&self) -> u32 {
+        self.number
+    }
+
+    /// Name of the process, unlike that of any other.
+    pub fn holder(&self) -> &str {
+        &self.holder
+    }
+}
+
+/// The file, locked; `None` while another process has the lock.
+fn locked(path: &Path, make: bool) -> io::Result<Option<File>> {
+    let file = OpenOptions::new().create(make).append(true).open(path)?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Ok(None),
+        // Some network file systems have no locks; there a folder must not be shared.
+        Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => Err(error),
+        _ => Ok(Some(file)),
+    }
+}
+
+/// The process's number and the time, since numbers are used again.
+fn name_of_this_process() -> String {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    format!("{} {}", std::process::id(), since.as_nanos())
+}
+
+fn lock_file(folder: &Path, number: u32) -> PathBuf {
+    folder.join(format!("{number}.lock"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_held_by_one_and_free_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let (one, two) = (Slot::first_free(folder.path()).unwrap(), Slot::first_free(folder.path()).unwrap());
+        assert_eq!((one.number(), two.number()), (1, 2));
+        assert!(Slot::is_held(folder.path(), 1) && !Slot::is_held(folder.path(), 3));
+        let holder = one.holder().to_owned();
+        assert!(Slot::is_held_by(folder.path(), 1, &holder) && !Slot::is_held_by(folder.path(), 2, &holder));
+        drop(one);
+        assert!(!Slot::is_held(folder.path(), 1));
+        let later = Slot::first_free(folder.path()).unwrap();
+        assert!(later.number() == 1 && !Slot::is_held_by(folder.path(), 1, &holder));
+    }
+}

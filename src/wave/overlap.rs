@@ -1,0 +1,316 @@
+//! The check that bodies do not overlap: where they did, their contrasts would count twice.
+//!
+//! Bodies of every kind are entered one after the other into a grid of cells as large as a body's share of the layer,
+//! and compared with those that have reached the same cells before. Bodies that do not overlap cannot crowd a cell, so
+//! the work grows like their number. Nothing here is shared with the packing methods.
+
+use super::{Ball, Body, Scene, Shape, WaveError};
+use std::collections::HashMap;
+
+/// Overlap of touching bodies by the rounding of their coordinates, in periods along x.
+const ROUNDING: f64 = 1e-9;
+
+impl Scene {
+    /// Refuses bodies that overlap each other or their own periodic images. Vacuum over a relief is left out: it is cut
+    /// around the grains.
+    ///
+    /// # Errors
+    /// [`WaveError::Overlap`] and [`WaveError::OverlapsImage`], for the first pair found.
+    pub fn check_overlaps(&self) -> Result<(), WaveError> {
+        let slack = ROUNDING * self.period_um[0];
+        let images = self.bodies.iter().map(|body| image_overlap_um(body, self.period_um)).enumerate();
+        if let Some((body, overlap_um)) = images.into_iter().find(|&(_, overlap)| overlap > slack) {
+            return Err(WaveError::OverlapsImage { body, overlap_um });
+        }
+        let pieces: Vec<Piece> = self.bodies.iter().enumerate().flat_map(pieces_of).collect();
+        let mut cells = Cells::new(self, &pieces);
+        pieces.iter().try_for_each(|piece| cells.enter(piece, slack))
+    }
+}
+
+/// A convex part of a body.
+#[derive(Clone, Copy)]
+struct Piece {
+    body: usize,
+    form: Form,
+}
+
+#[derive(Clone, Copy)]
+enum Form {
+    Ball(Ball),
+    /// A cylinder along y: a disc in the plane of x and z.
+    Disc {
+        x: f64,
+        z: f64,
+        radius: f64,
+    },
+    Bar {
+        x: [f64; 2],
+        z: [f64; 2],
+    },
+    Sheet {
+        z: [f64; 2],
+    },
+}
+
+fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece> {
+    let piece = |form| Piece { body, form };
+    match &of.shape {
+        Shape::Balls(balls) => balls.iter().map(|&ball| piece(Form::Ball(ball))).collect(),
+        Shape::CylinderY { x_um, z_um, radius_um } => {
+            vec![piece(Form::Disc { x: *x_um, z: *z_um, radius: *radius_um })]
+        }
+        Shape::BarY { x_um, z_um } => vec![piece(Form::Bar { x: *x_um, z: *z_um })],
+        Shape::Sheet { z_um } => vec![piece(Form::Sheet { z: *z_um })],
+        Shape::Above { .. } => Vec::new(),
+    }
+}
+
+impl Form {
+    /// Smallest and largest x, y and z; all of the period where nothing depends on a coordinate.
+    fn extent(&self, [lx, ly]: [f64; 2]) -> [[f64; 2]; 3] {
+        match *self {
+            Form::Ball(Ball { center_um, radius_um }) => center_um.map(|c| [c - radius_um, c + radius_um]),
+            Form::Disc { x, z, radius } => [[x - radius, x + radius], [0.0, ly], [z - radius, z + radius]],
+            Form::Bar { x, z } => [x, [0.0, ly], z],
+            Form::Sheet { z } => [[0.0, lx], [0.0, ly], z],
+        }
+    }
+
+    /// Centre and radius in the plane of x and z, for what is round there.
+    fn disc(&self) -> Option<(f64, f64, f64)> {
+        match *self {
+            Form::Ball(Ball { center_um: [x, _, z], radius_um }) => Some((x, z, radius_um)),
+            Form::Disc { x, z, radius } => Some((x, z, radius)),
+            Form::Bar { .. } | Form::Sheet { .. } => None,
+        }
+    }
+
+    /// Depth by which two forms reach into each other's nearest image, µm; below 0 when they are apart.
+    fn overlap_um(&self, other: &Form, period: [f64; 2]) -> f64 {
+        match (*self, *other) {
+            (Form::Ball(a), Form::Ball(b)) => ball_overlap_um(&a, &b, period),
+            (Form::Bar { x: x1, z: z1 }, Form::Bar { x: x2, z: z2 }) => {
+                let apart = nearest(middle(x1) - middle(x2), period[0]).abs();
+                (0.5 * (width(x1) + width(x2)) - apart).min(common(z1, z2))
+            }
+            (Form::Bar { x, z }, round) | (round, Form::Bar { x, z }) if round.disc().is_some() => {
+                let (cx, cz, radius) = round.disc().unwrap_or_default();
+                let dx = nearest(cx - middle(x), period[0]).abs() - 0.5 * width(x);
+                let dz = (cz - middle(z)).abs() - 0.5 * width(z);
+                let inside = dx.max(dz).min(0.0);
+                radius - dx.max(0.0).hypot(dz.max(0.0)) - inside
+            }
+            (a, b) => match (a.disc(), b.disc()) {
+                (Some((x1, z1, r1)), Some((x2, z2, r2))) => {
+                    r1 + r2 - nearest(x1 - x2, period[0]).hypot(z1 - z2)
+                }
+                _ => common(a.extent(period)[2], b.extent(period)[2]),
+            },
+        }
+    }
+}
+
+/// Pieces by the cells they reach.
+struct Cells<'a> {
+    period: [f64; 2],
+    /// Cells along x, y and z, and the lengths they divide.
+    count: [i64; 3],
+    length: [f64; 3],
+    held: HashMap<[i64; 3], Vec<&'a Piece>>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(scene: &Scene, pieces: &[Piece]) -> Cells<'a> {
+        let [lx, ly] = scene.period_um;
+        let length = [lx, ly, scene.thickness_um()];
+        let number = pieces.len().max(1) as f64;
+        let flat = !pieces.iter().any(|p| matches!(p.form, Form::Ball(_)));
+        let side = if flat {
+            (length[0] * length[2] / number).sqrt()
+        } else {
+            (length.iter().product::<f64>() / number).cbrt()
+        };
+        let cells = |l: f64| ((l / side) as i64).clamp(1, pieces.len().max(1) as i64);
+        let count = [cells(lx), if flat { 1 } else { cells(ly) }, cells(length[2])];
+        Cells { period: scene.period_um, count, length, held: HashMap::new() }
+    }
+
+    /// Compares a piece with those of other bodies in its cells, and puts it there.
+    fn enter(&mut self, piece: &'a Piece, slack: f64) -> Result<(), WaveError> {
+        for cell in self.cells_of(piece) {
+            let held = self.held.entry(cell).or_default();
+            for other in held.iter().filter(|other| other.body != piece.body) {
+                let overlap_um = other.form.overlap_um(&piece.form, self.period);
+                if overlap_um > slack {
+                    return Err(WaveError::Overlap { first: other.body, second: piece.body, overlap_um });
+                }
+            }
+            held.push(piece);
+        }
+        Ok(())
+    }
+
+    fn cells_of(&self, piece: &Piece) -> Vec<[i64; 3]> {
+        let extent = piece.form.extent(self.period);
+        let [x, y, z] = [0, 1, 2].map(|axis| self.reach(axis, extent[axis]));
+        let of_plane = |&cz: &i64| {
+            let rows = y.iter().flat_map(|&cy| x.iter().map(move |&cx| [cx, cy]));
+            rows.map(move |[cx, cy]| [cx, cy, cz]).collect::<Vec<_>>()
+        };
+        z.iter().flat_map(of_plane).collect()
+    }
+
+    /// Cells along one axis that a stretch reaches: around the period along x and y, from wall to wall along z.
+    fn reach(&self, axis: usize, [low, high]: [f64; 2]) -> Vec<i64> {
+        let count = self.count[axis];
+        let place = |x: f64| (x / self.length[axis] * count as f64).floor() as i64;
+        let (first, last) = (place(low), place(high));
+        if axis == 2 {
+            return (first.clamp(0, count - 1)..=last.clamp(0, count - 1)).collect();
+        }
+        (first..=last.min(first + count - 1)).map(|cell| cell.rem_euclid(count)).collect()
+    }
+}
+
+fn ball_overlap_um(a: &Ball, b: &Ball, [lx, ly]: [f64; 2]) -> f64 {
+    let [x, y, z]: [f64; 3] = std::array::from_fn(|i| a.center_um[i] - b.center_um[i]);
+    a.radius_um + b.radius_um - nearest(x, lx).hypot(nearest(y, ly)).hypot(z)
+}
+
+/// Depth by which a body reaches into its own images: its parts may overlap each other, but not their copies.
+fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
+    match &body.shape {
+        Shape::Balls(balls) => {
+            let shifts = [[lx, 0.0], [0.0, ly], [lx, ly], [-lx, ly]];
+            let shifts = shifts.into_iter().flat_map(|[x, y]| [[x, y], [-x, -y]]);
+            let overlap = |a: &Ball, b: &Ball, [x, y]: [f64; 2]| {
+                let [dx, dy, dz]: [f64; 3] = std::array::from_fn(|i| a.center_um[i] - b.center_um[i]);
+                a.radius_um + b.radius_um - (dx + x).hypot(dy + y).hypot(dz)
+            };
+            let pairs = balls.iter().flat_map(|a| balls.iter().map(move |b| (a, b)));
+            let deepest = pairs.flat_map(|(a, b)| shifts.clone().map(move |shift| overlap(a, b, shift)));
+            deepest.fold(f64::NEG_INFINITY, f64::max)
+        }
+        Shape::CylinderY { radius_um, .. } => 2.0 * radius_um - lx,
+        Shape::BarY { x_um, .. } => width(*x_um) - lx,
+        Shape::Sheet { .. } | Shape::Above { .. } => f64::NEG_INFINITY,
+    }
+}
+
+fn middle([low, high]: [f64; 2]) -> f64 {
+    0.5 * (low + high)
+}
+
+fn width([low, high]: [f64; 2]) -> f64 {
+    high - low
+}
+
+/// Length that two stretches share.
+fn common(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[1].min(b[1]) - a[0].max(b[0])
+}
+
+/// Signed distance to the nearest periodic image.
+fn nearest(delta: f64, period: f64) -> f64 {
+    delta - period * (delta / period).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(shapes: &[Shape]) -> Scene {
+        let body = |shape: &Shape| Body::new(shape.clone(), 0);
+        Scene::layer([1.0, 1.5], 2.0, shapes.iter().map(body).collect())
+    }
+
+    fn ball(x: f64, y: f64, z: f64, radius_um: f64) -> Shape {
+        Shape::Balls(vec![Ball { center_um: [x, y, z], radius_um }])
+    }
+
+    fn disc(x_um: f64, z_um: f64, radius_um: f64) -> Shape {
+        Shape::CylinderY { x_um, z_um, radius_um }
+    }
+
+    fn bar(x_um: [f64; 2], z_um: [f64; 2]) -> Shape {
+        Shape::BarY { x_um, z_um }
+    }
+
+    #[test]
+    fn bodies_of_unlike_kinds_are_seen_through_the_boundary() {
+        for (one, other, depth) in [
+            (ball(0.95, 0.1, 0.5, 0.1), ball(0.06, 1.45, 0.5, 0.1), 0.2 - 0.11f64.hypot(0.15)),
+            (ball(0.95, 0.1, 0.5, 0.1), disc(0.05, 0.5, 0.1), 0.1),
+            (disc(0.5, 0.5, 0.2), bar([0.65, 0.9], [0.4, 0.6]), 0.05),
+            (disc(0.5, 0.5, 0.1), bar([0.2, 0.8], [0.3, 0.7]), 0.3),
+            (ball(0.02, 0.7, 0.5, 0.1), bar([0.8, 0.95], [0.2, 0.8]), 0.03),
+            (ball(0.02, 0.7, 0.5, 0.1), Shape::Sheet { z_um: [0.55, 0.7] }, 0.05),
+        ] {
+            let both = scene(&[one.clone(), other.clone()]);
+            match both.check_overlaps() {
+                Err(WaveError::Overlap { overlap_um, .. }) => {
+                    assert!((overlap_um - depth).abs() < 1e-12, "{one:?} {other:?}: {overlap_um}");
+                }
+                found => panic!("{one:?} {other:?}: {found:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn touching_and_near_bodies_pass() {
+        for (one, other) in [
+            (ball(0.25, 0.5, 0.5, 0.25), ball(0.75, 0.5, 0.5, 0.25)),
+            (ball(0.25, 0.5, 0.5, 0.25), disc(0.75, 0.5, 0.25)),
+            (disc(0.25, 0.5, 0.25), bar([0.5, 1.0], [0.0, 1.0])),
+            // The corner is nearer along each axis than it is.
+            (disc(0.2, 0.2, 0.14), bar([0.3, 0.6], [0.3, 0.6])),
+        ] {
+            scene(&[one.clone(), other.clone()])
+                .check_overlaps()
+                .unwrap_or_else(|e| panic!("{one:?} {other:?}: {e}"));
+        }
+    }
+
+    /// The plainest loop over all pairs and images finds an overlap exactly where the cells do.
+    #[test]
+    fn cells_miss_nothing_that_all_pairs_find() {
+        let mut number = 7u64;
+        let mut random = || {
+            number = number.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (number >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut hits = 0;
+        for _ in 0..400 {
+            let balls: Vec<[f64; 4]> = (0..12)
+                .map(|_| [4.0 * random() - 2.0, random(), 0.3 + 1.4 * random(), 0.02 + 0.13 * random()])
+                .collect();
+            let overlaps = |a: &[f64; 4], b: &[f64; 4]| {
+                (-5..=5).any(|i| {
+                    (-2..=2).any(|j| {
+                        let (dx, dy) = (a[0] - b[0] + f64::from(i), a[1] - b[1] + 1.5 * f64::from(j));
+                        dx.hypot(dy).hypot(a[2] - b[2]) < a[3] + b[3]
+                    })
+                })
+            };
+            let expected = (0..12).any(|i| (0..i).any(|j| overlaps(&balls[i], &balls[j])));
+            let shapes: Vec<Shape> = balls.iter().map(|b| ball(b[0], b[1], b[2], b[3])).collect();
+            assert_eq!(scene(&shapes).check_overlaps().is_err(), expected, "{balls:?}");
+            hits += usize::from(expected);
+        }
+        assert!((40..360).contains(&hits), "both answers occur: {hits} of 400");
+    }
+
+    #[test]
+    fn a_hundred_thousand_spheres_take_no_time() {
+        let at = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+        let (n, m, k) = (50, 50, 40);
+        let shapes: Vec<Shape> = (0..n * m * k)
+            .map(|i| ball(at(i % n, n), 1.5 * at(i / n % m, m), 2.0 * at(i / n / m, k), 0.0099))
+            .collect();
+        let clock = std::time::Instant::now();
+        scene(&shapes).check_overlaps().unwrap();
+        // All pairs took half a minute; this takes a tenth of a second.
+        assert!(clock.elapsed().as_secs_f64() < 5.0);
+    }
+}

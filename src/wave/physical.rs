@@ -1,0 +1,235 @@
+//! The gate that every far field passes before it becomes a result.
+//!
+//! Of any passive layer R, T and A = 1 − R − T lie between 0 and 1. A discretisation that is too coarse for its contrast
+//! breaks this: the band-limited contrast rings, and where it rings below zero it amplifies light.
+
+use super::FarField;
+use std::ops::Deref;
+use thiserror::Error;
+
+/// Error of a total beyond which it is no reflectance, whatever its error estimate says.
+const LARGEST: f64 = 0.05;
+/// Errors of totals for an error of one in every amplitude: R = Σ |r|² changes by 2 |r| δ an order, whose signs are
+/// independent; this is three standard deviations of the sum.
+const TOTAL_OF_AMPLITUDE: f64 = 6.0;
+/// Errors of totals for a relative residual of one: trapped waves amplify it some ten times.
+const TOTAL_OF_RESIDUAL: f64 = 30.0;
+/// Rounding of sums over orders and nodes.
+const ROUNDING: f64 = 1e-9;
+
+/// A far field whose numbers are all finite, with R, T and A from 0 to 1 and their sum 1, all within their errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Physical(FarField);
+
+impl Deref for Physical {
+    type Target = FarField;
+
+    fn deref(&self) -> &FarField {
+        &self.0
+    }
+}
+
+/// How wrong totals may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TotalErrors {
+    /// Of R.
+    pub reflectance: f64,
+    /// Of T.
+    pub transmittance: f64,
+    /// Of their sum with A: the solver's alone, since the discrete system keeps the balance.
+    pub balance: f64,
+}
+
+impl TotalErrors {
+    /// From the estimated error of every complex amplitude, and the relative residual.
+    pub fn of_amplitudes(error: f64, residual: f64) -> Self {
+        Self::of_totals([TOTAL_OF_AMPLITUDE * error; 2], residual)
+    }
+
+    /// From estimated errors of R and T, and the relative residual.
+    pub fn of_totals([reflectance, transmittance]: [f64; 2], residual: f64) -> Self {
+        let balance = ROUNDING + TOTAL_OF_RESIDUAL * residual;
+        // Not `min`, which drops NaN.
+        let bounded = |error: f64| if error > LARGEST { LARGEST } else { error };
+        let [reflectance, transmittance] = [reflectance, transmittance].map(|error| bounded(error + balance));
+        Self { reflectance, transmittance, balance: bounded(balance) }
+    }
+
+    fn are_numbers(&self) -> bool {
+        [self.reflectance, self.transmittance, self.balance].iter().all(|e| e.is_finite())
+    }
+}
+
+/// Why a far field is no result.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Unphysical {
+    /// A number is NaN or infinite: lengths and indices too far apart for double precision.
+    #[error(
+        "{quantity} is {value}: no result. Lengths or indices are too far apart for double precision; give the \
+         wavelength and lengths in µm and refractive indices of matter"
+    )]
+    NotFinite {
+        /// What it is.
+        quantity: &'static str,
+        /// NaN or an infinity.
+        value: f64,
+    },
+    /// A total that no passive layer has.
+    #[error(
+        "{quantity} is {value:.4}; allowed is 0 … 1 within {error:.1e}: no result. The grid is too coarse for these \
+         indices; take more points and cells, or give an accuracy instead of a grid"
+    )]
+    OutOfRange {
+        /// R, T or A.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its tolerated error.
+        error: f64,
+    },
+    /// Energy is not kept.
+    #[error(
+        "R + T + A is {sum:.6}; allowed is 1 within {error:.1e}: no result. Ask for a smaller residual (tolerance), \
+         or take more points and cells"
+    )]
+    OutOfBalance {
+        /// The sum.
+        sum: f64,
+        /// Its tolerated error.
+        error: f64,
+    },
+}
+
+impl Physical {
+    /// Judges a far field whose totals may be wrong by `errors`.
+    ///
+    /// # Errors
+    /// [`Unphysical`]: what is wrong with it.
+    pub fn judge(far: FarField, errors: TotalErrors) -> Result<Physical, Unphysical> {
+        finite(&far, &errors)?;
+        let TotalErrors { reflectance, transmittance, balance } = errors;
+        let absorptance = (reflectance + transmittance).min(LARGEST);
+        for (quantity, value, error) in [
+            ("R", far.reflectance, reflectance),
+            ("T", far.transmittance, transmittance),
+            ("A", far.absorptance, absorptance),
+        ] {
+            if !(-error..=1.0 + error).contains(&value) {
+                return Err(Unphysical::OutOfRange { quantity, value, error });
+            }
+        }
+        let sum = 1.0 + far.energy_error();
+        if (sum - 1.0).abs() > balance {
+            return Err(Unphysical::OutOfBalance { sum, error: balance });
+        }
+        Ok(Physical(far))
+    }
+
+    /// The far field itself.
+    pub fn into_inner(self) -> FarField {
+        self.0
+    }
+}
+
+fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
+    let amplitude = |quantity, z: num_complex::Complex64| [(quantity, z.re), (quantity, z.im)];
+    let of_order = |o: &super::Order| {
+        let [r, t] = [amplitude("an amplitude R", o.reflected), amplitude("an amplitude T", o.transmitted)];
+        let efficiencies = [o.reflected_efficiency, o.transmitted_efficiency].map(|e| ("an efficiency", e));
+        r.into_iter().chain(t).chain(efficiencies)
+    };
+    let totals = [("R", far.reflectance), ("T", far.transmittance), ("A", far.absorptance)];
+    let mut all = totals.into_iter().chain(far.orders.iter().flat_map(of_order));
+    if let Some((quantity, value)) = all.find(|(_, value)| !value.is_finite()) {
+        return Err(Unphysical::NotFinite { quantity, value });
+    }
+    if errors.are_numbers() {
+        Ok(())
+    } else {
+        Err(Unphysical::NotFinite { quantity: "the error estimate", value: f64::NAN })
+    }
+}
+
+/// The largest of some numbers, NaN if any of them is none; 0 without any.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+    values.into_iter().fold(0.0, larger)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wave::{Incidence, Order, Side};
+    use num_complex::Complex64;
+
+    fn far(reflectance: f64, transmittance: f64, absorptance: f64) -> FarField {
+        let order = Order {
+            m: 0,
+            n: 0,
+            direction: [0.0; 2],
+            reflected_propagates: true,
+            transmitted_propagates: true,
+            reflected: Complex64::new(0.3, 0.1),
+            transmitted: Complex64::new(0.3, 0.1),
+            reflected_efficiency: reflectance,
+            transmitted_efficiency: transmittance,
+        };
+        let incidence =
+            Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+        FarField {
+            incidence,
+            period_um: [1.0; 2],
+            orders: vec![order],
+            reflectance,
+            transmittance,
+            absorptance,
+        }
+    }
+
+    fn judged(r: f64, t: f64, a: f64, error: f64) -> Result<Physical, Unphysical> {
+        Physical::judge(far(r, t, a), TotalErrors::of_amplitudes(error, 1e-8))
+    }
+
+    #[test]
+    fn what_is_physical_within_its_error_passes() {
+        for (r, t, a) in [(0.3, 0.4, 0.3), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.6, 0.403, -0.003)] {
+            assert!(judged(r, t, a, 1e-3).is_ok(), "{r} {t} {a}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_is_refused_however_large_its_error() {
+        for (r, t, a) in [(29.6, 17.4, -46.0), (1.1, 0.0, -0.1), (0.0, 1.1, -0.1), (0.6, 0.6, -0.2)] {
+            for error in [1e-3, 1.0, 1e6] {
+                assert!(matches!(judged(r, t, a, error), Err(Unphysical::OutOfRange { .. })), "{r} {t} {a}");
+            }
+        }
+        assert!(matches!(judged(0.6, 0.403, -0.003, 1e-5), Err(Unphysical::OutOfRange { .. })));
+        assert!(matches!(judged(0.3, 0.3, 0.3, 1.0), Err(Unphysical::OutOfBalance { .. })));
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused() {
+        let none = f64::NAN;
+        for (r, t, a, error) in [
+            (none, 0.5, 0.5, 0.1),
+            (0.5, f64::INFINITY, 0.5, 0.1),
+            (0.5, 0.5, none, 0.1),
+            (0.5, 0.5, 0.0, none),
+        ] {
+            assert!(
+                matches!(judged(r, t, a, error), Err(Unphysical::NotFinite { .. })),
+                "{r} {t} {a} {error}"
+            );
+        }
+        let mut hidden = far(0.3, 0.4, 0.3);
+        hidden.orders[0].transmitted.im = none;
+        assert!(Physical::judge(hidden, TotalErrors::of_amplitudes(0.1, 0.0)).is_err());
+    }
+
+    #[test]
+    fn maxima_keep_what_is_no_number() {
+        assert!(largest([1.0, f64::NAN, 2.0]).is_nan() && largest([f64::NAN]).is_nan());
+        assert_eq!((largest([1.0, 3.0, 2.0]), largest([])), (3.0, 0.0));
+    }
+}
