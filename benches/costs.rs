@@ -10,7 +10,7 @@ use inkwave::appearance::bdf::{Bdf, Lobe, suggested_bandwidth};
 use inkwave::ink::pack;
 use inkwave::ink::{MethodChoice, PackingRequest, PigmentGrains};
 use inkwave::numerics::fourier::PlaneFft;
-use inkwave::solve::{Gmres, Goal, Silent, Solver, SolverChoice};
+use inkwave::solve::{Gmres, Goal, Registry, Silent, Solver};
 use inkwave::wave::{Coverage, Field, Mean};
 use serde::Serialize;
 use std::hint::black_box;
@@ -75,13 +75,13 @@ fn operator(criterion: &mut Criterion, work: &mut Vec<Work>) {
 fn strategies(criterion: &mut Criterion, work: &mut Vec<Work>) {
     let mut group = criterion.benchmark_group("strategy");
     let goal = Goal { tolerance: 1e-6, max_applications: 20_000 };
-    for name in SolverChoice::NAMES {
-        let sides: &[f64] = if name == "direct" { &[0.55, 0.75, 0.9] } else { &[0.7, 1.4, 2.8] };
-        let solver = SolverChoice::named(name).expect("a name").build();
+    for entry in Registry::default().entries() {
+        let (name, solver) = (entry.name(), entry.build());
+        let dense = solver.most_unknowns().is_some();
+        let sides: &[f64] = if dense { &[0.55, 0.75, 0.9] } else { &[0.7, 1.4, 2.8] };
         for &side in sides {
             let coverage = support::coverage(side, THIN_UM, THIN_CELLS);
-            let mean = Mean { absorbing: name != "relaxation", ..Mean::default() };
-            let problem = support::problem(&coverage, KAPPA, mean);
+            let problem = support::problem(&coverage, KAPPA, solver.suited_mean());
             let solve = || solver.solve(&problem, goal, &mut Silent);
             let account = match solve() {
                 Ok(solution) => solution.account,

@@ -1,7 +1,89 @@
-//! Predicts what a printer-ink or paint layer looks like before it exists.
+//! Predicts what a printer-ink or paint layer looks like before it exists: solves the wave equation through explicit
+//! random packings of pigment grains, and turns the scattered orders into reflectance, colour and a picture.
 //!
-//! The folders follow the path of the light, and dependencies run one way only:
+//! # The path of the light, in ten lines
+//!
+//! ```
+//! use inkwave::appearance::bdf::{Bdf, Lobe};
+//! use inkwave::appearance::tristimulus::Colorimeter;
+//! use inkwave::ink::{PackingRequest, PigmentGrains, pack};
+//! use inkwave::solve::{Gmres, Goal, Silent, Solver};
+//! use inkwave::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+//! use num_complex::Complex64;
+//!
+//! let pigments = vec![PigmentGrains::spheres(200.0, 0.2)]; // 200 nm across, 20 % by volume
+//! let request = PackingRequest { period_um: [0.7; 2], thickness_um: 0.3, pigments, ..Default::default() };
+//! let scene = Scene::from_packing(&pack(&request, &mut ())?); // grains in their places
+//! let yellow = vec![Complex64::new(1.4, 0.1)]; // absorbs: Im η > 0
+//! let media = Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.558.into()], inclusions: yellow };
+//! let light = Incidence { wavelength_um: 0.45, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+//! let grid = Resolution { nx: 15, ny: 15, cells: 4, scheme: Scheme::Cubic };
+//! let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?; // (A + V) u = b
+//! let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?; // exists only if converged
+//! let bdf = Bdf::from_ensemble(&[problem.far_field(&solution.field)])?; // orders → reflection per steradian
+//!
+//! let [reflected, transmitted] = [Lobe::Reflected, Lobe::Transmitted].map(|l| bdf.totals(l).total.value);
+//! assert!(reflected > 0.01 && transmitted > 0.3 && reflected + transmitted < 1.0);
+//! // Spectra of such numbers become colours; a perfect white stays one.
+//! let white = Colorimeter::new(&[400.0, 500.0, 600.0, 700.0])?.colour(&[1.0; 4])?;
+//! assert!((white.lab[0] - 100.0).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A study file does the same for many wavelengths, directions and realisations, with a grid that is fine enough and an
+//! error bar on every number: `inkwave run examples/yellow.toml`, or [`input`], [`run`] and [`evaluate`] from a program.
+//!
+//! # The folders
+//!
+//! They follow the path of the light, and dependencies run one way only (`tests/house.rs` holds them to it):
 //! `numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate ← draw ← report ← compare, sweep ← export`.
+//! [`architecture`] draws the data flow with the shapes of all arrays.
+//!
+//! - [`numerics`]: mathematics without physics. Vectors and rotations, reproducible random draws, a value with its standard
+//!   error, Fourier planes.
+//! - [`material`]: refractive indices η(λ) = n + iκ, as constants, built-in synthetic pigments or files.
+//! - [`ink`]: what is there. Shapes and sizes of [grains](ink::grains), [packings](ink::packing) by sequential addition, by
+//!   relaxation of overlaps or equilibrated, their [statistics](ink::statistics), and the [relief](ink::relief) of the
+//!   binder. A [`Packing`](ink::Packing) exists only without overlap.
+//! - [`wave`]: the equation. A [`Scene`](wave::Scene) on a [`Grid`](wave::Grid) gives a [`Coverage`](wave::Coverage), the
+//!   geometry's exact Fourier coefficients; with media and an [`Incidence`](wave::Incidence) it becomes a
+//!   [`Problem`](wave::Problem), whose solution gives a [`FarField`](wave::FarField).
+//! - [`solve`]: the ways. Strategies behind one trait, [`Solver`](solve::Solver), measured by one residual; a
+//!   [`Registry`](solve::Registry) that strategies of other crates can join; [`accuracy`](solve::accuracy) searches the grid
+//!   for a wanted error.
+//! - [`appearance`]: what is seen. Orders become a [`Bdf`](appearance::bdf::Bdf), the layer lies on paper, spectra become
+//!   [colours](appearance::colour::Colour).
+//! - [`store`]: what is kept. Records, sealed and written in one piece, and the folders that hold them.
+//! - [`input`]: what was asked. A study file as written, checked into a [`Study`](input::study::Study); errors name field,
+//!   value, range and remedy.
+//! - [`run`]: the work. One solve, one realisation, a whole study, side by side on all cores, within the memory there is.
+//! - [`evaluate`]: numbers with error bars. Spectra, appearance, the budget of uncertainty, the summary.
+//! - [`draw`]: the only drawing. Plots, rasters, the picture of the source paper.
+//! - [`report`]: pages and tables of a study.
+//! - [`compare`]: strategies × grids × discretisations side by side.
+//! - [`sweep`]: studies of many variants, on one machine or many.
+//! - [`export`]: other programs' formats.
+//!
+//! # Conventions
+//!
+//! Lengths in µm (sizes of grains and wavelengths of files in nm), angles in degrees from the layer's normal, time factor
+//! e^{−iωt}, so that Im η ≥ 0 absorbs. The layer is 0 ≤ z ≤ H; z points from the *incident side* to the *exit side*. Names of
+//! fields carry their unit. `CONTRIBUTING.md` has the glossary.
+//!
+//! # Sources
+//!
+//! - **P1**: A. G. Voloboy, S. V. Ershov, E. S. Klyshinsky, S. G. Pozdnyakov, *Modelling light propagation in a thin ink layer
+//!   of high particle concentration* (in Russian: А. Г. Волобой, С. В. Ершов, Э. С. Клышинский, С. Г. Поздняков,
+//!   «Моделирование распространения света в тонком красящем слое с высокой концентрацией частиц»), Keldysh Institute of
+//!   Applied Mathematics RAS and National Research Nuclear University MEPhI, Moscow, about 2010 (the copy at hand names
+//!   neither place nor year; its latest grant is of 2010). The whole simulation: geometry, diffraction, paper, colour, results.
+//! - **P2**: A. G. Voloboy, S. V. Ershov, S. G. Pozdnyakov, *Diffraction task solution for lighting simulation inside ink
+//!   layer* (in Russian: «Решение дифракционной задачи для моделирования освещения тонкого красящего слоя»), Keldysh
+//!   Institute of Applied Mathematics RAS, preprint 75, Moscow, 2009. The mathematics; equation numbers are P2's unless P1
+//!   is named. Where a printed formula is wrong, the code that corrects it says so.
+
+#[doc = include_str!("architecture.md")]
+pub mod architecture {}
 
 pub mod appearance;
 pub mod compare;

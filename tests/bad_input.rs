@@ -26,13 +26,21 @@ const SLIPS: &[Slip] = &[
     slip(
         "thickness_um",
         "thicknes_um",
-        ["thicknes_um", "unknown field", "`period_um`, `thickness_um`", "did you mean thickness_um?"],
+        ["layer.thicknes_um", "unknown key", "`period_um`, `thickness_um`", "did you mean thickness_um?"],
     ),
-    slip("[run]", "[runn]", ["runn", "unknown field", "`run`", "did you mean run?"]),
-    slip("built_in", "builtin", ["builtin", "unknown field", "`built_in`", "did you mean built_in?"]),
-    slip("thickness_um = 0.5\n", "", ["thickness_um", "missing field", "[layer]", "add thickness_um"]),
-    slip("seed = 7", "seed = -7", ["seed", "-7", "expected u64", "form that was expected"]),
-    slip("seed = 7", "seed = \"7\"", ["seed", "string \"7\"", "expected u64", "form that was expected"]),
+    slip("[run]", "[runn]", ["runn", "unknown key", "`run`", "did you mean run?"]),
+    slip(
+        "built_in",
+        "builtin",
+        ["pigment[0].index.builtin", "unknown key", "`built_in`", "did you mean built_in?"],
+    ),
+    slip(
+        "thickness_um = 0.5\n",
+        "",
+        ["layer.thickness_um", "found nothing", "no default", "add thickness_um"],
+    ),
+    slip("seed = 7", "seed = -7", ["run.seed", "-7", "a whole number from 0", "in that form"]),
+    slip("seed = 7", "seed = \"7\"", ["run.seed", "string \"7\"", "a whole number from 0", "in that form"]),
     slip("[angles]", "[angles", ["[angles", "unclosed table", "expected `]`", "correct the TOML here"]),
     // layer
     slip(
@@ -43,7 +51,7 @@ const SLIPS: &[Slip] = &[
     slip(
         "period_um = 0.8",
         "period_um = [1, 2, 3]",
-        ["period_um", "length 3", "two numbers [x, y]", "form that was expected"],
+        ["period_um", "3 entries", "two numbers [x, y]", "in that form"],
     ),
     slip(
         "thickness_um = 0.5",
@@ -258,6 +266,19 @@ fn all_faults_are_told_at_once() {
         said.contains("2 fields") && said.contains("paper.albedo") && said.contains("angles.count"),
         "{said}"
     );
+}
+
+#[test]
+fn all_unknown_keys_are_told_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("seed = 7", "sead = 7\nspeed = 3").replace("built_in", "builtin");
+    let text = text.replace("[output]", "[ouput]");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    for part in
+        ["run.sead", "did you mean seed?", "run.speed", "pigment[0].index.builtin", "ouput", "4 fields"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
 }
 
 #[test]

@@ -121,16 +121,19 @@ fn numbers_that_are_none_are_refused_in_json_and_toml() {
 #[test]
 fn entries_that_do_not_fit_are_named_with_their_place() {
     for (text, words) in [
-        (with("/colour", json!("red")), vec!["unknown field `colour`", "`wavelength`", "correct that entry"]),
+        (with("/colour", json!("red")), vec!["colour: found an unknown key", "`wavelength`", "remove it"]),
         (
             with("/spheres/0/radius", json!(null)),
-            vec!["spheres[0].radius", "expected f64", "correct that entry"],
+            vec!["spheres[0].radius: found null", "a number", "in that form"],
         ),
-        (with("/spheres/0/radius", json!("big")), vec!["spheres[0].radius", "\"big\"", "correct that entry"]),
-        (with("/spheres/0/center", json!([1, 2])), vec!["spheres[0].center", "array of length 3"]),
+        (with("/spheres/0/radius", json!("big")), vec!["spheres[0].radius", "\"big\"", "in that form"]),
+        (
+            with("/spheres/0/center", json!([1, 2])),
+            vec!["spheres[0].center", "2 entries", "array of length 3"],
+        ),
         (with("/layers_from_z0", json!([])), vec!["eta_binder", "layers_from_z0", "in one way"]),
         (json!({ "wavelength": 0.5 }).to_string(), vec!["eta_binder", "layers_from_z0", "in one way"]),
-        (json!({ "L": 0.5 }).to_string(), vec!["missing field `wavelength`"]),
+        (json!({ "L": 0.5 }).to_string(), vec!["wavelength: found nothing", "add wavelength"]),
         (
             json!({ "wavelength": 0.5, "eta_binder": [1.5, 0] }).to_string(),
             vec!["H: missing", "thickness in µm"],

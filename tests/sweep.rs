@@ -21,6 +21,7 @@ index = { built_in = "yellow" }
 from_nm = 400
 to_nm = 700
 step_nm = 100
+sampling = "listed"
 [base.angles]
 count = 3
 [base.run]

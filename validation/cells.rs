@@ -10,7 +10,7 @@ use num_complex::Complex64;
 pub const REAL: Mean = Mean { depends_on_z: true, absorbing: false };
 
 /// A direction of incidence: polar and azimuth in degrees, and the side.
-pub type From = (f64, f64, Side);
+pub type Direction = (f64, f64, Side);
 
 /// Five grains of ink-like index in a cell of some wavelength's side, different half-spaces.
 pub struct Cell {
@@ -49,7 +49,7 @@ impl Cell {
         }
     }
 
-    pub fn problem(&self, (polar_deg, azimuth_deg, from): From) -> Problem {
+    pub fn problem(&self, (polar_deg, azimuth_deg, from): Direction) -> Problem {
         let incidence = Incidence { wavelength_um: 0.5, polar_deg, azimuth_deg, from };
         Problem::from_scene(&Self::scene(), &self.media(), &incidence, self.resolution, self.mean)
             .expect("a sound cell")

@@ -3,21 +3,14 @@
 //! Each claim runs in a process of its own, so that a crash loses no other; results are kept as they come, so that an
 //! interrupted night goes on where it was. `scripts/nightly` calls this.
 
-#[path = "../tests/support/mod.rs"]
-mod support;
-
-mod cells;
-mod claim;
-mod claims;
-mod ensemble;
-mod formulas;
 mod history;
 mod manifest;
 mod page;
 
-use claim::{Claim, Findings, Level};
 use clap::Parser;
 use inkwave::store::{Record, Store};
+use inkwave_validation::claim::{Claim, Findings, Level};
+use inkwave_validation::{claim, claims};
 use manifest::Manifest;
 use serde::{Deserialize, Serialize};
 use std::error::Error;

@@ -1,15 +1,7 @@
 //! Every claim at its quick level: one test each, in `cargo test`.
 
-#[path = "../tests/support/mod.rs"]
-mod support;
-
-mod cells;
-mod claim;
-mod claims;
-mod ensemble;
-mod formulas;
-
-use claim::{Claim, Findings, Level};
+use inkwave_validation::claim::{Claim, Findings, Level};
+use inkwave_validation::claims;
 use libtest_mimic::{Arguments, Failed, Trial};
 
 fn trial(claim: &'static Claim) -> Trial {

@@ -11,24 +11,55 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use thiserror::Error;
 
+/// Why far fields do not make a distribution function, or none at a direction.
 #[derive(Debug, Error, PartialEq)]
 pub enum BdfError {
+    /// No far fields were given.
     #[error("no far fields: a BDF needs at least one realisation")]
     Empty,
+    /// Far fields that do not belong together.
     #[error(
         "far field {index} differs from the first in {field}; average realisations of one incidence and period"
     )]
-    Mixed { index: usize, field: &'static str },
+    Mixed {
+        /// Place of the far field in the list.
+        index: usize,
+        /// What differs.
+        field: &'static str,
+    },
+    /// An amplitude that is no number.
     #[error("far field {index}, order ({m}, {n}): not finite; check the solve behind it")]
-    NotFinite { index: usize, m: i32, n: i32 },
+    NotFinite {
+        /// Place of the far field in the list.
+        index: usize,
+        /// Order along x.
+        m: i32,
+        /// Order along y.
+        n: i32,
+    },
+    /// A bandwidth that is not positive.
     #[error(
         "smoothing bandwidth = {value} (direction cosines): must be greater than 0 and finite, at least {spacing:.4} to reach a neighbour"
     )]
-    Bandwidth { value: f64, spacing: f64 },
+    Bandwidth {
+        /// The bandwidth, direction cosines.
+        value: f64,
+        /// Distance of neighbouring orders, direction cosines.
+        spacing: f64,
+    },
+    /// No order near the direction asked for.
     #[error(
         "direction cosines ({alpha}, {beta}) are outside the unit circle, or no order lies within the bandwidth {bandwidth}"
     )]
-    NothingThere { alpha: f64, beta: f64, bandwidth: f64 },
+    NothingThere {
+        /// kx/k0.
+        alpha: f64,
+        /// ky/k0.
+        beta: f64,
+        /// The bandwidth, direction cosines.
+        bandwidth: f64,
+    },
+    /// The table could not be written; the message says why.
     #[error("cannot write the table: {0}")]
     Write(String),
 }
@@ -36,7 +67,9 @@ pub enum BdfError {
 /// The half-space the light leaves into, seen from where it came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
+    /// Back to the side the light came from.
     Reflected,
+    /// To the opposite side.
     Transmitted,
 }
 
@@ -47,12 +80,19 @@ pub enum Lobe {
 /// out slightly negative: noise around zero. `bdf` is per steradian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderMean {
+    /// Order along x, counted from the specular one.
     pub m: i32,
+    /// Order along y.
     pub n: i32,
+    /// Direction cosines (kx, ky)/k0.
     pub direction: [f64; 2],
+    /// Mean share of the incident power.
     pub efficiency: Estimate,
+    /// Share that survives the mean of the amplitudes.
     pub coherent: Option<f64>,
+    /// The rest of the efficiency.
     pub diffuse: Option<f64>,
+    /// Distribution function at the order, 1/sr.
     pub bdf: Estimate,
 }
 
@@ -62,16 +102,22 @@ pub struct OrderMean {
 /// survives averaging of the amplitude (unbiased, jackknife error; unknown for one realisation).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Totals {
+    /// All orders.
     pub total: Estimate,
+    /// The order (0, 0).
     pub specular: Estimate,
+    /// All other orders.
     pub diffuse: Estimate,
+    /// Coherent part of the specular order.
     pub coherent: Option<Estimate>,
 }
 
 /// A smoothed BDF value, 1/sr; `effective_orders` = (ΣK)²/ΣK² says how many orders of one realisation it averages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed {
+    /// The distribution function, 1/sr.
     pub bdf: Estimate,
+    /// Number of equally weighted orders that would scatter as little.
     pub effective_orders: f64,
 }
 
@@ -85,20 +131,20 @@ impl Smoothed {
 
 /// One side: the orders that propagate there, and every realisation's efficiencies \[realisation, order\].
 #[derive(Clone, Debug, PartialEq)]
-struct LobeData {
-    orders: Vec<OrderMean>,
-    efficiencies: Array2<f64>,
-    totals: Totals,
+pub(super) struct LobeData {
+    pub(super) orders: Vec<OrderMean>,
+    pub(super) efficiencies: Array2<f64>,
+    pub(super) totals: Totals,
 }
 
 /// The ensemble's BDF at one incidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bdf {
-    incidence: Incidence,
-    period_um: [f64; 2],
-    realisations: usize,
-    reflected: LobeData,
-    transmitted: LobeData,
+    pub(super) incidence: Incidence,
+    pub(super) period_um: [f64; 2],
+    pub(super) realisations: usize,
+    pub(super) reflected: LobeData,
+    pub(super) transmitted: LobeData,
 }
 
 /// A bandwidth (direction cosines) that always reaches the eight neighbours of an order: 1.5 of the lattice spacing.
@@ -126,14 +172,17 @@ impl Bdf {
         })
     }
 
+    /// Wavelength, direction and side of the light.
     pub fn incidence(&self) -> Incidence {
         self.incidence
     }
 
+    /// Lateral periods, µm.
     pub fn period_um(&self) -> [f64; 2] {
         self.period_um
     }
 
+    /// Number of far fields averaged.
     pub fn realisations(&self) -> usize {
         self.realisations
     }
@@ -148,6 +197,7 @@ impl Bdf {
         self.orders(lobe).iter().any(|o| (o.m, o.n) != (0, 0))
     }
 
+    /// Totals of one side.
     pub fn totals(&self, lobe: Lobe) -> Totals {
         self.lobe(lobe).totals
     }
@@ -250,13 +300,13 @@ impl LobeData {
 
 /// One side of an order.
 #[derive(Clone, Copy)]
-struct View {
-    propagates: bool,
+pub(super) struct View {
+    pub(super) propagates: bool,
     amplitude: Complex64,
-    efficiency: f64,
+    pub(super) efficiency: f64,
 }
 
-fn view(order: &Order, lobe: Lobe) -> View {
+pub(super) fn view(order: &Order, lobe: Lobe) -> View {
     let (propagates, amplitude, efficiency) = match lobe {
         Lobe::Reflected => (order.reflected_propagates, order.reflected, order.reflected_efficiency),
         Lobe::Transmitted => (order.transmitted_propagates, order.transmitted, order.transmitted_efficiency),
@@ -324,7 +374,7 @@ fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64>
     Some(flux * (mean - variance / n))
 }
 
-fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column: &[View]) -> Totals {
+pub(super) fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column: &[View]) -> Totals {
     let sums: Vec<f64> = efficiencies.outer_iter().map(|row| row.sum()).collect();
     let mirrored: Vec<f64> = efficiencies.outer_iter().map(|row| specular.map_or(0.0, |k| row[k])).collect();
     let scattered: Vec<f64> = sums.iter().zip(&mirrored).map(|(s, m)| s - m).collect();

@@ -17,13 +17,21 @@ const GAMUT_SLACK: f64 = 1e-9;
 /// tells when that changed the colour. `lab_covariance` is `None` when one realisation leaves it unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Colour {
+    /// X, Y, Z; a perfect white has Y = 100.
     pub xyz: [f64; 3],
+    /// X, Y, Z of the perfect white on the same wavelengths.
     pub white_xyz: [f64; 3],
+    /// CIE 1976 L*, a*, b*.
     pub lab: [f64; 3],
+    /// Linear red, green, blue; 1 for white.
     pub linear_rgb: [f64; 3],
+    /// The same, clipped and through the transfer curve, 0 to 1.
     pub srgb: [f64; 3],
+    /// The same in steps of 1/255.
     pub srgb8: [u8; 3],
+    /// Whether clipping changed the colour.
     pub out_of_gamut: bool,
+    /// Covariance of L*, a*, b*.
     pub lab_covariance: Option<[[f64; 3]; 3]>,
 }
 
@@ -31,20 +39,25 @@ impl Colorimeter {
     /// Colour of a spectrum of reflectance factors (perfect white = 1), uncertainty unknown.
     ///
     /// ```
-    /// use super::colour::Colorimeter;
+    /// use inkwave::appearance::tristimulus::Colorimeter;
     /// let wavelengths_nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
     /// let white = Colorimeter::new(&wavelengths_nm)?.colour(&[1.0; 31])?;
     /// assert_eq!(white.srgb8, [255, 255, 255]);
-    /// # Ok::<(), super::colour::ColourError>(())
+    /// # Ok::<(), inkwave::appearance::tristimulus::ColourError>(())
     /// ```
     ///
     /// # Errors
     /// Wrong length, or a value that is not finite.
     pub fn colour(&self, values: &[f64]) -> Result<Colour, ColourError> {
-        let (xyz, white_xyz) = (self.xyz(values)?, self.white_xyz());
+        Ok(self.colour_of(self.xyz(values)?))
+    }
+
+    /// Colour of tristimulus values on this grid's scale (white has Y = 100), uncertainty unknown.
+    pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
+        let white_xyz = self.white_xyz();
         let linear_rgb = self.linear_rgb(xyz);
         let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
-        Ok(Colour {
+        Colour {
             xyz,
             white_xyz,
             lab: lab_of(xyz, white_xyz),
@@ -53,7 +66,7 @@ impl Colorimeter {
             srgb8: srgb.map(|c| (255.0 * c).round() as u8),
             out_of_gamut: linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c)),
             lab_covariance: None,
-        })
+        }
     }
 
     /// Colour of the ensemble's spectrum with the jackknife covariance of Lab: `replicates` are the same
@@ -111,6 +124,26 @@ impl Colour {
         Some((trace(self.lab_covariance?) + trace(other.lab_covariance?)).sqrt())
     }
 
+    /// Root mean square of ΔE₀₀ that this colour's uncertainty alone would show: √tr(M C), with M the local metric of ΔE₀₀.
+    pub fn delta_e_2000_noise(&self) -> Option<f64> {
+        let covariance = self.lab_covariance?;
+        let square = |by: [f64; 3]| {
+            let moved: [f64; 3] = std::array::from_fn(|i| self.lab[i] + METRIC_STEP * by[i]);
+            (ciede2000(self.lab, moved) / METRIC_STEP).powi(2)
+        };
+        let unit = |i: usize| std::array::from_fn::<f64, 3, _>(|k| if k == i { 1.0 } else { 0.0 });
+        let pair = |i: usize, j: usize| std::array::from_fn::<f64, 3, _>(|k| unit(i)[k] + unit(j)[k]);
+        let metric = |i: usize, j: usize| {
+            if i == j {
+                square(unit(i))
+            } else {
+                (square(pair(i, j)) - square(unit(i)) - square(unit(j))) / 2.0
+            }
+        };
+        let trace: f64 = (0..9).map(|k| metric(k / 3, k % 3) * covariance[k / 3][k % 3]).sum();
+        Some(trace.max(0.0).sqrt())
+    }
+
     fn propagate(&self, f: impl Fn([f64; 3]) -> f64) -> Estimate {
         let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, gradient(&f, self.lab)).sqrt());
         Estimate { value: f(self.lab), standard_error }
@@ -154,6 +187,8 @@ fn quadratic_form(c: &[[f64; 3]; 3], g: [f64; 3]) -> f64 {
     (0..3).map(|i| g[i] * row(i)).sum::<f64>().max(0.0)
 }
 
+/// Step of the metric of ΔE₀₀, Lab units.
+const METRIC_STEP: f64 = 1e-2;
 /// Step of the numerical gradients, Lab units.
 const STEP: f64 = 1e-3;
 

@@ -11,7 +11,10 @@ use ndarray::Array2;
 /// Colours of the strip \[viewing\] and the square \[viewing, illumination\] at the same angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InkPicture {
+    /// Angles of strip and square, degrees, rising.
     pub angles_deg: Vec<f64>,
+    /// Under natural light, against the viewing angle.
     pub strip: Vec<Colour>,
+    /// Diffuse reflection: rows by viewing angle, columns by angle of illumination.
     pub square: Array2<Colour>,
 }

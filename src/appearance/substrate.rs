@@ -12,7 +12,10 @@ pub enum Coupling {
     #[default]
     Gap,
     /// The paper's scatterers sit in a medium of this index that touches the layer.
-    OpticalContact { index: f64 },
+    OpticalContact {
+        /// Real index of the paper's medium, at least 1.
+        index: f64,
+    },
 }
 
 impl Coupling {
@@ -29,7 +32,9 @@ impl Coupling {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Albedo {
+    /// The same at all wavelengths, 0 to 1.
     Constant(f64),
+    /// Rows of wavelength in nm and albedo, linear between.
     Spectral(Vec<[f64; 2]>),
 }
 
@@ -64,7 +69,9 @@ fn interpolate(rows: &[[f64; 2]], nm: f64) -> Result<f64, PaperError> {
 /// The paper under the layer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Substrate {
+    /// Share of the light that the paper returns.
     pub albedo: Albedo,
+    /// What is between ink and paper.
     #[serde(default)]
     pub coupling: Coupling,
 }

@@ -18,22 +18,61 @@ const XYZ_TO_RGB: [[f64; 3]; 3] =
 /// White must keep at least this share of every channel, or a division by it blows noise up.
 const LEAST_WHITE_CHANNEL: f64 = 0.1;
 
-#[derive(Debug, Error, PartialEq)]
+/// Why a spectrum has no colour.
+#[derive(Clone, Debug, Error, PartialEq)]
 pub enum ColourError {
+    /// Fewer wavelengths than an integral needs.
     #[error("wavelengths_nm has {count} entries; a colour needs at least 3, spread over 400 to 700 nm")]
-    TooFewWavelengths { count: usize },
+    TooFewWavelengths {
+        /// Wavelengths given.
+        count: usize,
+    },
+    /// A wavelength outside the observer's table, or not rising.
     #[error(
         "wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables); leave it out of the colour"
     )]
-    BadWavelength { index: usize, value: f64, lo: f64, hi: f64 },
+    BadWavelength {
+        /// Its place in the list.
+        index: usize,
+        /// The wavelength, nm.
+        value: f64,
+        /// Shortest allowed, nm.
+        lo: f64,
+        /// Longest allowed, nm.
+        hi: f64,
+    },
+    /// Wavelengths that leave out so much of the visible range that white would be coloured.
     #[error(
         "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of the {name} channel, at least {least} needed; cover 400 to 700 nm"
     )]
-    WhiteNotCovered { first: f64, last: f64, name: &'static str, channel: f64, least: f64 },
+    WhiteNotCovered {
+        /// First wavelength, nm.
+        first: f64,
+        /// Last wavelength, nm.
+        last: f64,
+        /// The channel that suffers most.
+        name: &'static str,
+        /// Share of the channel that the wavelengths cover.
+        channel: f64,
+        /// Least share allowed.
+        least: f64,
+    },
+    /// A spectrum of another length than the list of wavelengths.
     #[error("the spectrum has {count} values for {expected} wavelengths")]
-    WrongLength { count: usize, expected: usize },
+    WrongLength {
+        /// Values given.
+        count: usize,
+        /// Values expected.
+        expected: usize,
+    },
+    /// A value that is no number.
     #[error("spectrum value at {wavelength_nm} nm = {value}: must be finite")]
-    NotFinite { wavelength_nm: f64, value: f64 },
+    NotFinite {
+        /// Its wavelength, nm.
+        wavelength_nm: f64,
+        /// The value.
+        value: f64,
+    },
 }
 
 /// Turns spectra on one wavelength grid into tristimulus values: XYZ = Σ_j w_j R_j, white (R = 1) has Y = 100.
@@ -49,6 +88,8 @@ pub enum ColourError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colorimeter {
     wavelengths_nm: Vec<f64>,
+    /// Factor on light times observer that makes Y of white 100.
+    scale: f64,
     weights: Vec<[f64; 3]>,
     white_xyz: [f64; 3],
     white_rgb: [f64; 3],
@@ -71,11 +112,19 @@ impl Colorimeter {
         let white_xyz = weighted_sum(&weights, &vec![1.0; weights.len()]);
         let white_rgb = rgb_of(white_xyz);
         check_white(wavelengths_nm, white_xyz, white_rgb)?;
-        Ok(Self { wavelengths_nm: wavelengths_nm.to_vec(), weights, white_xyz, white_rgb })
+        Ok(Self { wavelengths_nm: wavelengths_nm.to_vec(), scale, weights, white_xyz, white_rgb })
     }
 
+    /// The wavelengths, nm, rising.
     pub fn wavelengths_nm(&self) -> &[f64] {
         &self.wavelengths_nm
+    }
+
+    /// Weight of a narrow band at a wavelength, per nm: what the sum over a uniform grid stands for as an integral.
+    pub fn weight_per_nm(&self, nm: f64) -> [f64; 3] {
+        let grid = &self.wavelengths_nm;
+        let step = (grid[grid.len() - 1] - grid[0]) / (grid.len() - 1) as f64;
+        light_times_observer(nm).map(|w| self.scale * w / step)
     }
 
     /// XYZ of the perfect white diffuser on this grid; Y = 100.

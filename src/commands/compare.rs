@@ -1,10 +1,11 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
+use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
-use inkwave::compare::experiment::ComparisonFile;
-use inkwave::solve::{Step, Watch};
+use inkwave::compare::experiment::{CompareError, ComparisonFile};
+use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result};
@@ -23,7 +24,10 @@ pub struct CompareArgs {
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> Result<()> {
-    let file = ComparisonFile::read(&args.file).into_diagnostic()?;
+    let file = ComparisonFile::read(&args.file).map_err(|error| match error {
+        CompareError::Study(error) => study_report(error),
+        other => miette::miette!("{other}"),
+    })?;
     let folder = args.file.parent().unwrap_or(Path::new("."));
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let mut stop = Stop(super::stop::StopFlag::listen());
@@ -34,11 +38,17 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
         ));
     };
-    let comparison =
-        file.run(folder, &mut stop, told).inspect_err(|_| output.discard_when_empty()).into_diagnostic()?;
+    let comparison = file
+        .run(&Registry::default(), folder, &mut stop, told)
+        .inspect_err(|_| output.discard_when_empty())
+        .into_diagnostic()?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
-    Ok(())
+    if comparison.rows.iter().any(|row| row.converged()) {
+        return Ok(());
+    }
+    let reason = comparison.rows.first().map_or("no rows", |row| row.outcome.as_str());
+    Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
 }
 
 /// Stops a solve on Ctrl-C.

@@ -2,6 +2,7 @@
 
 use inkwave::input::fault::{Fault, StudyError};
 use inkwave::input::locate::span_of;
+use inkwave::input::tree::SyntaxFault;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, Severity, SourceCode};
 use std::fmt;
 use std::sync::Arc;
@@ -10,21 +11,21 @@ use std::sync::Arc;
 pub fn study_report(error: StudyError) -> Report {
     match error {
         StudyError::Syntax { path, text, span, message, remedy } => {
-            let source = source(&path, text);
+            let fault = SyntaxFault { message, remedy: "", span: span.clone() };
+            let message = format!("{}: {}", path.display(), fault.in_words(&text));
             let label = span.map(|span| LabeledSpan::new_with_span(Some("here".into()), span));
-            Report::new(Shown {
-                message,
-                help: Some(remedy),
-                label,
-                source: Some(source),
-                others: Vec::new(),
-            })
+            let source = source(&path, text);
+            Report::new(Shown { message, help: Some(remedy), label, source, others: Vec::new() })
         }
         StudyError::Values { path, text, faults } => {
             let source = source(&path, text);
             let mut shown: Vec<Shown> = faults.iter().map(|fault| Shown::fault(fault, &source)).collect();
             if shown.len() == 1 {
-                return Report::new(shown.remove(0));
+                let mut only = shown.remove(0);
+                if source.is_none() {
+                    only.message = format!("{}: {}", path.display(), only.message);
+                }
+                return Report::new(only);
             }
             let message = format!("{}: {} fields need another value", path.display(), shown.len());
             Report::new(Shown { message, help: None, label: None, source: None, others: shown })
@@ -44,8 +45,13 @@ pub fn study_report(error: StudyError) -> Report {
 
 type Source = Arc<NamedSource<String>>;
 
-fn source(path: &std::path::Path, text: String) -> Source {
-    Arc::new(NamedSource::new(path.display().to_string(), text).with_language("toml"))
+/// Longest line that is shown, bytes; the printer's limit is 65 535 columns, a reader's is nearer.
+const LONGEST_LINE: usize = 1000;
+
+/// The text to show lines of; none where they are too long to be shown.
+fn source(path: &std::path::Path, text: String) -> Option<Source> {
+    let readable = text.lines().all(|line| line.len() <= LONGEST_LINE);
+    readable.then(|| Arc::new(NamedSource::new(path.display().to_string(), text).with_language("toml")))
 }
 
 #[derive(Debug)]
@@ -58,13 +64,13 @@ struct Shown {
 }
 
 impl Shown {
-    fn fault(fault: &Fault, source: &Source) -> Self {
+    fn fault(fault: &Fault, source: &Option<Source>) -> Self {
         let label = |span| LabeledSpan::new_with_span(Some(format!("found {}", fault.found)), span);
         Self {
             message: fault.to_string(),
             help: Some(fault.remedy.clone()),
-            label: span_of(source.inner(), &fault.field).map(label),
-            source: Some(source.clone()),
+            label: source.as_ref().and_then(|source| span_of(source.inner(), &fault.field)).map(label),
+            source: source.clone(),
             others: Vec::new(),
         }
     }

@@ -1,5 +1,6 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
+use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::say;
 use clap::Args;
@@ -7,10 +8,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
 use inkwave::ink::{PackProgress, PackWatch, Packing};
 use inkwave::input::PackStudy;
+use inkwave::input::load::read_file;
 use inkwave::report::packing::write_report;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use miette::{IntoDiagnostic, LabeledSpan, NamedSource, Result, WrapErr, miette};
+use miette::{IntoDiagnostic, Result, WrapErr};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -54,13 +56,7 @@ pub fn run(args: &PackArgs) -> Result<()> {
 }
 
 fn read(path: &Path) -> Result<PackStudy> {
-    let text =
-        std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
-    toml::from_str(&text).map_err(|e| {
-        let label = e.span().map(|s| LabeledSpan::at(s, "here"));
-        let source = NamedSource::new(path.display().to_string(), text.clone());
-        miette!(labels = label.into_iter().collect::<Vec<_>>(), "{}", e.message()).with_source_code(source)
-    })
+    Ok(read_file(path).map_err(study_report)?.1)
 }
 
 fn default_folder(study: &Path) -> PathBuf {

@@ -6,6 +6,7 @@ use super::say::say;
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
+use inkwave::evaluate::summary;
 use inkwave::ink::PackError;
 use inkwave::input::load::load;
 use inkwave::input::study::Study;
@@ -42,7 +43,8 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
-    let collected = runner::run(&study, &folder, settings, &progress);
+    let enough = |collected: &Collected| summary::enough(&study, collected);
+    let collected = runner::run_until(&study, &folder, settings, &progress, &enough);
     progress.finish();
     let collected = collected.map_err(|error| {
         folder.discard_when_empty();

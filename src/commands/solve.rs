@@ -1,11 +1,11 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
-use super::say::say;
+use super::say::{note, say};
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::run::crew::processor_seconds;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
-use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
+use inkwave::solve::{Coverages, Goal, GridTrial, Registry, Step, Watch};
 use inkwave::wave::contrast::coverage::error_for;
 use inkwave::wave::{Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
@@ -13,6 +13,8 @@ use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+/// Wavelengths of light, µm.
+const USUAL_UM: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Accuracy without `--accuracy` or a grid.
 const DEFAULT_ACCURACY: f64 = 1e-3;
 
@@ -27,7 +29,7 @@ pub struct SolveArgs {
     /// Largest amplitude error accepted: chooses the resolution (default 1e-3 unless --nxy and --nz are given)
     #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"], allow_negative_numbers = true)]
     accuracy: Option<f64>,
-    /// Strategy: krylov, born
+    /// Strategy: krylov, bicgstab, born, convergent_born, relaxation (needs --real-mean), direct
     #[arg(long, default_value = "krylov")]
     solver: String,
     /// Points along x and y of one period
@@ -83,7 +85,8 @@ pub fn run(args: &SolveArgs) -> Result<()> {
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
         );
     }
-    let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
+    warn_of_wavelength(case.incidence.wavelength_um);
+    let solver = Registry::default().build(&args.solver).into_diagnostic()?;
     // A grid of one's own choice may be as fine as it likes.
     let coverages = match args.nz {
         Some(_) => Coverages::of(&case.scene),
@@ -107,6 +110,15 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     bar.0.finish_and_clear();
     say(format_args!("{:#}", report(&estimated.into_diagnostic()?)))?;
     Ok(())
+}
+
+/// A wavelength in nm passes for one in µm.
+fn warn_of_wavelength(um: f64) {
+    if !USUAL_UM.contains(&um) {
+        let meant =
+            if um > 20.0 { format!("; if nm were meant, write {}", 1e-3 * um) } else { String::new() };
+        note(format_args!("warning: wavelength is {um} µm, outside of 0.1 to 20 µm{meant}"));
+    }
 }
 
 fn check(args: &SolveArgs) -> Result<()> {

@@ -10,7 +10,7 @@ use crate::input::tree::parse_toml;
 use crate::numerics::files;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
-use crate::solve::{Coverages, Gmres, Goal, Silent, SolveError, SolverChoice, Watch};
+use crate::solve::{Coverages, Gmres, Goal, Registry, Silent, SolveError, Solver, Watch};
 use crate::wave::{
     FarField, Incidence, Mean, Media, Physical, Problem, Resolution, Scene, Scheme, Side, TotalErrors,
     WaveError,
@@ -24,23 +24,28 @@ use thiserror::Error;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComparisonFile {
+    /// Title, for people.
     #[serde(default)]
     pub title: String,
     /// A case file (relative to this file), instead of `layer`.
     pub case: Option<PathBuf>,
     /// A packed layer of equal spheres, instead of `case`.
     pub layer: Option<PackedLayer>,
-    #[serde(default = "default_strategies")]
-    pub strategies: Vec<String>,
+    /// Names of strategies; all of the registry but those for tiny grids unless told.
+    pub strategies: Option<Vec<String>>,
+    /// Discretisations along z to compare.
     #[serde(default = "default_schemes")]
     pub schemes: Vec<Scheme>,
+    /// Grids to compare.
     #[serde(default = "default_resolutions")]
     pub resolutions: Vec<Points>,
     /// Keeps absorption in ⟨k²⟩; relaxation is then left out. Off by default: all strategies share one problem.
     #[serde(default)]
     pub absorbing_mean: bool,
+    /// Lets ⟨k²⟩ follow the composition along z, or takes one for the whole layer.
     #[serde(default = "default_true")]
     pub mean_depends_on_z: bool,
+    /// Residual to reach, and the most operator applications.
     #[serde(default)]
     pub goal: Goal,
     /// Solves of each row; the median of their seconds is kept.
@@ -62,17 +67,27 @@ pub struct Points {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PackedLayer {
+    /// Lateral period, µm.
     pub period_um: f64,
+    /// Thickness, µm.
     pub thickness_um: f64,
+    /// Diameter of the spheres, nm.
     pub diameter_nm: f64,
+    /// Their volume over the layer's.
     pub volume_fraction: f64,
+    /// Index of the spheres as [re, im].
     pub pigment: [f64; 2],
+    /// Index of the binder as [re, im].
     pub binder: [f64; 2],
+    /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
+    /// Polar angle from the normal, degrees.
     #[serde(default)]
     pub polar_deg: f64,
+    /// Azimuth from the x axis, degrees.
     #[serde(default)]
     pub azimuth_deg: f64,
+    /// Seed of the packing.
     #[serde(default)]
     pub seed: u64,
 }
@@ -83,7 +98,7 @@ impl Default for ComparisonFile {
             title: String::new(),
             case: None,
             layer: None,
-            strategies: default_strategies(),
+            strategies: None,
             schemes: default_schemes(),
             resolutions: default_resolutions(),
             absorbing_mean: false,
@@ -92,10 +107,6 @@ impl Default for ComparisonFile {
             repeats: default_repeats(),
         }
     }
-}
-
-fn default_strategies() -> Vec<String> {
-    SolverChoice::NAMES.iter().filter(|&&n| n != "direct").map(|n| n.to_string()).collect()
 }
 
 fn default_schemes() -> Vec<Scheme> {
@@ -117,20 +128,42 @@ fn default_repeats() -> usize {
 /// Why there is no comparison at all; strategies that fail are rows instead.
 #[derive(Debug, Error)]
 pub enum CompareError {
+    /// The file cannot be read.
     #[error("cannot read {path}: {message}; check the path and its permissions")]
-    Read { path: PathBuf, message: String },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        message: String,
+    },
+    /// The file is no comparison.
     #[error(transparent)]
     Study(#[from] StudyError),
+    /// Fields that do not fit together.
     #[error("{field} is {found}; allowed is {allowed}: {remedy}")]
-    Field { field: &'static str, found: String, allowed: String, remedy: &'static str },
+    Field {
+        /// The field.
+        field: &'static str,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: &'static str,
+    },
+    /// The case file.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// The packing of the layer.
     #[error(transparent)]
     Pack(#[from] crate::ink::PackError),
+    /// The geometry is no wave problem.
     #[error(transparent)]
     Wave(#[from] WaveError),
+    /// A strategy is not known, or the user stopped a solve.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// The reference solution was not reached.
     #[error(transparent)]
     Accuracy(#[from] AccuracyError),
 }
@@ -156,12 +189,21 @@ impl ComparisonFile {
         Ok(read_tree(table.into()).map_err(values)?)
     }
 
-    fn check(&self) -> Result<(), CompareError> {
-        for name in &self.strategies {
-            SolverChoice::named(name)?;
+    /// The strategies to compare, each of them known.
+    fn strategies(&self, registry: &Registry) -> Result<Vec<(String, Box<dyn Solver>)>, CompareError> {
+        let by_name = |name: &String| Ok((name.clone(), registry.build(name)?));
+        match &self.strategies {
+            Some(names) => names.iter().map(by_name).collect(),
+            None => {
+                let all = registry.entries().iter().map(|e| (e.name().to_string(), e.build()));
+                Ok(all.filter(|(_, solver)| solver.most_unknowns().is_none()).collect())
+            }
         }
+    }
+
+    fn check(&self) -> Result<(), CompareError> {
         let empty = [
-            ("strategies", self.strategies.is_empty()),
+            ("strategies", self.strategies.as_ref().is_some_and(Vec::is_empty)),
             ("schemes", self.schemes.is_empty()),
             ("resolutions", self.resolutions.is_empty()),
             ("repeats", self.repeats == 0),
@@ -190,7 +232,7 @@ impl ComparisonFile {
         if let Some(path) = &self.case {
             let path = folder.join(path);
             let case = Case::read(&path)?;
-            let json = std::fs::read_to_string(&path).ok().and_then(|t| serde_json::from_str(&t).ok());
+            let json = files::read_text(&path, files::CASE).ok().and_then(|t| serde_json::from_str(&t).ok());
             let known =
                 json.and_then(|v: serde_json::Value| v.get("outputs").and_then(|o| o.get("orders")).cloned());
             return Ok(Subject { case, known });
@@ -199,14 +241,16 @@ impl ComparisonFile {
         Ok(Subject { case: layer.case()?, known: None })
     }
 
-    /// Runs every row; `watch` sees each solve's steps and can stop the comparison.
+    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison.
     pub fn run(
         &self,
+        registry: &Registry,
         folder: &Path,
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Row),
     ) -> Result<Comparison, CompareError> {
         self.check()?;
+        let strategies = self.strategies(registry)?;
         let subject = self.subject(folder)?;
         let (truth, reference) = self.reference(&subject)?;
         let coverages = Coverages::of(&subject.case.scene);
@@ -214,8 +258,9 @@ impl ComparisonFile {
         for scheme in &self.schemes {
             for points in &self.resolutions {
                 let resolution = resolution(&subject.case.scene, *points, *scheme);
-                for name in &self.strategies {
-                    let row = self.row(name, resolution, &subject.case, &coverages, &truth, watch)?;
+                for (name, solver) in &strategies {
+                    let row =
+                        self.row((name, &**solver), resolution, &subject.case, &coverages, &truth, watch)?;
                     told(&row);
                     rows.push(row);
                 }
@@ -259,21 +304,20 @@ impl ComparisonFile {
     /// One line: a result, or the reason why there is none. Errors: the user stopped it.
     fn row(
         &self,
-        name: &str,
+        (name, solver): (&str, &dyn Solver),
         resolution: Resolution,
         case: &Case,
         coverages: &Coverages,
         truth: &FarField,
         watch: &mut dyn Watch,
     ) -> Result<Row, CompareError> {
-        let solver = SolverChoice::named(name)?.build();
         let task = Task {
             coverages,
             media: &case.media,
             incidence: &case.incidence,
             mean: Mean { depends_on_z: self.mean_depends_on_z, absorbing: self.absorbing_mean },
             scheme: resolution.scheme,
-            solver: &*solver,
+            solver,
             goal: self.goal,
             memory: memory::usable(),
         };

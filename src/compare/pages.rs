@@ -2,6 +2,7 @@
 
 use crate::draw::figure::FigureError;
 use crate::draw::log_plot::{Curve, LogPlot, Style};
+use crate::report::cell::markdown;
 use crate::solve::Account;
 use crate::wave::{Resolution, Scheme};
 use minijinja::{Environment, context};
@@ -12,10 +13,18 @@ use thiserror::Error;
 /// What may fail while a comparison is written.
 #[derive(Debug, Error)]
 pub enum ComparisonError {
+    /// A file cannot be written.
     #[error("cannot write {path}: {source}; choose a folder that can be written")]
-    Write { path: String, source: std::io::Error },
+    Write {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A table.
     #[error(transparent)]
     Csv(#[from] csv::Error),
+    /// A plot.
     #[error(transparent)]
     Figure(#[from] FigureError),
     /// The template does not fit its data: a fault of the program.
@@ -26,32 +35,46 @@ pub enum ComparisonError {
 /// One line of the table.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
+    /// Name of the strategy.
     pub strategy: String,
+    /// Discretisation along z.
     pub scheme: Scheme,
+    /// Points along x.
     pub nx: usize,
+    /// Points along y.
     pub ny: usize,
+    /// Cells along z.
     pub cells: usize,
+    /// Complex unknowns.
     pub unknowns: usize,
     /// Largest amplitude error against the reference.
     pub error: Option<f64>,
     /// Largest expected amplitude error, as `inkwave solve` estimates it; unknown where no companion could be solved.
     pub error_estimate: Option<f64>,
+    /// Relative residual reached.
     pub residual: f64,
+    /// Steps taken.
     pub steps: usize,
+    /// Operator applications.
     pub operator_applications: usize,
+    /// Median wall time, s.
     pub seconds: f64,
+    /// Bytes of problem and strategy.
     pub bytes: usize,
     /// "converged", or why not.
     pub outcome: String,
+    /// Relative residual after each step, the start included.
     #[serde(skip)]
     pub history: Vec<f64>,
 }
 
 /// A finished comparison.
 pub struct Comparison {
+    /// Title, for people.
     pub title: String,
     /// What errors are measured against.
     pub reference: String,
+    /// One row for each strategy, discretisation and grid.
     pub rows: Vec<Row>,
 }
 
@@ -154,7 +177,7 @@ impl Comparison {
     }
 
     fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\nErrors against {}.\n\n", self.heading(), self.reference);
+        let mut text = format!("# {}\n\nErrors against {}.\n\n", markdown(self.heading()), self.reference);
         text += "| strategy | scheme | grid | unknowns | error | estimate | residual | steps | applications | seconds | MB | outcome |\n";
         text += "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
         self.rows.iter().for_each(|r| text += &format!("| {} |\n", r.cells_of_table().join(" | ")));
@@ -214,6 +237,7 @@ impl Row {
         self.history = account.history.clone();
     }
 
+    /// Whether the row has a result.
     pub fn converged(&self) -> bool {
         self.error.is_some()
     }

@@ -7,12 +7,15 @@ use crate::appearance::picture::InkPicture;
 /// Many pictures in rows and columns with captions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactSheet {
+    /// Title over the sheet.
     pub title: String,
     /// Name of the axis that runs down, and its captions.
     pub row_axis: String,
+    /// Labels of the rows, from the top.
     pub rows: Vec<String>,
     /// Name of the axis that runs to the right, and its captions.
     pub column_axis: String,
+    /// Labels of the columns, from the left.
     pub columns: Vec<String>,
     /// \[row\]\[column\]; variants that are missing stay empty and are marked so.
     pub pictures: Vec<Vec<Option<InkPicture>>>,

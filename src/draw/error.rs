@@ -2,14 +2,33 @@
 
 use std::path::PathBuf;
 
+/// Why a file of results was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
+    /// The file cannot be written.
     #[error("cannot write {}: {source}", path.display())]
-    Write { path: PathBuf, source: std::io::Error },
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file cannot be read.
     #[error("cannot read {}: {reason}", path.display())]
-    Read { path: PathBuf, reason: String },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The content cannot be made.
     #[error("cannot make {what}: {reason}")]
-    Make { what: String, reason: String },
+    Make {
+        /// What was to be made.
+        what: String,
+        /// Why.
+        reason: String,
+    },
 }
 
 impl OutputError {

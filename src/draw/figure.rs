@@ -10,18 +10,48 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use thiserror::Error;
 
+/// Why there is no figure.
 #[derive(Debug, Error)]
 pub enum FigureError {
+    /// The file cannot be written.
     #[error("cannot write {path}: {message}; check the folder and its rights", path = path.display())]
-    Write { path: PathBuf, message: String },
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        message: String,
+    },
+    /// The drawing failed; the message says why.
     #[error("cannot draw: {0}")]
     Draw(String),
+    /// A size outside its range.
     #[error("{field} = {value}: allowed {lo} to {hi}")]
-    Size { field: &'static str, value: usize, lo: usize, hi: usize },
+    Size {
+        /// Which size.
+        field: &'static str,
+        /// The value, pixels.
+        value: usize,
+        /// Least, pixels.
+        lo: usize,
+        /// Most, pixels.
+        hi: usize,
+    },
+    /// Nothing to draw.
     #[error("nothing to draw: {field} is empty")]
-    Empty { field: &'static str },
+    Empty {
+        /// What is empty.
+        field: &'static str,
+    },
+    /// Another number of items than needed.
     #[error("{field}: {count} entries where {expected} are needed")]
-    Count { field: &'static str, count: usize, expected: usize },
+    Count {
+        /// Which items.
+        field: &'static str,
+        /// Items given.
+        count: usize,
+        /// Items expected.
+        expected: usize,
+    },
 }
 
 /// The font of all figures.
@@ -59,8 +89,11 @@ pub struct Bitmap {
 /// Where a text stands relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
+    /// Text begins at the anchor.
     Left,
+    /// Text is centred on the anchor.
     Centre,
+    /// Text ends at the anchor.
     Right,
 }
 
@@ -81,14 +114,17 @@ impl Bitmap {
         Ok(Self { width, height, rgb: vec![255; 3 * width * height] })
     }
 
+    /// Width, pixels.
     pub fn width(&self) -> usize {
         self.width
     }
 
+    /// Height, pixels.
     pub fn height(&self) -> usize {
         self.height
     }
 
+    /// Colour of a pixel, from the upper left corner; `None` outside.
     pub fn pixel(&self, x: usize, y: usize) -> Option<[u8; 3]> {
         let inside = x < self.width && y < self.height;
         inside.then(|| std::array::from_fn(|c| self.rgb[3 * (y * self.width + x) + c]))

@@ -21,16 +21,21 @@ pub enum Style {
 /// Points (x, y, half width of the bar).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
+    /// Name in the legend.
     pub name: String,
+    /// How it is drawn.
     pub style: Style,
+    /// x, y and the error of y, 0 where there is none.
     pub points: Vec<[f64; 3]>,
 }
 
 impl Curve {
+    /// A curve without error bars.
     pub fn new(name: impl Into<String>, style: Style, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self::with_bars(name, style, points.into_iter().map(|(x, y)| [x, y, 0.0]))
     }
 
+    /// A curve with error bars.
     pub fn with_bars(
         name: impl Into<String>,
         style: Style,
@@ -50,10 +55,15 @@ impl Curve {
 /// A plot; axes are logarithmic where said so.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LogPlot {
+    /// Title over the plot.
     pub title: String,
+    /// Quantity and unit along x.
     pub x_label: String,
+    /// Quantity and unit along y.
     pub y_label: String,
+    /// Whether x and y are logarithmic.
     pub log: [bool; 2],
+    /// The curves, in the order of the legend.
     pub curves: Vec<Curve>,
 }
 

@@ -8,7 +8,9 @@ use crate::appearance::picture::InkPicture;
 pub struct PictureStyle {
     /// Side of the square; each angle gets an equal share of it.
     pub side_px: usize,
+    /// Width of the strip, pixels.
     pub strip_px: usize,
+    /// Width of the gap between strip and square, pixels.
     pub gap_px: usize,
     /// Axes and captions around the picture.
     pub labels: bool,

@@ -1,8 +1,8 @@
 use super::*;
 use crate::appearance::colour::Colorimeter;
-use crate::appearance::ink_on_paper::tests::molecular_ink;
 use crate::appearance::paper::{Coupling, MirroredSky};
 use crate::draw::contact_sheet::{ContactSheet, SHEET_LEFT, SHEET_TOP};
+use crate::evaluate::ink::tests::molecular_ink;
 use ndarray::Array2;
 use std::path::PathBuf;
 

@@ -13,7 +13,9 @@ use std::path::Path;
 /// One curve: (x, y with standard error). Points without a known error have no bar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
+    /// Name in the legend.
     pub name: String,
+    /// Abscissa and value with its error.
     pub points: Vec<(f64, Estimate)>,
 }
 
@@ -27,12 +29,17 @@ impl Series {
 /// A plot on linear axes. Ranges that are `None` follow from the data (y from 0 unless data are negative).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plot {
+    /// Title over the plot.
     pub title: String,
     /// With the unit, e.g. "wavelength, nm".
     pub x_label: String,
+    /// Quantity and unit along y.
     pub y_label: String,
+    /// Range of x; from the points unless told.
     pub x_range: Option<[f64; 2]>,
+    /// Range of y; from the points unless told.
     pub y_range: Option<[f64; 2]>,
+    /// The series, in the order of the legend.
     pub series: Vec<Series>,
 }
 
@@ -40,9 +47,11 @@ pub struct Plot {
 /// y the radius.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PolarPlot {
+    /// Title over the plot.
     pub title: String,
     /// Name of the radius with its unit, e.g. "diffuse BRDF, 1/sr".
     pub label: String,
+    /// The series, in the order of the legend.
     pub series: Vec<Series>,
 }
 

@@ -1,6 +1,6 @@
 use super::*;
-use crate::appearance::ink_on_paper::tests::molecular_ink;
 use crate::appearance::paper::{Coupling, MirroredSky};
+use crate::evaluate::ink::tests::molecular_ink;
 use std::path::PathBuf;
 
 fn keep(plot: impl Fn(&Path) -> Result<(), FigureError>, name: &str) {
@@ -12,7 +12,7 @@ fn keep(plot: impl Fn(&Path) -> Result<(), FigureError>, name: &str) {
 fn spectra() -> Plot {
     let series = [0.05, 0.15, 0.3].map(|share| {
         let ink = molecular_ink("yellow", share, Coupling::Gap);
-        let view = ink.rule().at(0.0).unwrap();
+        let view = ink.at(0.0).unwrap();
         let spectrum = ink.spectrum(|l| l.natural_light(&view, MirroredSky::Included));
         let with_error = |v: &f64| Estimate { value: *v, standard_error: Some(0.02) };
         let y: Vec<_> = spectrum.values.iter().map(with_error).collect();
@@ -29,11 +29,11 @@ fn spectra() -> Plot {
 
 fn lobes() -> PolarPlot {
     let ink = molecular_ink("yellow", 0.15, Coupling::Gap);
-    let normal = ink.rule().at(0.0).unwrap();
+    let normal = ink.at(0.0).unwrap();
     let angles: Vec<f64> = (-12..=12).map(|k| 5.0 * f64::from(k)).collect();
     let lobe = |nm: usize| {
         let layer = &ink.layers()[nm];
-        let f = |deg: &f64| layer.brdf(&normal, &ink.rule().at(deg.abs()).unwrap());
+        let f = |deg: &f64| layer.brdf(&normal, &ink.at(deg.abs()).unwrap());
         let y: Vec<_> = angles.iter().map(|d| Estimate { value: f(d), standard_error: Some(0.01) }).collect();
         Series::new(&format!("{} nm", 400 + 20 * nm), &angles, &y)
     };

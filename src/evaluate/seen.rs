@@ -1,128 +1,191 @@
 //! What the finished solves say: spectra of the layer, its distributions, and the ink on its paper.
 
-use crate::appearance::bdf::{Bdf, BdfError, Lobe, Totals, suggested_bandwidth};
-use crate::appearance::ink_on_paper::{InkError, InkOnPaper};
-use crate::appearance::paper::{LayerOptics, Substrate};
-use crate::appearance::slab::Slab;
+use super::film::Profile;
+use super::films::{FilmAt, Films};
+use super::ink::{InkError, InkInputs, InkOnPaper};
+use super::layer::{LayerEnsemble, SpectrumEstimate, Total};
+use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::wavelengths::SpectralBasis;
+use crate::appearance::bdf::{Bdf, BdfError};
+use crate::appearance::paper::Substrate;
 use crate::input::study::Study;
-use crate::material::spectra::molecular_mixture;
-use crate::numerics::estimate::Estimate;
+use crate::input::variation::{CellRule, LightRule};
 use crate::run::runner::{Collected, Realisation};
 use crate::store::record::PointRecord;
 use crate::wave::FarField;
-
-/// Large cells have orders enough for this bandwidth.
-const LEAST_BANDWIDTH: f64 = 0.1;
+use num_complex::Complex64;
 
 /// The appearance as far as the finished solves allow.
 #[derive(Debug)]
 pub struct Seen {
     /// Realisations in every number.
     pub realisations: usize,
-    /// Finished wavelengths, and the layer alone at each of them.
-    pub layer: Vec<LayerSeen>,
-    /// The ink on its paper, once every wavelength is finished, or why there is none.
+    /// Their solves.
+    pub solved: Vec<SolvedRealisation>,
+    /// The layer alone, once a realisation is complete.
+    pub layer: Option<LayerSeen>,
+    /// The layer's distributions at the exact angles: wavelength by wavelength.
+    pub bdfs: Vec<Bdf>,
+    /// The ink on its paper, or why there is none.
     pub ink: Result<InkOnPaper, NoInk>,
 }
 
-/// The layer alone at one wavelength: one distribution for each incidence, in the order of the study's angles.
-#[derive(Clone, Debug)]
+/// The layer alone at the study's wavelengths.
+#[derive(Debug)]
 pub struct LayerSeen {
-    pub wavelength_nm: f64,
-    pub bdfs: Vec<Bdf>,
-    /// A at the first angle.
-    pub absorptance: Estimate,
+    ensemble: LayerEnsemble,
+    /// At the study's wavelengths.
+    films: Vec<FilmAt>,
+    wavelengths_nm: Vec<f64>,
 }
 
 /// Why there is no ink on paper.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum NoInk {
-    #[error("the angles were listed: colour and picture need quadrature angles (angles.count)")]
-    ListedAngles,
+    /// The study's angles cannot carry it.
+    #[error("{0}")]
+    Angles(String),
+    /// Nothing is complete yet.
     #[error("not every wavelength and angle of a realisation is finished")]
     Unfinished,
+    /// The paper or the angles refuse.
     #[error(transparent)]
     Refused(#[from] InkError),
 }
 
 impl LayerSeen {
-    /// Totals at the first (smallest) angle from above.
-    pub fn totals(&self, lobe: Lobe) -> Totals {
-        self.bdfs[0].totals(lobe)
+    /// Angles that every realisation is solved at, degrees.
+    pub fn angles_deg(&self) -> &[f64] {
+        &self.ensemble.exact_deg
+    }
+
+    /// The fits behind the numbers.
+    pub fn ensemble(&self) -> &LayerEnsemble {
+        &self.ensemble
+    }
+
+    /// The coherent film at the study's wavelength nearest to `nm`.
+    pub fn film(&self, nm: f64) -> &FilmAt {
+        let distance = |&w: &usize| (self.wavelengths_nm[w] - nm).abs();
+        let nearest = (0..self.films.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        &self.films[nearest.unwrap_or(0)]
+    }
+
+    /// Index of the half-space on the exit side.
+    pub fn index_out(&self) -> Option<f64> {
+        self.films.first().map(FilmAt::index_out)
+    }
+
+    /// A total at one of these angles against the study's wavelengths.
+    pub fn spectrum(&self, angle: usize, total: Total) -> SpectrumEstimate {
+        self.ensemble.spectrum(&self.films, &self.wavelengths_nm, angle, total)
     }
 }
 
-/// Bandwidth of the study's diffuse distributions at a wavelength, in direction cosines.
-pub fn bandwidth(study: &Study, wavelength_nm: f64) -> f64 {
-    suggested_bandwidth(wavelength_nm * 1e-3, study.layer.period_um).max(LEAST_BANDWIDTH)
-}
-
-/// Everything that follows from the solves that are there.
+/// Everything that follows from the solves that are there: the complete realisations.
 ///
 /// # Errors
 /// Records that do not belong together, which is a fault of the program or of the store.
 pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let complete: Vec<&Realisation> = collected.complete().collect();
-    let used: Vec<&Realisation> =
-        if complete.is_empty() { collected.realisations.iter().take(1).collect() } else { complete.clone() };
-    let wavelengths = 0..study.wavelengths_nm.len();
-    let layer = wavelengths.filter_map(|w| layer_seen(study, &used, w).transpose());
-    Ok(Seen {
-        realisations: used.len(),
-        layer: layer.collect::<Result<_, _>>()?,
-        ink: if complete.is_empty() { Err(NoInk::Unfinished) } else { on_paper(study, &complete) },
-    })
-}
-
-/// The records of one realisation at one wavelength: from above, then from below.
-fn records(study: &Study, realisation: &Realisation, wavelength: usize) -> Option<Vec<PointRecord>> {
-    let each = study.angles.above.len() + study.angles.below.len();
-    realisation.points[wavelength * each..(wavelength + 1) * each].iter().cloned().collect()
-}
-
-/// `None` when a solve of this wavelength is missing.
-fn layer_seen(
-    study: &Study,
-    used: &[&Realisation],
-    wavelength: usize,
-) -> Result<Option<LayerSeen>, BdfError> {
-    let all: Option<Vec<Vec<PointRecord>>> = used.iter().map(|r| records(study, r, wavelength)).collect();
-    let Some(all) = all else { return Ok(None) };
-    let each = study.angles.above.len() + study.angles.below.len();
-    let ensemble = |k: usize| all.iter().map(|records| records[k].far_field()).collect::<Vec<FarField>>();
-    let bdfs = (0..each).map(|k| Bdf::from_ensemble(&ensemble(k))).collect::<Result<_, _>>()?;
-    let absorbed: Vec<f64> = all.iter().map(|records| records[0].absorptance).collect();
-    let absorptance = Estimate::of_mean(&absorbed);
-    Ok(Some(LayerSeen { wavelength_nm: study.wavelengths_nm[wavelength], bdfs, absorptance }))
-}
-
-fn on_paper(study: &Study, complete: &[&Realisation]) -> Result<InkOnPaper, NoInk> {
-    let rule = study.angles.rule.clone().ok_or(NoInk::ListedAngles)?;
-    let wavelengths = 0..study.wavelengths_nm.len();
-    let layers = wavelengths.map(|w| complete.iter().map(|r| optics(study, r, w)).collect());
-    let layers = layers.collect::<Result<Vec<Vec<LayerOptics>>, NoInk>>()?;
-    let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
-    Ok(InkOnPaper::new(rule, &study.wavelengths_nm, &layers, &substrate)?)
-}
-
-fn optics(study: &Study, realisation: &Realisation, wavelength: usize) -> Result<LayerOptics, NoInk> {
-    let rule = study.angles.rule.as_ref().ok_or(NoInk::ListedAngles)?;
-    let records = records(study, realisation, wavelength).ok_or(NoInk::Unfinished)?;
-    let fields: Vec<FarField> = records.iter().map(PointRecord::far_field).collect();
-    let (above, below) = fields.split_at(study.angles.above.len());
-    let below = (!below.is_empty()).then_some(below);
-    let smoothing = bandwidth(study, study.wavelengths_nm[wavelength]);
-    let baseline = Some(mixture(study, realisation, wavelength));
-    Ok(LayerOptics::from_far_fields(rule, above, below, baseline, smoothing)?)
-}
-
-/// The homogeneous layer of the same mean η²: the first guess of the fringes.
-fn mixture(study: &Study, realisation: &Realisation, wavelength: usize) -> Slab {
-    let shares = study.pigments.iter().zip(&realisation.packing.shares);
-    let shares: Vec<_> = shares.map(|(p, s)| (s.achieved_fraction, p.material.index[wavelength])).collect();
-    Slab {
-        index: molecular_mixture(study.layer.binder.index[wavelength], &shares),
-        thickness_um: study.layer.thickness_um,
-        wavelength_um: study.wavelengths_nm[wavelength] * 1e-3,
+    if complete.is_empty() {
+        let ink = Err(NoInk::Unfinished);
+        return Ok(Seen { realisations: 0, solved: Vec::new(), layer: None, bdfs: Vec::new(), ink });
     }
+    let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(r)).collect();
+    let solved: Vec<SolvedRealisation> =
+        complete.iter().zip(&fields).map(|(r, fields)| solved(study, r, fields)).collect();
+    let indices = |nm: f64| indices(study, nm);
+    let films = Films {
+        profile: mean_profile(&complete),
+        indices: &indices,
+        thicknesses_um: study.thicknesses_um(),
+        index_out: study.layer.index_below,
+    };
+    let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
+    let ink = on_paper(study, &ensemble, &solved, &films);
+    let wavelengths_nm = study.wavelengths_nm.clone();
+    let at_outputs = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
+    let layer = Some(LayerSeen { ensemble, films: at_outputs, wavelengths_nm });
+    Ok(Seen { realisations: complete.len(), bdfs: distributions(study, &fields)?, solved, layer, ink })
+}
+
+fn far_fields(realisation: &Realisation) -> Vec<FarField> {
+    realisation.points.iter().flatten().map(PointRecord::far_field).collect()
+}
+
+/// Functions of the wavelength: as many pieces as each realisation has wavelengths.
+fn basis(study: &Study) -> SpectralBasis {
+    match study.variation.light {
+        LightRule::Listed => SpectralBasis::Listed(study.wavelengths_nm.clone()),
+        LightRule::Shifted { range_nm, strata } => SpectralBasis::Splines { range_nm, intervals: strata },
+    }
+}
+
+/// The solves of a realisation in their order: wavelength; exact angles, strata, strata from the exit side.
+fn solved(study: &Study, realisation: &Realisation, fields: &[FarField]) -> SolvedRealisation {
+    let angles = &study.angles;
+    let wavelength = |fields: &[FarField]| {
+        let all: Vec<Solved> = fields.iter().map(Solved::from).collect();
+        let (exact, rest) = all.split_at(angles.exact_deg.len());
+        let (strata, exit) = rest.split_at(angles.strata);
+        SolvedWavelength {
+            wavelength_nm: 1e3 * fields[0].incidence.wavelength_um,
+            exact: exact.to_vec(),
+            strata: strata.to_vec(),
+            exit: exit.to_vec(),
+        }
+    };
+    SolvedRealisation {
+        thickness_um: realisation.packing.thickness_um,
+        wavelengths: fields.chunks(angles.count()).map(wavelength).collect(),
+    }
+}
+
+/// Background and inclusions, and last what lies above a relief.
+fn indices(study: &Study, nm: f64) -> (Complex64, Vec<Complex64>) {
+    let media = study.media(1e-3 * nm);
+    (media.backgrounds[0], media.inclusions.into_iter().chain([media.incident]).collect())
+}
+
+fn mean_profile(complete: &[&Realisation]) -> Profile {
+    let mut fractions = complete[0].packing.profile.clone();
+    for realisation in &complete[1..] {
+        let other = &realisation.packing.profile;
+        for (own, other) in fractions.iter_mut().zip(other) {
+            own.iter_mut().zip(other).for_each(|(a, b)| *a += b);
+        }
+    }
+    fractions.iter_mut().flatten().for_each(|share| *share /= complete.len() as f64);
+    Profile { fractions }
+}
+
+fn on_paper(
+    study: &Study,
+    ensemble: &LayerEnsemble,
+    solved: &[SolvedRealisation],
+    films: &Films,
+) -> Result<InkOnPaper, NoInk> {
+    if let Some(reason) = &study.angles.no_paper {
+        return Err(NoInk::Angles(reason.clone()));
+    }
+    let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
+    let inputs = InkInputs { films, substrate: &substrate, outputs_nm: &study.wavelengths_nm };
+    Ok(InkOnPaper::new(ensemble.clone(), solved, &inputs)?)
+}
+
+/// Distributions at every exact angle, one for each stratum of wavelengths.
+fn distributions(study: &Study, fields: &[Vec<FarField>]) -> Result<Vec<Bdf>, BdfError> {
+    let alike = study.variation.cell == CellRule::Fixed && study.variation.light == LightRule::Listed;
+    let each = study.angles.count();
+    let places = (0..study.solved_wavelengths())
+        .flat_map(|w| (0..study.angles.exact_deg.len()).map(move |a| w * each + a));
+    let of = |place: usize| {
+        let ensemble: Vec<FarField> = fields.iter().map(|fields| fields[place].clone()).collect();
+        match alike && study.variation.thickness_std_um == 0.0 {
+            true => Bdf::from_ensemble(&ensemble),
+            false => Bdf::from_varied_cells(&ensemble, study.layer.period_um),
+        }
+    };
+    places.map(of).collect()
 }

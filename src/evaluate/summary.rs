@@ -1,22 +1,22 @@
 //! The numbers of a run, ready for `results.json`, the tables and the page.
 
-use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
-use super::seen::{LayerSeen, NoInk, Seen};
-use super::uncertainty;
-use super::uncertainty::Uncertainty;
-use crate::appearance::angles::PolarAngle;
-use crate::appearance::bdf::Lobe;
+use super::ink::{InkError, InkOnPaper};
+use super::layer::{Mean, Total};
+use super::manifest::{Budget, Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
+use super::on_paper::{LayerOnPaper, PolarAngle};
+use super::samples::SolvedWavelength;
+use super::seen::{LayerSeen, NoInk, Seen, see};
+use super::uncertainty::{Uncertainty, lit, lit_moved, natural_light_moved};
 use crate::appearance::colour::Colour;
-use crate::appearance::ink_on_paper::{InkError, InkOnPaper};
-use crate::appearance::paper::LayerOnPaper;
+use crate::appearance::paper::PRINT_DEG;
 use crate::input::study::Study;
-use crate::run::runner::Collected;
+use crate::numerics::estimate::{Estimate, coverage_factor_95};
+use crate::run::runner::{Collected, Failure};
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
+use crate::wave::physical::largest;
 
-/// Illumination of print measurement, seen along the normal (ISO 13655: 45°:0°).
-const PRINT_LIGHT_DEG: f64 = 45.0;
-/// Name of that geometry.
+/// Name of the geometry of print measurement, lit at 45° and seen along the normal.
 pub const LIT_AT_45: &str = "45°:0°";
 /// Name of a uniform sky, seen along the normal.
 pub const NATURAL_LIGHT: &str = "natural light";
@@ -29,14 +29,20 @@ pub fn program() -> String {
 /// All numbers of a run.
 pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<&'a Study> {
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
-    let (asked, finished) = (study.solves(), collected.finished());
-    let uncertainty = Uncertainty { grid: collected.resolved.grid_error, certain: study.pigments.is_empty() };
+    let finished = collected.finished();
+    let asked = if collected.enough { finished } else { study.solves() };
+    let certainty = certainty(collected, records().collect(), seen);
+    let uncertainty = Uncertainty {
+        grid: collected.resolved.grid_error,
+        residual: certainty.mean_energy_error,
+        certain: study.pigments.is_empty(),
+    };
     let (colours, no_colour) = match colours(study, seen, &uncertainty) {
         Ok(colours) => (colours, None),
         Err(reason) => (Vec::new(), Some(reason)),
     };
     Manifest {
-        status: if finished == asked { Status::Complete } else { Status::Partial },
+        status: if finished == asked || collected.enough { Status::Complete } else { Status::Partial },
         title: study.title.clone(),
         study_hash: study.key().to_string(),
         program: program(),
@@ -45,9 +51,9 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         seed: study.packing.seed,
         realisations: Count { asked: study.realisations, finished: collected.complete().count() },
         solves: Count { asked, finished },
-        failures: failures(study, collected),
+        failures: failures(collected),
         resolution: collected.resolved.resolution,
-        certainty: certainty(collected, records().collect(), angle_error(seen)),
+        certainty,
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
         colours,
         no_colour,
@@ -57,118 +63,179 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     }
 }
 
-fn failures(study: &Study, collected: &Collected) -> Vec<FailureNote> {
-    let note = |failure: &crate::run::runner::Failure| FailureNote {
+/// True when every colour's 95 % interval is as narrow as the study wants it (ΔE₀₀); never without such a wish.
+pub fn enough(study: &Study, collected: &Collected) -> bool {
+    let Some(target) = study.target_delta_e else { return false };
+    let Ok(seen) = see(study, collected) else { return false };
+    let manifest = summarise(study, collected, &seen);
+    let narrow = |note: &ColourNote| note.delta_e_2000_95.is_some_and(|bar| bar <= target);
+    !manifest.colours.is_empty() && manifest.colours.iter().all(narrow)
+}
+
+fn failures(collected: &Collected) -> Vec<FailureNote> {
+    let note = |failure: &Failure| FailureNote {
         realisation: failure.point.realisation,
-        wavelength_nm: study.wavelengths_nm[failure.point.wavelength],
+        wavelength_nm: 1e3 * failure.point.incidence.wavelength_um,
         polar_deg: failure.point.incidence.polar_deg,
         reason: failure.reason.clone(),
     };
     collected.failures().map(note).collect()
 }
 
-fn angle_error(seen: &Seen) -> Option<f64> {
-    seen.ink.as_ref().ok()?.angle_errors().into_iter().reduce(f64::max)
-}
-
-fn certainty(
-    collected: &Collected,
-    records: Vec<&PointRecord>,
-    angle_error_estimate: Option<f64>,
-) -> Certainty {
-    let largest = |f: &dyn Fn(&PointRecord) -> f64| records.iter().map(|r| f(r)).fold(0.0, f64::max);
+fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> Certainty {
+    let count = records.len().max(1) as f64;
+    let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
+    let degrees_of_freedom = seen.realisations.saturating_sub(1);
+    let ink = seen.ink.as_ref().ok();
     Certainty {
         amplitude_error_estimate: collected.resolved.error_estimate,
         reflectance_grid_error: collected.resolved.grid_error.reflectance,
         transmittance_grid_error: collected.resolved.grid_error.transmittance,
-        angle_error_estimate,
-        largest_energy_error: largest(&|r| r.energy_error().abs()),
-        largest_residual: largest(&|r| r.account.residual),
-        mean_steps: steps as f64 / records.len().max(1) as f64,
+        degrees_of_freedom,
+        coverage_factor_95: coverage_factor_95(degrees_of_freedom),
+        angle_error_estimate: ink.and_then(|ink| ink.angle_errors(&seen.solved).into_iter().reduce(f64::max)),
+        half_strata_difference: half_strata_difference(seen),
+        exit_reflectance_difference: seen.layer.as_ref().and_then(exit_reflectance_difference),
+        mean_energy_error: records.iter().map(|r| r.energy_error().abs()).sum::<f64>() / count,
+        largest_energy_error: most(&|r| r.energy_error().abs()),
+        largest_residual: most(&|r| r.account.residual),
+        mean_steps: steps as f64 / count,
         operator_applications: records.iter().map(|r| r.account.operator_applications).sum(),
     }
+}
+
+/// Even and odd strata take turns from realisation to realisation, each counted twice: (1/n) Σ ± T_k about the film.
+fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
+    let layer = seen.layer.as_ref().filter(|layer| layer.ensemble().strata > 1)?;
+    let alternating = |r: usize, w: &SolvedWavelength| {
+        let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
+        let film = layer.film(w.wavelength_nm);
+        let difference =
+            |s: &super::samples::Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
+        let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
+        sum / w.strata.len() as f64
+    };
+    let of = |(r, realisation): (usize, &super::samples::SolvedRealisation)| {
+        let all: Vec<f64> = realisation.wavelengths.iter().map(|w| alternating(r, w)).collect();
+        all.iter().sum::<f64>() / all.len().max(1) as f64
+    };
+    Some(Estimate::of_mean(&seen.solved.iter().enumerate().map(of).collect::<Vec<_>>()))
+}
+
+/// Both ways to R̄ from the exit side, realisation by realisation; the film obeys both.
+fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
+    let ensemble = layer.ensemble();
+    let index = layer.index_out()?;
+    let [t, a, r] =
+        [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
+    let of = |realisation: usize| {
+        let wavelengths = ensemble.wavelengths_nm(realisation).len();
+        let value = |j: usize, column: usize| ensemble.measured(realisation, j, column);
+        let apart = |j: usize| value(j, r) + value(j, t) / (index * index) + value(j, a);
+        (0..wavelengths).map(apart).sum::<f64>() / wavelengths.max(1) as f64
+    };
+    let samples: Vec<f64> = (0..ensemble.realisations()).map(of).collect();
+    ensemble.exit.then(|| Estimate::of_mean(&samples))
 }
 
 /// Directions of the two standard conditions.
 struct Conditions {
     normal: PolarAngle,
-    print_light: Option<PolarAngle>,
+    print_light: PolarAngle,
 }
 
 impl Conditions {
     fn new(ink: &InkOnPaper) -> Result<Self, InkError> {
-        let rule = ink.rule();
-        Ok(Self { normal: rule.at(0.0)?, print_light: rule.at(PRINT_LIGHT_DEG).ok() })
+        Ok(Self { normal: ink.at(0.0)?, print_light: ink.at(PRINT_DEG)? })
     }
 
     fn natural_light<'a>(&'a self, study: &'a Study) -> impl Fn(&LayerOnPaper) -> f64 + 'a {
         |layer| layer.natural_light(&self.normal, study.output.mirrored_sky)
     }
 
-    fn lit_at_45(&self) -> Option<impl Fn(&LayerOnPaper) -> f64 + '_> {
-        let light = self.print_light.as_ref()?;
-        Some(|layer: &LayerOnPaper| uncertainty::lit(layer, light, &self.normal))
+    fn lit_at_45(&self, layer: &LayerOnPaper) -> f64 {
+        lit(layer, &self.print_light, &self.normal)
+    }
+
+    fn natural_light_moved(&self, layer: &LayerOnPaper, by: [f64; 2]) -> f64 {
+        natural_light_moved(layer, &self.normal, by)
+    }
+
+    fn lit_at_45_moved(&self, layer: &LayerOnPaper, by: [f64; 2]) -> f64 {
+        lit_moved(layer, &self.print_light, &self.normal, by)
     }
 }
 
 /// Colours under both conditions, or why there are none.
 fn colours(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Result<Vec<ColourNote>, String> {
     let ink = seen.ink.as_ref().map_err(NoInk::to_string)?;
+    let degrees = seen.realisations.saturating_sub(1);
     let of = || -> Result<Vec<ColourNote>, InkError> {
         let conditions = Conditions::new(ink)?;
-        let Conditions { normal, print_light } = &conditions;
-        let sky = |layer: &LayerOnPaper| uncertainty.natural_light(layer, normal);
-        let seen = uncertainty.colour(ink, conditions.natural_light(study), sky)?;
-        let mut notes = vec![note(NATURAL_LIGHT, seen)];
-        if let Some((lit_at_45, light)) = conditions.lit_at_45().zip(print_light.as_ref()) {
-            let lit = |layer: &LayerOnPaper| uncertainty.lit(layer, light, normal);
-            notes.push(note(LIT_AT_45, uncertainty.colour(ink, lit_at_45, lit)?));
-        }
-        Ok(notes)
+        let natural = conditions.natural_light(study);
+        let sky =
+            uncertainty.colour(ink, &seen.solved, natural, &|l, by| conditions.natural_light_moved(l, by))?;
+        let print = uncertainty.colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| {
+            conditions.lit_at_45_moved(l, by)
+        })?;
+        Ok(vec![note(NATURAL_LIGHT, sky, degrees), note(LIT_AT_45, print, degrees)])
     };
     of().map_err(|error| error.to_string())
 }
 
-fn note(conditions: &str, colour: Colour) -> ColourNote {
+fn note(conditions: &str, (colour, budget): (Colour, Budget), degrees: usize) -> ColourNote {
+    let factor = coverage_factor_95(degrees);
     ColourNote {
         conditions: conditions.to_owned(),
         chroma: colour.chroma(),
         hue_deg: colour.hue_deg(),
         lab_standard_error: colour.lab_standard_error(),
+        delta_e_2000_95: colour.delta_e_2000_noise().zip(factor).map(|(noise, factor)| factor * noise),
+        budget,
         colour,
     }
 }
 
+/// Every angle in turn, all wavelengths of each; the ink on its paper stands beside the normal.
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
-    let mut rows: Vec<SpectrumRow> = seen.layer.iter().map(|layer| layer_row(layer, uncertainty)).collect();
+    let Some(layer) = &seen.layer else { return Vec::new() };
+    let angles = 0..layer.angles_deg().len();
+    let mut rows: Vec<SpectrumRow> =
+        angles.flat_map(|angle| rows_of(study, layer, angle, uncertainty)).collect();
     if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(ink))) {
         let natural = ink.spectrum(conditions.natural_light(study)).estimates();
-        let lit = conditions.lit_at_45().map(|lit| ink.spectrum(lit).estimates());
-        for (i, (row, layer)) in rows.iter_mut().zip(ink.layers()).enumerate() {
-            let grid = uncertainty.natural_light(layer, &conditions.normal);
-            row.natural_light = Some(uncertainty.widen(natural[i], grid));
-            let light = lit.as_ref().zip(conditions.print_light.as_ref());
-            row.lit_at_45 = light.map(|(lit, light)| {
-                uncertainty.widen(lit[i], uncertainty.lit(layer, light, &conditions.normal))
-            });
+        let lit = ink.spectrum(|l| conditions.lit_at_45(l)).estimates();
+        let shared = uncertainty.shared();
+        let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
+        for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
+            row.natural_light =
+                Some(uncertainty.widen(natural[i], conditions.natural_light_moved(layer, shared)));
+            row.lit_at_45 = Some(uncertainty.widen(lit[i], conditions.lit_at_45_moved(layer, shared)));
         }
     }
     rows
 }
 
-fn layer_row(layer: &LayerSeen, uncertainty: &Uncertainty) -> SpectrumRow {
-    let [reflected, transmitted] = [Lobe::Reflected, Lobe::Transmitted].map(|lobe| layer.totals(lobe));
-    let (r, t) = (uncertainty.grid.reflectance, uncertainty.grid.transmittance);
-    SpectrumRow {
-        wavelength_nm: layer.wavelength_nm,
-        polar_deg: layer.bdfs[0].incidence().polar_deg,
-        reflectance: uncertainty.widen(reflected.total, r),
-        specular_reflectance: uncertainty.widen(reflected.specular, r),
-        transmittance: uncertainty.widen(transmitted.total, t),
-        specular_transmittance: uncertainty.widen(transmitted.specular, t),
-        absorptance: uncertainty.widen(layer.absorptance, r + t),
+fn rows_of(study: &Study, layer: &LayerSeen, angle: usize, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
+    let [r, t] = uncertainty.shared();
+    let of = |total: Total, shared: f64| -> Vec<Estimate> {
+        let estimates = layer.spectrum(angle, total).estimates();
+        estimates.into_iter().map(|estimate| uncertainty.widen(estimate, shared)).collect()
+    };
+    let (reflectance, specular) = (of(Total::Reflectance, r), of(Total::SpecularReflectance, r));
+    let (transmittance, straight) = (of(Total::Transmittance, t), of(Total::SpecularTransmittance, t));
+    let absorptance = of(Total::Absorptance, r + t);
+    let row = |(i, &wavelength_nm): (usize, &f64)| SpectrumRow {
+        wavelength_nm,
+        polar_deg: layer.angles_deg()[angle],
+        reflectance: reflectance[i],
+        specular_reflectance: specular[i],
+        transmittance: transmittance[i],
+        specular_transmittance: straight[i],
+        absorptance: absorptance[i],
         natural_light: None,
         lit_at_45: None,
-    }
+    };
+    study.wavelengths_nm.iter().enumerate().map(row).collect()
 }

@@ -1,64 +1,115 @@
-//! Published error bars: chance over the packings, and the grid, added as squares.
+//! Published error bars: what the jackknife over realisations holds (chance, cell, angles, wavelengths), the grid and the solver's
+//! residual, added as squares.
 //!
-//! The grid's error is one shift of a whole spectrum, the same in every realisation: averaging does not lessen it.
+//! The grid's error and the residual's are shifts of a whole spectrum, the same in every realisation: averaging does not lessen them.
 
-use crate::appearance::angles::PolarAngle;
+use super::ink::{InkError, InkOnPaper};
+use super::manifest::Budget;
+use super::on_paper::{LayerOnPaper, PolarAngle};
+use super::samples::SolvedRealisation;
 use crate::appearance::colour::Colour;
-use crate::appearance::ink_on_paper::{InkError, InkOnPaper};
-use crate::appearance::paper::LayerOnPaper;
 use crate::numerics::estimate::Estimate;
 use crate::solve::accuracy::grid_error::GridError;
 use std::f64::consts::PI;
 
+/// Imbalances of energy of this size are rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// The errors that one study's numbers share.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Uncertainty {
+pub(super) struct Uncertainty {
+    /// Of R and T from the grid.
     pub grid: GridError,
+    /// Of R and T from the solver's residual: the mean imbalance of energy, which is nothing else.
+    pub residual: f64,
     /// No grains: chance plays no part, and the grid is all that is uncertain.
     pub certain: bool,
 }
 
+/// Errors of R and T.
+type Shift = [f64; 2];
+/// A quantity of the layer on paper that errors of R and T move.
+type Moved<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
+
 impl Uncertainty {
-    /// Adds an error of the grid; unknown chance leaves the whole unknown.
-    pub fn widen(&self, estimate: Estimate, grid: f64) -> Estimate {
+    /// Grid and residual together, \[R, T\].
+    pub fn shared(&self) -> Shift {
+        let residual = self.residual();
+        [self.grid.reflectance.hypot(residual), self.grid.transmittance.hypot(residual)]
+    }
+
+    fn residual(&self) -> f64 {
+        if self.residual > ROUNDING { self.residual } else { 0.0 }
+    }
+
+    /// Adds a shared error; unknown chance leaves the whole unknown.
+    pub fn widen(&self, estimate: Estimate, shared: f64) -> Estimate {
         let chance = estimate.standard_error.or(self.certain.then_some(0.0));
-        let standard_error = chance.map(|chance| chance.hypot(grid)).filter(|&e| e > 0.0 || !self.certain);
+        let standard_error = chance.map(|chance| chance.hypot(shared)).filter(|&e| e > 0.0 || !self.certain);
         Estimate { standard_error, ..estimate }
     }
 
-    /// Error of the radiance factor under a uniform sky: that of R, and that of T on the way in and out.
-    pub fn natural_light(&self, layer: &LayerOnPaper, view: &PolarAngle) -> f64 {
-        let passes = layer.transmittance(view) + layer.mean_transmittance();
-        self.grid.reflectance + layer.return_factor() * passes * self.grid.transmittance
-    }
-
-    /// Error of π times the BRDF; the layer's own diffuse part is at most as uncertain as its R.
-    pub fn lit(&self, layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle) -> f64 {
-        let passes = layer.transmittance(light) + layer.transmittance(view);
-        self.grid.reflectance + layer.return_factor() * passes * self.grid.transmittance
-    }
-
-    /// Colour of a quantity whose error from the grid is `shift`: the covariance of Lab holds both.
+    /// Colour of a quantity that errors of R and T `move`, with its budget: the covariance of Lab holds all of it.
     pub fn colour(
         &self,
         ink: &InkOnPaper,
+        solved: &[SolvedRealisation],
         quantity: impl Fn(&LayerOnPaper) -> f64,
-        shift: impl Fn(&LayerOnPaper) -> f64,
-    ) -> Result<Colour, InkError> {
+        moved: &Moved,
+    ) -> Result<(Colour, Budget), InkError> {
         let colour = ink.colour(&quantity)?;
-        let shifted = ink.colour(|layer| quantity(layer) + shift(layer))?;
-        let by: [f64; 3] = std::array::from_fn(|i| shifted.lab[i] - colour.lab[i]);
-        let none = (self.certain && by != [0.0; 3]).then_some([[0.0; 3]; 3]);
+        let shift = |by: Shift| -> Result<[f64; 3], InkError> {
+            let shifted = ink.colour_of_mean(|layer| quantity(layer) + moved(layer, by))?;
+            let plain = ink.colour_of_mean(&quantity)?;
+            Ok(std::array::from_fn(|i| shifted.lab[i] - plain.lab[i]))
+        };
+        let grid = shift([self.grid.reflectance, self.grid.transmittance])?;
+        let residual = shift([self.residual(); 2])?;
+        let none = (self.certain && grid != [0.0; 3]).then_some([[0.0; 3]; 3]);
         let chance = colour.lab_covariance.or(none);
-        let sum =
-            |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + by[i] * by[j]));
-        Ok(Colour { lab_covariance: chance.map(sum), ..colour })
+        let outer = |i: usize, j: usize| grid[i] * grid[j] + residual[i] * residual[j];
+        let sum = |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + outer(i, j)));
+        let budget = Budget {
+            chance_and_cell: colour.lab_covariance.map(spread),
+            angles: ink.angle_covariance(solved, &quantity)?.map(spread),
+            wavelengths: length(ink.wavelength_shift(&quantity)?),
+            grid: length(grid),
+            residual: length(residual),
+        };
+        Ok((Colour { lab_covariance: chance.map(sum), ..colour }, budget.apart()))
     }
 }
 
+impl Budget {
+    /// The jackknife's whole less the part that the directions have brought.
+    fn apart(self) -> Self {
+        let rest = |whole: f64| (whole * whole - self.angles.unwrap_or(0.0).powi(2)).max(0.0).sqrt();
+        Self { chance_and_cell: self.chance_and_cell.map(rest), ..self }
+    }
+}
+
+/// Error of the radiance factor under a uniform sky: that of R, and that of T on the way in and out.
+pub(super) fn natural_light_moved(layer: &LayerOnPaper, view: &PolarAngle, [r, t]: Shift) -> f64 {
+    r + layer.return_factor() * (layer.transmittance(view) + layer.mean_transmittance()) * t
+}
+
+/// Error of π times the BRDF; the layer's own diffuse part is at most as uncertain as its R.
+pub(super) fn lit_moved(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle, [r, t]: Shift) -> f64 {
+    r + layer.return_factor() * (layer.transmittance(light) + layer.transmittance(view)) * t
+}
+
 /// π times the BRDF of the ink on its paper.
-pub(crate) fn lit(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle) -> f64 {
+pub(super) fn lit(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle) -> f64 {
     PI * layer.brdf(light, view)
+}
+
+/// Root mean square distance that a covariance stands for.
+fn spread(c: [[f64; 3]; 3]) -> f64 {
+    (c[0][0] + c[1][1] + c[2][2]).max(0.0).sqrt()
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
@@ -68,7 +119,7 @@ mod tests {
     #[test]
     fn chance_and_grid_add_as_squares_and_unknown_stays_unknown() {
         let grid = GridError { reflectance: 3e-3, transmittance: 0.0 };
-        let [chance, sure] = [false, true].map(|certain| Uncertainty { grid, certain });
+        let [chance, sure] = [false, true].map(|certain| Uncertainty { grid, residual: 4e-3, certain });
         let known = Estimate { value: 0.5, standard_error: Some(4e-3) };
         let widened = chance.widen(known, 3e-3);
         assert!((widened.standard_error.unwrap() - 5e-3).abs() < 1e-15 && widened.value == 0.5);
@@ -76,5 +127,7 @@ mod tests {
         assert_eq!(chance.widen(unknown, 3e-3).standard_error, None);
         assert_eq!(sure.widen(unknown, 3e-3).standard_error, Some(3e-3));
         assert_eq!(sure.widen(unknown, 0.0).standard_error, None);
+        let shared = chance.shared();
+        assert!((shared[0] - 5e-3).abs() < 1e-15 && shared[1] == 4e-3);
     }
 }

@@ -8,8 +8,8 @@
 
 use super::tensor::{Field, tensor_file};
 use crate::appearance::colour::Colorimeter;
-use crate::appearance::directional::{Direction, DirectionalInk};
-use crate::appearance::ink_on_paper::InkError;
+use crate::evaluate::directional::{Direction, DirectionalInk};
+use crate::evaluate::ink::InkError;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -145,7 +145,7 @@ fn slab(ink: &DirectionalInk, light_deg: f64, points: usize) -> Result<Slab, Ink
         for column in 0..points {
             let Some((view, cosine)) = view(light_deg, [row, column], points) else { continue };
             for w in 0..waves {
-                let value = cosine * ink.brdf(w, light_deg, view)?.max(0.0);
+                let value = cosine * ink.brdf(w, light_deg, view).max(0.0);
                 slab[w * cells + row * points + column] = value;
                 slab[w * cells + (points - 1 - row) * points + column] = value;
             }

@@ -7,10 +7,10 @@ use super::samples::{self, SampleError};
 use super::stored::Stored;
 use super::voxels::Voxels;
 use super::{cgats, cxf, near_field, npz};
-use crate::appearance::directional::DirectionalInk;
-use crate::appearance::ink_on_paper::{InkError, InkOnPaper};
+use crate::evaluate::directional::DirectionalInk;
+use crate::evaluate::ink::{InkError, InkOnPaper};
 use crate::evaluate::manifest::Manifest;
-use crate::evaluate::seen::{NoInk, bandwidth};
+use crate::evaluate::seen::NoInk;
 use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT, program, summarise};
 use crate::ink::PackError;
 use crate::input::study::Study;
@@ -184,9 +184,7 @@ impl Exporter<'_> {
             return Err(ExportError::NotInAir { index: study.layer.index_above });
         }
         self.watch.stage("tabulating the material");
-        let layers = self.stored.seen.layer.iter().map(|layer| layer.bdfs.as_slice()).collect();
-        let bandwidths = study.wavelengths_nm.iter().map(|&nm| bandwidth(study, nm)).collect();
-        let ink = DirectionalInk::new(ink, layers, bandwidths)?;
+        let ink = DirectionalInk::new(ink)?;
         let table = Table::new(&ink, mitsuba::POINTS)?;
         let about = self.description();
         out.add("ink-spectral.bsdf", table.spectral(&about), "material for Mitsuba 3, spectral variants");
@@ -242,8 +240,10 @@ impl Exporter<'_> {
             let values = resample(&study.wavelengths_nm, &values?, &grid);
             Some(PrintSpectrum { geometry, values, colour: colour(name) })
         };
-        let lit = manifest.spectra.iter().map(|row| row.lit_at_45).collect();
-        let natural = manifest.spectra.iter().map(|row| row.natural_light).collect();
+        // the ink on its paper stands beside the layer at the normal alone
+        let normal = || manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
+        let lit = normal().map(|row| row.lit_at_45).collect();
+        let natural = normal().map(|row| row.natural_light).collect();
         let spectra = [
             spectrum(Geometry::LitAt45, lit, LIT_AT_45),
             spectrum(Geometry::NaturalLight, natural, NATURAL_LIGHT),
@@ -281,7 +281,11 @@ impl Exporter<'_> {
         let names: Vec<&str> = study.pigments.iter().map(|p| p.name.as_str()).collect();
         let asked = self.request.near_field.map(|light| light.wavelength_nm);
         let w = asked.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
-        let image = Voxels::of(&packing).image(&names, &study.media(w), study.wavelengths_nm[w]);
+        let image = Voxels::of(&packing).image(
+            &names,
+            &study.media(1e-3 * study.wavelengths_nm[w]),
+            study.wavelengths_nm[w],
+        );
         out.add(
             "contrast.vti",
             image.vti(),
@@ -299,7 +303,12 @@ impl Exporter<'_> {
                 &Scene::from_packing(&packing),
                 self.stored.collected.resolved.resolution,
             )?);
-            let problem = Problem::new(&coverage, &study.media(w), &incidence, Mean::default())?;
+            let problem = Problem::new(
+                &coverage,
+                &study.media(1e-3 * study.wavelengths_nm[w]),
+                &incidence,
+                Mean::default(),
+            )?;
             let solution = study.solver.build().solve(&problem, study.goal, &mut Stopper(self.watch))?;
             let image = near_field::image(&problem, &solution.field);
             out.add("near-field.vti", image.vti(), "the wave inside the first packing; lengths in µm");
@@ -319,11 +328,12 @@ impl Exporter<'_> {
     /// The tables of the run beside what was exported, described together.
     fn provenance(&self, out: &mut Exported) -> Result<(), ExportError> {
         let manifest = self.manifest();
-        let bdfs = self.stored.seen.layer.iter().flat_map(|layer| &layer.bdfs);
+        let amplitude_error = manifest.certainty.amplitude_error_estimate;
+        let bdfs = tables::distributions(self.stored.seen.bdfs.iter(), amplitude_error)?;
         out.add(STUDY, serde_json::to_vec_pretty(self.study())?, "the study with every default filled in");
         out.add("results.json", serde_json::to_vec_pretty(&manifest)?, "all numbers with their errors");
         out.add("spectra.csv", tables::spectra(&manifest.spectra)?, "spectra of the layer and of the print");
-        out.add("bdf.csv", tables::distributions(bdfs)?, "distributions of the layer alone, order by order");
+        out.add("bdf.csv", bdfs, "distributions of the layer alone, order by order");
         let run = Run {
             title: self.study().title.clone(),
             study_hash: self.study().key().to_string(),

@@ -1,7 +1,7 @@
 //! Tables beside the material: the BRDF at directions that anyone may check, and what the material leaves out.
 
-use crate::appearance::directional::{Direction, DirectionalInk};
-use crate::appearance::ink_on_paper::InkError;
+use crate::evaluate::directional::{Direction, DirectionalInk};
+use crate::evaluate::ink::InkError;
 
 /// Directions in `brdf-samples.csv`.
 const SAMPLES: usize = 256;
@@ -37,7 +37,7 @@ pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
     ])?;
     for (light_deg, view) in directions(ink) {
         for (w, nm) in ink.ink().wavelengths_nm().iter().enumerate() {
-            let value = ink.brdf(w, light_deg, view)?;
+            let value = ink.brdf(w, light_deg, view);
             table.serialize((nm, light_deg, view.polar_deg, view.azimuth_deg, value))?;
         }
     }
@@ -76,7 +76,7 @@ pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
     table.write_record(["wavelength_nm", "polar_deg", "specular_reflectance", "albedo_without_specular"])?;
     for (w, nm) in ink.ink().wavelengths_nm().iter().enumerate() {
         for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
-            table.serialize((nm, deg, ink.specular(w, deg)?, ink.diffuse_albedo(w, deg)?))?;
+            table.serialize((nm, deg, ink.specular(w, deg), ink.diffuse_albedo(w, deg)))?;
         }
     }
     finish(table)

@@ -1,5 +1,9 @@
 //! One solve of an explicit geometry: the `inputs` object of a reference case, as JSON or TOML.
 
+use super::fault::Faults;
+use super::read::read;
+use super::tree::{Node, SyntaxFault, parse_json, parse_toml};
+use crate::numerics::files;
 use crate::wave::{Ball, Body, Incidence, Media, Scene, Shape, Side, Stratum};
 use num_complex::Complex64;
 use serde::Deserialize;
@@ -12,29 +16,43 @@ use thiserror::Error;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseInputs {
+    /// Vacuum wavelength, µm.
     pub wavelength: f64,
+    /// Polar angle from the normal, degrees.
     #[serde(default)]
     pub sigma_deg: f64,
+    /// Azimuth from the x axis, degrees.
     #[serde(default)]
     pub phi_deg: f64,
     /// Period in x, and in y unless `Ly` is given.
     #[serde(rename = "L", alias = "Lx", default = "unit")]
     pub period_x: f64,
+    /// Period along y, µm; that along x unless told.
     #[serde(rename = "Ly")]
     pub period_y: Option<f64>,
+    /// Thickness, µm; of the layers listed unless told.
     #[serde(rename = "H")]
     pub thickness: Option<f64>,
+    /// Real index of the incident side.
     pub n_below: Option<f64>,
+    /// Real index of the exit side.
     pub n_above: Option<f64>,
+    /// Index of the incident side as [re, im].
     pub eta_below: Option<[f64; 2]>,
+    /// Index of the exit side as [re, im].
     pub eta_above: Option<[f64; 2]>,
+    /// Index of the binder as [re, im].
     pub eta_binder: Option<[f64; 2]>,
     /// The side the light comes from: `above` is z < 0.
     #[serde(default)]
     pub from: Side,
+    /// Spheres in the binder.
     pub spheres: Option<Vec<SphereInput>>,
+    /// Cylinders along y in the binder.
     pub cylinders: Option<Vec<CylinderInput>>,
+    /// Homogeneous films from z = 0 on.
     pub layers_from_z0: Option<Vec<LayerInput>>,
+    /// Films with bars along y, from z = 0 on.
     pub sublayers_from_z0: Option<Vec<SublayerInput>>,
     #[serde(default)]
     #[allow(dead_code, reason = "free text of reference files")]
@@ -45,58 +63,119 @@ fn unit() -> f64 {
     1.0
 }
 
+/// A sphere.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereInput {
+    /// Centre (x, y, z), µm.
     pub center: [f64; 3],
+    /// Radius, µm.
     pub radius: f64,
+    /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
+/// A circular cylinder along y.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderInput {
+    /// Centre along x, µm.
     pub x: f64,
+    /// Centre along z, µm.
     pub z: f64,
+    /// Radius, µm.
     pub radius: f64,
+    /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
+/// A homogeneous film.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerInput {
+    /// Thickness, µm.
     pub thickness: f64,
+    /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
+/// A film with bars.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SublayerInput {
+    /// Thickness, µm.
     pub thickness: f64,
+    /// Index between the bars as [re, im].
     pub eta_background: [f64; 2],
+    /// Bars through the film's whole thickness.
     #[serde(default)]
     pub bars: Vec<BarInput>,
 }
 
+/// A bar along y.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BarInput {
+    /// Begins at x, µm.
     pub x0: f64,
+    /// Ends at x, µm.
     pub x1: f64,
+    /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
 /// Why a case cannot be solved.
 #[derive(Debug, Error)]
 pub enum CaseError {
+    /// The file cannot be read.
     #[error("cannot read {path}: {source}; check the path and its permissions")]
-    Read { path: String, source: std::io::Error },
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file is no case.
     #[error("{path} is not a case: {message}; {remedy}")]
-    Parse { path: String, message: String, remedy: &'static str },
+    Parse {
+        /// The file.
+        path: String,
+        /// What is wrong, with its place.
+        message: String,
+        /// What to try.
+        remedy: &'static str,
+    },
+    /// Keys or values that a case cannot have.
+    #[error("{path} is not a case: {faults}")]
+    Values {
+        /// The file.
+        path: String,
+        /// All that is wrong.
+        faults: Faults,
+    },
+    /// A number outside its range.
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
-    Range { field: String, value: f64, allowed: String, remedy: String },
+    Range {
+        /// The key.
+        field: String,
+        /// The value found.
+        value: f64,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: String,
+    },
+    /// A key that does not fit the others.
     #[error("{field}: {found}; {remedy}")]
-    Field { field: String, found: String, remedy: String },
+    Field {
+        /// The key.
+        field: String,
+        /// What was found.
+        found: String,
+        /// What to try.
+        remedy: String,
+    },
+    /// The case is no wave problem.
     #[error(transparent)]
     Wave(#[from] crate::wave::WaveError),
 }
@@ -104,8 +183,11 @@ pub enum CaseError {
 /// A checked case, ready to be discretised.
 #[derive(Clone, Debug)]
 pub struct Case {
+    /// The geometry.
     pub scene: Scene,
+    /// Indices of all media.
     pub media: Media,
+    /// The light.
     pub incidence: Incidence,
 }
 
@@ -113,11 +195,12 @@ impl Case {
     /// Reads a case file: the inputs themselves, or an object that holds them as `inputs`.
     pub fn read(path: &Path) -> Result<Case, CaseError> {
         let name = path.display().to_string();
-        let text =
-            std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: name.clone(), source })?;
+        let text = files::read_text(path, files::CASE)
+            .map_err(|source| CaseError::Read { path: name.clone(), source })?;
         let toml = path.extension().is_some_and(|e| e == "toml");
         Case::parse(&text, toml).map_err(|error| match error {
             CaseError::Parse { message, remedy, .. } => CaseError::Parse { path: name, message, remedy },
+            CaseError::Values { faults, .. } => CaseError::Values { path: name, faults },
             other => other,
         })
     }
@@ -159,35 +242,24 @@ impl Case {
 }
 
 fn from_toml(text: &str) -> Result<CaseInputs, CaseError> {
-    let fail = |error: toml::de::Error| unreadable(error.to_string(), SYNTAX);
-    let table: toml::Table = toml::from_str(text).map_err(fail)?;
-    let inputs = table.get("inputs").cloned().unwrap_or(toml::Value::Table(table));
-    serde_path_to_error::deserialize(inputs).map_err(misfit)
+    inputs_of(parse_toml(text).map_err(|fault| unreadable(&fault, text))?.into())
 }
 
 fn from_json(text: &str) -> Result<CaseInputs, CaseError> {
-    let numbers = ["NaN", "Infinity"].iter().any(|word| text.contains(word));
-    let remedy = if numbers { "JSON knows neither NaN nor Infinity: give finite numbers" } else { SYNTAX };
-    let value: serde_json::Value =
-        serde_json::from_str(text).map_err(|e| unreadable(e.to_string(), remedy))?;
-    let inputs = value.get("inputs").cloned().unwrap_or(value);
-    serde_path_to_error::deserialize(inputs).map_err(misfit)
+    inputs_of(parse_json(text).map_err(|fault| unreadable(&fault, text))?.into())
 }
 
-const SYNTAX: &str = "give the `inputs` of a reference case as JSON, or as TOML in a file that ends in .toml";
-
-/// A value of the wrong type or an unknown key, with its place.
-fn misfit<E: std::fmt::Display>(error: serde_path_to_error::Error<E>) -> CaseError {
-    let place = error.path().to_string();
-    let message = if place == "." { String::new() } else { format!("at `{place}`: ") };
-    unreadable(
-        format!("{message}{}", error.inner()),
-        "correct that entry; lengths in µm, indices [real, imaginary]",
-    )
+/// The case itself, or what an object around it holds as `inputs`.
+fn inputs_of(document: Node) -> Result<CaseInputs, CaseError> {
+    let inputs = document.get("inputs").cloned().unwrap_or(document);
+    read(inputs).map_err(|faults| CaseError::Values { path: TEXT.into(), faults: Faults(faults) })
 }
 
-fn unreadable(message: String, remedy: &'static str) -> CaseError {
-    CaseError::Parse { path: "the text".into(), message, remedy }
+/// Stands for the path where a text is given.
+const TEXT: &str = "the text";
+
+fn unreadable(fault: &SyntaxFault, text: &str) -> CaseError {
+    CaseError::Parse { path: TEXT.into(), message: fault.in_words(text), remedy: fault.remedy }
 }
 
 /// Collects distinct indices while bodies and strata are read.

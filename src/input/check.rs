@@ -8,13 +8,23 @@ mod pigments;
 pub(crate) use pigments::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults};
-use super::file::{LayerTable, LightTable, OutputTable, ResolutionTable, SolverTable, StudyFile};
+use super::file::{
+    LayerTable, LightTable, OutputTable, ResolutionTable, SamplingName, SolverTable, StudyFile,
+};
+use super::forms::ThicknessWritten;
 use super::study::{Layer, Output, Study, WantedResolution};
+use super::variation::{CellRule, LightRule, THICKNESS_CUT, Variation};
 use crate::solve::Goal;
 use std::path::Path;
 
 /// More wavelengths or angles than this are a slip of the pen.
 const LONGEST_LIST: usize = 10_000;
+/// Packings of varied cells unless told.
+const VARIED_CELLS: usize = 24;
+/// Packings unless told where a bar is the aim.
+const MOST_CELLS: usize = 400;
+/// Packings of fixed cells unless told.
+const FIXED_CELLS: usize = 4;
 
 /// Checks every field of `file`. CSV paths are relative to `folder`; `name` titles a study without a title.
 ///
@@ -23,18 +33,21 @@ const LONGEST_LIST: usize = 10_000;
 pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
     let mut faults = Faults::default();
     let wavelengths_nm = wavelengths(&file.light, &mut faults);
-    let mut layer = layer(&file.layer, &wavelengths_nm, folder, &mut faults);
-    let pigments = pigments::pigments(file, &wavelengths_nm, folder, &mut faults);
+    let period_um = period(file, &mut faults);
+    let mut layer = layer(&file.layer, period_um, &wavelengths_nm, folder, &mut faults);
+    let pigments = pigments::pigments(file, period_um, &wavelengths_nm, folder, &mut faults);
     let dissolved = pigments::dissolved(file, &wavelengths_nm, folder, &mut faults);
     layer.binder = pigments::solution(layer.binder, &dissolved, &pigments);
-    let packing = pigments::packing(file, &pigments, &mut faults);
+    let packing = pigments::packing(file, period_um, &pigments, &mut faults);
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut faults);
     let angles = angles::angles(file, paper.coupling, &mut faults);
     let resolution = resolution(&file.resolution, &mut faults);
     let goal = goal(&file.solver, &resolution, &mut faults);
     counts(file, &mut faults);
-    // Without grains all realisations are the same.
-    let realisations = if pigments.is_empty() { 1 } else { file.run.realisations };
+    let variation = variation(file, &wavelengths_nm, &mut faults);
+    // Without grains and with an even thickness all realisations are the same.
+    let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
+    let realisations = if alike { 1 } else { realisations(file) };
     let study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
@@ -45,6 +58,8 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
         wavelengths_nm,
         angles,
         realisations,
+        target_delta_e: file.run.target_delta_e,
+        variation,
         resolution,
         solver: file.solver.strategy.0,
         goal,
@@ -109,25 +124,92 @@ fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults:
     }
 }
 
-fn layer(table: &LayerTable, wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Layer {
-    let period_um = table.period_um.0;
-    let remedy = "2 to 10 µm is usual; larger cells cost more and average better";
-    for period in period_um {
-        faults.number("layer.period_um", period, Allowed::above(0.0, 1000.0, "µm"), remedy);
-    }
+fn layer(
+    table: &LayerTable,
+    period_um: [f64; 2],
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    faults: &mut Faults,
+) -> Layer {
     let allowed = Allowed::above(0.0, 1000.0, "µm");
-    faults.number("layer.thickness_um", table.thickness_um, allowed, "a printed layer is about 1 µm thick");
+    let ThicknessWritten { mean, std } = table.thickness_um;
+    faults.number("layer.thickness_um", mean, allowed, "a printed layer is about 1 µm thick");
+    if mean > 0.0 {
+        let allowed = Allowed::between(0.0, mean / (THICKNESS_CUT + 1.0), "µm");
+        let remedy =
+            "a tenth of the mean is usual; at most a quarter of it keeps every layer thicker than nothing";
+        faults.number("layer.thickness_um.std", std, allowed, remedy);
+    }
     let allowed = Allowed::between(0.1, 10.0, "");
     let remedy = "give the real refractive index, 1 for air";
     faults.number("layer.index_above", table.index_above, allowed, remedy);
     faults.number("layer.index_below", table.index_below, allowed, remedy);
     Layer {
         period_um,
-        thickness_um: table.thickness_um,
+        thickness_um: mean,
         index_above: table.index_above,
         index_below: table.index_below,
         binder: index::tabulate("layer.binder.index", &table.binder.index, wavelengths_nm, folder, faults),
     }
+}
+
+/// Nominal period of the cells: as written, or what the grains need.
+fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
+    let Some(written) = file.layer.period_um else {
+        if file.layer.cell == CellRule::Fixed {
+            let allowed = "one number or [x, y], µm, for cell = \"fixed\"";
+            faults.push(Fault::new(
+                "layer.period_um",
+                "nothing",
+                allowed,
+                "write period_um = 2.4, or let cells vary",
+            ));
+        }
+        return [pigments::nominal_period_um(file); 2];
+    };
+    let remedy = "1.6 µm is usual for varied cells; leave it out, and it follows from the grains";
+    for period in written.0 {
+        faults.number("layer.period_um", period, Allowed::above(0.0, 1000.0, "µm"), remedy);
+    }
+    written.0
+}
+
+/// How realisations differ.
+fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
+    let thickness_std_um = file.layer.thickness_um.std;
+    Variation {
+        cell: file.layer.cell,
+        thickness_std_um,
+        light: light_rule(&file.light, wavelengths_nm, faults),
+    }
+}
+
+/// Ranges are shifted from realisation to realisation, lists are solved as they are.
+fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Faults) -> LightRule {
+    let last = wavelengths_nm.len().saturating_sub(1);
+    let range = light.wavelengths_nm.is_none() && light.sampling == SamplingName::Shifted && last > 0;
+    if let Some(count) = light.per_realisation {
+        let remedy = "10 to 16 is usual; it needs a range of wavelengths";
+        whole("light.per_realisation", count, 2..=LONGEST_LIST, remedy, faults);
+        if !range {
+            let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
+            faults.push(Fault::new("light.per_realisation", count, allowed, "give a range, or leave it out"));
+        }
+    }
+    if !range {
+        return LightRule::Listed;
+    }
+    let strata = light.per_realisation.unwrap_or(last).max(1);
+    LightRule::Shifted { range_nm: [wavelengths_nm[0], wavelengths_nm[last]], strata }
+}
+
+/// Packings unless told.
+fn realisations(file: &StudyFile) -> usize {
+    file.run.realisations.unwrap_or(match file.layer.cell {
+        _ if file.run.target_delta_e.is_some() => MOST_CELLS,
+        CellRule::Varied => VARIED_CELLS,
+        CellRule::Fixed => FIXED_CELLS,
+    })
 }
 
 fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution {
@@ -171,7 +253,11 @@ fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults)
 }
 
 fn counts(file: &StudyFile, faults: &mut Faults) {
-    whole("run.realisations", file.run.realisations, 1..=100_000, "4 is a fair start", faults);
+    if let Some(target) = file.run.target_delta_e {
+        let remedy = "0.3 is hard to see; a hundredth of that needs 10 000 times the cells";
+        faults.number("run.target_delta_e", target, Allowed::between(1e-3, 100.0, ""), remedy);
+    }
+    whole("run.realisations", realisations(file), 1..=100_000, "24 small cells are a fair start", faults);
     whole("output.picture_pixels", file.output.picture_pixels, 16..=8192, "360 is usual", faults);
 }
 

@@ -9,12 +9,16 @@ use std::path::PathBuf;
 pub struct Fault {
     /// Path of the field in the study file, such as `pigment[0].volume_fraction`.
     pub field: String,
+    /// The value found.
     pub found: String,
+    /// What is allowed.
     pub allowed: String,
+    /// What to try.
     pub remedy: String,
 }
 
 impl Fault {
+    /// A fault of a field.
     pub fn new(
         field: impl Into<String>,
         found: impl fmt::Display,
@@ -35,14 +39,38 @@ impl fmt::Display for Fault {
 /// Why there is no checked study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
+    /// The file cannot be read.
     #[error("cannot read the study file {}: {source}", path.display())]
-    Unreadable { path: PathBuf, source: std::io::Error },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// Not TOML, an unknown key, a missing key or a value of the wrong kind; `span` in bytes.
     #[error("{}: {message}", path.display())]
-    Syntax { path: PathBuf, text: String, span: Option<Range<usize>>, message: String, remedy: String },
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Its text, for pointing at the place.
+        text: String,
+        /// The place, in bytes.
+        span: Option<Range<usize>>,
+        /// What is wrong.
+        message: String,
+        /// What to try.
+        remedy: String,
+    },
     /// Everything that is wrong with the values, at once.
     #[error("{}: {}", path.display(), list(faults))]
-    Values { path: PathBuf, text: String, faults: Vec<Fault> },
+    Values {
+        /// The file.
+        path: PathBuf,
+        /// Its text, for pointing at the places.
+        text: String,
+        /// All that is wrong.
+        faults: Vec<Fault>,
+    },
 }
 
 fn list(faults: &[Fault]) -> String {
@@ -96,11 +124,20 @@ impl fmt::Display for Allowed {
     }
 }
 
+/// All faults in one line, each with its remedy.
+impl fmt::Display for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let one = |fault: &Fault| format!("{fault}: {}", fault.remedy);
+        f.write_str(&self.0.iter().map(one).collect::<Vec<_>>().join("; "))
+    }
+}
+
 /// Collects the faults of a study while it is checked.
 #[derive(Debug, Default)]
 pub struct Faults(pub Vec<Fault>);
 
 impl Faults {
+    /// Adds a fault.
     pub fn push(&mut self, fault: Fault) {
         self.0.push(fault);
     }

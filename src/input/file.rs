@@ -3,7 +3,7 @@
 //! ```toml
 //! title = "Yellow ink, 30 %"
 //! [layer]
-//! period_um = 2.0                      # or [2.0, 1.5]
+//! # period_um = 1.6                    # nominal; follows from the grains when left out
 //! thickness_um = 1.0
 //! binder.index = 1.558
 //! [[pigment]]
@@ -17,7 +17,8 @@
 //! step_nm = 30
 //! ```
 
-use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy};
+use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
+use super::variation::CellRule;
 use crate::appearance::paper::MirroredSky;
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
@@ -33,22 +34,32 @@ use serde::{Deserialize, Serialize};
 pub struct StudyFile {
     /// Shown as the report's heading; the file's name when left out.
     pub title: Option<String>,
+    /// `[layer]`
     pub layer: LayerTable,
+    /// `[[pigment]]`
     #[serde(default, rename = "pigment")]
     pub pigments: Vec<PigmentTable>,
+    /// `[packing]`
     #[serde(default)]
     pub packing: PackingTable,
+    /// `[paper]`
     #[serde(default)]
     pub paper: PaperTable,
+    /// `[light]`
     pub light: LightTable,
+    /// `[angles]`
     #[serde(default)]
     pub angles: AnglesTable,
+    /// `[run]`
     #[serde(default)]
     pub run: RunTable,
+    /// `[resolution]`
     #[serde(default)]
     pub resolution: ResolutionTable,
+    /// `[solver]`
     #[serde(default)]
     pub solver: SolverTable,
+    /// `[output]`
     #[serde(default)]
     pub output: OutputTable,
 }
@@ -57,15 +68,20 @@ pub struct StudyFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerTable {
-    /// Period in x and y, µm: one number or `[x, y]`.
-    pub period_um: Pair,
-    pub thickness_um: f64,
+    /// Whether every realisation has a cell of its own; see [`super::variation`].
+    #[serde(default)]
+    pub cell: CellRule,
+    /// Nominal period in x and y, µm: one number or `[x, y]`. Follows from the grains when left out and cells vary.
+    pub period_um: Option<Pair>,
+    /// Thickness, µm; `{ mean, std }` where it is uneven.
+    pub thickness_um: ThicknessWritten,
+    /// What is between the grains.
     pub binder: BinderTable,
     /// Refractive index of the half-space the light comes from.
-    #[serde(default = "vacuum")]
+    #[serde(default = "vacuum", alias = "index_in")]
     pub index_above: f64,
     /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
-    #[serde(default = "vacuum")]
+    #[serde(default = "vacuum", alias = "index_out")]
     pub index_below: f64,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
@@ -75,6 +91,7 @@ pub struct LayerTable {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct BinderTable {
+    /// Its refractive index.
     pub index: IndexWritten,
 }
 
@@ -82,7 +99,9 @@ pub struct BinderTable {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentTable {
+    /// Name of the pigment, in tables and pages.
     pub name: String,
+    /// Shape of its grains.
     #[serde(default)]
     pub shape: Shape,
     /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead. `"molecular"` is the
@@ -92,10 +111,14 @@ pub struct PigmentTable {
     pub size: Option<SizeDistribution>,
     /// Share of the layer's volume, 0–1.
     pub volume_fraction: f64,
+    /// Its refractive index.
     pub index: IndexWritten,
+    /// Alignment of the grains' axes.
     #[serde(default)]
     pub orientation: Orientation,
+    /// Which grains stick together, if any.
     pub agglomeration: Option<Agglomeration>,
+    /// How whole grains meet the volume fraction.
     #[serde(default)]
     pub share: ShareRule,
 }
@@ -107,6 +130,7 @@ pub struct PaperTable {
     /// 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{ csv = "paper.csv" }` with the
     /// columns wavelength_nm and albedo.
     pub albedo: AlbedoWritten,
+    /// What is between ink and paper.
     pub coupling: CouplingName,
 }
 
@@ -131,19 +155,42 @@ pub enum CouplingName {
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightTable {
+    /// The list.
     pub wavelengths_nm: Option<Vec<f64>>,
+    /// First of the range, nm.
     pub from_nm: Option<f64>,
+    /// Last of the range, nm.
     pub to_nm: Option<f64>,
+    /// Step of the range, nm.
     pub step_nm: Option<f64>,
+    /// Wavelengths that each realisation is solved at, where a range is given: shifted between the realisations. One for each step when
+    /// nothing is said.
+    pub per_realisation: Option<usize>,
+    /// Solve a range's own wavelengths in every realisation instead of shifted ones.
+    #[serde(default)]
+    pub sampling: SamplingName,
 }
 
-/// `[angles]`: polar angles as quadrature nodes (`count`), which the picture needs, or as a list.
+/// Which wavelengths of a range are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SamplingName {
+    /// Every realisation has its own shift of the uniform grid; spectra and colours are unbiased.
+    #[default]
+    Shifted,
+    /// The wavelengths written, in every realisation.
+    Listed,
+}
+
+/// `[angles]`: 0°, 45° and directions over the hemisphere (`count` in all), which paper and picture need, or a list.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnglesTable {
-    /// Number of quadrature nodes over the hemisphere (5 when nothing is said), the normal among them.
+    /// Directions of light for each wavelength (5 when nothing is said): 0°, 45°, and the rest stratified over the hemisphere, shifted
+    /// from realisation to realisation.
     pub count: Option<usize>,
-    /// Any angles from the normal instead: spectra and distributions without paper, colour and picture.
+    /// Any angles from the normal instead. Where 0° and 45° are among them the hemisphere is solved as well, and paper, colour and
+    /// picture are there; otherwise spectra and distributions alone.
     pub polar_deg: Option<Vec<f64>>,
     /// Largest angle of the picture's axes (P1: 60°).
     #[serde(default = "sixty")]
@@ -167,14 +214,18 @@ fn sixty() -> f64 {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunTable {
-    /// Number of independent packings to average over.
-    pub realisations: usize,
+    /// Number of independent packings to average over: 24 small varied cells, or 4 fixed ones, when nothing is said.
+    pub realisations: Option<usize>,
+    /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
+    /// are the most.
+    pub target_delta_e: Option<f64>,
+    /// Seed of all random draws.
     pub seed: u64,
 }
 
 impl Default for RunTable {
     fn default() -> Self {
-        Self { realisations: 4, seed: 1 }
+        Self { realisations: None, target_delta_e: None, seed: 1 }
     }
 }
 
@@ -217,9 +268,13 @@ impl Default for SolverTable {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PackingTable {
+    /// How to pack.
     pub method: MethodChoice,
+    /// Limits of random sequential addition.
     pub sequential: SequentialSettings,
+    /// Settings of the relaxation of overlaps.
     pub relaxation: RelaxationSettings,
+    /// Monte Carlo after the packing, if asked.
     pub equilibration: Option<EquilibrationSettings>,
 }
 

@@ -23,7 +23,9 @@ pub struct IndexWritten {
 /// Grain size as written: a diameter in nm, or `"molecular"` for the limit of vanishing grains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Diameter {
+    /// A size in nm.
     Nm(f64),
+    /// No grains: the mixture on the scale of molecules.
     Molecular,
 }
 
@@ -52,14 +54,63 @@ impl<'de> Deserialize<'de> for Diameter {
     }
 }
 
+/// A layer's thickness as written: a number of µm, or `{ mean = …, std = … }` of an uneven layer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ThicknessWritten {
+    /// Mean, µm.
+    pub mean: f64,
+    /// Standard deviation, µm.
+    pub std: f64,
+}
+
+impl From<f64> for ThicknessWritten {
+    fn from(mean: f64) -> Self {
+        Self { mean, std: 0.0 }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ThicknessTable {
+    mean: f64,
+    std: f64,
+}
+
+impl<'de> Deserialize<'de> for ThicknessWritten {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ThicknessVisitor;
+        impl<'de> Visitor<'de> for ThicknessVisitor {
+            type Value = ThicknessWritten;
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a thickness in µm, or { mean = 1.0, std = 0.1 } for an uneven layer")
+            }
+            fn visit_f64<E: de::Error>(self, v: f64) -> Result<ThicknessWritten, E> {
+                Ok(v.into())
+            }
+            fn visit_i64<E: de::Error>(self, v: i64) -> Result<ThicknessWritten, E> {
+                self.visit_f64(v as f64)
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ThicknessWritten, A::Error> {
+                let ThicknessTable { mean, std } =
+                    ThicknessTable::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(ThicknessWritten { mean, std })
+            }
+        }
+        deserializer.deserialize_any(ThicknessVisitor)
+    }
+}
+
 /// The paper's albedo as written: a number, rows of (wavelength in nm, albedo), or the path of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum AlbedoWritten {
+    /// The same at all wavelengths.
     Constant(f64),
+    /// Rows of wavelength in nm and albedo.
     Rows(Vec<[f64; 2]>),
     /// Relative to the study file.
     Csv {
+        /// File with the columns wavelength_nm and albedo.
         csv: String,
     },
 }
@@ -96,7 +147,7 @@ impl<'de> Deserialize<'de> for AlbedoWritten {
                 Ok(AlbedoWritten::Csv { csv })
             }
         }
-        deserializer.deserialize_any(AlbedoVisitor)
+        deserializer.deserialize_struct("albedo", &["csv"], AlbedoVisitor)
     }
 }
 
@@ -135,11 +186,15 @@ impl<'de> Deserialize<'de> for Pair {
 #[serde(deny_unknown_fields)]
 struct IndexTable {
     n: Option<f64>,
+    #[serde(alias = "kappa")]
     k: Option<f64>,
     built_in: Option<String>,
     csv: Option<String>,
     yaml: Option<String>,
 }
+
+/// The keys of [`IndexTable`].
+const INDEX_KEYS: &[&str] = &["n", "k", "kappa", "built_in", "csv", "yaml"];
 
 impl<'de> Deserialize<'de> for IndexWritten {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -161,7 +216,7 @@ impl<'de> Deserialize<'de> for IndexWritten {
                 Ok(IndexWritten { n, k, built_in, csv, yaml })
             }
         }
-        deserializer.deserialize_any(IndexVisitor)
+        deserializer.deserialize_struct("index", INDEX_KEYS, IndexVisitor)
     }
 }
 
@@ -178,7 +233,7 @@ impl<'de> Deserialize<'de> for Strategy {
                 f.write_str("the name of a strategy, or a table such as { krylov = { restart = 60 } }")
             }
             fn visit_str<E: de::Error>(self, name: &str) -> Result<Strategy, E> {
-                let unknown = |_| de::Error::unknown_variant(name, &SolverChoice::NAMES);
+                let unknown = |_| de::Error::unknown_variant(name, SolverChoice::NAMES);
                 SolverChoice::named(name).map(Strategy).map_err(unknown)
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Strategy, A::Error> {

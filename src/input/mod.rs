@@ -16,6 +16,7 @@ pub mod pack_study;
 pub mod read;
 pub mod study;
 pub mod tree;
+pub mod variation;
 
 pub use pack_study::PackStudy;
 pub use study::Study;

@@ -35,14 +35,18 @@ use toml::Value;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PackStudy {
+    /// Title, for people.
     #[serde(default)]
     pub title: Option<String>,
+    /// Seed of all random draws.
     #[serde(default = "one")]
     pub seed: u64,
     /// Independent packings: streams 0, 1, … of the seed.
     #[serde(default = "one")]
     pub realisations: u64,
+    /// `[layer]`
     pub layer: LayerTable,
+    /// `[[pigment]]`
     #[serde(default)]
     pub pigment: Vec<PigmentTable>,
     #[serde(default, rename = "light")]
@@ -73,18 +77,26 @@ fn yes() -> bool {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerTable {
+    /// Lateral periods, µm.
     pub period_um: [f64; 2],
+    /// Thickness, µm.
     pub thickness_um: f64,
+    /// Hard walls, or periodic across the layer too.
     #[serde(default = "yes")]
     pub walls: bool,
+    /// How to pack.
     #[serde(default)]
     pub method: MethodChoice,
+    /// Limits of random sequential addition.
     #[serde(default)]
     pub sequential: SequentialSettings,
+    /// Settings of the relaxation of overlaps.
     #[serde(default)]
     pub relaxation: RelaxationSettings,
+    /// Monte Carlo after the packing, if asked.
     #[serde(default)]
     pub equilibration: Option<EquilibrationSettings>,
+    /// The binder's surface, if grains stand out of it.
     #[serde(default)]
     pub relief: Option<ReliefRequest>,
 }
@@ -93,16 +105,23 @@ pub struct LayerTable {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentTable {
+    /// Name, for people.
     #[serde(default)]
     pub name: Option<String>,
+    /// Shape of the grains.
     #[serde(default)]
     pub shape: Shape,
+    /// Distribution of their sizes.
     pub size: SizeDistribution,
+    /// Their volume over the layer's.
     pub volume_fraction: f64,
+    /// Alignment of their axes.
     #[serde(default)]
     pub orientation: Orientation,
+    /// Which of them stick together, if any.
     #[serde(default)]
     pub agglomeration: Option<Agglomeration>,
+    /// How whole grains meet the volume fraction.
     #[serde(default)]
     pub share: ShareRule,
     #[serde(default, rename = "material")]

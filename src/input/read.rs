@@ -34,6 +34,9 @@ pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
 #[derive(Debug)]
 pub struct Misfit(Box<Fault>);
 
+/// Longest value that is shown as found, characters.
+const LONGEST_FOUND: usize = 200;
+
 impl Misfit {
     fn new(
         place: impl Into<String>,
@@ -41,6 +44,10 @@ impl Misfit {
         allowed: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
+        let mut found = found.to_string();
+        if found.chars().count() > LONGEST_FOUND {
+            found = found.chars().take(LONGEST_FOUND).chain(['…']).collect();
+        }
         Self(Box::new(Fault::new(place, found, allowed, remedy)))
     }
 
@@ -77,11 +84,11 @@ impl de::Error for Misfit {
     }
 
     fn invalid_type(found: Unexpected, allowed: &dyn Expected) -> Self {
-        Self::new("", found, in_words(&allowed.to_string()), FORM)
+        Self::new("", said(found), in_words(&allowed.to_string()), FORM)
     }
 
     fn invalid_value(found: Unexpected, allowed: &dyn Expected) -> Self {
-        Self::new("", found, in_words(&allowed.to_string()), FORM)
+        Self::new("", said(found), in_words(&allowed.to_string()), FORM)
     }
 
     fn invalid_length(found: usize, allowed: &dyn Expected) -> Self {
@@ -103,6 +110,16 @@ impl de::Error for Misfit {
 
     fn duplicate_field(key: &'static str) -> Self {
         Self::new(key, "two values", "one", "an old and a new name of the same key, or a slip: remove one")
+    }
+}
+
+/// What was found, in the words of documents rather than of Rust.
+fn said(found: Unexpected) -> String {
+    match found {
+        Unexpected::Unit => "null".into(),
+        Unexpected::Map => "a table".into(),
+        Unexpected::Seq => "a list".into(),
+        other => other.to_string(),
     }
 }
 
@@ -228,7 +245,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         match &self.node {
             Node::Text(name) => visitor.visit_enum(name.clone().into_deserializer()),
             Node::Table(entries) if entries.len() == 1 => visitor.visit_enum(Chosen { reader: self }),
-            _ => Err(Misfit::new("", self.unexpected(), quoted(variants), FORM)),
+            _ => Err(Misfit::new("", said(self.unexpected()), quoted(variants), FORM)),
         }
     }
 

@@ -1,8 +1,9 @@
 //! A study that has passed every check: the only input a run takes.
 
-use crate::appearance::angles::AngleRule;
+use super::variation::{Turn, Variation, stratified_deg};
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::ink::{PackingRequest, PigmentGrains};
+use crate::material::spectra::{Spectrum, molecular_mixture};
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
 use crate::wave::contrast::coverage::{EXACT, error_for};
@@ -13,48 +14,72 @@ use serde::{Deserialize, Serialize};
 /// All that was asked, checked. Built by [`super::check`] alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Study {
+    /// Title, for people.
     pub title: String,
+    /// The layer and what is around it.
     pub layer: Layer,
+    /// The pigments, in their order.
     pub pigments: Vec<Pigment>,
     /// Pigments without grains (`diameter_nm = "molecular"`); they are part of `layer.binder`'s index.
     pub dissolved: Vec<Dissolved>,
-    /// The packing of realisation 0; the others differ in their random stream.
+    /// The packing of the nominal cell; realisations differ in their cell and random stream.
     pub packing: PackingRequest,
+    /// The paper under the layer.
     pub paper: Paper,
     /// Vacuum wavelengths, nm, rising.
     pub wavelengths_nm: Vec<f64>,
+    /// Directions of the light.
     pub angles: Angles,
+    /// Most packings.
     pub realisations: usize,
+    /// The run may end once the 95 % interval of every colour is as narrow as this, ΔE₀₀.
+    pub target_delta_e: Option<f64>,
+    /// How realisations differ.
+    pub variation: Variation,
+    /// The grid asked for.
     pub resolution: WantedResolution,
+    /// The strategy with its settings.
     pub solver: SolverChoice,
+    /// Residual to reach, and the most operator applications.
     pub goal: Goal,
+    /// Folder and pictures.
     pub output: Output,
 }
 
 /// The periodic cell 0 ≤ z ≤ thickness and its surroundings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Layer {
+    /// Lateral periods, µm.
     pub period_um: [f64; 2],
+    /// Thickness, µm.
     pub thickness_um: f64,
+    /// Real index of the incident side.
     pub index_above: f64,
+    /// Real index of the exit side.
     pub index_below: f64,
+    /// What is between the grains.
     pub binder: Material,
 }
 
 /// One kind of grain.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pigment {
+    /// Name, for people.
     pub name: String,
+    /// Shape, sizes and volume fraction of its grains.
     pub grains: PigmentGrains,
+    /// Its refractive index.
     pub material: Material,
 }
 
 /// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Dissolved {
+    /// Name, for people.
     pub name: String,
     /// Share of the layer's volume.
     pub volume_fraction: f64,
+    /// The index at each wavelength.
     pub material: Material,
 }
 
@@ -63,7 +88,26 @@ pub struct Dissolved {
 pub struct Material {
     /// For people: a constant, the name of a built-in spectrum, or the path of a table.
     pub source: String,
+    /// At the study's wavelengths.
     pub index: Vec<Complex64>,
+    /// At any wavelength between them.
+    pub spectrum: Spectrum,
+    /// What is dissolved in it: shares of its own volume, and indices.
+    pub dissolved: Vec<(f64, Spectrum)>,
+}
+
+impl Material {
+    /// η at a vacuum wavelength within the study's range.
+    pub fn index_at(&self, wavelength_um: f64) -> Complex64 {
+        // the check has proven the ends of the range, and a spectrum answers between its ends
+        let of = |spectrum: &Spectrum| spectrum.index(wavelength_um).unwrap_or(Complex64::new(f64::NAN, 0.0));
+        let own = of(&self.spectrum);
+        if self.dissolved.is_empty() {
+            return own;
+        }
+        let shares: Vec<_> = self.dissolved.iter().map(|(share, spectrum)| (*share, of(spectrum))).collect();
+        molecular_mixture(own, &shares)
+    }
 }
 
 /// The Lambertian substrate.
@@ -71,22 +115,35 @@ pub struct Material {
 pub struct Paper {
     /// For people: the albedo itself, or where its table comes from.
     pub source: String,
+    /// Share of the light that the paper returns.
     pub albedo: Albedo,
+    /// What is between ink and paper.
     pub coupling: Coupling,
 }
 
-/// Angles of incidence, degrees from the normal, below 90.
+/// Directions of the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Angles {
-    /// For light from above, rising.
-    pub above: Vec<f64>,
-    /// For light from below, in the rule's order; empty where the layer is the same from both sides.
-    pub below: Vec<f64>,
+    /// Polar angles that every realisation is solved at, degrees from the normal, below 90, rising.
+    pub exact_deg: Vec<f64>,
+    /// Further directions over the hemisphere of the incident side, one in each equal stratum of cos²θ; 0 where only single
+    /// angles were asked for.
+    pub strata: usize,
+    /// The same from the exit side; 0 where the layer is statistically the same from both sides.
+    pub exit_strata: usize,
+    /// Azimuth of the plane of incidence, degrees; that of a varied cell adds to it.
     pub azimuth_deg: f64,
-    /// The quadrature rule, unless the angles were listed.
-    pub rule: Option<AngleRule>,
     /// Largest angle of the picture's axes.
     pub picture_max_deg: f64,
+    /// Why there are neither paper nor colour, where the angles are the reason.
+    pub no_paper: Option<String>,
+}
+
+impl Angles {
+    /// Solves of one wavelength.
+    pub fn count(&self) -> usize {
+        self.exact_deg.len() + self.strata + self.exit_strata
+    }
 }
 
 /// A wanted accuracy, or the grid itself.
@@ -94,9 +151,21 @@ pub struct Angles {
 #[serde(rename_all = "snake_case")]
 pub enum WantedResolution {
     /// Largest error of any order's amplitude.
-    Accuracy { amplitude: f64, scheme: Scheme },
+    Accuracy {
+        /// Largest error of a complex amplitude.
+        amplitude: f64,
+        /// Discretisation along z.
+        scheme: Scheme,
+    },
     /// Points and planes per µm.
-    Grid { points_per_um: f64, planes_per_um: f64, scheme: Scheme },
+    Grid {
+        /// Points along x and y, per µm.
+        points_per_um: f64,
+        /// Planes along z, per µm.
+        planes_per_um: f64,
+        /// Discretisation along z.
+        scheme: Scheme,
+    },
 }
 
 impl WantedResolution {
@@ -120,63 +189,87 @@ impl WantedResolution {
 /// What the results look like; no solve depends on it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Output {
+    /// Folder of the results, if named in the file.
     pub folder: Option<String>,
+    /// Side of the picture's square, pixels.
     pub picture_pixels: usize,
+    /// What the specular direction reflects.
     pub mirrored_sky: MirroredSky,
 }
 
 /// One solve of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
+    /// Number of the realisation, from 0.
     pub realisation: usize,
-    /// Place of the wavelength in the study's list.
+    /// Place of the wavelength among those of the realisation.
     pub wavelength: usize,
+    /// Wavelength, direction and side of the light.
     pub incidence: Incidence,
 }
 
 impl Study {
     /// Content hash of everything the results depend on: all but the title and the output's form.
     pub fn key(&self) -> Key {
-        let ensemble = (&self.layer, &self.pigments, &self.packing, self.realisations);
+        let spectra: Vec<&Spectrum> = self.pigments.iter().map(|p| &p.material.spectrum).collect();
+        let binder = (&self.layer.binder.spectrum, &self.layer.binder.dissolved);
+        let ensemble = (
+            &self.layer,
+            &self.pigments,
+            spectra,
+            binder,
+            &self.packing,
+            self.realisations,
+            self.target_delta_e,
+            &self.variation,
+        );
         let light = (&self.paper, &self.wavelengths_nm, &self.angles);
         Key::of("study", &(ensemble, light, &self.resolution, &self.solver, &self.goal))
     }
 
-    /// The packing of a realisation: its own stream of the study's seed.
+    /// The packing of a realisation: its own cell, and its own stream of the study's seed.
     pub fn packing_request(&self, realisation: usize) -> PackingRequest {
-        PackingRequest { stream: realisation as u64, ..self.packing.clone() }
+        let draw = self.draw(realisation);
+        PackingRequest {
+            stream: realisation as u64,
+            period_um: draw.period_um,
+            thickness_um: draw.thickness_um,
+            ..self.packing.clone()
+        }
     }
 
     /// Indices at one wavelength; pigment i is inclusion i.
-    pub fn media(&self, wavelength: usize) -> Media {
+    pub fn media(&self, wavelength_um: f64) -> Media {
         Media {
             incident: self.layer.index_above.into(),
             exit: self.layer.index_below.into(),
-            backgrounds: vec![self.layer.binder.index[wavelength]],
-            inclusions: self.pigments.iter().map(|p| p.material.index[wavelength]).collect(),
+            backgrounds: vec![self.layer.binder.index_at(wavelength_um)],
+            inclusions: self.pigments.iter().map(|p| p.material.index_at(wavelength_um)).collect(),
         }
     }
 
     /// The same indices for a content hash: incident side, exit side, binder, pigments.
-    pub fn indices(&self, wavelength: usize) -> Vec<Complex64> {
-        let Media { incident, exit, backgrounds, inclusions } = self.media(wavelength);
+    pub fn indices(&self, wavelength_um: f64) -> Vec<Complex64> {
+        let Media { incident, exit, backgrounds, inclusions } = self.media(wavelength_um);
         [incident, exit].into_iter().chain(backgrounds).chain(inclusions).collect()
     }
 
-    /// All solves of one realisation, in their order: wavelength, side, angle.
+    /// All solves of one realisation, in their order: wavelength; exact angles, strata, strata from the exit side.
     pub fn points(&self, realisation: usize) -> Vec<Point> {
-        let at = |wavelength: usize, from: Side, polar_deg: f64| {
-            let wavelength_um = self.wavelengths_nm[wavelength] * 1e-3;
-            let azimuth_deg = self.angles.azimuth_deg;
-            let incidence = Incidence { wavelength_um, polar_deg, azimuth_deg, from };
-            Point { realisation, wavelength, incidence }
+        let draw = self.draw(realisation);
+        let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
+        let at = |(wavelength, nm): (usize, f64)| {
+            let Turn { azimuth_deg, direction } = self.turn(&draw, wavelength);
+            let incident = exact_deg.iter().copied().chain(stratified_deg(*strata, direction));
+            let incident = incident.map(|deg| (Side::Incident, deg));
+            let exit = stratified_deg(*exit_strata, direction).into_iter().map(|deg| (Side::Exit, deg));
+            let point = |(from, polar_deg): (Side, f64)| {
+                let incidence = Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
+                Point { realisation, wavelength, incidence }
+            };
+            incident.chain(exit).map(point).collect::<Vec<_>>()
         };
-        let of_wavelength = |wavelength: usize| {
-            let above = self.angles.above.iter().map(move |&deg| at(wavelength, Side::Incident, deg));
-            let below = self.angles.below.iter().map(move |&deg| at(wavelength, Side::Exit, deg));
-            above.chain(below)
-        };
-        (0..self.wavelengths_nm.len()).flat_map(of_wavelength).collect()
+        self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
     }
 
     /// Volume of the cell, µm³.
@@ -186,7 +279,7 @@ impl Study {
 
     /// Number of solves of one realisation.
     pub fn solves_each(&self) -> usize {
-        self.wavelengths_nm.len() * (self.angles.above.len() + self.angles.below.len())
+        self.solved_wavelengths() * self.angles.count()
     }
 
     /// Number of solves of the whole study.

@@ -79,12 +79,25 @@ pub struct SyntaxFault {
 }
 
 impl SyntaxFault {
+    /// With its line and column, where they are known.
+    pub fn in_words(&self, text: &str) -> String {
+        let Some(span) = &self.span else { return self.message.clone() };
+        let before = &text[..floor_char_boundary(text, span.start)];
+        let (line, start) = (before.matches('\n').count() + 1, before.rfind('\n').map_or(0, |i| i + 1));
+        format!("line {line}, column {}: {}", before[start..].chars().count() + 1, self.message)
+    }
+
     /// With the file that it is in.
     pub fn in_file(self, path: &Path, text: &str) -> StudyError {
         let SyntaxFault { message, remedy, span } = self;
         let (path, text, remedy) = (path.to_owned(), text.to_owned(), remedy.to_owned());
         StudyError::Syntax { path, text, span, message, remedy }
     }
+}
+
+/// The last boundary between characters up to a byte.
+fn floor_char_boundary(text: &str, byte: usize) -> usize {
+    (0..=byte.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
 }
 
 /// Parses TOML. The parser's own report is not used: it cannot show lines of more than 65 535 columns.
@@ -105,15 +118,17 @@ pub fn parse_toml(text: &str) -> Result<toml::Table, SyntaxFault> {
 /// The text is no JSON; NaN and Infinity have a remedy of their own.
 pub fn parse_json(text: &str) -> Result<serde_json::Value, SyntaxFault> {
     serde_json::from_str(text).map_err(|error| {
-        let start =
-            text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
-        let place = (start + error.column().saturating_sub(1)).min(text.len());
+        let lines = text.split_inclusive('\n').take(error.line().saturating_sub(1));
+        let place = lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1);
+        let place = floor_char_boundary(text, place);
+        let message = error.to_string();
+        let message = message.split(" at line ").next().unwrap_or(&message).to_owned();
         let none = ["NaN", "Infinity"].iter().any(|word| text.contains(word));
         let remedy = if none {
             "JSON knows neither NaN nor Infinity: give finite numbers"
         } else {
             "correct the JSON here, or write TOML in a file that ends in .toml"
         };
-        SyntaxFault { message: error.to_string(), remedy, span: Some(place..place) }
+        SyntaxFault { message, remedy, span: Some(place..place) }
     })
 }

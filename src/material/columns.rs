@@ -3,6 +3,7 @@
 //! A spreadsheet in much of the world writes `;` between columns and `,` in numbers. Which one a file uses is read off
 //! its header line; a file that mixes them is refused with an explanation, never guessed at.
 
+use crate::numerics::files;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -78,7 +79,7 @@ impl Columns {
     /// The file cannot be read, has no header, or a line that does not fit it.
     pub fn read(path: &Path) -> Result<Self, ColumnsError> {
         let unreadable = |source| ColumnsError::Unreadable { path: path.into(), source };
-        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
         Self::parse(path, &String::from_utf8_lossy(&bytes))
     }
 

@@ -14,6 +14,7 @@
 //! | 8 | (n² − 1)/(n² + 2) = C₁ + C₂λ²/(λ² − C₃) + C₄λ² |
 //! | 9 | n² = C₁ + C₂/(λ² − C₃) + C₄(λ − C₅)/((λ − C₅)² + C₆) |
 
+use crate::numerics::files;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use serde_norway::Value;
@@ -42,7 +43,7 @@ pub enum DispersionError {
 }
 
 /// What gives one part of the index over a range of wavelengths.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Source {
     /// Rows (λ in µm, value), rising; linear between them.
     Table(Vec<[f64; 2]>),
@@ -51,7 +52,7 @@ enum Source {
 }
 
 /// n(λ) and κ(λ) of one record.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dispersion {
     name: String,
     n: Option<Source>,
@@ -81,7 +82,7 @@ impl Dispersion {
     /// The file cannot be read, is no record, or holds numbers that make no index.
     pub fn read(path: &Path) -> Result<Self, DispersionError> {
         let unreadable = |source| DispersionError::Unreadable { path: path.into(), source };
-        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        let text = files::read_text(path, files::TABLE).map_err(unreadable)?;
         let no_record = |reason| DispersionError::NoRecord { path: path.into(), reason };
         Self::parse(&path.display().to_string(), &text).map_err(no_record)
     }

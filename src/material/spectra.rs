@@ -124,7 +124,7 @@ impl Synthetic {
 }
 
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
@@ -135,14 +135,14 @@ pub struct Sample {
 }
 
 /// A tabulated spectrum, increasing in wavelength; linear between its rows.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     name: String,
     samples: Vec<Sample>,
 }
 
 /// Index of refraction η(λ) = n + iκ of one material; κ > 0 absorbs (time factor e^{−iωt}).
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Spectrum {
     /// The same index at every wavelength.
@@ -161,6 +161,9 @@ pub enum Spectrum {
 }
 
 impl Spectrum {
+    /// The index 1 at every wavelength.
+    pub const VACUUM: Self = Self::Constant { n: 1.0, kappa: 0.0 };
+
     /// A constant index.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! A number with its standard error, and the jackknife that gives it where a formula is not linear.
 
 use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A value and its standard error (one standard deviation of the value); `None` where one realisation leaves
 /// it unknown. Unknown is not zero.
@@ -33,6 +34,12 @@ impl Estimate {
         let variance = jackknife_covariance(&columns).map(|c| c[0][0]);
         Self { value: whole, standard_error: variance.map(f64::sqrt) }
     }
+}
+
+/// Factor on a standard error of `degrees` degrees of freedom that gives a 95 % interval (Student's t); `None` without any.
+pub fn coverage_factor_95(degrees: usize) -> Option<f64> {
+    let law = StudentsT::new(0.0, 1.0, degrees as f64).ok()?;
+    Some(law.inverse_cdf(0.975))
 }
 
 /// Jackknife covariance (n − 1)/n Σ_r (x_r − x̄)(x_r − x̄)ᵀ of a statistic from its n leave-one-out replicates
@@ -89,6 +96,14 @@ mod tests {
             direct.standard_error.unwrap(),
             max_relative = 1e-14
         );
+    }
+
+    #[test]
+    fn intervals_follow_students_law() {
+        // tables: t(0.975; 1) = 12.706, t(0.975; 23) = 2.069
+        assert!((coverage_factor_95(1).unwrap() - 12.706).abs() < 1e-3);
+        assert!((coverage_factor_95(23).unwrap() - 2.069).abs() < 1e-3);
+        assert_eq!(coverage_factor_95(0), None);
     }
 
     #[test]

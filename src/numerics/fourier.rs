@@ -105,6 +105,7 @@ pub struct Harmonics {
 }
 
 impl Harmonics {
+    /// The harmonics of a grid of nx × ny points.
     pub fn new(nx: usize, ny: usize) -> Harmonics {
         let (mmax, nmax) = ((nx as i32 - 1) / 2, (ny as i32 - 1) / 2);
         let mut harmonics = Harmonics { orders: Vec::new(), runs: Vec::new(), rows: used_rows(nx, mmax) };
@@ -124,10 +125,12 @@ impl Harmonics {
         self.orders.extend(n.map(|n| [m, n]));
     }
 
+    /// Number of harmonics in use.
     pub fn len(&self) -> usize {
         self.orders.len()
     }
 
+    /// Never true: (0, 0) is always in use.
     pub fn is_empty(&self) -> bool {
         self.orders.is_empty()
     }

@@ -5,6 +5,7 @@ pub mod draws;
 pub mod estimate;
 pub mod files;
 pub mod fourier;
+pub mod sequence;
 pub mod vector;
 
 pub use draws::Draws;

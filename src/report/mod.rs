@@ -1,5 +1,6 @@
 //! What people read: pages, tables, reports of packings, and the folder of published files.
 
+pub mod cell;
 pub mod packing;
 pub mod page;
 pub mod publish;

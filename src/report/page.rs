@@ -8,19 +8,29 @@ use serde::Serialize;
 /// All that the page says; its layout is `page.html`.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Page {
+    /// The study's title.
     pub title: String,
     /// The study in one sentence.
     pub summary: String,
     /// What is missing, while the study is not finished.
     pub partial: Option<String>,
+    /// The picture of the ink on paper.
     pub picture: Option<Picture>,
+    /// Colours in words and numbers.
     pub colour: Option<ColourBlock>,
+    /// Plots.
     pub figures: Vec<Figure>,
+    /// What the errors hold.
     pub certainty: Vec<Meant>,
+    /// What was asked.
     pub asked: Vec<Named>,
+    /// The packings that were made.
     pub packings: Vec<PackingRow>,
+    /// What failed.
     pub failures: Vec<FailureRow>,
+    /// What the numbers do not cover.
     pub limits: Vec<String>,
+    /// How the results can be made again.
     pub provenance: Provenance,
 }
 
@@ -29,14 +39,18 @@ pub struct Page {
 pub struct Picture {
     /// A `data:` address.
     pub data: String,
+    /// Text beneath.
     pub caption: String,
 }
 
 /// A figure under its own heading.
 #[derive(Clone, Debug, Serialize)]
 pub struct Figure {
+    /// Heading over the figure.
     pub heading: String,
+    /// The figure as a data address.
     pub data: String,
+    /// Text beneath.
     pub caption: String,
 }
 
@@ -45,8 +59,11 @@ pub struct Figure {
 pub struct ColourBlock {
     /// `#rrggbb` of the patch.
     pub hex: String,
+    /// Headings of the columns: light and viewing.
     pub conditions: Vec<String>,
+    /// One row a quantity.
     pub rows: Vec<ColourRow>,
+    /// Text beneath.
     pub note: String,
     /// The first column in one line.
     pub in_words: String,
@@ -55,56 +72,76 @@ pub struct ColourBlock {
 /// One quantity under every condition.
 #[derive(Clone, Debug, Serialize)]
 pub struct ColourRow {
+    /// The quantity.
     pub name: String,
+    /// One value for each condition.
     pub values: Vec<String>,
 }
 
 /// A number and what it means.
 #[derive(Clone, Debug, Serialize)]
 pub struct Meant {
+    /// The quantity.
     pub name: String,
+    /// Its value.
     pub value: String,
+    /// What it means.
     pub meaning: String,
 }
 
 /// A row of name and value; `code` sets the value in a typewriter face.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Named {
+    /// The quantity.
     pub name: String,
+    /// Its value.
     pub value: String,
+    /// Whether the value is set as code.
     pub code: bool,
 }
 
 /// One pigment of one packing.
 #[derive(Clone, Debug, Serialize)]
 pub struct PackingRow {
+    /// Number of the realisation, from 0.
     pub realisation: usize,
+    /// Name of the pigment.
     pub pigment: String,
+    /// Number of grains.
     pub grains: usize,
+    /// Volume fraction asked for.
     pub asked: String,
+    /// Volume fraction of whole grains.
     pub reached: String,
+    /// How they were packed.
     pub method: String,
 }
 
 /// A solve that has no result.
 #[derive(Clone, Debug, Serialize)]
 pub struct FailureRow {
+    /// Which solve.
     pub point: String,
+    /// The error's message.
     pub reason: String,
 }
 
 /// Where the numbers come from.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Provenance {
+    /// Program and version.
     pub program: String,
+    /// What else is needed to make them again.
     pub rows: Vec<Named>,
 }
 
 impl Named {
+    /// A row of plain text.
     pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self { name: name.into(), value: value.into(), code: false }
     }
 
+    /// A row whose value is set as code.
     pub fn code(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self { code: true, ..Self::new(name, value) }
     }

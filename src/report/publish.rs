@@ -3,10 +3,10 @@
 use super::sheet::sheet;
 use super::tables;
 use crate::appearance::bdf::BdfError;
-use crate::appearance::ink_on_paper::InkError;
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::{Bitmap, FigureError};
 use crate::draw::picture::PictureStyle;
+use crate::evaluate::ink::InkError;
 use crate::evaluate::manifest::{Manifest, Status};
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
@@ -19,20 +19,31 @@ const PICTURE_ANGLES: usize = 61;
 /// Why the results could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PublishError {
+    /// The folder of results.
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// What the page would have shown.
+    #[error("{0}: no result, so nothing is published; try a finer grid or another solver")]
+    Unphysical(String),
+    /// A plot or picture.
     #[error(transparent)]
     Figure(#[from] FigureError),
+    /// Ink on paper.
     #[error(transparent)]
     Ink(#[from] InkError),
+    /// A distribution function.
     #[error(transparent)]
     Bdf(#[from] BdfError),
+    /// A table.
     #[error("cannot write a table: {0}")]
     Table(#[from] csv::Error),
+    /// A summary.
     #[error("cannot write results.json: {0}")]
     Json(#[from] serde_json::Error),
+    /// The page.
     #[error("cannot write the report: {0}")]
     Page(#[from] minijinja::Error),
+    /// A file on the way to its place.
     #[error("cannot use the system's folder for temporary files: {0}")]
     Temporary(#[from] std::io::Error),
 }
@@ -40,6 +51,7 @@ pub enum PublishError {
 /// What was written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Published {
+    /// Whether anything is missing.
     pub status: Status,
     /// L*, a*, b* and C* under natural light in words, where there is a colour.
     pub colour: Option<String>,
@@ -65,6 +77,10 @@ pub(crate) fn publish_seen(
     seen: &Seen,
     folder: &OutputFolder,
 ) -> Result<Published, PublishError> {
+    if let Some(what) = manifest.unphysical() {
+        folder.begin()?;
+        return Err(PublishError::Unphysical(what));
+    }
     let pictures = pictures(study, seen)?;
     let page = sheet(study, manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
     folder.begin()?;
@@ -73,8 +89,8 @@ pub(crate) fn publish_seen(
         folder.write("picture-with-axes.png", &pictures.labelled)?;
     }
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
-    let bdfs = seen.layer.iter().flat_map(|layer| &layer.bdfs);
-    folder.write("bdf.csv", &tables::distributions(bdfs)?)?;
+    let amplitude_error = manifest.certainty.amplitude_error_estimate;
+    folder.write("bdf.csv", &tables::distributions(seen.bdfs.iter(), amplitude_error)?)?;
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
     folder.write("report.html", page.html()?.as_bytes())?;
     if manifest.status == Status::Complete {

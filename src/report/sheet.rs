@@ -51,8 +51,8 @@ fn summary(study: &Study) -> String {
         .map(|d| format!("{} % {} (molecular mixture)", percent(d.volume_fraction), d.name));
     let shares: Vec<String> = shares.chain(dissolved).collect();
     let pigments = if shares.is_empty() { "A clear layer".to_owned() } else { shares.join(" and ") };
-    let paper = match (&study.angles.rule, study.paper.coupling) {
-        (None, _) => String::new(),
+    let paper = match (study.angles.strata, study.paper.coupling) {
+        (0, _) => String::new(),
         (_, Coupling::Gap) => format!(", on paper of albedo {}", study.paper.source),
         (_, Coupling::OpticalContact { .. }) => {
             format!(", in optical contact with paper of albedo {}", study.paper.source)

@@ -29,7 +29,7 @@ pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
     finish(table)
 }
 
-const BDF_HEADER: [&str; 15] = [
+const BDF_HEADER: [&str; 16] = [
     "wavelength_nm",
     "from",
     "polar_in_deg",
@@ -45,26 +45,34 @@ const BDF_HEADER: [&str; 15] = [
     "bdf_per_sr",
     "bdf_standard_error",
     "realisations",
+    "efficiency_grid_error",
 ];
 
 /// Distributions of the layer alone, one row an order: direction cosines, efficiency and BRDF or BTDF. The
 /// specular order is marked: it is a mirror image, not a density per steradian.
-pub fn distributions<'a>(bdfs: impl Iterator<Item = &'a Bdf>) -> csv::Result<Vec<u8>> {
+///
+/// `amplitude_error` is what the grid may do to an order's complex amplitude a; its efficiency e = w|a|² is then uncertain by
+/// 2 √(e w) times that, w = cos θ_out/cos θ_in being the order's share of the flux.
+pub fn distributions<'a>(bdfs: impl Iterator<Item = &'a Bdf>, amplitude_error: f64) -> csv::Result<Vec<u8>> {
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record(BDF_HEADER)?;
     for bdf in bdfs {
         for lobe in [Lobe::Reflected, Lobe::Transmitted] {
             for order in bdf.orders(lobe) {
-                table.write_record(row(bdf, lobe, order))?;
+                table.write_record(row(bdf, lobe, order, amplitude_error))?;
             }
         }
     }
     finish(table)
 }
 
-fn row(bdf: &Bdf, lobe: Lobe, order: &OrderMean) -> impl Iterator<Item = String> {
+fn row(bdf: &Bdf, lobe: Lobe, order: &OrderMean, amplitude_error: f64) -> impl Iterator<Item = String> {
     let incidence = bdf.incidence();
     let from = if incidence.from == Side::Incident { "above" } else { "below" };
+    let [x, y] = order.direction;
+    let cosine = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let flux = cosine / incidence.polar_deg.to_radians().cos();
+    let grid_error = 2.0 * (order.efficiency.value.max(0.0) * flux).sqrt() * amplitude_error;
     let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
     let place = [
         (1e3 * incidence.wavelength_um).to_string(),
@@ -79,7 +87,7 @@ fn row(bdf: &Bdf, lobe: Lobe, order: &OrderMean) -> impl Iterator<Item = String>
         (order.m == 0 && order.n == 0).to_string(),
     ];
     let numbers = cells(Some(order.efficiency)).into_iter().chain(cells(Some(order.bdf)));
-    place.into_iter().chain(numbers).chain([bdf.realisations().to_string()])
+    place.into_iter().chain(numbers).chain([bdf.realisations().to_string(), grid_error.to_string()])
 }
 
 /// Value and standard error.
@@ -100,7 +108,7 @@ mod tests {
     #[test]
     fn tables_are_rectangular_and_unknown_errors_are_empty() {
         let bdf = Bdf::from_ensemble(&[two_orders()]).unwrap();
-        let csv = distributions(std::iter::once(&bdf)).unwrap();
+        let csv = distributions(std::iter::once(&bdf), 1e-3).unwrap();
         let mut reader = csv::Reader::from_reader(csv.as_slice());
         let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
         assert_eq!(rows.len(), 2);

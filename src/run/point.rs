@@ -14,12 +14,16 @@ use std::sync::Arc;
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum PointError {
+    /// The scene does not make a problem on the grid.
     #[error(transparent)]
     Wave(#[from] WaveError),
+    /// The solve failed or was stopped.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// The result breaks a law it must obey.
     #[error(transparent)]
     Unphysical(#[from] Unphysical),
+    /// A number of the record is not finite.
     #[error(transparent)]
     NotFinite(#[from] NotFinite),
 }
@@ -67,7 +71,7 @@ pub fn solve_point(
     key: &str,
     watch: &dyn RunWatch,
 ) -> Result<PointRecord, PointError> {
-    let media = study.media(point.wavelength);
+    let media = study.media(point.incidence.wavelength_um);
     let problem = Problem::new(coverage, &media, &point.incidence, Mean::default())?;
     let solution = solver.solve(&problem, study.goal, &mut Stopper(watch))?;
     let account = SolveAccount {

@@ -70,10 +70,11 @@ impl<'a> Packings<'a> {
 /// The solves of a realisation with the content hashes of all that they depend on.
 pub(crate) fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
     let packing = Key::of("packing", &study.packing_request(realisation));
+    let resolution = resolved.for_cell(&study.draw(realisation));
     let key = |point: &Point| {
         let error = study.resolution.coverage_error();
-        let method = (&resolved.resolution, Mean::default(), &study.solver, &study.goal, error);
-        Key::of("point", &(&packing, study.indices(point.wavelength), &point.incidence, method))
+        let method = (&resolution, Mean::default(), &study.solver, &study.goal, error);
+        Key::of("point", &(&packing, study.indices(point.incidence.wavelength_um), &point.incidence, method))
     };
     study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
 }
@@ -115,13 +116,14 @@ impl RealisationRun<'_> {
         let packing = packings.get(self.realisation)?;
         let record = PackingRecord::new(self.realisation, &packing);
         self.stores.packings.put(packing_key.as_str(), &record)?;
+        let resolution = self.resolved.for_cell(&self.study.draw(self.realisation));
         let todo: Vec<&(Point, Key)> = missing.iter().map(|&i| &keyed[i]).collect();
-        let size = resolve::size(self.study, self.resolved.resolution);
+        let size = resolve::size(self.study, resolution);
         let solver = self.study.solver.build();
         let solver = size.admit(&*solver, self.settings.memory)?;
         let jobs = self.jobs(size.bytes(solver.solver()));
         let error = self.study.resolution.coverage_error();
-        let coverage = packings.coverage(self.realisation, self.resolved.resolution, error)?;
+        let coverage = packings.coverage(self.realisation, resolution, error)?;
         for (&i, result) in missing.iter().zip(self.solve_all(solver.solver(), jobs, &coverage, &todo)?) {
             match result {
                 Some(Ok(point)) => points[i] = Some(point),

@@ -6,25 +6,55 @@
 
 use super::point::Stopper;
 use super::watch::RunWatch;
-use crate::input::study::{Layer, Pigment, Study, WantedResolution};
+use crate::input::study::{Pigment, Study, WantedResolution};
+use crate::input::variation::{Draw, stratified_deg};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
 use crate::solve::demand::Size;
-use crate::solve::{Coverages, SolveError};
+use crate::solve::{Coverages, SolveError, Solver};
 use crate::store::identity::Key;
 use crate::store::{Record, Store};
 use crate::wave::physical::largest;
 use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
 
+/// Packings on which two grids are compared: enough for a standard error of the difference.
+const GRID_PACKINGS: usize = 4;
+
 /// The grid that all solves of a study share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resolved {
+    /// Of the first realisation's cell.
     pub resolution: Resolution,
+    /// Period of that cell, µm.
+    pub period_um: [f64; 2],
+    /// Thickness of its layer, µm.
+    pub thickness_um: f64,
     /// Largest expected error of an order's complex amplitude, over the probes.
     pub error_estimate: f64,
     /// Expected errors of R and T.
     pub grid_error: GridError,
+}
+
+impl Resolved {
+    /// The grid of another cell: no coarser than the first one's.
+    pub fn for_cell(&self, draw: &Draw) -> Resolution {
+        let points = |own: usize, first_um: f64, um: f64| {
+            let wanted = (own as f64 * um / first_um * (1.0 - 1e-9)).ceil() as usize;
+            if own == 1 { 1 } else { smooth_size(wanted.max(1)) }
+        };
+        let (own, first) = (self.resolution, self.period_um);
+        let cells = (own.cells as f64 * draw.thickness_um / self.thickness_um * (1.0 - 1e-9)).ceil();
+        if draw.period_um == first && draw.thickness_um == self.thickness_um {
+            return own;
+        }
+        Resolution {
+            nx: points(own.nx, first[0], draw.period_um[0]),
+            ny: points(own.ny, first[1], draw.period_um[1]),
+            cells: (cells as usize).max(1),
+            scheme: own.scheme,
+        }
+    }
 }
 
 /// What the study's solves take on a grid.
@@ -41,7 +71,7 @@ impl Record for Resolved {
     const KIND: &'static str = "grid";
 }
 
-/// The study's grid: from the store, or from solves on `scene`, which is made when it is needed.
+/// The study's grid: from the store, or from solves on the first realisations' scenes, which are made when they are needed.
 ///
 /// # Errors
 /// The accuracy is out of reach, the grid does not fit `memory` (bytes), or a probe cannot be solved.
@@ -50,33 +80,39 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     store: &Store<Resolved>,
     memory: f64,
     watch: &dyn RunWatch,
-    scene: impl FnOnce() -> Result<Scene, E>,
+    mut scene: impl FnMut(usize) -> Result<Scene, E>,
 ) -> Result<Resolved, E> {
-    let probes = probes(study);
+    let probes = probes(study, 0);
     let key = key(study, &probes);
     if let Some(resolved) = store.get(key.as_str()) {
         return Ok(resolved);
     }
     if let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution {
-        let grid = grid(&study.layer, points_per_um, planes_per_um, scheme);
+        let grid = grid(&study.draw(0), points_per_um, planes_per_um, scheme);
         size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
     }
-    let scene = scene()?;
+    let first = scene(0)?;
     watch.stage("estimating the error of the grid");
-    let resolved = settle(study, &scene, &probes, memory, watch)?;
+    let mut resolved = settle(study, &first, &probes, memory, watch)?;
+    let mut differences = Vec::new();
+    for r in 0..study.realisations.min(GRID_PACKINGS) {
+        let scene = if r == 0 { first.clone() } else { scene(r)? };
+        differences.push(grid_differences(study, &resolved, r, &scene, memory, watch)?);
+    }
+    resolved.grid_error = GridError::from_differences(&differences);
     store.put(key.as_str(), &resolved)?;
     Ok(resolved)
 }
 
 /// The study's grid if the store has it.
 pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
-    store.get(key(study, &probes(study)).as_str())
+    store.get(key(study, &probes(study, 0)).as_str())
 }
 
 /// Content hash of all that the choice of the grid depends on.
-fn key(study: &Study, probes: &[Probe]) -> Key {
+fn key(study: &Study, probes: &[Incidence]) -> Key {
     let packing = Key::of("packing", &study.packing_request(0));
-    let media: Vec<_> = probes.iter().map(|(wavelength, _)| study.indices(*wavelength)).collect();
+    let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
     let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
     Key::of("resolution", &(packing, media, probes, method))
 }
@@ -86,62 +122,103 @@ pub fn is_stop(error: &AccuracyError) -> bool {
     matches!(error, AccuracyError::Solve(SolveError::Cancelled { .. }))
 }
 
-/// Place of the wavelength, and the incidence.
-type Probe = (usize, Incidence);
-
-fn probes(study: &Study) -> Vec<Probe> {
-    let angles = &study.angles.above;
-    let incidence = |wavelength: usize, polar_deg: f64| Incidence {
-        wavelength_um: study.wavelengths_nm[wavelength] * 1e-3,
+fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
+    let azimuth_deg = study.draw(realisation).azimuth_deg;
+    let incidence = |nm: f64, polar_deg: f64| Incidence {
+        wavelength_um: nm * 1e-3,
         polar_deg,
-        azimuth_deg: study.angles.azimuth_deg,
+        azimuth_deg,
         from: Side::Incident,
     };
-    let contrast = |wavelength: usize| {
-        let [binder, k] = [study.layer.binder.index[wavelength], study.wavelengths_nm[wavelength].into()];
+    let contrast = |nm: f64| {
+        let binder = study.layer.binder.index_at(1e-3 * nm);
         let of = |p: &Pigment| {
-            let eta = p.material.index[wavelength];
-            ((eta * eta - binder * binder) / (k * k)).norm()
+            let eta = p.material.index_at(1e-3 * nm);
+            ((eta * eta - binder * binder) / (nm * nm)).norm()
         };
         study.pigments.iter().map(of).fold(0.0, f64::max)
     };
-    let (smallest, largest) = (angles[0], angles[angles.len() - 1]);
-    let strongest = (0..study.wavelengths_nm.len()).max_by(|&a, &b| contrast(a).total_cmp(&contrast(b)));
-    let mut probes = vec![(0, smallest), (0, largest), (strongest.unwrap_or(0), smallest)];
+    let slanted =
+        stratified_deg(study.angles.strata, 0.5).into_iter().chain(study.angles.exact_deg.iter().copied());
+    let (smallest, largest) = (study.angles.exact_deg[0], slanted.fold(0.0, f64::max));
+    let nm = &study.wavelengths_nm;
+    let strongest = nm.iter().copied().max_by(|&a, &b| contrast(a).total_cmp(&contrast(b))).unwrap_or(nm[0]);
+    let mut probes =
+        vec![incidence(nm[0], smallest), incidence(nm[0], largest), incidence(strongest, smallest)];
     probes.dedup();
-    probes.into_iter().map(|(wavelength, angle)| (wavelength, incidence(wavelength, angle))).collect()
+    probes
 }
 
 fn settle(
     study: &Study,
     scene: &Scene,
-    probes: &[Probe],
+    probes: &[Incidence],
     memory: f64,
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
-    let (solver, coverages) =
-        (study.solver.build(), Coverages::within(scene, study.resolution.coverage_error()));
-    let media: Vec<Media> = probes.iter().map(|(wavelength, _)| study.media(*wavelength)).collect();
-    let (mean, scheme, goal) = (Mean::default(), study.resolution.scheme(), study.goal);
-    let task = |i: usize| {
-        let (media, incidence) = (&media[i], &probes[i].1);
-        Task { coverages: &coverages, media, incidence, mean, scheme, solver: &*solver, goal, memory }
-    };
+    let draw = study.draw(0);
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
-    for task in (0..probes.len()).map(task) {
-        let probed = probe(study, &task, resolution, watch)?;
+    for task in &Prepared::new(study, scene, probes, memory).tasks() {
+        let probed = probe(study, &draw, task, resolution, watch)?;
         error_estimate = largest([error_estimate, probed.error_estimate]);
         resolution = Some(probed.problem.coverage.grid.resolution);
     }
     let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
-    let tasks: Vec<Task> = (0..probes.len()).map(task).collect();
-    let grid_error = GridError::measure(&tasks, resolution, &mut Stopper(watch))?;
-    Ok(Resolved { resolution, error_estimate, grid_error })
+    let Draw { period_um, thickness_um, .. } = draw;
+    Ok(Resolved { resolution, period_um, thickness_um, error_estimate, grid_error: GridError::default() })
+}
+
+/// What the grid does to R and T of the probes on one packing.
+fn grid_differences(
+    study: &Study,
+    resolved: &Resolved,
+    realisation: usize,
+    scene: &Scene,
+    memory: f64,
+    watch: &dyn RunWatch,
+) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    let probes = probes(study, realisation);
+    let own = resolved.for_cell(&study.draw(realisation));
+    GridError::differences(&Prepared::new(study, scene, &probes, memory).tasks(), own, &mut Stopper(watch))
+}
+
+/// What the probes of one packing borrow.
+struct Prepared<'a> {
+    study: &'a Study,
+    coverages: Coverages<'a>,
+    solver: Box<dyn Solver>,
+    media: Vec<Media>,
+    probes: &'a [Incidence],
+    /// Most bytes of one solve.
+    memory: f64,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(study: &'a Study, scene: &'a Scene, probes: &'a [Incidence], memory: f64) -> Self {
+        let media = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
+        let coverages = Coverages::within(scene, study.resolution.coverage_error());
+        Self { study, coverages, solver: study.solver.build(), media, probes, memory }
+    }
+
+    fn tasks(&self) -> Vec<Task<'_>> {
+        let task = |(media, incidence)| Task {
+            coverages: &self.coverages,
+            media,
+            incidence,
+            mean: Mean::default(),
+            scheme: self.study.resolution.scheme(),
+            solver: &*self.solver,
+            goal: self.study.goal,
+            memory: self.memory,
+        };
+        self.media.iter().zip(self.probes).map(task).collect()
+    }
 }
 
 /// Tries the grid found so far and refines it for this probe where that is asked.
 fn probe(
     study: &Study,
+    draw: &Draw,
     task: &Task,
     before: Option<Resolution>,
     watch: &dyn RunWatch,
@@ -149,7 +226,7 @@ fn probe(
     let watch = &mut Stopper(watch);
     let accuracy = match study.resolution {
         WantedResolution::Grid { points_per_um, planes_per_um, scheme } => {
-            let grid = grid(&study.layer, points_per_um, planes_per_um, scheme);
+            let grid = grid(draw, points_per_um, planes_per_um, scheme);
             return task.solve_with_estimate(grid, watch);
         }
         WantedResolution::Accuracy { amplitude, .. } => amplitude,
@@ -172,9 +249,9 @@ fn probe(
 }
 
 /// Points and cells for the asked points and planes per µm: at least that fine, in sizes that transform fast.
-fn grid(layer: &Layer, points_per_um: f64, planes_per_um: f64, scheme: Scheme) -> Resolution {
-    let points = layer.period_um.map(|period| smooth_size((points_per_um * period).ceil() as usize));
-    let planes = planes_per_um * layer.thickness_um;
+fn grid(draw: &Draw, points_per_um: f64, planes_per_um: f64, scheme: Scheme) -> Resolution {
+    let points = draw.period_um.map(|period| smooth_size((points_per_um * period).ceil() as usize));
+    let planes = planes_per_um * draw.thickness_um;
     let cells = (planes / scheme.degree() as f64).ceil().max(1.0) as usize;
     Resolution { nx: points[0], ny: points[1], cells, scheme }
 }

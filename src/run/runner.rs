@@ -42,8 +42,12 @@ impl Default for RunSettings {
 /// All that a run has, finished or not.
 #[derive(Clone, Debug)]
 pub struct Collected {
+    /// The grid and what is known about its error.
     pub resolved: Resolved,
+    /// All realisations, in their order.
     pub realisations: Vec<Realisation>,
+    /// True when the wanted bar was reached before the last realisation asked for.
+    pub enough: bool,
     /// What was found damaged in the store, and computed again as far as this study needs it.
     pub damages: Vec<Damage>,
 }
@@ -51,37 +55,56 @@ pub struct Collected {
 /// One realisation's records, in the order of [`Study::points`]; `None` where a solve is missing.
 #[derive(Clone, Debug)]
 pub struct Realisation {
+    /// How the grains were packed.
     pub packing: PackingRecord,
+    /// One a solve, in the study's order; `None` where it is missing.
     pub points: Vec<Option<PointRecord>>,
+    /// What failed, and why.
     pub failures: Vec<Failure>,
 }
 
 /// A solve that ended without a result.
 #[derive(Clone, Debug)]
 pub struct Failure {
+    /// The solve.
     pub point: Point,
+    /// The error's message.
     pub reason: String,
 }
 
 /// Why a run ended without collecting anything.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
+    /// A packing was not delivered.
     #[error("realisation {}: {source}", realisation + 1)]
-    Packing { realisation: usize, source: PackError },
+    Packing {
+        /// Number of the realisation, from 0.
+        realisation: usize,
+        /// Why.
+        source: PackError,
+    },
+    /// No grid reaches the accuracy.
     #[error(transparent)]
     Resolution(#[from] AccuracyError),
+    /// The work would not fit into memory.
     #[error(transparent)]
     Memory(#[from] TooLarge),
+    /// The scene does not make a problem.
     #[error(transparent)]
     Wave(#[from] WaveError),
+    /// The folder of results.
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// A record could not be kept.
     #[error("cannot keep a result: {0}")]
     Store(#[from] io::Error),
+    /// The queue of work.
     #[error(transparent)]
     Queue(#[from] QueueError),
+    /// Threads could not be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// Someone asked to stop; what is finished is kept.
     #[error("stopped before the first solve")]
     Stopped,
 }
@@ -92,6 +115,7 @@ impl Collected {
         self.realisations.iter().map(|r| r.points.iter().flatten().count()).sum()
     }
 
+    /// All failures of all realisations.
     pub fn failures(&self) -> impl Iterator<Item = &Failure> {
         self.realisations.iter().flat_map(|r| &r.failures)
     }
@@ -113,10 +137,27 @@ pub fn run(
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Collected, RunError> {
+    run_until(study, folder, settings, watch, &|_| false)
+}
+
+/// Realisations between two looks at the bar.
+const BATCH: usize = 8;
+
+/// As [`run`], but ends as soon as `enough` says so, asked whenever a batch of realisations is finished.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_until(
+    study: &Study,
+    folder: &OutputFolder,
+    settings: RunSettings,
+    watch: &dyn RunWatch,
+    enough: &dyn Fn(&Collected) -> bool,
+) -> Result<Collected, RunError> {
     let stores = Stores::open(folder)?;
     stores.database().prepare()?;
     let mut packings = Packings::new(study, watch);
-    let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
+    let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
     let resolved = resolve(study, &stores.grids, settings.memory, watch, scene).map_err(stopped)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
     let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));
@@ -125,22 +166,23 @@ pub fn run(
         folder.begin()?;
     }
     watch.begins(study, kept);
-    let mut realisations = Vec::new();
+    let mut collected = Collected { resolved, realisations: Vec::new(), enough: false, damages: Vec::new() };
     for realisation in 0..study.realisations {
-        if watch.stop() && !realisations.is_empty() {
+        collected.enough = realisation > 0 && realisation.is_multiple_of(BATCH) && enough(&collected);
+        if collected.enough || watch.stop() && !collected.realisations.is_empty() {
             break;
         }
         let run =
             RealisationRun { study, resolved: &resolved, stores: &stores, settings, watch, realisation };
         match run.finish(&mut packings).map_err(stopped) {
             Err(RunError::Stopped) => break,
-            result => realisations.push(result?),
+            result => collected.realisations.push(result?),
         }
     }
-    if realisations.is_empty() {
+    if collected.realisations.is_empty() {
         return Err(RunError::Stopped);
     }
-    Ok(Collected { resolved, realisations, damages: stores.database().damages() })
+    Ok(Collected { damages: stores.database().damages(), ..collected })
 }
 
 /// A stop is no failure of packing or grid.

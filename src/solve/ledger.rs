@@ -1,4 +1,4 @@
-//! The account that every strategy keeps while it runs.
+//! The account that every strategy keeps while it runs, in this crate and outside.
 
 use super::System;
 use super::solver::{Account, Goal, Solution, SolveError, Step, Watch};
@@ -11,10 +11,18 @@ use std::time::Instant;
 const HOPELESS: f64 = 1e4;
 
 /// One solve under way: the yardstick, the history and the watcher.
-pub(super) struct Ledger<'a> {
+///
+/// A strategy makes a ledger, measures its fields with it, notes every residual, and ends with [`Ledger::finish`] or
+/// one of the errors that the ledger makes. What it does beyond measuring it adds to [`Ledger::account`]: steps, and
+/// operator applications of its own.
+pub struct Ledger<'a> {
+    /// The problem being solved.
     pub problem: &'a dyn System,
+    /// u₀ = A⁻¹b, the wave in the mean medium: harmonics of every unknown plane.
     pub background: Field,
+    /// What was asked for.
     pub goal: Goal,
+    /// The account so far.
     pub account: Account,
     scale: f64,
     watch: &'a mut dyn Watch,
@@ -22,6 +30,7 @@ pub(super) struct Ledger<'a> {
 }
 
 impl<'a> Ledger<'a> {
+    /// Opens the account of a solve by the strategy `name`; the clock starts here.
     pub fn new(name: &str, problem: &'a dyn System, goal: Goal, watch: &'a mut dyn Watch) -> Ledger<'a> {
         let clock = Instant::now();
         let background = problem.background_wave();
@@ -49,6 +58,9 @@ impl<'a> Ledger<'a> {
     }
 
     /// Enters a residual in the history and asks the watcher whether to go on.
+    ///
+    /// # Errors
+    /// [`SolveError::Cancelled`] when the watcher says no.
     pub fn note(&mut self, residual: f64) -> Result<(), SolveError> {
         self.account.residual = residual;
         self.account.history.push(residual);
@@ -61,15 +73,20 @@ impl<'a> Ledger<'a> {
         Ok(())
     }
 
+    /// True when the last residual meets the goal.
     pub fn reached(&self) -> bool {
         self.account.residual <= self.goal.tolerance
     }
 
+    /// True when the operator applications of the goal are used up.
     pub fn exhausted(&self) -> bool {
         self.account.operator_applications >= self.goal.max_applications
     }
 
     /// Gives up when the residual is not finite or hopelessly large, or when the applications are used up.
+    ///
+    /// # Errors
+    /// [`SolveError::Diverged`] or [`SolveError::NotConverged`] with `advice`.
     pub fn judge(&self, advice: &str) -> Result<(), SolveError> {
         if !self.account.residual.is_finite() || self.account.residual > HOPELESS {
             return Err(self.diverged(ratio_of_terms(&self.account.history, 6).unwrap_or(f64::INFINITY)));
@@ -77,15 +94,18 @@ impl<'a> Ledger<'a> {
         if self.exhausted() { Err(self.not_converged(advice)) } else { Ok(()) }
     }
 
+    /// The error of an iteration whose terms grow by the factor `ratio` a step.
     pub fn diverged(&self, ratio: f64) -> SolveError {
         SolveError::Diverged { account: Box::new(self.account.clone()), ratio }
     }
 
+    /// The error of an iteration that gives up; `advice` says what to try.
     pub fn not_converged(&self, advice: &str) -> SolveError {
         let account = Box::new(self.account.clone());
         SolveError::NotConverged { account, tolerance: self.goal.tolerance, advice: advice.to_string() }
     }
 
+    /// Closes the account of a converged field.
     pub fn finish(mut self, field: Field) -> Solution {
         self.account.seconds = self.clock.elapsed().as_secs_f64();
         Solution { field, account: self.account }
@@ -101,6 +121,6 @@ pub fn ratio_of_terms(history: &[f64], window: usize) -> Option<f64> {
 }
 
 /// A field as one long vector.
-pub(super) fn flat(field: &Field) -> &[Complex64] {
+pub fn flat(field: &Field) -> &[Complex64] {
     field.as_slice().expect("fields are contiguous")
 }

@@ -2,7 +2,7 @@
 
 use super::System;
 use super::demand::Size;
-use crate::wave::{Field, Problem, Resolution};
+use crate::wave::{Field, Mean, Problem, Resolution};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -27,8 +27,11 @@ impl Default for Goal {
 /// One step of a solver, as shown to its watcher.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
+    /// Number of the step, from 0.
     pub step: usize,
+    /// Operator applications so far.
     pub applications: usize,
+    /// Relative residual.
     pub residual: f64,
 }
 
@@ -77,13 +80,17 @@ impl Watch for Silent {
 /// The account of a solve.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Account {
+    /// Name of the strategy.
     pub solver: String,
+    /// Steps taken.
     pub steps: usize,
+    /// Operator applications, each one inverse and one forward transform of every plane.
     pub operator_applications: usize,
     /// Relative residual after each step, the start included.
     pub history: Vec<f64>,
     /// Relative residual of the delivered field.
     pub residual: f64,
+    /// Wall time of the solve, s.
     pub seconds: f64,
     /// Bytes of the solver's own vectors.
     pub bytes: usize,
@@ -92,28 +99,58 @@ pub struct Account {
 /// A converged field; there is no other kind.
 #[derive(Clone, Debug)]
 pub struct Solution {
+    /// Nodes and bubbles of every harmonic: planes × harmonics.
     pub field: Field,
+    /// How it was reached.
     pub account: Account,
 }
 
 /// Why there is no solution.
 #[derive(Debug, Error)]
 pub enum SolveError {
+    /// The goal was not met within what was allowed.
     #[error(
         "{} stopped at residual {:.2e} after {} operator applications (asked: {tolerance:.1e}): {advice}",
         .account.solver, .account.residual, .account.operator_applications
     )]
-    NotConverged { account: Box<Account>, tolerance: f64, advice: String },
+    NotConverged {
+        /// What was done.
+        account: Box<Account>,
+        /// Relative residual asked for.
+        tolerance: f64,
+        /// What to try.
+        advice: String,
+    },
+    /// The iteration moves away from the solution.
     #[error(
         "{} diverges: successive terms grow by a factor {ratio:.3} a step (residual {:.2e} after {} steps); \
          use solver = \"krylov\", which converges on the same problem",
         .account.solver, .account.residual, .account.steps
     )]
-    Diverged { account: Box<Account>, ratio: f64 },
+    Diverged {
+        /// What was done.
+        account: Box<Account>,
+        /// Factor by which terms grow, a step.
+        ratio: f64,
+    },
+    /// The watch stopped it.
     #[error("the solve was cancelled after {} steps at residual {:.2e}", .account.steps, .account.residual)]
-    Cancelled { account: Box<Account> },
+    Cancelled {
+        /// What was done.
+        account: Box<Account>,
+    },
+    /// A setting that does not suit the problem.
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
-    Setting { field: &'static str, value: String, allowed: String, remedy: String },
+    Setting {
+        /// The setting.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: String,
+    },
 }
 
 impl SolveError {
@@ -128,11 +165,34 @@ impl SolveError {
     }
 }
 
-/// A strategy. The solver owns its loop; the problem owns the yardstick.
+/// A strategy: it owns its loop, the problem owns the yardstick. Strategies of other crates implement this trait, keep
+/// their account in a [`Ledger`](super::Ledger) and join a [`Registry`](super::Registry).
+///
+/// ```
+/// use inkwave::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+///
+/// // A plate of glass, 0.4 µm: nothing varies along x and y, so that one point is enough.
+/// let scene = Scene::layer([1.0, 1.0], 0.4, vec![]);
+/// let media = Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
+/// let light = Incidence { wavelength_um: 0.6, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let grid = Resolution { nx: 1, ny: 1, cells: 4, scheme: Scheme::Cubic };
+/// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+///
+/// // λ/n = 0.4 µm: a full wavelength in the plate, which therefore transmits everything (Fresnel and Airy).
+/// let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?;
+/// let far = problem.far_field(&solution.field);
+/// assert!((far.transmittance - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Solver: Send + Sync {
+    /// The name people call it by, in tables and in [`Account::solver`].
     fn name(&self) -> &'static str;
 
     /// Solves to `goal.tolerance`, or says why not. `start` is a first guess of u, if there is one.
+    ///
+    /// # Errors
+    /// [`SolveError`]: not converged, diverged, cancelled by the watch, or settings that do not fit the problem.
     fn solve_from(
         &self,
         problem: &dyn System,
@@ -141,8 +201,14 @@ pub trait Solver: Send + Sync {
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError>;
 
+    /// [`Solver::solve_from`] without a first guess: most strategies then start from the wave in the mean medium.
     fn solve(&self, problem: &dyn System, goal: Goal, watch: &mut dyn Watch) -> Result<Solution, SolveError> {
         self.solve_from(problem, None, goal, watch)
+    }
+
+    /// The mean medium this strategy can work with: relaxation needs a real one, most take any.
+    fn suited_mean(&self) -> Mean {
+        Mean::default()
     }
 
     /// Most bytes that the strategy takes besides the problem itself, for a problem of that size.
@@ -152,6 +218,11 @@ pub trait Solver: Send + Sync {
 
     /// The same strategy in `bytes`, where it can do with less than [`Solver::most_bytes`].
     fn within(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
+        None
+    }
+
+    /// Most unknowns it takes, for strategies that store a dense matrix; comparisons leave those out unless asked.
+    fn most_unknowns(&self) -> Option<usize> {
         None
     }
 }
@@ -166,58 +237,4 @@ pub(in crate::solve) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result
             "this strategy works on field values at points, and the unknowns here are moments: use krylov"
                 .to_string(),
     })
-}
-
-/// The strategies by name, with their settings; chosen in this one `match`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum SolverChoice {
-    Krylov(super::Gmres),
-    Bicgstab(super::Bicgstab),
-    Born(super::Born),
-    ConvergentBorn(super::ConvergentBorn),
-    Relaxation(super::Relaxation),
-    Direct(super::Direct),
-}
-
-impl Default for SolverChoice {
-    fn default() -> SolverChoice {
-        SolverChoice::Krylov(super::Gmres::default())
-    }
-}
-
-impl SolverChoice {
-    /// All names, the default first.
-    pub const NAMES: [&'static str; 6] =
-        ["krylov", "bicgstab", "born", "convergent_born", "relaxation", "direct"];
-
-    /// The strategy of that name with its default settings.
-    pub fn named(name: &str) -> Result<SolverChoice, SolveError> {
-        match name {
-            "krylov" => Ok(SolverChoice::Krylov(Default::default())),
-            "bicgstab" => Ok(SolverChoice::Bicgstab(Default::default())),
-            "born" => Ok(SolverChoice::Born(Default::default())),
-            "convergent_born" => Ok(SolverChoice::ConvergentBorn(Default::default())),
-            "relaxation" => Ok(SolverChoice::Relaxation(Default::default())),
-            "direct" => Ok(SolverChoice::Direct(Default::default())),
-            _ => Err(SolveError::Setting {
-                field: "solver",
-                value: name.to_string(),
-                allowed: Self::NAMES.join(", "),
-                remedy: "choose one of these".to_string(),
-            }),
-        }
-    }
-
-    /// The strategy itself.
-    pub fn build(&self) -> Box<dyn Solver> {
-        match *self {
-            SolverChoice::Krylov(settings) => Box::new(settings),
-            SolverChoice::Bicgstab(settings) => Box::new(settings),
-            SolverChoice::Born(settings) => Box::new(settings),
-            SolverChoice::ConvergentBorn(settings) => Box::new(settings),
-            SolverChoice::Relaxation(settings) => Box::new(settings),
-            SolverChoice::Direct(settings) => Box::new(settings),
-        }
-    }
 }

@@ -25,6 +25,7 @@ impl Key {
         Self(hasher.finalize().to_hex()[..32].to_owned())
     }
 
+    /// The key as text, fit for a file name.
     pub fn as_str(&self) -> &str {
         &self.0
     }

@@ -1,18 +1,31 @@
 //! What is kept of one packing: what was asked, what was reached and how.
 
 use super::store::Record;
+use crate::ink::statistics::profile;
 use crate::ink::{Account, Method, Packing, Share};
 use serde::{Deserialize, Serialize};
+
+/// Slices of the profile.
+const SLICES: usize = 40;
 
 /// One realisation's packing. The grains themselves follow from the request, bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PackingRecord {
+    /// Number of the realisation, from 0.
     pub realisation: usize,
+    /// Period of the cell, µm.
+    pub period_um: [f64; 2],
+    /// Thickness of the layer, µm.
+    pub thickness_um: f64,
+    /// Volume fractions in equal slices across the layer, from the incident side: each pigment, and what lies above a relief.
+    pub profile: Vec<Vec<f64>>,
+    /// How the grains came to their places.
     pub method: Method,
     /// Attempts of sequential addition or steps of relaxation.
     pub steps: u64,
     /// Smallest distance between two surfaces, µm, where any are near.
     pub smallest_gap_um: Option<f64>,
+    /// Notes of the packing for the reader.
     pub notes: Vec<String>,
     /// One entry for each pigment, in the study's order.
     pub shares: Vec<ShareRecord>,
@@ -25,18 +38,24 @@ impl Record for PackingRecord {
 /// One pigment's share of the layer's volume.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShareRecord {
+    /// Volume fraction asked for.
     pub requested_fraction: f64,
+    /// Volume fraction of whole grains.
     pub achieved_fraction: f64,
+    /// Number of grains.
     pub grains: usize,
     /// Factor on the drawn sizes (1 unless the share is met by scaling).
     pub size_factor: f64,
 }
 
 impl PackingRecord {
+    /// The record of a packing.
     pub fn new(realisation: usize, packing: &Packing) -> Self {
         let Account { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
         let shares = packing.shares().iter().map(ShareRecord::from).collect();
-        Self { realisation, method, steps, smallest_gap_um, notes, shares }
+        let (period_um, thickness_um) = (packing.period_um(), packing.thickness_um());
+        let profile = profile(packing, SLICES);
+        Self { realisation, period_um, thickness_um, profile, method, steps, smallest_gap_um, notes, shares }
     }
 }
 

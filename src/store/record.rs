@@ -15,13 +15,21 @@ pub struct PointRecord {
     pub key: String,
     /// The build that made it: program, version and, where known, commit.
     pub build: String,
+    /// Number of the realisation, from 0.
     pub realisation: usize,
+    /// Wavelength, direction and side of the light.
     pub incidence: Incidence,
+    /// Lateral periods, µm.
     pub period_um: [f64; 2],
+    /// Reflected share of the incident power.
     pub reflectance: f64,
+    /// Transmitted share.
     pub transmittance: f64,
+    /// Absorbed share.
     pub absorptance: f64,
+    /// What the solve took.
     pub account: SolveAccount,
+    /// All orders listed.
     pub orders: Vec<OrderRow>,
 }
 
@@ -40,21 +48,28 @@ impl Record for FailureRecord {
 /// What is kept of a solve, packing or grid that ended without a result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailureRecord {
+    /// Name of the variant; empty for a study of its own.
     pub variant: String,
+    /// Number of the realisation, from 0.
     pub realisation: usize,
     /// The solve; `None` where the packing or the grid failed before any solve.
     pub incidence: Option<Incidence>,
+    /// The error's message.
     pub reason: String,
 }
 
 /// What the solve took and how well it ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolveAccount {
+    /// Name of the strategy.
     pub solver: String,
+    /// Steps taken.
     pub steps: usize,
+    /// Operator applications.
     pub operator_applications: usize,
     /// Relative residual of the discrete problem.
     pub residual: f64,
+    /// Wall time, s.
     pub seconds: f64,
 }
 

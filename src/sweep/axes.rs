@@ -10,17 +10,22 @@ const LONGEST_AXIS: usize = 10_000;
 /// An axis with its checked values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
+    /// Name of the axis.
     pub name: String,
+    /// Name shared by axes that vary together.
     pub zip: Option<String>,
+    /// Its settings, in their order.
     pub settings: Vec<Setting>,
 }
 
 /// One value of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
+    /// Label of the setting, in names and on sheets.
     pub label: String,
     /// The value in words, which conditions may name too.
     pub value: String,
+    /// What the setting changes in the study.
     pub set: Table,
 }
 

@@ -15,24 +15,36 @@ const QUANTILE: f64 = 0.975;
 /// A checked conclusion about variants by their number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
+    /// Short name.
     pub id: String,
+    /// The conclusion as one sentence.
     pub statement: String,
+    /// What is measured of each variant.
     pub quantity: Quantity,
+    /// The wavelength it is measured at, nm, where one is meant.
     pub wavelength_nm: Option<f64>,
+    /// Numbers of the variants that count positively.
     pub plus: Vec<usize>,
+    /// Numbers of the variants that count negatively.
     pub minus: Vec<usize>,
+    /// Least value that confirms it.
     pub at_least: Option<f64>,
+    /// Most value that confirms it.
     pub at_most: Option<f64>,
 }
 
 /// What the sweep says about a claim.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judged {
+    /// Short name.
     pub id: String,
+    /// The conclusion as one sentence.
     pub statement: String,
     /// In words, such as "C*(a) − C*(b) ≥ 5".
     pub inequality: String,
+    /// What was measured, with its error; `None` when a variant is missing.
     pub measured: Option<Estimate>,
+    /// What the numbers say.
     pub verdict: Verdict,
     /// Why it is undecided, and what a decision would take.
     pub remark: String,
@@ -42,12 +54,16 @@ pub struct Judged {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
+    /// The inequality holds with 95 % confidence.
     Confirmed,
+    /// It fails with 95 % confidence.
     Refuted,
+    /// Neither is certain, or numbers are missing.
     Undecided,
 }
 
 impl Verdict {
+    /// The verdict as a word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Confirmed => "confirmed",

@@ -16,6 +16,7 @@ pub struct Draft {
     pub name: String,
     /// Place on every axis.
     pub place: Vec<usize>,
+    /// The variant's study as a table.
     pub study: Table,
 }
 

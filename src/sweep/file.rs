@@ -27,17 +27,23 @@ use toml::{Table, Value};
 pub struct SweepFile {
     /// Heading of the report; the file's name when left out.
     pub title: Option<String>,
+    /// The study that all variants start from.
     pub base: Base,
+    /// `[[axis]]`
     #[serde(default)]
     pub axis: Vec<AxisTable>,
+    /// `[[exclude]]`
     #[serde(default)]
     pub exclude: Vec<ExcludeTable>,
+    /// `[[override]]`
     #[serde(default, rename = "override")]
     pub overrides: Vec<OverrideTable>,
+    /// `[sheet]`
     #[serde(default)]
     pub sheet: SheetTable,
     /// The variant that colour differences refer to; the first one when left out.
     pub reference: Option<Where>,
+    /// `[[conclusion]]`
     #[serde(default)]
     pub conclusion: Vec<ConclusionTable>,
 }
@@ -46,7 +52,9 @@ pub struct SweepFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(untagged)]
 pub enum Base {
+    /// File of the study.
     Path(String),
+    /// The study itself.
     Table(Table),
 }
 
@@ -56,17 +64,23 @@ pub enum Base {
 pub struct AxisTable {
     /// Short name for captions and conditions; the field's last part when left out.
     pub name: Option<String>,
+    /// Dotted field that varies.
     pub field: Option<String>,
+    /// Its values.
     pub values: Option<Vec<Value>>,
     /// Captions of the values.
     pub labels: Option<Vec<String>>,
+    /// First value of a range.
     pub from: Option<f64>,
+    /// Last value of a range.
     pub to: Option<f64>,
+    /// Step of a range.
     pub step: Option<f64>,
     /// Number of values from `from` to `to`, both included; instead of `step`.
     pub count: Option<usize>,
     /// Axes with the same word here advance together instead of forming a product.
     pub zip: Option<String>,
+    /// Settings of several fields each.
     #[serde(default)]
     pub case: Vec<CaseTable>,
 }
@@ -75,6 +89,7 @@ pub struct AxisTable {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseTable {
+    /// Label of the setting.
     pub label: String,
     /// Dotted field (in quotes) → value.
     #[serde(default)]
@@ -88,6 +103,7 @@ pub type Where = BTreeMap<String, Value>;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExcludeTable {
+    /// Which variants are left out.
     #[serde(rename = "where")]
     pub condition: Where,
 }
@@ -96,8 +112,10 @@ pub struct ExcludeTable {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OverrideTable {
+    /// Which variants are changed.
     #[serde(rename = "where")]
     pub condition: Where,
+    /// Dotted field → value.
     pub set: Table,
 }
 
@@ -105,7 +123,9 @@ pub struct OverrideTable {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SheetTable {
+    /// Axis along the sheet's rows.
     pub rows: Option<String>,
+    /// Axis along the sheet's columns.
     pub columns: Option<String>,
 }
 
@@ -113,8 +133,11 @@ pub struct SheetTable {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ConclusionTable {
+    /// Short name.
     pub id: String,
+    /// The conclusion as one sentence.
     pub statement: String,
+    /// What is measured of each variant.
     pub quantity: Quantity,
     /// For `transmittance` and `reflectance`.
     pub wavelength_nm: Option<f64>,
@@ -123,7 +146,9 @@ pub struct ConclusionTable {
     /// Variants whose quantity is subtracted; for `delta_e` the other colour.
     #[serde(default)]
     pub minus: Vec<Where>,
+    /// Least value that confirms it.
     pub at_least: Option<f64>,
+    /// Most value that confirms it.
     pub at_most: Option<f64>,
 }
 

@@ -22,8 +22,15 @@ pub const VARIANTS: &str = "variants";
 /// Why a folder holds no sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
+    /// The folder holds no sweep.
     #[error("{} holds no sweep: {reason}", path.display())]
-    NoSweep { path: PathBuf, reason: String },
+    NoSweep {
+        /// The folder.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
+    },
+    /// A variant's study.
     #[error(transparent)]
     Variant(#[from] StudyError),
 }

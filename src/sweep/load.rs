@@ -8,8 +8,10 @@ use super::file::{Base, SheetTable, SweepFile, Where};
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::file::StudyFile;
-use crate::input::load::{remedy, syntax};
+use crate::input::load::read_file;
+use crate::input::read::read;
 use crate::input::study::Study;
+use crate::numerics::files;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -20,7 +22,9 @@ const SHOWN_FAULTS: usize = 5;
 /// A sweep whose variants are all checked.
 #[derive(Clone, Debug)]
 pub struct Sweep {
+    /// Axes, sheet and conclusions.
     pub outline: Outline,
+    /// All variants, in their order.
     pub variants: Vec<Variant>,
     /// Tables that the variants read, kept with the results.
     pub inputs: Vec<Input>,
@@ -29,19 +33,26 @@ pub struct Sweep {
 /// All of a sweep but its studies: the file `sweep.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
+    /// Title, for people.
     pub title: String,
+    /// The axes, in their order.
     pub axes: Vec<AxisOutline>,
+    /// How the contact sheets are laid out.
     pub sheet: SheetTable,
     /// The variant that colour differences refer to.
     pub reference: usize,
+    /// Conclusions to be judged.
     pub claims: Vec<Claim>,
+    /// Where each variant lies on the axes.
     pub variants: Vec<Place>,
 }
 
 /// An axis and the captions of its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisOutline {
+    /// Name of the axis.
     pub name: String,
+    /// Labels of its settings.
     pub labels: Vec<String>,
 }
 
@@ -57,14 +68,18 @@ impl AxisOutline {
 /// A variant's name and its place on every axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
+    /// Name of the variant.
     pub name: String,
+    /// Number of its setting on each axis.
     pub place: Vec<usize>,
 }
 
 /// One study of the sweep.
 #[derive(Clone, Debug)]
 pub struct Variant {
+    /// Name of the variant.
     pub name: String,
+    /// Its study, checked.
     pub study: Study,
     /// The study as a file of its own, to be put into `variants/<name>`.
     pub text: String,
@@ -75,6 +90,7 @@ pub struct Variant {
 pub struct Input {
     /// Relative to the sweep's folder.
     pub path: String,
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
@@ -83,11 +99,11 @@ pub struct Input {
 /// # Errors
 /// The file or its base cannot be read, is no TOML, or some variant is not allowed.
 pub fn load(path: &Path) -> Result<Sweep, StudyError> {
-    let (text, file): (String, SweepFile) = read(path)?;
+    let (text, file): (String, SweepFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let base = match &file.base {
         Base::Table(table) => table.clone(),
-        Base::Path(base) => read::<Table>(&folder.join(base))?.1,
+        Base::Path(base) => read_file::<Table>(&folder.join(base))?.1,
     };
     let mut faults = Faults::default();
     let axes: Vec<Axis> =
@@ -99,7 +115,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
         Base::Path(base) => folder.join(base).parent().map_or_else(PathBuf::new, Path::to_owned),
         Base::Table(_) => folder.to_owned(),
     };
-    let mut reading = Reading { path, title: &title, axes: &axes, folder: &base_folder, inputs: Vec::new() };
+    let mut reading = Reading { title: &title, axes: &axes, folder: &base_folder, inputs: Vec::new() };
     let mut variants = Vec::new();
     for draft in &drafts {
         variants.extend(reading.variant(draft, &mut faults)?);
@@ -114,13 +130,6 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
         last.remedy.push_str(&format!(" ({more} more of this kind)"));
     }
     Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
-}
-
-fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<(String, T), StudyError> {
-    let unreadable = |source| StudyError::Unreadable { path: path.to_owned(), source };
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
-    let value = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
-    Ok((text, value))
 }
 
 fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
@@ -158,7 +167,6 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
 
 /// What reading the variants needs.
 struct Reading<'a> {
-    path: &'a Path,
     title: &'a str,
     axes: &'a [Axis],
     folder: &'a Path,
@@ -170,17 +178,13 @@ impl Reading<'_> {
     fn variant(&mut self, draft: &Draft, faults: &mut Faults) -> Result<Option<Variant>, StudyError> {
         let mut table = draft.study.clone();
         table.insert("title".into(), Value::String(self.heading(draft)));
-        let text = toml::to_string(&table).unwrap_or_default();
-        let file: StudyFile = toml::from_str(&text).map_err(|error| {
-            let message = error.message().trim().to_owned();
-            StudyError::Syntax {
-                path: self.path.to_owned(),
-                text: text.clone(),
-                span: error.span(),
-                remedy: remedy(&message),
-                message: format!("variant {}: {message}", draft.name),
+        let file: StudyFile = match read(table.clone().into()) {
+            Ok(file) => file,
+            Err(found) => {
+                found.into_iter().for_each(|fault| self.fault(draft, fault, faults));
+                return Ok(None);
             }
-        })?;
+        };
         match check(&file, self.folder, &draft.name) {
             Ok(study) => {
                 self.keep_inputs(&mut table)?;
@@ -222,7 +226,7 @@ impl Reading<'_> {
             let Value::String(name) = file_name else { continue };
             let from = self.folder.join(name.as_str());
             let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
-            let bytes = std::fs::read(&from).map_err(unreadable)?;
+            let bytes = files::read_bytes(&from, files::TABLE).map_err(unreadable)?;
             let file =
                 from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
             let path = format!("inputs/{}/{file}", &blake3::hash(&bytes).to_hex()[..8]);

@@ -16,12 +16,15 @@ use crate::store::identity::Key;
 /// The numbers of a variant that tables and conclusions use.
 #[derive(Clone, Debug)]
 pub struct Outcome {
+    /// Name of the variant.
     pub name: String,
     /// Captions of its place on every axis.
     pub labels: Vec<String>,
+    /// Solves asked for and finished.
     pub solves: Count,
     /// Solves that failed; packings and grids that failed count as one.
     pub failures: usize,
+    /// Why it has no results, if it has none.
     pub reason: Option<String>,
     /// Complete realisations.
     pub realisations: usize,
@@ -29,6 +32,7 @@ pub struct Outcome {
     pub certain: bool,
     /// Under natural light, seen along the normal.
     pub colour: Option<Colour>,
+    /// One row for each wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
 }
 
@@ -115,5 +119,10 @@ pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
         Some(Realisation { packing, points, failures })
     };
     let realisations: Vec<Realisation> = (0..study.realisations).filter_map(realisation).collect();
-    (!realisations.is_empty()).then_some(Collected { resolved, realisations, damages: Vec::new() })
+    (!realisations.is_empty()).then_some(Collected {
+        resolved,
+        realisations,
+        enough: false,
+        damages: Vec::new(),
+    })
 }

@@ -22,6 +22,7 @@ const TRIALS: usize = 4;
 /// The size of a sweep, and its cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
+    /// Number of variants.
     pub variants: usize,
     /// Packings to be made; variants share them.
     pub packings: usize,
@@ -190,11 +191,12 @@ impl Counts {
         for study in studies {
             let method = (&study.solver, &study.goal);
             for r in 0..study.realisations {
-                let key =
-                    |p: &Point| Key::of("solve", &(r, study.indices(p.wavelength), p.incidence, method));
+                let key = |p: &Point| {
+                    Key::of("solve", &(r, study.indices(p.incidence.wavelength_um), p.incidence, method))
+                };
                 solves.extend(study.points(r).iter().map(key));
             }
-            let indices: Vec<_> = (0..study.wavelengths_nm.len()).map(|w| study.indices(w)).collect();
+            let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
             grids.insert(Key::of("grid", &(&study.wavelengths_nm, &study.angles, indices, method)));
         }
         Self {

@@ -15,6 +15,7 @@ use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
+use crate::report::cell;
 use crate::report::publish::{PublishError, publish_seen};
 use crate::run::runner::Stores;
 use crate::store::damage::Damage;
@@ -27,7 +28,9 @@ const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap
 /// What a report has found.
 #[derive(Clone, Debug)]
 pub struct Reported {
+    /// What came of each variant.
     pub outcomes: Vec<Outcome>,
+    /// The conclusions with their verdicts.
     pub conclusions: Vec<Judged>,
     /// What was found damaged in the store.
     pub damages: Vec<Damage>,
@@ -147,7 +150,7 @@ pub(crate) fn numbers(outcome: &Outcome, reference: &Outcome) -> Option<[Estimat
 /// `sweep.csv`: one row a variant.
 fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let mut table = csv::Writer::from_writer(Vec::new());
-    let axes = sweep.outline.axes.iter().map(|axis| axis.name.clone());
+    let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
     let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
     let columns = NUMBERS.iter().flat_map(|name| [(*name).to_owned(), format!("{name}_standard_error")]);
     table.write_record(std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns))?;
@@ -157,7 +160,11 @@ fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
         let numbers = numbers(o, &outcomes[sweep.outline.reference]);
         let cells = (0..NUMBERS.len()).flat_map(|i| page::cells(numbers.map(|n| n[i])));
         table.write_record(
-            std::iter::once(o.name.clone()).chain(o.labels.clone()).chain(counts).chain(cells),
+            std::iter::once(&o.name)
+                .chain(&o.labels)
+                .map(|words| cell::text(words))
+                .chain(counts)
+                .chain(cells),
         )?;
     }
     table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
@@ -177,10 +184,9 @@ fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
     ])?;
     for c in conclusions {
         let [value, error] = page::cells(c.measured);
-        let texts = [&c.id, &c.statement, &c.inequality, &value, &error];
-        table.write_record(
-            texts.into_iter().map(String::as_str).chain([c.verdict.name(), c.remark.as_str()]),
-        )?;
+        let [id, statement, inequality] = [&c.id, &c.statement, &c.inequality].map(|words| cell::text(words));
+        let verdict = c.verdict.name().to_owned();
+        table.write_record([id, statement, inequality, value, error, verdict, cell::text(&c.remark)])?;
     }
     table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
 }

@@ -285,7 +285,7 @@ impl Work<'_> {
     }
 
     fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
-        let scene = || packings.get(0).map(|packing| Scene::from_packing(&packing));
+        let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
         resolve(self.study, &self.stores.grids, self.settings.memory, self.watch, scene)
     }
 
@@ -368,7 +368,7 @@ pub fn forget_failures(folder: &OutputFolder) -> std::io::Result<()> {
 
 /// What a realisation's packing and grid depend on.
 pub(crate) fn stage_key(study: &Study, realisation: usize) -> Key {
-    let indices: Vec<_> = (0..study.wavelengths_nm.len()).map(|w| study.indices(w)).collect();
+    let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
     let light = (&study.wavelengths_nm, &study.angles, indices);
     let method = (&study.resolution, &study.solver, &study.goal);
     Key::of("stage", &(study.packing_request(realisation), light, method))

@@ -7,34 +7,49 @@ use serde::Serialize;
 /// All that the page says; its layout is `sweep.html`.
 #[derive(Clone, Debug, Serialize)]
 pub struct SweepPage {
+    /// The sweep's title.
     pub title: String,
+    /// What is finished, in a sentence.
     pub summary: String,
     /// What is missing, while the sweep is not finished.
     pub partial: Option<String>,
+    /// Contact sheets.
     pub sheets: Vec<Picture>,
+    /// The conclusions.
     pub conclusions: Vec<ConclusionRow>,
+    /// Names of the axes: columns of the table of variants.
     pub axes: Vec<String>,
     /// Name of the variant that ΔE refers to.
     pub reference: String,
+    /// One row a variant.
     pub variants: Vec<VariantRow>,
+    /// Plots.
     pub figures: Vec<Picture>,
+    /// Program and version.
     pub program: String,
 }
 
 /// One inequality and its verdict.
 #[derive(Clone, Debug, Serialize)]
 pub struct ConclusionRow {
+    /// Short name.
     pub id: String,
+    /// The conclusion as one sentence.
     pub statement: String,
+    /// The bounds in words.
     pub inequality: String,
+    /// The difference with its error.
     pub measured: String,
+    /// The verdict as a word.
     pub verdict: String,
+    /// What else is to be known.
     pub remark: String,
 }
 
 /// One variant.
 #[derive(Clone, Debug, Serialize)]
 pub struct VariantRow {
+    /// Labels of the variant on the axes.
     pub labels: Vec<String>,
     /// The variant's own page.
     pub link: Option<String>,

@@ -11,25 +11,40 @@ use std::f64::consts::TAU;
 /// amplitude is u₀₀ − 1 (P2 (4.10) corrected). Efficiencies are Re κ_mn/κ₀₀ |·|², zero for evanescent orders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
+    /// Order along x.
     pub m: i32,
+    /// Order along y.
     pub n: i32,
+    /// (kx, ky)/k0.
     pub direction: [f64; 2],
+    /// Whether it propagates in the half-space the light came from.
     pub reflected_propagates: bool,
+    /// Whether it propagates in the opposite half-space.
     pub transmitted_propagates: bool,
+    /// Amplitude R_mn, incident wave 1.
     pub reflected: Complex64,
+    /// Amplitude T_mn.
     pub transmitted: Complex64,
+    /// Share of the incident power that it carries back.
     pub reflected_efficiency: f64,
+    /// Share of the incident power that it carries on.
     pub transmitted_efficiency: f64,
 }
 
 /// All orders of one solve with their receipt: R + T + A = 1, A from the discrete quadratic form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FarField {
+    /// The light.
     pub incidence: Incidence,
+    /// Lateral periods, µm.
     pub period_um: [f64; 2],
+    /// All orders that propagate on either side, and evanescent ones near them.
     pub orders: Vec<Order>,
+    /// R, the sum of the reflected efficiencies.
     pub reflectance: f64,
+    /// T, the sum of the transmitted efficiencies.
     pub transmittance: f64,
+    /// A, the absorbed share of the incident power.
     pub absorptance: f64,
 }
 

@@ -19,9 +19,13 @@ pub enum Side {
 /// azimuth φ, both in the half-space it comes from (P2 section 2: kx = k sin σ cos φ).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Incidence {
+    /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
+    /// σ, from the layer's normal, degrees.
     pub polar_deg: f64,
+    /// φ, from the x axis, degrees.
     pub azimuth_deg: f64,
+    /// The side that the light comes from.
     pub from: Side,
 }
 

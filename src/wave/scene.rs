@@ -6,7 +6,9 @@ use num_complex::Complex64;
 /// A ball in µm; `center_um` may lie outside the cell, it is wrapped periodically in x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
+    /// Centre (x, y, z), µm.
     pub center_um: [f64; 3],
+    /// Radius, µm.
     pub radius_um: f64,
 }
 
@@ -16,20 +18,43 @@ pub enum Shape {
     /// Union of balls of one grain; where they overlap the volume counts once.
     Balls(Vec<Ball>),
     /// Infinite circular cylinder along y.
-    CylinderY { x_um: f64, z_um: f64, radius_um: f64 },
+    CylinderY {
+        /// Centre along x, µm.
+        x_um: f64,
+        /// Centre along z, µm.
+        z_um: f64,
+        /// Radius, µm.
+        radius_um: f64,
+    },
     /// Infinite rectangular bar along y.
-    BarY { x_um: [f64; 2], z_um: [f64; 2] },
+    BarY {
+        /// From and to along x, µm.
+        x_um: [f64; 2],
+        /// From and to along z, µm.
+        z_um: [f64; 2],
+    },
     /// Everything above a rough surface except the given balls: vacuum over a relief.
-    Above { surface: HeightField, balls: Vec<Ball> },
+    Above {
+        /// The surface.
+        surface: HeightField,
+        /// Grains that stand out of it.
+        balls: Vec<Ball>,
+    },
     /// Whole sheet between two heights (a stratum that the grid need not resolve).
-    Sheet { z_um: [f64; 2] },
+    Sheet {
+        /// From and to, µm.
+        z_um: [f64; 2],
+    },
 }
 
 /// A periodic surface z(x, y) in µm on a grid of points (x fastest), bilinear between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
+    /// Heights, as z in µm, `count[0]` · `count[1]` of them.
     pub z_um: Vec<f64>,
+    /// Points along x and y.
     pub count: [usize; 2],
+    /// Periods along x and y, µm.
     pub period_um: [f64; 2],
 }
 
@@ -54,15 +79,20 @@ pub struct Body {
 /// One stratum of constant background, counted from z = 0; `background` indexes [`Media::backgrounds`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stratum {
+    /// Thickness, µm.
     pub thickness_um: f64,
+    /// Index into the backgrounds.
     pub background: usize,
 }
 
 /// The geometry of one periodic cell, 0 ≤ z ≤ H, independent of wavelength and angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
+    /// Lateral periods (Lx, Ly), µm.
     pub period_um: [f64; 2],
+    /// Strata from z = 0 on.
     pub strata: Vec<Stratum>,
+    /// Bodies in them, without overlap.
     pub bodies: Vec<Body>,
 }
 
@@ -73,7 +103,9 @@ pub struct Media {
     pub incident: Complex64,
     /// Half-space z > H, the exit side.
     pub exit: Complex64,
+    /// Media of the strata.
     pub backgrounds: Vec<Complex64>,
+    /// Media of the bodies.
     pub inclusions: Vec<Complex64>,
 }
 

@@ -3,4 +3,5 @@
 mod operators;
 mod scattering;
 mod strategies;
-mod tiny;
+
+use inkwave_validation::tiny;

@@ -19,6 +19,7 @@ index = { built_in = "yellow" }
 from_nm = 400
 to_nm = 700
 step_nm = 100
+sampling = "listed"
 [angles]
 count = 3
 [run]

@@ -2,8 +2,7 @@
 //! in validation/claims. A tolerance is an identity (rounding or the solver's residual), an order of convergence, or an
 //! accuracy that was asked for; each says which.
 
-#[path = "../support/mod.rs"]
-mod support;
+use inkwave_validation::support;
 
 mod edges;
 mod identities;

@@ -1,32 +1,36 @@
 //! All strategies solve one discrete system.
 
 use super::tau::{distance, history};
-use crate::cells::{Cell, REAL, solve};
+use crate::cells::{Cell, solve};
 use crate::claim::{Claim, Findings, Level};
 use inkwave::draw::log_plot::LogPlot;
-use inkwave::solve::{Direct, SolverChoice};
-use inkwave::wave::{Mean, Resolution, Scheme, Side};
+use inkwave::solve::{Direct, Registry};
+use inkwave::wave::{Resolution, Scheme, Side};
 
 pub const CLAIM: Claim = Claim {
     id: "06-agreement",
     statement: "Every strategy gives the field of the dense solve.",
     because: "All of them solve the same (A + V) u = b, which has one solution.",
     file: file!(),
-    measure,
+    measure: |level, findings| measure(&Registry::default(), level, findings),
 };
 
 const TOLERANCE: f64 = 1e-12;
 
-fn measure(level: Level, findings: &mut Findings) {
+/// Measures the strategies of a registry against the dense solve.
+pub fn measure(registry: &Registry, level: Level, findings: &mut Findings) {
     let sizes: &[[usize; 3]] = level.pick(&[[7, 6, 5]], &[[7, 6, 5], [11, 5, 5], [6, 12, 6], [8, 8, 5]]);
     let mut histories = Vec::new();
-    for name in SolverChoice::NAMES.into_iter().filter(|n| *n != "direct") {
-        let solver = SolverChoice::named(name).expect("a name").build();
+    for entry in registry.entries() {
+        let (name, solver) = (entry.name(), entry.build());
+        if solver.most_unknowns().is_some() {
+            continue;
+        }
         let mut largest = 0.0f64;
         for &[nx, ny, cells] in sizes {
             for (kappa, side) in [(0.1, Side::Incident), (0.0, Side::Exit)] {
                 for scheme in [Scheme::default(), Scheme::SecondDifference] {
-                    let mean = if name == "relaxation" { REAL } else { Mean::default() };
+                    let mean = solver.suited_mean();
                     let resolution = Resolution { nx, ny, cells, scheme };
                     let problem = Cell { kappa, resolution, mean }.problem((25.0, 15.0, side));
                     let truth = solve(&Direct::default(), &problem, TOLERANCE).expect("dense").field;

@@ -1,19 +1,19 @@
 //! Energy balance of every strategy.
 
-use crate::cells::{Cell, From, REAL, solve};
+use crate::cells::{Cell, Direction, solve};
 use crate::claim::{Claim, Findings, Level};
-use inkwave::solve::SolverChoice;
-use inkwave::wave::{Mean, Side};
+use inkwave::solve::Registry;
+use inkwave::wave::Side;
 
 pub const CLAIM: Claim = Claim {
     id: "03-energy",
     statement: "R + T + A = 1 to the solver's residual, whatever the strategy, absorption, angle and resolution.",
     because: "The discrete operator's quadratic form is the flux balance (P2 section 2); this says nothing about accuracy.",
     file: file!(),
-    measure,
+    measure: |level, findings| measure(&Registry::default(), level, findings),
 };
 
-const DIRECTIONS: [From; 4] = [
+const DIRECTIONS: [Direction; 4] = [
     (0.0, 0.0, Side::Incident),
     (35.0, 20.0, Side::Incident),
     (70.0, 0.0, Side::Exit),
@@ -21,19 +21,19 @@ const DIRECTIONS: [From; 4] = [
 ];
 const TOLERANCE: f64 = 1e-9;
 
-fn measure(level: Level, findings: &mut Findings) {
+/// Measures the strategies of a registry.
+pub fn measure(registry: &Registry, level: Level, findings: &mut Findings) {
     let directions = &DIRECTIONS[..level.pick(2, 4)];
     let points = level.pick([10, 9], [16, 15]);
     for kappa in [0.0, 0.1] {
-        for name in SolverChoice::NAMES {
+        for entry in registry.entries() {
+            let (name, solver) = (entry.name(), entry.build());
             // The largest dense matrix that stays below a minute.
-            let points = if name == "direct" { [7, 6] } else { points };
-            let mean = if name == "relaxation" { REAL } else { Mean::default() };
-            let cell = Cell { mean, ..Cell::new(kappa, points, 6) };
-            let balance = |&from: &From| {
+            let points = if solver.most_unknowns().is_some() { [7, 6] } else { points };
+            let cell = Cell { mean: solver.suited_mean(), ..Cell::new(kappa, points, 6) };
+            let balance = |&from: &Direction| {
                 let problem = cell.problem(from);
-                let solution =
-                    solve(SolverChoice::named(name).expect("a name").build().as_ref(), &problem, TOLERANCE);
+                let solution = solve(solver.as_ref(), &problem, TOLERANCE);
                 let solution = solution.unwrap_or_else(|e| panic!("{name}, κ = {kappa}: {e}"));
                 problem.far_field(&solution.field).energy_error().abs()
             };

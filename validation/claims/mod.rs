@@ -2,12 +2,12 @@
 
 use crate::claim::Claim;
 
-mod agreement;
+pub mod agreement;
 mod cell_size;
 mod colour;
 mod dilute;
 mod distribution;
-mod energy;
+pub mod energy;
 mod layers;
 mod molecular;
 mod orders;

@@ -1,6 +1,6 @@
 //! The scattering matrix is symmetric.
 
-use crate::cells::{Cell, From, solve};
+use crate::cells::{Cell, Direction, solve};
 use crate::claim::{Claim, Findings, Level};
 use inkwave::solve::Gmres;
 use inkwave::wave::{FarField, Order, Side};
@@ -16,7 +16,7 @@ pub const CLAIM: Claim = Claim {
 
 const TOLERANCE: f64 = 1e-11;
 
-fn far_field(cell: &Cell, from: From) -> FarField {
+fn far_field(cell: &Cell, from: Direction) -> FarField {
     let problem = cell.problem(from);
     let field = solve(&Gmres::default(), &problem, TOLERANCE).expect("a small cell converges").field;
     problem.far_field(&field)
@@ -34,7 +34,7 @@ fn normal(direction: [f64; 2], index: f64) -> f64 {
 }
 
 /// Largest |κ_b a(b ← a) − κ_a a(−a ← −b)|/k₀ over the propagating orders of one direction of incidence.
-fn asymmetry(cell: &Cell, from: From, most: usize) -> f64 {
+fn asymmetry(cell: &Cell, from: Direction, most: usize) -> f64 {
     let forward = far_field(cell, from);
     let index = |side: Side| if side == Side::Incident { 1.0 } else { 1.3 };
     let (entry, exit) = (from.2, if from.2 == Side::Incident { Side::Exit } else { Side::Incident });
@@ -68,7 +68,7 @@ fn asymmetry(cell: &Cell, from: From, most: usize) -> f64 {
 }
 
 fn measure(level: Level, findings: &mut Findings) {
-    let directions: &[From] = level.pick(
+    let directions: &[Direction] = level.pick(
         &[(30.0, 25.0, Side::Incident)],
         &[
             (0.0, 0.0, Side::Incident),

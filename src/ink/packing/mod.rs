@@ -1,8 +1,8 @@
 //! How grains come to their places.
 //!
-//! A [`request`] is drawn into bodies ([`plan`]), which [`pack`](mod@pack) places by random sequential addition
-//! ([`sequential`]) or relaxation of overlaps ([`relaxation`]) and, if asked, equilibrates ([`monte_carlo`]). The check of
-//! [`overlap`] shares no code with them; only what passes it becomes a [`placed::Packing`].
+//! A [`request`] is drawn into bodies (`plan`), which [`pack`](mod@pack) places by random sequential addition
+//! (`sequential`) or relaxation of overlaps (`relaxation`) and, if asked, equilibrates (`monte_carlo`). The check of
+//! `overlap` shares no code with them; only what passes it becomes a [`placed::Packing`].
 
 pub(crate) mod bodies;
 pub(crate) mod buckets;

@@ -3,9 +3,11 @@
 mod ensemble;
 mod orientation;
 mod pairs;
+mod profile;
 mod sections;
 
 pub use ensemble::{Curve, Estimate, Statistics, gather};
 pub use orientation::{OrientationTensor, orientation_tensor};
 pub use pairs::{PairStatistics, pair_statistics, pair_statistics_to};
+pub use profile::profile;
 pub use sections::{SectionStatistics, section_statistics};

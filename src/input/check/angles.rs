@@ -1,68 +1,84 @@
-//! Angles of incidence: quadrature nodes for the picture, or a list.
+//! Directions of the light: 0°, 45° and strata over the hemisphere, which paper and picture need, or a list.
 
 use super::check_list;
-use crate::appearance::angles::{AngleNode, AngleRule};
 use crate::appearance::paper::Coupling;
+use crate::appearance::paper::PRINT_DEG;
 use crate::input::fault::{Allowed, Fault, Faults};
 use crate::input::file::{AnglesTable, StudyFile};
 use crate::input::study::Angles;
 
-/// Nodes of the rule unless told: T and R to about 1 % (see `angle_rule`).
+/// Directions unless told: three strata besides 0° and 45°.
 const USUAL_COUNT: usize = 5;
+/// Directions that are no strata.
+const EXACT: usize = 2;
 
 pub(crate) fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angles {
     let table = &file.angles;
     let allowed = Allowed::between(-360.0, 360.0, "°");
     faults.number("angles.azimuth_deg", table.azimuth_deg, allowed, "0 is the x direction");
+    let remedy = "60 is usual";
+    faults.number("angles.picture_max_deg", table.picture_max_deg, Allowed::above(0.0, 89.0, "°"), remedy);
     match (&table.polar_deg, table.count) {
         (Some(list), None) => {
             let remedy = "give angles from the normal; 89 is nearly grazing";
             check_list("angles.polar_deg", list, Allowed::below(0.0, 90.0, "°"), remedy, faults);
-            listed(table, list.clone())
+            listed(file, list.clone(), coupling)
         }
-        (None, count) => by_rule(file, count.unwrap_or(USUAL_COUNT), coupling, faults),
+        (None, count) => {
+            let count = count.unwrap_or(USUAL_COUNT);
+            surroundings(file, coupling, faults);
+            super::whole(
+                "angles.count",
+                count,
+                EXACT + 1..=64,
+                "5 is usual; 0° and 45° are always among them",
+                faults,
+            );
+            over_hemisphere(file, vec![0.0, PRINT_DEG], count.saturating_sub(EXACT), coupling)
+        }
         (Some(_), Some(_)) => {
             let allowed = "either angles.count or angles.polar_deg";
             faults.push(Fault::new("angles", "both count and polar_deg", allowed, "remove one of them"));
-            listed(table, Vec::new())
+            alone(table, Vec::new(), String::new())
         }
     }
 }
 
-fn listed(table: &AnglesTable, above: Vec<f64>) -> Angles {
-    let AnglesTable { azimuth_deg, picture_max_deg, .. } = *table;
-    Angles { above, below: Vec::new(), azimuth_deg, rule: None, picture_max_deg }
-}
-
-fn by_rule(file: &StudyFile, count: usize, coupling: Coupling, faults: &mut Faults) -> Angles {
+/// Listed angles carry paper and colour where 0° and 45° are among them and the surroundings allow it.
+fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Angles {
     let table = &file.angles;
-    let before = faults.0.len();
-    surroundings(file, coupling, faults);
-    super::whole("angles.count", count, 2..=64, "5 is usual; the normal is always one of them", faults);
-    let remedy = "60 is usual; more angles reach nearer to grazing";
-    let allowed = Allowed::above(0.0, 89.0, "°");
-    faults.number("angles.picture_max_deg", table.picture_max_deg, allowed, remedy);
-    if faults.0.len() > before {
-        return listed(table, Vec::new());
+    let missing: Vec<&str> = [(0.0, "0"), (PRINT_DEG, "45")]
+        .into_iter()
+        .filter(|(deg, _)| !exact_deg.iter().any(|have| (have - deg).abs() < 1e-9))
+        .map(|(_, name)| name)
+        .collect();
+    if !missing.is_empty() {
+        let reason = format!(
+            "angles.polar_deg does not list {}: paper and colour need 0 and 45",
+            missing.join(" and ")
+        );
+        return alone(table, exact_deg, reason);
     }
-    match AngleRule::new(count, table.picture_max_deg, coupling) {
-        Ok(rule) => Angles {
-            above: degrees(&rule.above),
-            below: if same_from_below(file, coupling) { Vec::new() } else { degrees(&rule.below) },
-            rule: Some(rule),
-            ..listed(table, Vec::new())
-        },
-        Err(error) => {
-            let allowed = "angles that the quadrature reaches";
-            let found = format!("{} with {count} angles: {error}", table.picture_max_deg);
-            faults.push(Fault::new("angles.picture_max_deg", found, allowed, remedy));
-            listed(table, Vec::new())
-        }
+    let mut unsuited = Faults::default();
+    surroundings(file, coupling, &mut unsuited);
+    match unsuited.0.first() {
+        Some(fault) => alone(table, exact_deg, format!("no paper and colour: {fault}")),
+        None => over_hemisphere(file, exact_deg, USUAL_COUNT - EXACT, coupling),
     }
+}
+
+fn alone(table: &AnglesTable, exact_deg: Vec<f64>, reason: String) -> Angles {
+    let AnglesTable { azimuth_deg, picture_max_deg, .. } = *table;
+    Angles { exact_deg, strata: 0, exit_strata: 0, azimuth_deg, picture_max_deg, no_paper: Some(reason) }
+}
+
+fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, coupling: Coupling) -> Angles {
+    let exit_strata = if same_from_below(file, coupling) { 0 } else { strata };
+    Angles { strata, exit_strata, no_paper: None, ..alone(&file.angles, exact_deg, String::new()) }
 }
 
 /// A layer between two plane walls with vacuum on both sides is statistically the same from above and from below:
-/// its solves from above give R̄_b. A relief or a medium below breaks that symmetry.
+/// its solves from above give Ā_b. A relief or a medium below breaks that symmetry.
 fn same_from_below(file: &StudyFile, coupling: Coupling) -> bool {
     coupling == Coupling::Gap && file.layer.relief.is_none()
 }
@@ -85,8 +101,4 @@ fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
         let remedy = format!("choose paper.coupling to suit, or {otherwise}");
         faults.push(Fault::new("layer.index_below", below, allowed, remedy));
     }
-}
-
-fn degrees(nodes: &[AngleNode]) -> Vec<f64> {
-    nodes.iter().map(|node| node.polar_deg).collect()
 }

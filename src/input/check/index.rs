@@ -15,7 +15,12 @@ pub(crate) fn tabulate(
     folder: &Path,
     faults: &mut Faults,
 ) -> Material {
-    let vacuum = || Material { source: String::new(), index: vec![Complex64::ONE; wavelengths_nm.len()] };
+    let vacuum = || Material {
+        source: String::new(),
+        index: vec![Complex64::ONE; wavelengths_nm.len()],
+        spectrum: Spectrum::VACUUM,
+        dissolved: Vec::new(),
+    };
     let Some(spectrum) = spectrum(field, written, folder, faults) else { return vacuum() };
     if let Some(fault) = outside(field, &spectrum, wavelengths_nm) {
         faults.push(fault);
@@ -23,9 +28,15 @@ pub(crate) fn tabulate(
     }
     let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
     // Wavelengths that are no numbers have their own fault.
-    values
-        .collect::<Result<_, _>>()
-        .map_or_else(|_| vacuum(), |index| Material { source: source(&spectrum), index })
+    values.collect::<Result<_, _>>().map_or_else(
+        |_| vacuum(),
+        |index| Material {
+            source: source(&spectrum),
+            index,
+            spectrum: spectrum.clone(),
+            dissolved: Vec::new(),
+        },
+    )
 }
 
 /// The spectrum's name; a transparent constant without its zero.

@@ -5,6 +5,7 @@ use crate::input::fault::{Allowed, Fault, Faults};
 use crate::input::file::{CouplingName, StudyFile};
 use crate::input::forms::AlbedoWritten;
 use crate::input::study::Paper;
+use crate::numerics::files;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -63,8 +64,9 @@ struct Row {
 fn read(path: &Path, faults: &mut Faults) -> Option<Vec<[f64; 2]>> {
     let mut builder = csv::ReaderBuilder::new();
     let builder = builder.comment(Some(b'#')).trim(csv::Trim::All);
-    let rows =
-        builder.from_path(path).and_then(|mut reader| reader.deserialize().collect::<Result<Vec<Row>, _>>());
+    let rows = files::read_bytes(path, files::TABLE).map_err(csv::Error::from).and_then(|bytes| {
+        builder.from_reader(bytes.as_slice()).deserialize().collect::<Result<Vec<Row>, _>>()
+    });
     let fault = |error: csv::Error| {
         let found = format!("{} ({error})", path.display());
         let allowed = "a readable table with the header wavelength_nm,albedo";

@@ -62,7 +62,9 @@ fn csv_of(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Result<Ve
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(header).map_err(|e| fail(e.to_string()))?;
     for row in rows {
-        writer.write_record(&row).map_err(|e| fail(e.to_string()))?;
+        writer
+            .write_record(row.iter().map(|words| crate::report::cell::text(words)))
+            .map_err(|e| fail(e.to_string()))?;
     }
     writer.into_inner().map_err(|e| fail(e.to_string()))
 }

@@ -4,7 +4,7 @@ use super::LIT_AT_45;
 use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
-use crate::evaluate::seen::{Seen, bandwidth};
+use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
@@ -25,7 +25,7 @@ pub(crate) fn figures(
     seen: &Seen,
 ) -> Result<Vec<Figure>, FigureError> {
     let rows = &manifest.spectra;
-    let all = [seen_spectra(rows), layer_spectra(rows), brdf(study, seen)];
+    let all = [seen_spectra(rows), layer_spectra(rows), other_angles(rows), brdf(study, seen)];
     let drawn = all.into_iter().flatten().map(|(heading, plot, caption)| {
         Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
     });
@@ -59,6 +59,7 @@ fn seen_spectra(rows: &[SpectrumRow]) -> Drawing {
 
 fn layer_spectra(rows: &[SpectrumRow]) -> Drawing {
     let angle = rows.first()?.polar_deg;
+    let rows = &at_angle(rows, angle);
     let series = vec![
         spectrum(rows, "reflected", |row| Some(row.reflectance)),
         spectrum(rows, "reflected, specular", |row| Some(row.specular_reflectance)),
@@ -73,12 +74,56 @@ fn layer_spectra(rows: &[SpectrumRow]) -> Drawing {
     Some(("The layer alone", against_wavelength("share of the light", series)?, caption))
 }
 
+/// Curves of one kind that a plot of every angle takes.
+const MOST_CURVES: usize = 6;
+
+/// R and T at all angles solved: against wavelength for a few of them, against the angle for many.
+fn other_angles(rows: &[SpectrumRow]) -> Drawing {
+    let mut angles: Vec<f64> = rows.iter().map(|row| row.polar_deg).collect();
+    angles.dedup();
+    if angles.len() < 2 {
+        return None;
+    }
+    let caption = "The layer alone at every angle that was solved for: shares of the light reflected (R) and transmitted (T).";
+    let plot = if angles.len() <= MOST_CURVES {
+        let of = |&deg: &f64| {
+            let rows = at_angle(rows, deg);
+            let reflected = spectrum(&rows, &format!("R, {deg:.0}°"), |row| Some(row.reflectance));
+            [reflected, spectrum(&rows, &format!("T, {deg:.0}°"), |row| Some(row.transmittance))]
+        };
+        against_wavelength("share of the light", angles.iter().flat_map(of).collect())?
+    } else {
+        let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
+        let of = |w: usize| {
+            let rows: Vec<&SpectrumRow> =
+                rows.iter().filter(|row| row.wavelength_nm == wavelengths[w]).collect();
+            let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| Series {
+                name: format!("{name}, {:.0} nm", wavelengths[w]),
+                points: rows.iter().map(|row| (row.polar_deg, of(row))).collect(),
+            };
+            [curve("R", &|row| row.reflectance), curve("T", &|row| row.transmittance)]
+        };
+        let series = shown(&wavelengths).into_iter().flat_map(of).collect();
+        let plot = Plot {
+            x_label: "angle of incidence, °".into(),
+            y_label: "share of the light".into(),
+            ..Plot::default()
+        };
+        Plot { series, y_range: Some([0.0, 1.0]), ..plot }
+    };
+    Some(("Every angle solved", plot, caption.to_owned()))
+}
+
+fn at_angle(rows: &[SpectrumRow], polar_deg: f64) -> Vec<SpectrumRow> {
+    rows.iter().filter(|row| row.polar_deg == polar_deg).cloned().collect()
+}
+
 fn brdf(study: &Study, seen: &Seen) -> Drawing {
     let ink = seen.ink.as_ref().ok()?;
-    let light = ink.rule().at(LIGHT_DEG.min(study.angles.picture_max_deg)).ok()?;
+    let light = ink.at(LIGHT_DEG.min(study.angles.picture_max_deg)).ok()?;
     let steps = (study.angles.picture_max_deg / BRDF_STEP_DEG).floor() as usize;
     let degrees: Vec<f64> = (0..=steps).map(|i| i as f64 * BRDF_STEP_DEG).collect();
-    let views: Vec<_> = degrees.iter().map(|&deg| ink.rule().at(deg)).collect::<Result<_, _>>().ok()?;
+    let views: Vec<_> = degrees.iter().map(|&deg| ink.at(deg)).collect::<Result<_, _>>().ok()?;
     let spectra: Vec<Vec<Estimate>> =
         views.iter().map(|view| ink.spectrum(|layer| PI * layer.brdf(&light, view)).estimates()).collect();
     let curve = |w: usize| {
@@ -86,10 +131,9 @@ fn brdf(study: &Study, seen: &Seen) -> Drawing {
         Series::new(&format!("{:.0} nm", study.wavelengths_nm[w]), &degrees, &values)
     };
     let series = shown(&study.wavelengths_nm).into_iter().map(curve).collect();
-    let smoothing = bandwidth(study, SHOWN_NM[1]);
     let caption = format!(
         "π × diffuse BRDF of the ink on its paper, lit at {:.0}°, mean over the azimuth, against the viewing angle. A \
-         matt white would be 1 everywhere. Smoothed over ± {smoothing:.2} in the sine of the angle at 550 nm.",
+         matt white would be 1 everywhere.",
         light.polar_deg
     );
     let (x_label, y_label) = ("viewing angle, °".to_owned(), "π × BRDF".to_owned());

@@ -2,10 +2,11 @@
 
 use super::percent;
 use crate::appearance::paper::{Coupling, MirroredSky};
-use crate::evaluate::manifest::{Manifest, SpectrumRow};
+use crate::evaluate::manifest::{Budget, ColourNote, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::ink::Method;
 use crate::input::study::{Study, WantedResolution};
+use crate::input::variation::{CellRule, LightRule};
 use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
 
 fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
@@ -20,17 +21,22 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
     let mut rows = vec![meant("realisations", seen.realisations.to_string(), ensemble)];
     if let Some(noise) = manifest.colours.first().and_then(|c| c.lab_standard_error) {
         let length = noise.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let meaning =
-            "standard error of the colour, as a distance in Lab: chance over packings, and the grid";
+        let meaning = "standard error of the colour, as a distance in Lab; its parts follow";
         rows.push(meant("colour", format!("ΔE {length:.2}"), meaning));
     }
+    rows.extend(manifest.colours.first().map(budget).unwrap_or_default());
+    if let (Some(factor), degrees) = (certainty.coverage_factor_95, certainty.degrees_of_freedom) {
+        let meaning = format!(
+            "95 % intervals are ± this many standard errors (Student's t, {degrees} degrees of freedom)"
+        );
+        rows.push(meant("95 %", format!("× {factor:.2}"), meaning));
+    }
     if let Some(error) = largest_error(&manifest.spectra) {
-        let meaning = "largest standard error of the layer's R or T: chance over packings, and the grid";
+        let meaning = "largest standard error of the layer's R or T";
         rows.push(meant("spectra", format!("± {error:.4}"), meaning));
     }
     if let Some(error) = certainty.angle_error_estimate {
-        let meaning =
-            "upper estimate of the error of R and T between the angles solved, at the worst wavelength";
+        let meaning = "standard error of the mean transmittance over the hemisphere from the placing of the directions, at the worst wavelength";
         rows.push(meant("angles", format!("{error:.1e}"), meaning));
     }
     rows.extend([
@@ -60,6 +66,34 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
     rows
 }
 
+/// Which part of the first colour's error is how large: what dominates tells what to buy.
+fn budget(note: &ColourNote) -> Vec<Meant> {
+    let Budget { chance_and_cell, angles, wavelengths, grid, residual } = note.budget;
+    let parts = [
+        (
+            "… chance and cell",
+            chance_and_cell,
+            "random packings in cells of their own: more realisations lessen it",
+        ),
+        (
+            "… angles",
+            angles,
+            "directions over the hemisphere: more of them (angles.count) or more realisations lessen it",
+        ),
+        ("… grid", Some(grid), "resolution.accuracy lessens it"),
+        ("… residual", Some(residual), "solver.tolerance lessens it"),
+        (
+            "… wavelengths",
+            Some(wavelengths),
+            "what their spacing would cost; the colour is corrected for it, and chance holds the rest",
+        ),
+    ];
+    let row = |(name, part, meaning): (&str, Option<f64>, &str)| {
+        Some(meant(name, format!("ΔE {:.3}", part?), meaning))
+    };
+    parts.into_iter().filter_map(row).collect()
+}
+
 fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
     let errors = rows.iter().flat_map(|row| [row.reflectance, row.transmittance]);
     errors.filter_map(|estimate| estimate.standard_error).reduce(f64::max)
@@ -68,7 +102,17 @@ fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
 pub(crate) fn asked(study: &Study) -> Vec<Named> {
     let layer = &study.layer;
     let [x, y] = layer.period_um;
-    let cell = format!("{x} × {y} µm, repeated sideways; {} µm thick", layer.thickness_um);
+    let cell = match study.variation.cell {
+        CellRule::Fixed => format!("{x} × {y} µm, repeated sideways"),
+        CellRule::Varied => format!(
+            "about {x:.1} × {y:.1} µm, repeated sideways; another size, shape and azimuth in every realisation"
+        ),
+    };
+    let uneven = match study.variation.thickness_std_um {
+        0.0 => String::new(),
+        std => format!(" ± {std}"),
+    };
+    let cell = format!("{cell}; {}{uneven} µm thick", layer.thickness_um);
     let surroundings = format!("above {}, below {}", layer.index_above, layer.index_below);
     let mut rows = vec![
         Named::new("cell", cell),
@@ -90,14 +134,40 @@ pub(crate) fn asked(study: &Study) -> Vec<Named> {
             format!("{share} %, dissolved in the binder (grain size → 0); index {}", d.material.source);
         Named::new(format!("pigment {}", d.name), value)
     }));
-    if study.angles.rule.is_some() {
+    if study.angles.strata > 0 {
         rows.push(Named::new("paper", paper(study)));
     }
     rows.extend([
         Named::new("wavelengths", list(&study.wavelengths_nm, "nm")),
-        Named::new("angles", list(&study.angles.above, "°")),
+        Named::new("angles", angles(study)),
     ]);
     rows
+}
+
+/// What the bars hold.
+fn held(study: &Study) -> &'static str {
+    match (study.variation.cell, study.variation.light) {
+        (CellRule::Varied, LightRule::Shifted { .. }) => {
+            "Error bars hold chance, cell, directions and wavelengths (every realisation has its own, by the jackknife over \
+             realisations), the grid and the solver's residual."
+        }
+        (CellRule::Varied, LightRule::Listed) => {
+            "Error bars hold chance, cell and directions (every realisation has its own, by the jackknife over realisations), the grid \
+             and the solver's residual. The wavelengths were listed: what lies between them is not held."
+        }
+        (CellRule::Fixed, _) => {
+            "The cell is fixed: error bars hold chance and directions (by the jackknife over realisations), the grid and the solver's \
+             residual, but not what the period does, which can be many times as much. cell = \"varied\" holds it."
+        }
+    }
+}
+
+fn angles(study: &Study) -> String {
+    let solved = list(&study.angles.exact_deg, "°");
+    match study.angles.strata {
+        0 => solved,
+        strata => format!("{solved}, and {strata} over the hemisphere, others in every realisation"),
+    }
 }
 
 fn paper(study: &Study) -> String {
@@ -164,21 +234,21 @@ pub(crate) fn limits(study: &Study) -> Vec<String> {
         "Every grain is there: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell repeats \
          sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
             .to_owned(),
-        "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
-         thickness they wash out."
-            .to_owned(),
-        "Standard errors hold the chance over realisations (independent random packings, by the jackknife) and the \
-         grid's error. They do not hold the errors of the angles' quadrature, of the wavelengths' spacing or of the \
-         periodic cell."
-            .to_owned(),
     ];
+    if study.variation.thickness_std_um == 0.0 {
+        let line = "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
+                    thickness they wash out: thickness_um = { mean = …, std = … } draws one.";
+        lines.push(line.to_owned());
+    }
+    lines.push(held(study).to_owned());
     if study.pigments.iter().any(|p| p.material.source.contains("synthetic")) {
         let line = "Built-in spectra are synthetic: smooth curves like those of printing inks, not measured pigments. Bring \
                     your own with index = { csv = \"…\" }.";
         lines.push(line.to_owned());
     }
-    if study.wavelengths_nm.len() < 12 && study.angles.rule.is_some() {
-        let line = "Fewer than 12 wavelengths: the colour of a smooth spectrum can be off by several ΔE.";
+    if study.solved_wavelengths() < 8 && study.angles.strata > 0 {
+        let line =
+            "Fewer than 8 wavelengths: the colour of a spectrum with steep edges can be off by several ΔE.";
         lines.push(line.to_owned());
     }
     lines

@@ -1,10 +1,13 @@
 //! What the grid may cost in R and T: differences to a coarser grid at the probes.
 //!
-//! The error of single amplitudes ([`super::search`]) says little about sums over orders, where most of it
+//! The error of single amplitudes (`search`) says little about sums over orders, where most of it
 //! averages out. So R and T themselves are compared with those on four fifths of the points and cells. At third order or
-//! better, what the observed convergence is, the finer grid's error is no larger than the difference.
+//! better, what the observed convergence is, the finer grid's error is no larger than the difference. The sign of a difference is chance
+//! to a large part: over several packings it averages out, and the mean with its own standard error is what an ensemble's
+//! means are uncertain by.
 
 use super::search::{AccuracyError, Task, smooth_size};
+use crate::numerics::estimate::Estimate;
 use crate::run::resolve::is_stop;
 use crate::solve::Watch;
 use crate::wave::physical::largest;
@@ -21,26 +24,36 @@ const ROUNDING: f64 = 1e-12;
 /// Expected errors of the layer's R and T from the grid, over the probes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GridError {
+    /// Error of the reflectance.
     pub reflectance: f64,
+    /// Error of the transmittance.
     pub transmittance: f64,
 }
 
 impl GridError {
-    pub fn max(self, other: Self) -> Self {
-        Self {
-            reflectance: largest([self.reflectance, other.reflectance]),
-            transmittance: largest([self.transmittance, other.transmittance]),
-        }
+    /// From the differences \[packing\]\[probe\]\[R, T\] to the other grid: each probe's mean over the packings with its own standard error,
+    /// the largest of them over the probes. A single packing counts with its difference.
+    pub fn from_differences(differences: &[Vec<[f64; 2]>]) -> Self {
+        let probes = differences.first().map_or(0, Vec::len);
+        let of = |i: usize| {
+            let probe = |p: usize| {
+                let samples: Vec<f64> = differences.iter().map(|packing| packing[p][i]).collect();
+                let Estimate { value, standard_error } = Estimate::of_mean(&samples);
+                value.hypot(standard_error.unwrap_or(0.0))
+            };
+            largest((0..probes).map(probe))
+        };
+        Self { reflectance: of(0), transmittance: of(1) }
     }
 
-    /// Compares the probes at `own` with a coarser grid, or with a finer one where the coarser is refused.
-    pub(crate) fn measure(
+    /// Differences \[R, T\] of the probes on one packing: at `own`, less on a coarser grid, or on a finer one where the coarser is refused.
+    pub(crate) fn differences(
         tasks: &[Task],
         own: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Self, AccuracyError> {
-        let mut error = Self::default();
-        let Some(coverages) = tasks.first().map(|task| task.coverages) else { return Ok(error) };
+    ) -> Result<Vec<[f64; 2]>, AccuracyError> {
+        let Some(coverages) = tasks.first().map(|task| task.coverages) else { return Ok(Vec::new()) };
+        let mut differences = Vec::new();
         let cover = |r: Resolution| coverages.at(r);
         let (here, coarse) = (cover(own)?, cover(scaled(own, COARSER))?);
         for task in tasks {
@@ -50,12 +63,12 @@ impl GridError {
                 Err(stopped) if is_stop(&stopped) => return Err(stopped),
                 Err(_) => totals(task, &cover(scaled(own, 1.0 / COARSER))?, watch)?,
             };
-            let apart = |i: usize| (one[i] - other[i]).abs();
             // Layers without grains are exact on every grid: rounding is no error of theirs.
-            let difference = |i: usize| if apart(i) <= ROUNDING { 0.0 } else { apart(i) };
-            error = error.max(Self { reflectance: difference(0), transmittance: difference(1) });
+            let difference =
+                |i: usize| if (one[i] - other[i]).abs() > ROUNDING { one[i] - other[i] } else { 0.0 };
+            differences.push([difference(0), difference(1)]);
         }
-        Ok(error)
+        Ok(differences)
     }
 }
 

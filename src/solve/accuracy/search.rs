@@ -36,12 +36,19 @@ const LEVELS: usize = 24;
 /// One solve to be made: everything but the resolution.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
+    /// Coverages of the scene, one a grid.
     pub coverages: &'a Coverages<'a>,
+    /// Indices of all media.
     pub media: &'a Media,
+    /// The light.
     pub incidence: &'a Incidence,
+    /// Which mean medium the operator A has.
     pub mean: Mean,
+    /// Discretisation along z.
     pub scheme: Scheme,
+    /// The strategy.
     pub solver: &'a dyn Solver,
+    /// Residual to reach, and the most operator applications.
     pub goal: Goal,
     /// Most bytes that one solve may take, with what is held for its companions.
     pub memory: f64,
@@ -49,8 +56,11 @@ pub struct Task<'a> {
 
 /// A solve with its error estimate.
 pub struct Estimated {
+    /// The problem on the final grid.
     pub problem: Problem,
+    /// Its field.
     pub solution: Solution,
+    /// Its orders, judged physical.
     pub far_field: Physical,
     /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
     pub error_estimate: f64,
@@ -65,40 +75,73 @@ pub struct Estimated {
 /// Why no result of the asked accuracy exists.
 #[derive(Debug, Error)]
 pub enum AccuracyError {
+    /// The scene does not make a problem on some grid.
     #[error(transparent)]
     Wave(#[from] WaveError),
+    /// A solve failed or was stopped.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// The result breaks a law it must obey.
     #[error(transparent)]
     Unphysical(#[from] Unphysical),
+    /// A solve would not fit into memory.
     #[error(transparent)]
     Memory(#[from] TooLarge),
+    /// The next finer grid does not fit into memory.
     #[error(
         "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
          and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
          a smaller cell, or more memory (tried: {tried})"
     )]
     NotReached {
+        /// Amplitude error asked for.
         asked: f64,
+        /// Estimate on the finest grid solved.
         reached: f64,
+        /// Points along x of that grid.
         nx: usize,
+        /// Points along y.
         ny: usize,
+        /// Cells along z.
         cells: usize,
+        /// Memory that the next grid would take, GB.
         need_gb: f64,
+        /// Memory allowed, GB.
         allowed_gb: f64,
         /// Every grid tried, with its estimate and time.
         tried: String,
     },
+    /// Not even the coarsest sensible grid fits into memory.
     #[error(
         "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {need_gb:.2} GB of the \
          {allowed_gb:.2} GB allowed; ask for less accuracy, a smaller cell, or more memory"
     )]
-    TooLarge { asked: f64, nx: usize, ny: usize, cells: usize, need_gb: f64, allowed_gb: f64 },
+    TooLarge {
+        /// Amplitude error asked for.
+        asked: f64,
+        /// Points along x of the coarsest grid.
+        nx: usize,
+        /// Points along y.
+        ny: usize,
+        /// Cells along z.
+        cells: usize,
+        /// Memory it would take, GB.
+        need_gb: f64,
+        /// Memory allowed, GB.
+        allowed_gb: f64,
+    },
+    /// The error does not fall as the grid is refined.
     #[error(
         "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} after {LEVELS} finer and finer grids; ask for \
          less accuracy"
     )]
-    GivenUp { asked: f64, reached: f64 },
+    GivenUp {
+        /// Amplitude error asked for.
+        asked: f64,
+        /// Estimate on the finest grid solved.
+        reached: f64,
+    },
+    /// An accuracy that makes no sense.
     #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
     Accuracy(f64),
 }

@@ -76,6 +76,13 @@ fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), S
         apply(ledger, &p, &mut v);
         let alpha = rho / dot(flat(&shadow), flat(&v));
         ndarray::Zip::from(&mut s).and(&*r).and(&v).par_for_each(|s, &r, &v| *s = r - alpha * v);
+        // Half a step may end it, and exactly so without contrast: ω would be 0/0.
+        let half = norm(flat(&s)) / ledger.scale();
+        if half <= 0.9 * ledger.goal.tolerance {
+            ndarray::Zip::from(&mut *u).and(&p).par_for_each(|u, &p| *u += alpha * p);
+            ledger.account.steps += 1;
+            return ledger.note(half);
+        }
         apply(ledger, &s, &mut t);
         let omega = dot(flat(&t), flat(&s)) / norm(flat(&t)).powi(2);
         if !(alpha.is_finite() && omega.is_finite()) || omega.norm() < 1e-14 {

@@ -49,6 +49,11 @@ impl Solver for ConvergentBorn {
         let problem = scalar(system, self.name())?;
         self.check()?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+        if !problem.has_contrast() {
+            ledger.note(0.0)?;
+            let field = ledger.background.clone();
+            return Ok(ledger.finish(field));
+        }
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut scratch = Field::zeros(problem.shape());
         let first = ledger.measure(&field, &mut scratch);
@@ -109,7 +114,9 @@ struct Series<'a> {
     /// Row of the face the light enters by, and b/D at its points.
     source: (usize, Vec<Complex64>),
     u: Array2<Complex64>,
-    loads: Array2<Complex64>,
+    /// At the points, within a step: the right side b/D − V'/D u, then G of it.
+    points: Array2<Complex64>,
+    /// The same as harmonics of the planes.
     harmonics: Field,
 }
 
@@ -127,27 +134,38 @@ impl<'a> Series<'a> {
         let source = (row, b.iter().map(|b| b / mass[row]).collect());
         let mut u = Array2::zeros(contrast.dim());
         problem.planes_to_points(&problem.mean.to_planes(field), &mut u);
-        let (loads, harmonics) = (u.clone(), Field::zeros(problem.shape()));
-        Series { problem, shifted, contrast, gamma, mass, source, u, loads, harmonics }
+        let (points, harmonics) = (u.clone(), Field::zeros(problem.shape()));
+        Series { problem, shifted, contrast, gamma, mass, source, u, points, harmonics }
     }
 
     fn bytes(&self) -> usize {
         (4 * self.u.len() + self.harmonics.len()) * size_of::<Complex64>() + self.shifted.bytes()
     }
 
+    /// u ← u − γ (u − G (b − V'u)), G the inverse of the shifted mean operator.
     fn step(&mut self) {
-        let product = ndarray::Zip::from(&mut self.loads).and(&self.u).and(&self.contrast);
-        product.par_for_each(|l, &u, &v| *l = -v * u);
+        self.right_side();
+        self.apply_green();
+        let update = ndarray::Zip::from(&mut self.u).and(&self.points).and(&self.gamma);
+        update.par_for_each(|u, &next, &g| *u -= g * (*u - next)); // u − γ (u − next)
+    }
+
+    /// points ← b/D − (V'/D) u; b is not zero on the face the light enters by alone.
+    fn right_side(&mut self) {
+        let product = ndarray::Zip::from(&mut self.points).and(&self.u).and(&self.contrast);
+        product.par_for_each(|l, &u, &v| *l = -v * u); // −(V'/D) u
         let (row, source) = &self.source;
-        self.loads.row_mut(*row).iter_mut().zip(source).for_each(|(l, b)| *l += b);
-        self.problem.points_to_planes(&self.loads, &mut self.harmonics);
+        self.points.row_mut(*row).iter_mut().zip(source).for_each(|(l, b)| *l += b); // + b/D
+    }
+
+    /// points ← G D points, harmonic by harmonic.
+    fn apply_green(&mut self) {
+        self.problem.points_to_planes(&self.points, &mut self.harmonics);
         for (mut row, &mass) in self.harmonics.outer_iter_mut().zip(&self.mass) {
-            row.iter_mut().for_each(|z| *z *= mass);
+            row.iter_mut().for_each(|z| *z *= mass); // D ·
         }
-        self.shifted.solve(&mut self.harmonics);
-        self.problem.planes_to_points(&self.harmonics, &mut self.loads);
-        let update = ndarray::Zip::from(&mut self.u).and(&self.loads).and(&self.gamma);
-        update.par_for_each(|u, &next, &g| *u -= g * (*u - next));
+        self.shifted.solve(&mut self.harmonics); // G ·
+        self.problem.planes_to_points(&self.harmonics, &mut self.points);
     }
 
     fn unknowns(&self) -> Field {

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Direct {
+    /// Most complex unknowns it takes.
     pub max_unknowns: usize,
 }
 
@@ -24,6 +25,10 @@ impl Default for Direct {
 impl Solver for Direct {
     fn name(&self) -> &'static str {
         "direct"
+    }
+
+    fn most_unknowns(&self) -> Option<usize> {
+        Some(self.max_unknowns)
     }
 
     fn solve_from(

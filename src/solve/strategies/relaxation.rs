@@ -12,13 +12,14 @@ use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
 use crate::solve::vectors::{dot, norm};
 use crate::wave::operator::banded::ShiftedMean;
-use crate::wave::{Field, Problem};
+use crate::wave::{Field, Mean, Problem};
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 
 /// Settings; the defaults converge on every reference case with a real mean.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,6 +49,10 @@ impl Solver for Relaxation {
         "relaxation"
     }
 
+    fn suited_mean(&self) -> Mean {
+        Mean { absorbing: false, ..Mean::default() }
+    }
+
     fn solve_from(
         &self,
         system: &dyn System,
@@ -58,6 +63,11 @@ impl Solver for Relaxation {
         let problem = scalar(system, self.name())?;
         self.check(problem)?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+        if !problem.has_contrast() {
+            ledger.note(0.0)?;
+            let field = ledger.background.clone();
+            return Ok(ledger.finish(field));
+        }
         let field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut scratch = Field::zeros(problem.shape());
         let first = ledger.measure(&field, &mut scratch);
@@ -67,39 +77,33 @@ impl Solver for Relaxation {
         }
         let mut tau = self.tau;
         let mut march = March::new(problem, tau, &field);
-        let mut memory = vec![march.candidate(&mut ledger)];
-        // Kept candidates, and the differences of their residuals while they are blended.
-        let each = memory[0].bytes() + memory[0].residual.len() * size_of::<Complex64>();
-        ledger.account.bytes = march.bytes() + (self.memory.max(1) + 2) * each;
+        let mut memory = Memory::new(march.candidate(&mut ledger), self.memory);
+        ledger.account.bytes = march.bytes() + memory.most_bytes();
         loop {
             let before = ledger.account.residual;
             let mean = march.window(self.window, &mut ledger);
-            memory.push(march.candidate_of(mean, &mut ledger));
-            memory.push(march.candidate(&mut ledger));
+            memory.add(march.candidate_of(mean, &mut ledger));
+            memory.add(march.candidate(&mut ledger));
             // A residual that is not a number counts as grown.
             let after = ledger.account.residual;
-            let grows = (after.is_nan() || after > GROWTH * before) && 0.5 * tau >= self.tau * SHORTEST;
-            let mut best = if grows { memory.swap_remove(0) } else { Candidate::blend(&memory) };
-            if grows {
+            if (after.is_nan() || after > GROWTH * before) && 0.5 * tau >= self.tau * SHORTEST {
                 // Ringing of the band-limited contrast gives gain in spots: shorter steps split it less.
                 tau *= 0.5;
-                memory.clear();
-                march = March::new(problem, tau, &best.field);
-                best = march.candidate(&mut ledger);
+                march = March::new(problem, tau, &memory.base.field);
+                memory.start_anew(march.candidate(&mut ledger));
+            } else {
+                memory.average();
             }
-            march.state.assign(&best.state);
-            ledger.note(norm(flat(&best.residual)) / ledger.scale())?;
+            march.state.assign(&memory.base.state);
+            ledger.note(norm(flat(&memory.base.residual)) / ledger.scale())?;
             if ledger.reached() {
-                if ledger.measure(&best.field, &mut scratch) <= goal.tolerance {
-                    return Ok(ledger.finish(best.field));
+                if ledger.measure(&memory.base.field, &mut scratch) <= goal.tolerance {
+                    return Ok(ledger.finish(memory.base.field));
                 }
                 // Rounding has carried the blend's residual away from the field's: go on from the field.
-                march = March::new(problem, tau, &best.field);
-                best = march.candidate(&mut ledger);
-                memory.clear();
+                march = March::new(problem, tau, &memory.base.field);
+                memory.start_anew(march.candidate(&mut ledger));
             }
-            memory.drain(..(memory.len() + 1).saturating_sub(self.memory.max(1)));
-            memory.insert(0, best);
             ledger.judge("try another tau or window, or solver = \"krylov\"")?;
         }
     }
@@ -112,6 +116,7 @@ impl Solver for Relaxation {
 }
 
 /// A state of the march, the field that belongs to it, and that field's residual.
+#[derive(Clone)]
 struct Candidate {
     state: Array2<Complex64>,
     field: Field,
@@ -123,26 +128,67 @@ impl Candidate {
         (self.state.len() + self.field.len() + self.residual.len()) * size_of::<Complex64>()
     }
 
-    /// The affine combination with the smallest residual: states, fields and residuals are affine in each other.
-    fn blend(candidates: &[Candidate]) -> Candidate {
-        let last = candidates.last().expect("a window leaves two candidates");
-        let differences: Vec<Field> =
-            candidates[..candidates.len() - 1].iter().map(|c| &c.residual - &last.residual).collect();
+    /// The affine combination last + Σ w (other − last) with the smallest residual: states, fields and residuals are
+    /// affine in each other.
+    fn blend(others: &[&Candidate], last: &Candidate) -> Candidate {
+        let differences: Vec<Field> = others.iter().map(|c| &c.residual - &last.residual).collect();
         let weights = least_squares(&differences, &last.residual);
-        let mut blend = Candidate {
-            state: last.state.clone(),
-            field: last.field.clone(),
-            residual: last.residual.clone(),
-        };
-        for (candidate, &w) in candidates.iter().zip(&weights) {
-            let toward = |out: &mut Array2<Complex64>, own: &Array2<Complex64>, last: &Array2<Complex64>| {
-                ndarray::Zip::from(out).and(own).and(last).par_for_each(|o, &c, &l| *o += w * (c - l));
-            };
-            toward(&mut blend.state, &candidate.state, &last.state);
-            toward(&mut blend.field, &candidate.field, &last.field);
-            toward(&mut blend.residual, &candidate.residual, &last.residual);
+        let mut blend = last.clone();
+        for (other, &w) in others.iter().zip(&weights) {
+            add_difference(&mut blend.state, w, &other.state, &last.state);
+            add_difference(&mut blend.field, w, &other.field, &last.field);
+            add_difference(&mut blend.residual, w, &other.residual, &last.residual);
         }
         blend
+    }
+}
+
+/// out ← out + w (a − b).
+fn add_difference(out: &mut Array2<Complex64>, w: Complex64, a: &Array2<Complex64>, b: &Array2<Complex64>) {
+    ndarray::Zip::from(out).and(a).and(b).par_for_each(|o, &a, &b| *o += w * (a - b));
+}
+
+/// What the averaging restart draws on: the candidate that the march goes on from, and the latest ones of its windows.
+/// Earlier bases are not kept: they are combinations of those.
+struct Memory {
+    base: Candidate,
+    /// Two a window, the mean of its states and its last; the oldest first.
+    recent: VecDeque<Candidate>,
+    /// Most candidates between two windows, the base included.
+    most: usize,
+}
+
+impl Memory {
+    fn new(base: Candidate, most: usize) -> Memory {
+        Memory { base, recent: VecDeque::new(), most: most.max(1) }
+    }
+
+    fn add(&mut self, candidate: Candidate) {
+        self.recent.push_back(candidate);
+    }
+
+    /// The best combination becomes the base; the oldest candidates beyond the limit are dropped.
+    fn average(&mut self) {
+        if let Some(last) = self.recent.pop_back() {
+            let others: Vec<&Candidate> = [&self.base].into_iter().chain(&self.recent).collect();
+            self.base = Candidate::blend(&others, &last);
+            self.recent.push_back(last);
+        }
+        let beyond = (self.recent.len() + 1).saturating_sub(self.most);
+        self.recent.drain(..beyond);
+    }
+
+    /// Forgets all candidates but this one.
+    fn start_anew(&mut self, base: Candidate) {
+        self.recent.clear();
+        self.base = base;
+    }
+
+    /// Bytes of all candidates, two more that a window adds, and the differences of their residuals while they are
+    /// combined.
+    fn most_bytes(&self) -> usize {
+        let each = self.base.bytes() + self.base.residual.len() * size_of::<Complex64>();
+        (self.most + 2) * each
     }
 }
 
@@ -267,17 +313,18 @@ impl<'a> March<'a> {
         Candidate { state, field, residual }
     }
 
+    /// s ← (1 − cV/D)⁻¹ [(1 + cV/D)(2u − s) − 2c b/D] with u = (D − cÃ)⁻¹ D s: one step of τ.
     fn step(&mut self) {
-        self.solve_mean();
+        self.solve_mean(); // u, from (D − cÃ) u = D s
         self.problem.planes_to_points(&self.harmonics, &mut self.values);
         let [explicit, implicit] = &self.factors;
         let planes = self.state.outer_iter_mut().into_par_iter().zip(self.values.outer_iter());
         planes.enumerate().for_each(|(p, (state, values))| {
             let step = ndarray::Zip::from(state).and(values).and(explicit.row(p)).and(implicit.row(p));
-            step.for_each(|s, &u, &e, &i| *s = (2.0 * u - *s) * e * i);
+            step.for_each(|s, &u, &e, &i| *s = (2.0 * u - *s) * e * i); // (2u − s)(1 + cV/D) / (1 − cV/D)
         });
         let (row, source) = &self.source;
-        self.state.row_mut(*row).iter_mut().zip(source).for_each(|(s, b)| *s -= b);
+        self.state.row_mut(*row).iter_mut().zip(source).for_each(|(s, b)| *s -= b); // − 2c b/D / (1 − cV/D)
     }
 
     /// Marches a window and returns the mean of its states.

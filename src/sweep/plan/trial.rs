@@ -3,6 +3,7 @@
 use crate::ink::PigmentGrains;
 use crate::input::check::largest_extents_nm;
 use crate::input::study::{Point, Study, WantedResolution};
+use crate::input::variation::CellRule;
 use crate::run::crew::{processor_seconds, work_through};
 use crate::run::memory;
 use crate::run::point::solve_point;
@@ -50,6 +51,10 @@ pub(crate) fn density(study: &Study) -> f64 {
 
 /// The study in a cell as small as a trial's.
 fn in_small_cell(study: &Study) -> Study {
+    if study.variation.cell == CellRule::Varied {
+        // Varied cells are as small as they may be.
+        return study.clone();
+    }
     let longest =
         study.pigments.iter().map(|p| 2e-3 * largest_extents_nm(&p.grains).1).fold(TRIAL_PERIOD_UM, f64::max);
     let mut small = study.clone();
@@ -66,7 +71,8 @@ pub(crate) fn trial(
     jobs: usize,
     watch: &dyn RunWatch,
 ) -> Result<Trial, RunError> {
-    let study = in_small_cell(full);
+    let mut study = in_small_cell(full);
+    study.realisations = 1;
     let mut packings = Packings::new(&study, watch);
     // Grains are packed on one core, while the others wait.
     let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
@@ -75,8 +81,9 @@ pub(crate) fn trial(
         Some(trial) => (None, full_resolution(trial, &study)),
         None => {
             let store = Store::in_memory()?;
-            let (seconds, found) =
-                timed(|| resolve::<RunError>(&study, &store, memory::usable(), watch, || Ok(scene.clone())))?;
+            let (seconds, found) = timed(|| {
+                resolve::<RunError>(&study, &store, memory::usable(), watch, |_| Ok(scene.clone()))
+            })?;
             (Some(seconds), found.resolution)
         }
     };

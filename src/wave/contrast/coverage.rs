@@ -42,12 +42,15 @@ pub struct Channel {
 
 /// Moments of every channel's indicator function on every plane.
 pub struct Coverage {
+    /// The grid it was computed for.
     pub grid: Grid,
+    /// Pairs of background and material that occur.
     pub channels: Vec<Channel>,
     /// Per channel, planes × points (x fastest) in µm: ∫ ψ_p χ dz, band-limited in the plane.
     pub moments: Vec<Array2<f64>>,
     /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³), see [`super::folding`].
     pub pairs: Vec<[usize; 2]>,
+    /// One field for each pair: planes × points.
     pub folded: Vec<Array2<f64>>,
     /// Per channel, mean of χ over each cell of the grid.
     pub fractions: Vec<Vec<f64>>,

@@ -37,7 +37,7 @@ fn coefficient(c: &Coverage, plane: usize, m: i32, n: i32) -> Complex64 {
 
 /// J₁ from its integral over one period: the trapezoidal rule converges geometrically.
 fn bessel_j1(x: f64) -> f64 {
-    let count = 64;
+    let count = 64_u32;
     let term = |i: usize| {
         let t = TAU * (i as f64 + 0.5) / f64::from(count);
         (t - x * t.sin()).cos()

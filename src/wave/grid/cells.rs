@@ -36,9 +36,13 @@ impl Scheme {
 /// How finely a scene is resolved: points along x and y, cells along z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Resolution {
+    /// Points along x, at least 1.
     pub nx: usize,
+    /// Points along y, at least 1.
     pub ny: usize,
+    /// Cells along z, at least 1.
     pub cells: usize,
+    /// Discretisation along z.
     #[serde(default)]
     pub scheme: Scheme,
 }
@@ -53,7 +57,9 @@ impl Resolution {
 /// The cells in z: node heights and the stratum each cell lies in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
+    /// Points and cells asked for.
     pub resolution: Resolution,
+    /// Lateral periods, µm.
     pub period_um: [f64; 2],
     /// cells + 1 heights, from 0 to H.
     pub nodes_um: Vec<f64>,
@@ -92,10 +98,12 @@ impl Grid {
         self.nodes_um[cell + 1] - self.nodes_um[cell]
     }
 
+    /// Number of cells.
     pub fn cells(&self) -> usize {
         self.background.len()
     }
 
+    /// Number of planes that carry unknowns.
     pub fn planes(&self) -> usize {
         self.resolution.planes()
     }

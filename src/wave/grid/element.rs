@@ -15,6 +15,7 @@ pub const MAX_DEGREE: usize = 4;
 /// Interpolation points and bubbles on the unit cell 0 ≤ t ≤ 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Element {
+    /// Degree of the polynomials; a cell has `degree` − 1 inner points.
     pub degree: usize,
     /// Gauss–Lobatto points, the nodes included.
     pub points: Vec<f64>,

@@ -17,11 +17,14 @@ const BLOCK: usize = 192;
 /// Node coefficients of one cell for one harmonic: coupling, and the cell's share of each node's diagonal.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeCoefficients {
+    /// o, the coupling of the cell's two nodes, 1/µm.
     pub off: Complex64,
+    /// −o cos(k̄h), the cell's part of each node's diagonal, 1/µm.
     pub diagonal: Complex64,
 }
 
 impl NodeCoefficients {
+    /// The coefficients of a cell of height `h` (µm) for k̄² = `kz2` (1/µm²).
     pub fn new(kz2: Complex64, h: f64, scheme: Scheme) -> NodeCoefficients {
         if scheme == Scheme::SecondDifference {
             let off = Complex64::from(1.0 / h);

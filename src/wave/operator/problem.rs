@@ -37,10 +37,15 @@ impl Default for Mean {
 
 /// One wave problem: immutable and shared between threads.
 pub struct Problem {
+    /// The geometry, shared with all problems on the same grid.
     pub coverage: Arc<Coverage>,
+    /// The light.
     pub incidence: Incidence,
+    /// Indices of all media.
     pub media: Media,
+    /// The harmonics in use: columns of a field.
     pub harmonics: Arc<Harmonics>,
+    /// A, factorised.
     pub mean: MeanOperator,
     /// Normal wavenumbers of every harmonic in the half-spaces above and below, 1/µm.
     pub kappa: [Vec<Complex64>; 2],

@@ -26,7 +26,12 @@ pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
 }
 
 pub fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
-    let (nx, ny, cells, kappa, polar_deg, azimuth_deg, from) = setting;
+    problem_of(Complex64::new(1.4, setting.3), setting, scheme, mean)
+}
+
+/// The same with grains of another index; that of the binder, 1.5, leaves no contrast.
+pub fn problem_of(grains: Complex64, setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
+    let (nx, ny, cells, _, polar_deg, azimuth_deg, from) = setting;
     let bodies = match (nx, ny) {
         (1, 1) => vec![Body::new(Shape::Sheet { z_um: [0.11, 0.27] }, 0)],
         (_, 1) => {
@@ -39,7 +44,7 @@ pub fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
         incident: 1.0.into(),
         exit: 1.2.into(),
         backgrounds: vec![1.5.into()],
-        inclusions: vec![Complex64::new(1.4, kappa)],
+        inclusions: vec![grains],
     };
     let incidence = Incidence { wavelength_um: 0.75, polar_deg, azimuth_deg, from };
     let resolution = Resolution { nx, ny, cells, scheme };

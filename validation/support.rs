@@ -1,5 +1,4 @@
 //! Reference cases with their expected amplitudes, and short ways to solve and to compare.
-#![allow(dead_code, reason = "every test target uses its own part")]
 
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Task, suited_scheme};
@@ -37,7 +36,7 @@ pub struct ReferenceOrder {
 pub fn references() -> &'static [Reference] {
     static ALL: OnceLock<Vec<Reference>> = OnceLock::new();
     ALL.get_or_init(|| {
-        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/validation/data/waves.json"));
+        let text = include_str!("data/waves.json");
         let file: serde_json::Value = serde_json::from_str(text).expect("waves.json is JSON");
         let cases = file["cases"].as_array().expect("waves.json lists cases");
         cases.iter().filter(|c| c["outputs"]["orders"].is_array()).map(read).collect()

@@ -1,0 +1,126 @@
+//! BDFs of an ensemble whose cells differ: every realisation's orders, turned into one plane of incidence, are collected on the lattice
+//! of the nominal cell.
+//!
+//! A lattice cell holds what all orders nearest to it carry, so totals are kept exactly and the mean over realisations is an
+//! unbiased histogram of the distribution in direction cosines. The specular order stays alone in (0, 0): a cell's next order is
+//! more than half a lattice step away.
+
+use super::bdf::{Bdf, BdfError, Lobe, LobeData, OrderMean, View, totals, view};
+use crate::numerics::estimate::Estimate;
+use crate::wave::{FarField, Incidence, Order};
+use ndarray::Array2;
+use std::collections::BTreeMap;
+
+/// Place on the lattice.
+type Place = (i32, i32);
+
+impl Bdf {
+    /// Averages far fields of one polar angle and nearly one wavelength; cells and azimuths may differ. `period_um` is that of the nominal
+    /// cell. Directions count from the plane of incidence (azimuth 0).
+    ///
+    /// # Errors
+    /// No far fields, or fields lit at different polar angles or from different sides.
+    pub fn from_varied_cells(fields: &[FarField], period_um: [f64; 2]) -> Result<Self, BdfError> {
+        let first = fields.first().ok_or(BdfError::Empty)?;
+        let same = |f: &FarField| {
+            (f.incidence.polar_deg - first.incidence.polar_deg).abs() < 1e-9
+                && f.incidence.from == first.incidence.from
+        };
+        if let Some(index) = fields.iter().position(|f| !same(f)) {
+            return Err(BdfError::Mixed { index, field: "incidence" });
+        }
+        let count = fields.len() as f64;
+        let wavelength_um = fields.iter().map(|f| f.incidence.wavelength_um).sum::<f64>() / count;
+        let incidence = Incidence { wavelength_um, azimuth_deg: 0.0, ..first.incidence };
+        let lattice = Lattice::new(&incidence, first, period_um);
+        let [reflected, transmitted] =
+            [Lobe::Reflected, Lobe::Transmitted].map(|lobe| lattice.collect(fields, lobe));
+        Ok(Self { incidence, period_um, realisations: fields.len(), reflected, transmitted })
+    }
+}
+
+/// The nominal lattice in direction cosines around the specular direction.
+struct Lattice {
+    centre: [f64; 2],
+    step: [f64; 2],
+}
+
+impl Lattice {
+    fn new(incidence: &Incidence, first: &FarField, period_um: [f64; 2]) -> Self {
+        let [x, y] = first.specular().direction;
+        Self { centre: [x.hypot(y), 0.0], step: period_um.map(|period| incidence.wavelength_um / period) }
+    }
+
+    fn direction(&self, (m, n): Place) -> [f64; 2] {
+        [self.centre[0] + f64::from(m) * self.step[0], self.centre[1] + f64::from(n) * self.step[1]]
+    }
+
+    /// The nearest cell; of those at the rim the nearest one whose centre lies inside `reach`, the largest cosine that propagates.
+    fn place(&self, direction: [f64; 2], reach: f64) -> Place {
+        let nearest = |i: usize| ((direction[i] - self.centre[i]) / self.step[i]).round() as i32;
+        let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (nearest(0) + i, nearest(1) + j)));
+        let distance = |place: &Place| {
+            let [x, y] = self.direction(*place);
+            (x - direction[0]).hypot(y - direction[1])
+        };
+        let inside = |place: &Place| {
+            *place != (0, 0) && {
+                let [x, y] = self.direction(*place);
+                x.hypot(y) < reach
+            }
+        };
+        let best = around.filter(inside).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        best.unwrap_or((nearest(0), nearest(1)))
+    }
+
+    fn collect(&self, fields: &[FarField], lobe: Lobe) -> LobeData {
+        let reach = fields.iter().flat_map(|f| &f.orders).filter(|o| view(o, lobe).propagates).map(radius);
+        let reach = reach.fold(0.0, f64::max).max(1.0);
+        let mut cells: BTreeMap<Place, Vec<f64>> = BTreeMap::new();
+        for (r, field) in fields.iter().enumerate() {
+            for order in field.orders.iter().filter(|o| view(o, lobe).propagates) {
+                let place = match (order.m, order.n) {
+                    (0, 0) => (0, 0),
+                    _ => self.place(turned(order.direction, -field.incidence.azimuth_deg), reach),
+                };
+                cells.entry(place).or_insert_with(|| vec![0.0; fields.len()])[r] +=
+                    view(order, lobe).efficiency;
+            }
+        }
+        self.lobe(fields, lobe, cells)
+    }
+
+    fn lobe(&self, fields: &[FarField], lobe: Lobe, cells: BTreeMap<Place, Vec<f64>>) -> LobeData {
+        let density = 1.0 / (self.step[0] * self.step[1]);
+        let columns: Vec<(Place, Vec<f64>)> = cells.into_iter().collect();
+        let orders = columns.iter().map(|(place, samples)| self.order(*place, samples, density)).collect();
+        let efficiencies = Array2::from_shape_fn((fields.len(), columns.len()), |(r, k)| columns[k].1[r]);
+        let specular = columns.iter().position(|(place, _)| *place == (0, 0));
+        let straight: Vec<View> = fields.iter().map(|f| view(f.specular(), lobe)).collect();
+        let totals = totals(&efficiencies, specular, &straight);
+        LobeData { orders, efficiencies, totals }
+    }
+
+    fn order(&self, (m, n): Place, samples: &[f64], density: f64) -> OrderMean {
+        let efficiency = Estimate::of_mean(samples);
+        let standard_error = efficiency.standard_error.map(|s| s * density);
+        OrderMean {
+            m,
+            n,
+            direction: self.direction((m, n)),
+            efficiency,
+            coherent: None,
+            diffuse: None,
+            bdf: Estimate { value: efficiency.value * density, standard_error },
+        }
+    }
+}
+
+fn radius(order: &Order) -> f64 {
+    order.direction[0].hypot(order.direction[1])
+}
+
+fn turned([x, y]: [f64; 2], by_deg: f64) -> [f64; 2] {
+    let (sin, cos) = by_deg.to_radians().sin_cos();
+    [x * cos - y * sin, x * sin + y * cos]
+}

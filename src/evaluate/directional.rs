@@ -1,0 +1,122 @@
+//! The BRDF of the ink on its paper for any pair of directions, as a renderer asks for it.
+//!
+//! ```text
+//! f(i, o) = f_layer,diffuse(i, o) + g T(i) T(o)/π          (P1 section 5)
+//! ```
+//!
+//! No mirror part, which is a delta and not a density. The layer's own part is the fitted diffuse BRDF of all orders, a mean over the azimuth
+//! between the planes; the light that has been in the paper does not depend on it. T is tabulated finely, fringes included.
+
+use super::ink::{InkError, InkOnPaper};
+use std::f64::consts::PI;
+
+/// A direction on the incident side: angle from the normal and azimuth from the plane of incidence (0: forward, where the
+/// mirror image lies), degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction {
+    /// From the normal, degrees, up to 90.
+    pub polar_deg: f64,
+    /// From the direction the light travels to, degrees.
+    pub azimuth_deg: f64,
+}
+
+/// Step of the tables, degrees: linear between, T of a film of some wavelengths to about 1e-5.
+const STEP_DEG: f64 = 0.25;
+/// Angles of incidence that tables of a renderer should hold, degrees.
+const NODES_DEG: [f64; 10] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0];
+
+/// The ink on its paper with tables over the angle.
+#[derive(Clone, Debug)]
+pub struct DirectionalInk<'a> {
+    ink: &'a InkOnPaper,
+    /// \[wavelength\]\[angle\]: T, specular R, albedo; the last angle is grazing.
+    tables: Vec<Vec<[f64; 3]>>,
+}
+
+impl<'a> DirectionalInk<'a> {
+    /// Tabulates the ink.
+    ///
+    /// # Errors
+    /// The ink refuses an angle.
+    pub fn new(ink: &'a InkOnPaper) -> Result<Self, InkError> {
+        let steps = (90.0 / STEP_DEG) as usize;
+        let mut tables = vec![Vec::with_capacity(steps + 1); ink.wavelengths_nm().len()];
+        for k in 0..steps {
+            let at = ink.at(k as f64 * STEP_DEG)?;
+            for (table, layer) in tables.iter_mut().zip(ink.layers()) {
+                table.push([layer.transmittance(&at), layer.specular(&at), layer.albedo(&at)]);
+            }
+        }
+        tables.iter_mut().for_each(|table| table.push([0.0, 1.0, 1.0]));
+        Ok(Self { ink, tables })
+    }
+
+    /// The ink itself.
+    pub fn ink(&self) -> &InkOnPaper {
+        self.ink
+    }
+
+    /// Angles of incidence that a table should hold, degrees, rising.
+    pub fn nodes_deg(&self) -> Vec<f64> {
+        NODES_DEG.to_vec()
+    }
+
+    /// T(θ) at a wavelength's place.
+    pub fn transmittance(&self, wavelength: usize, polar_deg: f64) -> f64 {
+        self.tabulated(wavelength, polar_deg)[0]
+    }
+
+    /// Specular part of R(θ).
+    pub fn specular(&self, wavelength: usize, polar_deg: f64) -> f64 {
+        self.tabulated(wavelength, polar_deg)[1]
+    }
+
+    /// The directional–hemispherical albedo without its mirror part.
+    pub fn diffuse_albedo(&self, wavelength: usize, polar_deg: f64) -> f64 {
+        let [_, specular, albedo] = self.tabulated(wavelength, polar_deg);
+        albedo - specular
+    }
+
+    /// g T(i) T(o)/π: light that has been in the paper, 1/sr.
+    pub fn paper_brdf(&self, wavelength: usize, light_deg: f64, view_deg: f64) -> f64 {
+        let passes = self.transmittance(wavelength, light_deg) * self.transmittance(wavelength, view_deg);
+        self.ink.layers()[wavelength].return_factor() * passes / PI
+    }
+
+    /// f(i, o) at a wavelength's place, 1/sr, mirror part left out.
+    pub fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
+        let cosine = |deg: f64| deg.to_radians().cos();
+        let own = self.ink.layers()[wavelength].diffuse_brdf_at(cosine(light_deg), cosine(view.polar_deg));
+        own + self.paper_brdf(wavelength, light_deg, view.polar_deg)
+    }
+
+    fn tabulated(&self, wavelength: usize, polar_deg: f64) -> [f64; 3] {
+        let table = &self.tables[wavelength];
+        let place = (polar_deg / STEP_DEG).clamp(0.0, (table.len() - 1) as f64);
+        let before = (place as usize).min(table.len() - 2);
+        let t = place - before as f64;
+        std::array::from_fn(|i| (1.0 - t) * table[before][i] + t * table[before + 1][i])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::paper::Coupling;
+    use crate::evaluate::ink::tests::molecular_ink;
+
+    #[test]
+    fn tables_follow_the_ink() {
+        let ink = molecular_ink("yellow", 0.3, Coupling::Gap);
+        let directional = DirectionalInk::new(&ink).unwrap();
+        for deg in [0.0, 13.1, 44.9, 70.3] {
+            let (at, layer) = (ink.at(deg).unwrap(), &ink.layers()[7]);
+            // linear between steps of a quarter of a degree
+            assert!((directional.transmittance(7, deg) - layer.transmittance(&at)).abs() < 5e-5);
+            assert!((directional.specular(7, deg) - layer.specular(&at)).abs() < 5e-5);
+            let view = Direction { polar_deg: deg, azimuth_deg: 30.0 };
+            assert!((directional.brdf(7, 0.0, view) - layer.brdf(&ink.at(0.0).unwrap(), &at)).abs() < 5e-5);
+        }
+        assert_eq!((directional.transmittance(0, 90.0), directional.specular(0, 90.0)), (0.0, 1.0));
+    }
+}

@@ -1,0 +1,247 @@
+//! The layer on its paper at one wavelength: the formulas of [`crate::appearance::paper`] on fitted values.
+
+use super::films::FilmAt;
+use super::wavelengths::Shares;
+use crate::appearance::paper::{MirroredSky, PaperError, returned};
+use gauss_quad::GaussLegendre;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+/// Functions that a curve over the angle has besides its values at 0° and 45°.
+pub const BENDS: usize = 2;
+/// Symmetric functions of both cosines that the diffuse BRDF has.
+pub const DIFFUSE: usize = 6;
+/// Nodes of the integrals of fitted curves, which are polynomials of degree 5.
+const CURVE_NODES: usize = 6;
+
+/// Differences of \[R, T, specular R\] from the film at \[0°, 45°\].
+pub type Anchors = [[f64; 3]; 2];
+
+/// Everything that is known at every wavelength of interest.
+#[derive(Clone, Debug)]
+pub struct Nodes {
+    /// Vacuum wavelengths, nm.
+    pub wavelengths_nm: Vec<f64>,
+    /// The coherent film there.
+    pub films: Vec<FilmAt>,
+    /// The paper's albedo there.
+    pub albedos: Vec<f64>,
+    /// The spectral functions' values there.
+    pub shares: Vec<Shares>,
+    /// The film's means over the hemisphere, in the order of [`super::layer::Mean`].
+    pub means: Vec<[f64; 4]>,
+}
+
+/// Differences from the film that are measured at every wavelength solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// At 0° and 45°.
+    pub anchors: Anchors,
+    /// Of T̄.
+    pub transmittance: f64,
+    /// Of Ā from the exit side.
+    pub absorptance: f64,
+}
+
+/// What is fitted over the angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// \[R, T, specular R\]: coefficients of the bends between the anchors.
+    pub bends: [[f64; BENDS]; 3],
+    /// Coefficients of the layer's own diffuse BRDF, 1/sr.
+    pub diffuse: [f64; DIFFUSE],
+}
+
+/// A viewing or illumination angle with the film's R and T there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolarAngle {
+    /// Degrees from the normal.
+    pub polar_deg: f64,
+    mu: f64,
+    between: [f64; 2],
+    bends: [f64; BENDS],
+    /// \[node\]\[R, T\]
+    film: Vec<[f64; 2]>,
+}
+
+impl PolarAngle {
+    /// # Errors
+    /// Angles outside 0° ≤ θ < 90°.
+    pub fn new(polar_deg: f64, nodes: &Nodes) -> Result<Self, PaperError> {
+        if !(0.0..90.0).contains(&polar_deg) {
+            return Err(PaperError::AngleOutOfRange { value: polar_deg });
+        }
+        let mu = polar_deg.to_radians().cos();
+        let (between, bends) = anchor_shares(mu);
+        let film = nodes.films.iter().map(|film| film.reflectance_transmittance(polar_deg)).collect();
+        Ok(Self { polar_deg, mu, between, bends, film })
+    }
+}
+
+/// The layer on paper at one wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerOnPaper {
+    node: usize,
+    measured: Measured,
+    curve: Curve,
+    /// T̄ and Ā from the exit side, of the film.
+    film_means: [f64; 2],
+    albedo: f64,
+    index_out: f64,
+}
+
+impl LayerOnPaper {
+    /// # Errors
+    /// Albedo outside 0–1, a lossless mirror over a lossless paper, numbers that are not finite.
+    pub fn new(
+        node: usize,
+        film_means: [f64; 2],
+        measured: Measured,
+        curve: Curve,
+        albedo: f64,
+        index_out: f64,
+    ) -> Result<Self, PaperError> {
+        let layer = Self { node, measured, curve, film_means, albedo, index_out };
+        returned(albedo, layer.mean_transmittance(), layer.mean_absorptance_exit(), index_out)?;
+        Ok(layer)
+    }
+
+    /// T̄, the mean transmittance over the hemisphere on the incident side.
+    pub fn mean_transmittance(&self) -> f64 {
+        self.film_means[0] + self.measured.transmittance
+    }
+
+    /// Ā from the exit side, the mean absorptance over the hemisphere there.
+    pub fn mean_absorptance_exit(&self) -> f64 {
+        self.film_means[1] + self.measured.absorptance
+    }
+
+    /// R̄ from the exit side, 1 − T̄/n² − Ā.
+    pub fn mean_reflectance_exit(&self) -> f64 {
+        1.0 - self.mean_transmittance() / self.index_out.powi(2) - self.mean_absorptance_exit()
+    }
+
+    /// g = ρ/(1 − ρ R̄_b), over n² in optical contact.
+    pub fn return_factor(&self) -> f64 {
+        let back =
+            returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out);
+        // checked when the layer was made; what noise alone could move further is no result
+        back.unwrap_or(f64::NAN)
+    }
+
+    /// R(θ) of the layer alone, total.
+    pub fn reflectance(&self, at: &PolarAngle) -> f64 {
+        at.film[self.node][0] + self.difference(at, 0)
+    }
+
+    /// T(θ) of the layer alone, total.
+    pub fn transmittance(&self, at: &PolarAngle) -> f64 {
+        at.film[self.node][1] + self.difference(at, 1)
+    }
+
+    /// Specular part of R(θ).
+    pub fn specular(&self, at: &PolarAngle) -> f64 {
+        at.film[self.node][0] + self.difference(at, 2)
+    }
+
+    /// The layer's own diffuse f(i, o), 1/sr, azimuthal mean. Symmetric in i and o.
+    pub fn diffuse_brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
+        self.diffuse_brdf_at(illumination.mu, viewing.mu)
+    }
+
+    /// The same at cosines of the polar angles.
+    pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
+        let functions = symmetric(illumination, viewing);
+        functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
+    }
+
+    /// Diffuse f(i, o), 1/sr, azimuthal mean: layer's own plus paper. Symmetric in i and o.
+    pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
+        let through = self.transmittance(illumination) * self.transmittance(viewing);
+        self.diffuse_brdf(illumination, viewing) + self.return_factor() * through / PI
+    }
+
+    /// Directional–hemispherical albedo R(i) + g T(i) T̄, specular included.
+    pub fn albedo(&self, illumination: &PolarAngle) -> f64 {
+        let returned = self.return_factor() * self.transmittance(illumination) * self.mean_transmittance();
+        self.reflectance(illumination) + returned
+    }
+
+    /// Radiance at `viewing` under a uniform sky of radiance 1 (white paper: 1).
+    pub fn natural_light(&self, viewing: &PolarAngle, sky: MirroredSky) -> f64 {
+        let mirrored = match sky {
+            MirroredSky::Included => 0.0,
+            MirroredSky::Excluded => self.specular(viewing),
+        };
+        self.albedo(viewing) - mirrored
+    }
+
+    /// The same layer with `step` times other measured values added.
+    pub(super) fn moved(&self, by: &Measured, step: f64) -> Self {
+        let mut layer = *self;
+        for (own, by) in layer.measured.anchors.iter_mut().flatten().zip(by.anchors.iter().flatten()) {
+            *own += step * by;
+        }
+        layer.measured.transmittance += step * by.transmittance;
+        layer.measured.absorptance += step * by.absorptance;
+        layer
+    }
+
+    /// What solves at these angles, taken with equal weights, miss of the fitted curves' means.
+    pub(super) fn quadrature_error(
+        &self,
+        polar_deg: impl Iterator<Item = f64> + Clone,
+        exit: bool,
+    ) -> Measured {
+        let curve = |quantity: usize, mu: f64| self.difference_at(anchor_shares(mu), quantity);
+        let rule = GaussLegendre::new(CURVE_NODES).expect("a positive number of nodes");
+        let count = polar_deg.clone().count().max(1) as f64;
+        let error = |quantity: usize| {
+            let sampled =
+                polar_deg.clone().map(|deg| curve(quantity, deg.to_radians().cos())).sum::<f64>() / count;
+            sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * curve(quantity, mu))
+        };
+        let (reflected, transmittance) = (error(0), error(1));
+        // without solves from the exit side its A is that from the incident side, 1 − R − T
+        let absorptance = if exit { 0.0 } else { -reflected - transmittance };
+        Measured { anchors: Anchors::default(), transmittance, absorptance }
+    }
+
+    fn difference(&self, at: &PolarAngle, quantity: usize) -> f64 {
+        self.difference_at((at.between, at.bends), quantity)
+    }
+
+    fn difference_at(&self, (between, bends): ([f64; 2], [f64; BENDS]), quantity: usize) -> f64 {
+        let anchored: f64 = between.iter().zip(&self.measured.anchors).map(|(s, a)| s * a[quantity]).sum();
+        anchored + bends.iter().zip(&self.curve.bends[quantity]).map(|(b, c)| b * c).sum::<f64>()
+    }
+}
+
+/// A curve over μ: shares of its values at 0° and 45° (Lagrange through these and zero at grazing, where every layer reflects all), and
+/// functions that vanish at all three.
+pub fn anchor_shares(mu: f64) -> ([f64; 2], [f64; BENDS]) {
+    let print = FRAC_1_SQRT_2;
+    let normal = mu * (mu - print) / (1.0 - print);
+    let slanted = mu * (1.0 - mu) / (print * (1.0 - print));
+    let bend = mu * (1.0 - mu) * (mu - print);
+    ([normal, slanted], std::array::from_fn(|b| bend * mu.powi(b as i32)))
+}
+
+/// Polynomials of both cosines, at most of the second degree in each, that do not change when they are exchanged (reciprocity).
+pub fn symmetric(x: f64, y: f64) -> [f64; DIFFUSE] {
+    let (sum, product) = (x + y, x * y);
+    [1.0, sum, product, x * x + y * y, product * sum, product * product]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_pass_through_their_anchors_and_vanish_at_grazing() {
+        let ([normal, slanted], bends) = anchor_shares(1.0);
+        assert!(normal == 1.0 && slanted == 0.0 && bends == [0.0; BENDS]);
+        let (between, bends) = anchor_shares(FRAC_1_SQRT_2);
+        assert!(between[0].abs() < 1e-15 && (between[1] - 1.0).abs() < 1e-15 && bends[0].abs() < 1e-15);
+        assert_eq!(anchor_shares(0.0), ([0.0; 2], [0.0; BENDS]));
+    }
+}

@@ -1,0 +1,67 @@
+//! What the evaluation takes from a solve, and how the solves of a realisation belong together.
+
+use crate::wave::FarField;
+
+/// One solve: totals, their specular parts, and where the diffuse light went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solved {
+    /// Polar angle of incidence in the half-space that the light came from, degrees.
+    pub polar_deg: f64,
+    /// Total R.
+    pub reflectance: f64,
+    /// R of the specular order.
+    pub specular_reflectance: f64,
+    /// Total T.
+    pub transmittance: f64,
+    /// T of the order that goes straight on.
+    pub specular_transmittance: f64,
+    /// A, from the field inside the layer.
+    pub absorptance: f64,
+    /// Reflected orders but the specular one: cosine of the polar angle, and BRDF as the density e Lx Ly/λ², 1/sr.
+    pub scattered: Vec<[f64; 2]>,
+}
+
+impl From<&FarField> for Solved {
+    fn from(field: &FarField) -> Self {
+        let specular = field.specular();
+        let density = field.period_um[0] * field.period_um[1] / field.incidence.wavelength_um.powi(2);
+        let diffuse = field.orders.iter().filter(|o| o.reflected_propagates && (o.m, o.n) != (0, 0));
+        let cosine = |[x, y]: [f64; 2]| (1.0 - x * x - y * y).max(0.0).sqrt();
+        Self {
+            polar_deg: field.incidence.polar_deg,
+            reflectance: field.reflectance,
+            specular_reflectance: specular.reflected_efficiency,
+            transmittance: field.transmittance,
+            specular_transmittance: specular.transmitted_efficiency,
+            absorptance: field.absorptance,
+            scattered: diffuse.map(|o| [cosine(o.direction), density * o.reflected_efficiency]).collect(),
+        }
+    }
+}
+
+/// All solves of a realisation at one wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolvedWavelength {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// At the angles that every realisation is solved at, in the study's order.
+    pub exact: Vec<Solved>,
+    /// One in each stratum of μ², 0 < μ² < 1: their plain mean is the hemispherical one.
+    pub strata: Vec<Solved>,
+    /// The same for light from the exit side; empty where the layer is the same from both sides.
+    pub exit: Vec<Solved>,
+}
+
+/// One realisation of the layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolvedRealisation {
+    /// Its thickness, µm.
+    pub thickness_um: f64,
+    /// Its wavelengths, rising.
+    pub wavelengths: Vec<SolvedWavelength>,
+}
+
+/// Mean of a quantity over solves that stand for equal shares.
+pub fn mean(solves: &[Solved], quantity: impl Fn(&Solved) -> f64) -> f64 {
+    solves.iter().map(quantity).sum::<f64>() / solves.len().max(1) as f64
+}

@@ -1,0 +1,108 @@
+//! Functions of the wavelength that spectra are fitted with: cubic B-splines over a range, or one number for each listed wavelength.
+
+/// A set of basis functions over the wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpectralBasis {
+    /// Solved at just these wavelengths, nm, rising: one function each.
+    Listed(Vec<f64>),
+    /// Uniform cubic B-splines on `intervals` pieces of a range in nm, for wavelengths that differ from realisation to realisation.
+    Splines {
+        /// First and last wavelength, nm.
+        range_nm: [f64; 2],
+        /// Pieces of the range.
+        intervals: usize,
+    },
+}
+
+/// Functions that a wavelength can meet at once.
+const MOST: usize = 4;
+
+/// The functions that do not vanish at a wavelength, with their values.
+pub type Shares = Vec<(usize, f64)>;
+
+impl SpectralBasis {
+    /// Number of functions.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Listed(list) => list.len(),
+            Self::Splines { intervals, .. } => intervals + MOST - 1,
+        }
+    }
+
+    /// True without a single function.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Values at a wavelength in nm: splines are continued beyond their range by the outermost pieces, a list answers with its
+    /// nearest entry.
+    pub fn shares(&self, nm: f64) -> Shares {
+        match self {
+            Self::Listed(list) => {
+                let distance = |&(_, entry): &(usize, &f64)| (entry - nm).abs();
+                let nearest = list.iter().enumerate().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                nearest.map(|(i, _)| (i, 1.0)).into_iter().collect()
+            }
+            Self::Splines { range_nm: [from, to], intervals } => {
+                let place = (nm - from) / (to - from) * *intervals as f64;
+                let piece = (place.floor().max(0.0) as usize).min(intervals - 1);
+                cubic(place - piece as f64)
+                    .into_iter()
+                    .enumerate()
+                    .map(|(k, value)| (piece + k, value))
+                    .collect()
+            }
+        }
+    }
+
+    /// Σ share · coefficient.
+    pub fn at(shares: &Shares, coefficients: impl Fn(usize) -> f64) -> f64 {
+        shares.iter().map(|&(i, share)| share * coefficients(i)).sum()
+    }
+
+    /// Pairs of neighbours' second differences to be kept small (Eilers and Marx 1996): rows of (function, factor).
+    pub fn roughness(&self) -> Vec<[(usize, f64); 3]> {
+        match self {
+            Self::Listed(_) => Vec::new(),
+            Self::Splines { .. } => {
+                (2..self.len()).map(|i| [(i - 2, 1.0), (i - 1, -2.0), (i, 1.0)]).collect()
+            }
+        }
+    }
+}
+
+/// The four cubic B-splines on a piece, t = 0…1 along it.
+fn cubic(t: f64) -> [f64; MOST] {
+    let s = 1.0 - t;
+    let inner = |t: f64, s: f64| (1.0 + 3.0 * t * (1.0 + t * s)) / 6.0;
+    [s.powi(3) / 6.0, inner(s, t), inner(t, s), t.powi(3) / 6.0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splines_share_unity_and_reproduce_lines() {
+        let basis = SpectralBasis::Splines { range_nm: [400.0, 700.0], intervals: 6 };
+        assert_eq!(basis.len(), 9);
+        for nm in [400.0, 401.3, 450.0, 612.0, 700.0] {
+            let shares = basis.shares(nm);
+            let sum: f64 = shares.iter().map(|s| s.1).sum();
+            // Coefficients at the Greville points 350, 400, … give the line λ itself.
+            let line = SpectralBasis::at(&shares, |i| 350.0 + 50.0 * i as f64);
+            assert!((sum - 1.0).abs() < 1e-14 && (line - nm).abs() < 1e-11, "{nm}: {sum} {line}");
+        }
+        for row in basis.roughness() {
+            let line: f64 = row.iter().map(|&(i, f)| f * i as f64).sum();
+            assert_eq!(line, 0.0);
+        }
+    }
+
+    #[test]
+    fn lists_answer_with_their_own_entry() {
+        let basis = SpectralBasis::Listed(vec![450.0, 550.0]);
+        assert_eq!(basis.shares(550.0), [(1, 1.0)]);
+        assert!(basis.roughness().is_empty());
+    }
+}
