@@ -1,5 +1,7 @@
 //! The program: parses the command line, calls the library, prints errors well.
 
+#![forbid(unsafe_code)]
+
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};

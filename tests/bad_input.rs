@@ -124,7 +124,7 @@ const SLIPS: &[Slip] = &[
     slip(
         "diameter_nm = 200",
         "diameter_nm = 450",
-        ["pigment[0].diameter_nm", "450", "400 nm, half the layer's period", "larger cell"],
+        ["pigment[0].diameter_nm", "450", "half the shortest side that a varied cell gets", "larger cell"],
     ),
     slip(
         "thickness_um = 0.5",
@@ -169,7 +169,7 @@ const SLIPS: &[Slip] = &[
         "wavelengths_nm = [0.45]",
         ["light.wavelengths_nm[0]", "0.45", "from 100 to 10000 nm", "in nm"],
     ),
-    slip(RANGE, "", ["light", "mixture", "wavelengths_nm", "from_nm = 400"]),
+    slip(RANGE, "from_nm = 400", ["light", "mixture", "wavelengths_nm", "from_nm = 400"]),
     slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
     slip(
         "step_nm = 100",
@@ -181,7 +181,7 @@ const SLIPS: &[Slip] = &[
     slip("count = 3", "polar_deg = [0, 90]", ["angles.polar_deg[1]", "90", "below 90°", "89"]),
     slip("count = 3", "polar_deg = [0, inf]", ["angles.polar_deg[1]", "inf", "below 90°", "89"]),
     slip("count = 3", "count = 3\npolar_deg = [0]", ["angles", "both", "either", "remove one"]),
-    slip("count = 3", "count = 0", ["angles.count", "found 0", "2 to 64", "5 is usual"]),
+    slip("count = 3", "count = 0", ["angles.count", "found 0", "3 to 64", "5 is usual"]),
     slip(
         "count = 3",
         "count = 3\npicture_max_deg = 95",
@@ -191,7 +191,7 @@ const SLIPS: &[Slip] = &[
     slip(
         "realisations = 2",
         "realisations = 0",
-        ["run.realisations", "found 0", "from 1 to 100000", "4 is a fair start"],
+        ["run.realisations", "found 0", "from 1 to 100000", "24 small cells are a fair start"],
     ),
     slip("points_per_um = 20\n", "", ["resolution", "mixture", "either accuracy", "accuracy = 1e-2"]),
     slip(

@@ -79,7 +79,7 @@ fn numbers_out_of_range_name_field_value_range_and_remedy() {
             ["spheres[0].eta (absorption) is -0.1", "0 or above", "change the sign"],
         ),
         ("/eta_binder", json!([0, 0]), ["eta_binder is 0", "other than 0", "[real part, absorption]"]),
-        ("/n_below", json!(-1), ["n_below (real part) is -1", "0 or above", "positive"]),
+        ("/n_below", json!(-1), ["n_in (real part) is -1", "0 or above", "positive"]),
         ("/spheres/0", sphere(0.2, 0.1, 0.15), ["spheres[0]", "from z = -0.05", "layer is 0 … 0.6"]),
         ("/spheres/0", sphere(0.2, 0.3, 0.28), ["own periodic image", "6.000e-2", "period larger"]),
         (
@@ -87,7 +87,7 @@ fn numbers_out_of_range_name_field_value_range_and_remedy() {
             json!([sphere(0.1, 0.3, 0.1), sphere(0.2, 0.3, 0.1)]),
             ["bodies 0 and 1", "1.000e-1", "apart"],
         ),
-        ("/eta_below", json!([1, 0]), ["n_below", "twice", "one of them"]),
+        ("/eta_below", json!([1, 0]), ["n_in", "twice", "one of them"]),
     ] {
         let mut text = with(pointer, value);
         if pointer == "/eta_below" {
@@ -138,8 +138,8 @@ fn entries_that_do_not_fit_are_named_with_their_place() {
             json!({ "wavelength": 0.5, "eta_binder": [1.5, 0] }).to_string(),
             vec!["H: missing", "thickness in µm"],
         ),
-        ("{ \"wavelength\": ".into(), vec!["is not a case", "EOF", "reference case"]),
-        (String::new(), vec!["is not a case", "reference case"]),
+        ("{ \"wavelength\": ".into(), vec!["is not a case", "EOF", "correct the JSON"]),
+        (String::new(), vec!["is not a case", "correct the JSON"]),
     ] {
         refuses_text("case.json", &text, &[], &words);
     }

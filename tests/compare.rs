@@ -68,3 +68,27 @@ fn slips_are_told() {
         assert!(message.contains(told), "{to}: {message}");
     }
 }
+
+#[test]
+fn a_matrix_tells_costs_and_reasons() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("matrix.toml");
+    let resolutions = "resolutions = [{ points = 5, cells = 6 }]\n";
+    let matrix = "[matrix]\npigments = [[1.5, 0.0], [2.5, 0.0]]\nperiods_um = [0.5]\naccuracy = 0.1\n";
+    let text = TINY.replace(resolutions, "").replace("\"direct\"", "\"bicgstab\"") + matrix;
+    std::fs::write(&path, text).expect("written");
+    let file = ComparisonFile::read(&path).expect("parsed");
+    let matrix =
+        file.run_matrix(&Registry::default(), &mut Silent, |_| ()).expect("compared").expect("a matrix");
+    assert_eq!(matrix.cells.len(), 8);
+    // All strategies solve one discrete problem: what converges agrees to the residual, a hundredth of 0.1, amplified.
+    for cell in &matrix.cells {
+        assert!(cell.difference.is_none_or(|d| d < 2e-2), "{cell:?}");
+        let strong_born = cell.n == 2.5 && cell.strategy == "born";
+        assert!(!strong_born || cell.outcome.contains("diverges"), "{}", cell.outcome);
+    }
+    assert!(matrix.cells.iter().filter(|c| c.strategy == "krylov").all(|c| c.converged()));
+    matrix.write(&folder.path().join("out")).expect("written");
+    let page = std::fs::read_to_string(folder.path().join("out/matrix.html")).expect("the page");
+    assert!(page.contains("1.5 + 0i") && page.contains("diverges"));
+}

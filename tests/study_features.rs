@@ -2,6 +2,8 @@
 
 mod run_support;
 
+use inkwave::store::{PointRecord, Record, Store};
+use inkwave::wave::Side;
 use run_support::{TINY, study, succeed};
 use serde_json::Value;
 use std::path::Path;
@@ -14,9 +16,9 @@ fn results(folder: &Path, text: &str) -> Value {
 }
 
 /// Every solve's record.
-fn points(folder: &Path) -> Vec<Value> {
-    let files = std::fs::read_dir(folder.join("out/points")).unwrap();
-    files.map(|f| serde_json::from_slice(&std::fs::read(f.unwrap().path()).unwrap()).unwrap()).collect()
+fn points(folder: &Path) -> Vec<PointRecord> {
+    let store: Store<PointRecord> = Store::open(folder.join("out")).unwrap();
+    store.database().keys(PointRecord::KIND).iter().filter_map(|key| store.get(key)).collect()
 }
 
 #[test]
@@ -30,8 +32,8 @@ fn a_relief_is_lit_from_the_exit_side_too_and_both_ways_to_its_reflectance_agree
     let certainty = &results["certainty"];
     assert!(certainty["largest_energy_error"].as_f64().unwrap() < 1e-5);
     let points = points(folder.path());
-    let lit = |from: &str| points.iter().filter(|p| p["incidence"]["from"] == from).count();
-    assert_eq!((lit("incident"), lit("exit")), (6 * 4 * 3, 6 * 4));
+    let lit = |from: Side| points.iter().filter(|p| p.incidence.from == from).count();
+    assert_eq!((lit(Side::Incident), lit(Side::Exit)), (6 * 4 * 3, 6 * 4));
     // R̄ from the exit side by its own quadrature and by reciprocity, 1 − T̄ − Ā: they share nothing but the absorption.
     let apart = &certainty["exit_reflectance_difference"];
     let [value, error] = ["value", "standard_error"].map(|key| apart[key].as_f64().unwrap());

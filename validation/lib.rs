@@ -10,5 +10,7 @@ pub mod claims;
 pub mod ensemble;
 pub mod formulas;
 pub mod referee;
+pub mod studies;
 pub mod support;
 pub mod tiny;
+pub mod vector;

@@ -1,11 +1,13 @@
 //! Compares the last run of the `costs` bench with earlier ones and draws costs and trends.
 //!
-//! Times drift from machine to machine and from hour to hour, so all comparisons are of ratios: a bench's median over
-//! that of the transforms alone (`operator/floor` on the largest grid) in the same run.
+//! Times drift from machine to machine and from hour to hour. What most benches share is the machine's: the median, over all
+//! benches, of a run's times over their baseline. A bench has changed when its own time has, beyond that and its noise. The
+//! baseline of a bench is the median of several earlier runs on the same machine. The table's unit, the transforms alone
+//! (`operator/floor` on the largest grid), is a bench like others: when it changes, that is said once, and not of all.
 
-#[allow(dead_code, reason = "the claims draw other plots, too")]
 use clap::Parser;
 use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::report::seal::sealed;
 use inkwave::store::safely;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -28,6 +30,9 @@ struct Args {
     commit: String,
     #[arg(long, default_value = "unknown")]
     machine: String,
+    /// Draws the last run of the history again, and measures nothing.
+    #[arg(long)]
+    redraw: bool,
 }
 
 /// One bench of one run.
@@ -50,7 +55,7 @@ struct Entry {
 
 /// The bench whose median is the unit.
 const FLOOR: &str = "operator/floor/8";
-/// A ratio must change by this much, and by four times its noise, to be flagged.
+/// A time must change by this much (its logarithm), and by four times its noise, to be flagged.
 const SMALLEST_CHANGE: f64 = 0.2;
 
 fn main() -> Outcome<()> {
@@ -61,9 +66,8 @@ fn main() -> Outcome<()> {
     } else {
         Vec::new()
     };
-    let run = measured(&args)?;
-    let flags: BTreeMap<String, String> =
-        run.iter().filter_map(|e| Some((e.bench.clone(), flag(e, &history)?))).collect();
+    let run = if args.redraw { last_run(&mut history) } else { measured(&args)? };
+    let news = News::of(&run, &history);
     history.extend(run.clone());
     std::fs::create_dir_all(&args.out)?;
     let mut table = csv::Writer::from_writer(Vec::new());
@@ -74,10 +78,38 @@ fn main() -> Outcome<()> {
     {
         safely::write(&args.out.join(name), plot.svg()?.as_bytes())?;
     }
-    safely::write(&args.out.join("README.md"), page(&run, &flags).as_bytes())?;
-    flags.iter().for_each(|(bench, change)| println!("{bench}: {change}"));
-    println!("{} benches, {} beyond noise; {}", run.len(), flags.len(), args.out.join("README.md").display());
+    let words = words(&args.out.join("words.csv"))?;
+    safely::write(&args.out.join("README.md"), sealed(&page(&run, &news, &words)).as_bytes())?;
+    news.changes.iter().for_each(|(bench, change)| println!("{bench}: {change}"));
+    println!(
+        "{} benches, {} changed; {}",
+        run.len(),
+        news.changes.len(),
+        args.out.join("README.md").display()
+    );
     Ok(())
+}
+
+/// Takes the last run out of the history, to draw it again.
+fn last_run(history: &mut Vec<Entry>) -> Vec<Entry> {
+    let last = history.last().map(|e| e.date.clone()).unwrap_or_default();
+    let first = history.iter().position(|e| e.date == last).unwrap_or(0);
+    history.split_off(first)
+}
+
+/// What people have found out about a change: bench, commit at which it was seen, words.
+#[derive(Deserialize)]
+struct Word {
+    bench: String,
+    commit: String,
+    words: String,
+}
+
+fn words(path: &Path) -> Outcome<Vec<Word>> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    Ok(csv::Reader::from_path(path)?.deserialize().collect::<Result<_, _>>()?)
 }
 
 /// Median and its standard error, ns, of every bench under a folder.
@@ -138,21 +170,68 @@ fn measured(args: &Args) -> Outcome<Vec<Entry>> {
         .collect())
 }
 
-/// What changed against the median of earlier runs, if it is more than noise.
-fn flag(entry: &Entry, history: &[Entry]) -> Option<String> {
-    let earlier: Vec<&Entry> = history.iter().filter(|e| e.bench == entry.bench).collect();
-    let last = earlier.last()?;
-    if let (Some(before), Some(now)) = (last.applications, entry.applications)
-        && before != now
-    {
-        return Some(format!("applications {before} → {now}"));
+/// What is new against the baseline.
+struct News {
+    /// Runs that the baseline is the median of, at least for most benches.
+    baseline: usize,
+    /// Common factor of all times: the machine's.
+    drift: f64,
+    /// Benches whose time or work has changed, the unit among them, in words.
+    changes: BTreeMap<String, String>,
+}
+
+/// Earlier runs of the baseline, at most and at least.
+const BASELINE: [usize; 2] = [3, 7];
+
+impl News {
+    fn of(run: &[Entry], history: &[Entry]) -> News {
+        let earlier = |e: &Entry| {
+            let alike = history.iter().filter(|h| h.bench == e.bench && h.machine == e.machine);
+            alike.rev().take(BASELINE[1]).cloned().collect::<Vec<Entry>>()
+        };
+        let known: Vec<(&Entry, Vec<Entry>)> =
+            run.iter().map(|e| (e, earlier(e))).filter(|(_, all)| !all.is_empty()).collect();
+        let factor =
+            |e: &Entry, all: &[Entry]| e.median_ns / median(all.iter().map(|h| h.median_ns).collect());
+        let drift = median(known.iter().map(|(e, all)| factor(e, all)).collect());
+        let baseline = known.iter().map(|(_, all)| all.len()).max().unwrap_or(0);
+        let change = |(e, all): &(&Entry, Vec<Entry>)| {
+            let said = work_change(e, &all[0]).or_else(|| time_change(e, all, factor(e, all) / drift))?;
+            Some((e.bench.clone(), said))
+        };
+        News { baseline, drift, changes: known.iter().filter_map(change).collect() }
     }
-    let mut ratios: Vec<f64> = earlier.iter().rev().take(7).map(|e| e.ratio).collect();
-    ratios.sort_by(f64::total_cmp);
-    let change = entry.ratio / ratios[ratios.len() / 2] - 1.0;
-    let noise = 4.0 * entry.noise.hypot(last.noise);
-    (change.abs() > SMALLEST_CHANGE.max(noise))
-        .then(|| format!("ratio {:+.0} % (noise {:.0} %)", 100.0 * change, 100.0 * noise))
+}
+
+/// Work does not depend on the machine: one earlier run is enough to compare with.
+fn work_change(now: &Entry, last: &Entry) -> Option<String> {
+    let (before, after) = (last.applications?, now.applications?);
+    (before != after).then(|| format!("applications {before} → {after}"))
+}
+
+/// A time that has changed beyond the machine's drift and the noise of the baseline.
+fn time_change(now: &Entry, earlier: &[Entry], factor: f64) -> Option<String> {
+    if earlier.len() < BASELINE[0] {
+        return None;
+    }
+    let times: Vec<f64> = earlier.iter().map(|e| e.median_ns.ln()).collect();
+    let middle = median(times.clone());
+    let scatter = median(times.iter().map(|t| (t - middle).abs()).collect());
+    // A median deviation of 1 is a standard deviation of 1.48.
+    let noise = 4.0 * (1.48 * scatter).hypot(now.noise);
+    let beyond = factor.ln().abs() > SMALLEST_CHANGE.max(noise);
+    beyond.then(|| {
+        format!(
+            "time {:+.0} % beside the other benches (noise {:.0} %)",
+            100.0 * (factor - 1.0),
+            100.0 * noise
+        )
+    })
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Benches that differ in size only: all but the last part of the name.
@@ -198,7 +277,7 @@ fn bytes(run: &[Entry]) -> LogPlot {
     LogPlot::log_log("Memory", "unknowns N", "bytes per unknown", curves)
 }
 
-/// Geometric mean of each group's ratios, run by run.
+/// Geometric mean of each group's times over those of the first run, against the day.
 fn trend(history: &[Entry]) -> LogPlot {
     let mut runs: Vec<&str> = history.iter().map(|e| e.date.as_str()).collect();
     runs.dedup();
@@ -206,30 +285,75 @@ fn trend(history: &[Entry]) -> LogPlot {
         history.iter().filter_map(|e| e.bench.rsplit_once('/')).map(|p| p.0).collect();
     groups.sort_unstable();
     groups.dedup();
-    let curve = |group: &&str| {
-        let points = runs.iter().enumerate().filter_map(|(i, run)| {
-            let own = history
-                .iter()
-                .filter(|e| e.date == **run && e.bench.rsplit_once('/').is_some_and(|p| *p.0 == **group));
-            let logs: Vec<f64> = own.map(|e| e.ratio.ln()).collect();
-            (!logs.is_empty()).then(|| (i as f64 + 1.0, (logs.iter().sum::<f64>() / logs.len() as f64).exp()))
-        });
-        Curve::new(*group, Style::Data, points)
-    };
-    let curves = groups.iter().map(curve).collect();
+    let curves = groups.iter().map(|group| group_curve(group, &runs, history)).collect();
+    let (first, last) = (runs.first().copied().unwrap_or("–"), runs.last().copied().unwrap_or("–"));
+    let x_label = format!("days since {first}; the last run is of {last}");
     LogPlot {
         log: [false, true],
-        ..LogPlot::log_log("Costs over the runs", "run", "time ÷ floor (geometric mean)", curves)
+        ..LogPlot::log_log(
+            "Costs over the runs",
+            &x_label,
+            "time ÷ that of the first run (geometric mean)",
+            curves,
+        )
     }
 }
 
-fn page(run: &[Entry], flags: &BTreeMap<String, String>) -> String {
+fn group_curve(group: &str, runs: &[&str], history: &[Entry]) -> Curve {
+    let in_group = |e: &&Entry| e.bench.rsplit_once('/').is_some_and(|p| p.0 == group);
+    let first = |bench: &str| history.iter().find(|e| e.bench == bench).map_or(f64::NAN, |e| e.median_ns);
+    let start = runs.first().and_then(|date| days(date)).unwrap_or(0.0);
+    let point = |date: &&str| {
+        let own = history.iter().filter(|e| e.date == **date).filter(in_group);
+        let logs: Vec<f64> = own.map(|e| (e.median_ns / first(&e.bench)).ln()).collect();
+        let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+        (!logs.is_empty()).then(|| (days(date).unwrap_or(start) - start, mean.exp()))
+    };
+    Curve::new(group, Style::Data, runs.iter().filter_map(point))
+}
+
+/// Days since 1970 of `2026-11-21T14:32Z`.
+fn days(date: &str) -> Option<f64> {
+    let number = |range: std::ops::Range<usize>| date.get(range)?.parse::<i64>().ok();
+    let (year, month, day) = (number(0..4)?, number(5..7)?, number(8..10)?);
+    let (hour, minute) = (number(11..13).unwrap_or(0), number(14..16).unwrap_or(0));
+    // Hinnant's days_from_civil: years begin in March.
+    let y = if month <= 2 { year - 1 } else { year };
+    let of_year = (153 * (month + if month > 2 { -3 } else { 9 }) + 2) / 5 + day - 1;
+    let of_era = (y % 400) * 365 + (y % 400) / 4 - (y % 400) / 100 + of_year;
+    let whole = (y / 400) * 146_097 + of_era - 719_468;
+    Some(whole as f64 + (hour * 60 + minute) as f64 / 1440.0)
+}
+
+fn page(run: &[Entry], news: &News, words: &[Word]) -> String {
     let mut text = String::from("# Benchmarks\n\n");
-    if !flags.is_empty() {
-        text += "**Beyond noise since earlier runs:**\n\n";
-        flags.iter().for_each(|(bench, change)| text += &format!("- {bench}: {change}\n"));
+    let (unit, things): (Vec<_>, Vec<_>) = news.changes.iter().partition(|(bench, _)| *bench == FLOOR);
+    let commit = run.first().map_or("", |e| e.commit.as_str());
+    if !things.is_empty() {
+        text += "**Changed since earlier runs:**\n\n";
+        for (bench, change) in things {
+            let word = words.iter().find(|w| w.bench == *bench && commit.starts_with(&w.commit));
+            text +=
+                &format!("- {bench}: {change}{}\n", word.map_or(String::new(), |w| format!(": {}", w.words)));
+        }
         text += "\n";
     }
+    for (bench, change) in unit {
+        text += &format!(
+            "The unit of the table's ratios has changed: {bench}: {change}. Ratios of other days are in another unit.\n\n"
+        );
+    }
+    text += &match news.baseline {
+        0 => "There is no earlier run on this machine to compare with.\n\n".to_string(),
+        n if n < BASELINE[0] => format!(
+            "Times are compared once there are {} earlier runs on one machine (now {n}); work is compared from the first.\n\n",
+            BASELINE[0]
+        ),
+        n => format!(
+            "Compared with the median of {n} earlier runs on this machine; all times together have changed by {:+.0} %.\n\n",
+            100.0 * (news.drift - 1.0)
+        ),
+    };
     if let Some(first) = run.first() {
         text += &format!("{}, commit {}, {}. ", first.date, first.commit, first.machine);
     }

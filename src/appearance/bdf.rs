@@ -138,6 +138,36 @@ pub(super) struct LobeData {
 }
 
 /// The ensemble's BDF at one incidence.
+///
+/// ```
+/// use inkwave::appearance::bdf::{Bdf, Lobe};
+/// use inkwave::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave::wave::{
+///     Ball, Body, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side,
+/// };
+///
+/// // Two "realisations": one ball at two depths.
+/// let solved = |depth_um: f64| -> Result<FarField, Box<dyn std::error::Error>> {
+///     let ball = Ball { center_um: [0.3, 0.3, depth_um], radius_um: 0.12 };
+///     let scene = Scene::layer([0.7, 0.7], 0.4, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+///     let media = Media {
+///         incident: 1.0.into(),
+///         exit: 1.0.into(),
+///         backgrounds: vec![1.558.into()],
+///         inclusions: vec![1.4.into()],
+///     };
+///     let light = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+///     let grid = Resolution { nx: 12, ny: 12, cells: 4, scheme: Scheme::Cubic };
+///     let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+///     Ok(problem.far_field(&Gmres::default().solve(&problem, Goal::default(), &mut Silent)?.field))
+/// };
+/// let bdf = Bdf::from_ensemble(&[solved(0.15)?, solved(0.25)?])?;
+/// let totals = bdf.totals(Lobe::Transmitted);
+/// assert_eq!(bdf.realisations(), 2);
+/// assert!((totals.total.value - totals.specular.value - totals.diffuse.value).abs() < 1e-12);
+/// assert!(totals.total.standard_error.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bdf {
     pub(super) incidence: Incidence,

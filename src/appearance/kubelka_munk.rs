@@ -88,8 +88,14 @@ impl KubelkaMunk {
     }
 }
 
-/// The root of a function that changes sign in an interval, to rounding.
+/// A start this much smaller than the end is zero but for rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// The root of a function that changes sign in an interval, to rounding; its start where that is a root already.
 fn root(f: impl Fn(f64) -> f64, mut lo: f64, mut hi: f64) -> Option<f64> {
+    if f(lo).abs() <= ROUNDING * f(hi).abs() {
+        return Some(lo);
+    }
     if f(lo).is_nan() || f(hi).is_nan() || f(lo) * f(hi) > 0.0 {
         return None;
     }

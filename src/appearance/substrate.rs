@@ -1,6 +1,6 @@
 //! The paper under the layer: its albedo, and what lies between it and the layer.
 
-use super::paper::PaperError;
+use super::error::PaperError;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 

@@ -1,8 +1,7 @@
 //! Tristimulus weights of a wavelength grid: CIE 1931 2° observer under D65.
 
-use colorimetry::illuminant::CieIlluminant;
-use colorimetry::observer::Observer;
-use thiserror::Error;
+pub use super::error::ColourError;
+use super::viewing::{Summation, Viewing};
 
 /// Range of the CIE tables, nm.
 pub const TABLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
@@ -17,63 +16,6 @@ const XYZ_TO_RGB: [[f64; 3]; 3] =
 
 /// White must keep at least this share of every channel, or a division by it blows noise up.
 const LEAST_WHITE_CHANNEL: f64 = 0.1;
-
-/// Why a spectrum has no colour.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum ColourError {
-    /// Fewer wavelengths than an integral needs.
-    #[error("wavelengths_nm has {count} entries; a colour needs at least 3, spread over 400 to 700 nm")]
-    TooFewWavelengths {
-        /// Wavelengths given.
-        count: usize,
-    },
-    /// A wavelength outside the observer's table, or not rising.
-    #[error(
-        "wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables); leave it out of the colour"
-    )]
-    BadWavelength {
-        /// Its place in the list.
-        index: usize,
-        /// The wavelength, nm.
-        value: f64,
-        /// Shortest allowed, nm.
-        lo: f64,
-        /// Longest allowed, nm.
-        hi: f64,
-    },
-    /// Wavelengths that leave out so much of the visible range that white would be coloured.
-    #[error(
-        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of the {name} channel, at least {least} needed; cover 400 to 700 nm"
-    )]
-    WhiteNotCovered {
-        /// First wavelength, nm.
-        first: f64,
-        /// Last wavelength, nm.
-        last: f64,
-        /// The channel that suffers most.
-        name: &'static str,
-        /// Share of the channel that the wavelengths cover.
-        channel: f64,
-        /// Least share allowed.
-        least: f64,
-    },
-    /// A spectrum of another length than the list of wavelengths.
-    #[error("the spectrum has {count} values for {expected} wavelengths")]
-    WrongLength {
-        /// Values given.
-        count: usize,
-        /// Values expected.
-        expected: usize,
-    },
-    /// A value that is no number.
-    #[error("spectrum value at {wavelength_nm} nm = {value}: must be finite")]
-    NotFinite {
-        /// Its wavelength, nm.
-        wavelength_nm: f64,
-        /// The value.
-        value: f64,
-    },
-}
 
 /// Turns spectra on one wavelength grid into tristimulus values: XYZ = Σ_j w_j R_j, white (R = 1) has Y = 100.
 ///
@@ -93,6 +35,9 @@ pub struct Colorimeter {
     weights: Vec<[f64; 3]>,
     white_xyz: [f64; 3],
     white_rgb: [f64; 3],
+    viewing: Viewing,
+    /// To D65, under another light.
+    adaptation: Option<[[f64; 3]; 3]>,
 }
 
 impl Colorimeter {
@@ -101,18 +46,31 @@ impl Colorimeter {
     /// # Errors
     /// Fewer than 3 wavelengths, not increasing, outside 380–780 nm, or so narrow that white loses a channel.
     pub fn new(wavelengths_nm: &[f64]) -> Result<Self, ColourError> {
+        Self::under(wavelengths_nm, &Viewing::default())
+    }
+
+    /// The same under any light and for any observer. White is then that of the light: `linear_rgb` shows colours as to an eye
+    /// that has adapted to it (Bradford).
+    ///
+    /// # Errors
+    /// As [`Colorimeter::new`].
+    pub fn under(wavelengths_nm: &[f64], viewing: &Viewing) -> Result<Self, ColourError> {
         check_grid(wavelengths_nm)?;
-        let raw = if is_direct(wavelengths_nm) {
-            wavelengths_nm.iter().map(|&nm| light_times_observer(nm)).collect()
+        let raw = if viewing.summation == Summation::E308 {
+            e308_weights(wavelengths_nm, viewing)
+        } else if is_direct(wavelengths_nm) {
+            wavelengths_nm.iter().map(|&nm| light_times_observer(nm, viewing)).collect()
         } else {
-            resampled_weights(wavelengths_nm)
+            resampled_weights(wavelengths_nm, viewing)
         };
         let scale = 100.0 / raw.iter().map(|w| w[1]).sum::<f64>();
         let weights: Vec<_> = raw.iter().map(|w| w.map(|x| scale * x)).collect();
         let white_xyz = weighted_sum(&weights, &vec![1.0; weights.len()]);
-        let white_rgb = rgb_of(white_xyz);
+        let adaptation = (*viewing != Viewing::default()).then(|| adaptation(white_xyz));
+        let white_rgb = rgb_of(adapted(&adaptation, white_xyz));
         check_white(wavelengths_nm, white_xyz, white_rgb)?;
-        Ok(Self { wavelengths_nm: wavelengths_nm.to_vec(), scale, weights, white_xyz, white_rgb })
+        let (wavelengths_nm, viewing) = (wavelengths_nm.to_vec(), viewing.clone());
+        Ok(Self { wavelengths_nm, scale, weights, white_xyz, white_rgb, viewing, adaptation })
     }
 
     /// The wavelengths, nm, rising.
@@ -124,7 +82,7 @@ impl Colorimeter {
     pub fn weight_per_nm(&self, nm: f64) -> [f64; 3] {
         let grid = &self.wavelengths_nm;
         let step = (grid[grid.len() - 1] - grid[0]) / (grid.len() - 1) as f64;
-        light_times_observer(nm).map(|w| self.scale * w / step)
+        light_times_observer(nm, &self.viewing).map(|w| self.scale * w / step)
     }
 
     /// XYZ of the perfect white diffuser on this grid; Y = 100.
@@ -150,13 +108,40 @@ impl Colorimeter {
 
     /// Linear sRGB, divided per channel by that of white, so that white is exactly (1, 1, 1); not clipped.
     pub fn linear_rgb(&self, xyz: [f64; 3]) -> [f64; 3] {
-        let rgb = rgb_of(xyz);
+        let rgb = rgb_of(adapted(&self.adaptation, xyz));
         std::array::from_fn(|c| rgb[c] / self.white_rgb[c])
     }
 }
 
 fn rgb_of(xyz: [f64; 3]) -> [f64; 3] {
     XYZ_TO_RGB.map(|row| row.iter().zip(xyz).map(|(m, x)| m * x / 100.0).sum())
+}
+
+/// Cone responses of Bradford's adaptation.
+const BRADFORD: [[f64; 3]; 3] =
+    [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
+/// Its inverse.
+const BRADFORD_BACK: [[f64; 3]; 3] = [
+    [0.986_992_9, -0.147_054_3, 0.159_962_7],
+    [0.432_305_3, 0.518_360_3, 0.049_291_2],
+    [-0.008_528_7, 0.040_042_8, 0.968_486_7],
+];
+/// White of the screen's primaries: D65 for the CIE 1931 observer.
+const SCREEN_WHITE: [f64; 3] = [95.047, 100.0, 108.883];
+
+fn times(matrix: &[[f64; 3]; 3], xyz: [f64; 3]) -> [f64; 3] {
+    matrix.map(|row| row.iter().zip(xyz).map(|(m, x)| m * x).sum())
+}
+
+/// Turns colours under a light with this white into those that look the same under D65.
+fn adaptation(white: [f64; 3]) -> [[f64; 3]; 3] {
+    let (here, there) = (times(&BRADFORD, white), times(&BRADFORD, SCREEN_WHITE));
+    let scaled: [[f64; 3]; 3] = std::array::from_fn(|i| BRADFORD[i].map(|m| m * there[i] / here[i]));
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| BRADFORD_BACK[i][k] * scaled[k][j]).sum()))
+}
+
+fn adapted(matrix: &Option<[[f64; 3]; 3]>, xyz: [f64; 3]) -> [f64; 3] {
+    matrix.as_ref().map_or(xyz, |m| times(m, xyz))
 }
 
 fn weighted_sum(weights: &[[f64; 3]], values: &[f64]) -> [f64; 3] {
@@ -196,28 +181,37 @@ fn is_direct(grid: &[f64]) -> bool {
 }
 
 /// S(λ) (x̄, ȳ, z̄)(λ), linear between the 1 nm rows of the tables.
-fn light_times_observer(nm: f64) -> [f64; 3] {
+fn light_times_observer(nm: f64, viewing: &Viewing) -> [f64; 3] {
     let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
     let below = (nm.floor() as usize).clamp(lo, hi - 1);
     let t = nm - below as f64;
-    let (a, b) = (table_row(below), table_row(below + 1));
+    let (a, b) = (viewing.row(below), viewing.row(below + 1));
     std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
 }
 
-fn table_row(nm: usize) -> [f64; 3] {
-    let light = CieIlluminant::D65.illuminant().as_ref()[nm];
-    // every caller stays inside the tables, where the crate has an answer
-    Observer::Cie1931.xyz_at_wavelength(nm).map_or([0.0; 3], |xyz| xyz.to_array().map(|x| light * x))
-}
-
-fn resampled_weights(grid: &[f64]) -> Vec<[f64; 3]> {
+fn resampled_weights(grid: &[f64], viewing: &Viewing) -> Vec<[f64; 3]> {
     let (first, last) = (grid[0], grid[grid.len() - 1]);
     let intervals = ((last - first) / RESAMPLED_STEP_NM - 1e-9).ceil().max(1.0);
     let mut weights = vec![[0.0; 3]; grid.len()];
     for k in 0..=intervals as usize {
         let nm = first + (last - first) * k as f64 / intervals;
-        let row = light_times_observer(nm);
+        let row = light_times_observer(nm, viewing);
         for (j, share) in lagrange_shares(grid, nm) {
+            (0..3).for_each(|c| weights[j][c] += share * row[c]);
+        }
+    }
+    weights
+}
+
+/// ASTM E308: every nanometre of the tables is shared among the grid by ASTM E2022's rule; what lies beyond the grid counts
+/// to its ends.
+fn e308_weights(grid: &[f64], viewing: &Viewing) -> Vec<[f64; 3]> {
+    let (first, last) = (grid[0], grid[grid.len() - 1]);
+    let mut weights = vec![[0.0; 3]; grid.len()];
+    let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
+    for nm in lo..=hi {
+        let row = viewing.row(nm);
+        for (j, share) in lagrange_shares(grid, (nm as f64).clamp(first, last)) {
             (0..3).for_each(|c| weights[j][c] += share * row[c]);
         }
     }

@@ -31,6 +31,17 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let folder = args.file.parent().unwrap_or(Path::new("."));
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let mut stop = Stop(super::stop::StopFlag::listen());
+    let told = |cell: &inkwave::compare::matrix::Cell| {
+        let (n, kappa, period, outcome) = (cell.n, cell.kappa, cell.period_um, &cell.outcome);
+        let cost = format!("{} applications, {:.2} s", cell.operator_applications, cell.seconds);
+        note(format_args!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy));
+    };
+    let registry = Registry::default();
+    let matrix = file.run_matrix(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty());
+    if let Some(matrix) = matrix.into_diagnostic()? {
+        matrix.write(output.path()).into_diagnostic()?;
+        return say(format_args!("Comparison: {}", output.path().join("matrix.html").display()));
+    }
     let told = |row: &inkwave::compare::pages::Row| {
         let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
         note(format_args!(
@@ -39,7 +50,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         ));
     };
     let comparison = file
-        .run(&Registry::default(), folder, &mut stop, told)
+        .run(&registry, folder, &mut stop, told)
         .inspect_err(|_| output.discard_when_empty())
         .into_diagnostic()?;
     comparison.write(output.path()).into_diagnostic()?;

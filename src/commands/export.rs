@@ -39,6 +39,8 @@ pub enum To {
     Npz,
     /// Contrast of the first packing as a VTK image.
     Vti,
+    /// The first packing as a page to turn and to cut in a browser.
+    Viewer,
     /// RO-Crate and Data Package.
     Crate,
 }
@@ -51,6 +53,7 @@ impl From<To> for Format {
             To::Cgats => Format::Cgats,
             To::Npz => Format::Npz,
             To::Vti => Format::Vti,
+            To::Viewer => Format::Viewer,
             To::Crate => Format::Crate,
         }
     }

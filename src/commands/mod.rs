@@ -12,5 +12,6 @@ pub mod report;
 pub mod run;
 pub mod say;
 pub mod solve;
+mod solve_vector;
 pub mod stop;
 pub mod sweep;

@@ -3,33 +3,33 @@
 use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::say;
+use super::stop::StopFlag;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
 use inkwave::ink::{PackProgress, PackWatch, Packing};
-use inkwave::input::PackStudy;
-use inkwave::input::load::read_file;
+use inkwave::input::Study;
+use inkwave::input::load::load_packing;
 use inkwave::report::packing::write_report;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result, WrapErr};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Pack the grains of a study and report on their statistics.
 #[derive(Args, Debug)]
 pub struct PackArgs {
-    /// Study file with [layer], [[pigment]], seed and realisations.
+    /// Study file; what only the wave needs (light, indices, paper) may be left out.
     pub study: PathBuf,
     /// Folder for the results (default: the study's name followed by "-packing").
     #[arg(short, long)]
     pub output: Option<PathBuf>,
     /// Number of realisations, instead of the study's.
     #[arg(short, long)]
-    pub realisations: Option<u64>,
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
+    pub realisations: Option<u16>,
     /// Seed, instead of the study's.
     #[arg(short, long)]
     pub seed: Option<u64>,
@@ -37,26 +37,18 @@ pub struct PackArgs {
 
 /// Reads the study, packs every realisation, writes the report.
 pub fn run(args: &PackArgs) -> Result<()> {
-    let mut study = read(&args.study)?;
-    study.seed = args.seed.unwrap_or(study.seed);
-    study.realisations = args.realisations.unwrap_or(study.realisations);
-    study.check().into_diagnostic().wrap_err("the study cannot be packed")?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = stop.clone();
-    // A handler that is already set by another part of the program serves as well.
-    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+    let mut study = load_packing(&args.study).map_err(study_report)?;
+    study.packing.seed = args.seed.unwrap_or(study.packing.seed);
+    study.realisations = args.realisations.map_or(study.realisations, usize::from);
+    let stop = StopFlag::listen();
     let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.study));
     let folder = OutputFolder::open(&folder, Holds::Packings).map_err(folder_report)?;
     let packings = (0..study.realisations).map(|k| one(&study, k, &stop)).collect::<Result<Vec<_>>>();
     let packings = packings.inspect_err(|_| folder.discard_when_empty())?;
-    let title = study.title.clone().unwrap_or_else(|| args.study.display().to_string());
-    let (_, page) = write_report(folder.path(), &title, &study.pigments(), &packings).into_diagnostic()?;
+    let pigments: Vec<_> = study.pigments.iter().map(|p| (p.name.clone(), p.grains.shape.clone())).collect();
+    let (_, page) = write_report(folder.path(), &study.title, &pigments, &packings).into_diagnostic()?;
     say(format_args!("report: {}", page.display()))?;
     Ok(())
-}
-
-fn read(path: &Path) -> Result<PackStudy> {
-    Ok(read_file(path).map_err(study_report)?.1)
 }
 
 fn default_folder(study: &Path) -> PathBuf {
@@ -64,25 +56,25 @@ fn default_folder(study: &Path) -> PathBuf {
     PathBuf::from(format!("{stem}-packing"))
 }
 
-fn one(study: &PackStudy, stream: u64, stop: &AtomicBool) -> Result<Packing> {
+fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     let start = Instant::now();
     let bar = ProgressBar::new(0).with_style(style());
-    bar.set_prefix(format!("realisation {}/{}", stream + 1, study.realisations));
-    let packed = pack(&study.request(stream), &mut Bar { bar: &bar, stop });
+    bar.set_prefix(format!("realisation {}/{}", realisation + 1, study.realisations));
+    let packed = pack(&study.packing_request(realisation), &mut Bar { bar: &bar, stop });
     bar.finish_and_clear();
-    let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {stream}"))?;
-    say(format_args!("{}", summary(&packing, stream, start.elapsed().as_secs_f64())))?;
+    let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {realisation}"))?;
+    say(format_args!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64())))?;
     Ok(packing)
 }
 
-fn summary(packing: &Packing, stream: u64, seconds: f64) -> String {
+fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let account = packing.account();
     let fraction: f64 = packing.shares().iter().map(|s| s.achieved_fraction).sum();
     let asked: f64 = packing.shares().iter().map(|s| s.requested_fraction).sum();
     let sweeps = if account.sweeps > 0 { format!(", {} sweeps", account.sweeps) } else { String::new() };
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {stream}: {} grains by {:?} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{notes}",
+        "realisation {realisation}: {} grains by {:?} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{notes}",
         packing.grains().len(),
         account.method,
         account.steps,
@@ -97,7 +89,7 @@ fn style() -> ProgressStyle {
 /// Shows progress on stderr and stops when Ctrl-C was pressed.
 struct Bar<'a> {
     bar: &'a ProgressBar,
-    stop: &'a AtomicBool,
+    stop: &'a StopFlag,
 }
 
 impl PackWatch for Bar<'_> {
@@ -113,6 +105,6 @@ impl PackWatch for Bar<'_> {
             p.overlap_energy,
             p.largest_overlap_um
         ));
-        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.stop.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

@@ -4,6 +4,7 @@ use super::diagnostics::study_report;
 use super::progress::Progress;
 use super::say::say;
 use super::stop::StopFlag;
+use super::sweep::tell_plan;
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
 use inkwave::evaluate::summary;
@@ -17,6 +18,7 @@ use inkwave::solve::accuracy::AccuracyError;
 use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
 use inkwave::store::marker::Holds;
+use inkwave::sweep::Sweep;
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 
@@ -31,6 +33,12 @@ pub struct RunArgs {
     /// Solves at a time; the number of processors when left out. Fewer take less memory.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
+    /// Only say what the study costs, after a short trial.
+    #[arg(long)]
+    pub plan: bool,
+    /// With --plan: as JSON.
+    #[arg(long, requires = "plan")]
+    pub json: bool,
     /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
     #[arg(long, value_name = "GB", allow_negative_numbers = true)]
     pub memory_gb: Option<f64>,
@@ -39,10 +47,17 @@ pub struct RunArgs {
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> miette::Result<()> {
     let study = load(&args.study).map_err(study_report)?;
+    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
+    if args.plan {
+        let name = args.study.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
+        return tell_plan(&Sweep::of_one(&name, study), args.json, settings);
+    }
     let path = output_path(args, &study);
     let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
+    if let Some(reason) = &study.angles.no_paper {
+        super::say::note(format_args!("no paper, colour and picture: {reason}"));
+    }
     let progress = Progress::new(StopFlag::listen());
-    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     let enough = |collected: &Collected| summary::enough(&study, collected);
     let collected = runner::run_until(&study, &folder, settings, &progress, &enough);
     progress.finish();
@@ -66,6 +81,9 @@ fn tell(
     let report = folder.path().join("report.html");
     if let Some(colour) = &published.colour {
         say(format_args!("{}: {colour}", study.title))?;
+    }
+    if let Some(reason) = &published.no_colour {
+        say(format_args!("{}: no colour: {reason}", study.title))?;
     }
     say(format_args!("Report: {}", report.display()))?;
     if published.status == Status::Complete {
@@ -109,6 +127,14 @@ pub(super) fn run_report(error: RunError) -> miette::Report {
             let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
             miette!(help = help, "{error}")
         }
+        // These say themselves what to try.
+        RunError::Resolution(
+            AccuracyError::Memory(_)
+            | AccuracyError::TooLarge { .. }
+            | AccuracyError::NotReached { .. }
+            | AccuracyError::TooManyWaves { .. }
+            | AccuracyError::Unphysical(_),
+        ) => miette!("{error}"),
         RunError::Resolution(AccuracyError::Solve(_)) => {
             let help = "[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"";
             miette!(help = help, "{error}")

@@ -4,10 +4,11 @@ use super::say::{note, say};
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::run::crew::processor_seconds;
+use inkwave::solve::accuracy::discretisation::Discretisation;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, Registry, Step, Watch};
-use inkwave::wave::contrast::coverage::error_for;
-use inkwave::wave::{Mean, Order, Resolution, Scheme};
+use inkwave::wave::contrast::coverage::{EXACT, error_for};
+use inkwave::wave::{Grid, Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -41,6 +42,9 @@ pub struct SolveArgs {
     /// Relative residual to reach (default: a fiftieth of the accuracy; 1e-6 where --nz is given)
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
+    /// Equation solved: scalar (Helmholtz), or vector (Maxwell's equations in s and p polarisation)
+    #[arg(long, value_enum, default_value_t = WaveName::Scalar)]
+    wave: WaveName,
     /// Discretisation in z (default cubic; quartic where --accuracy asks for less than 3e-3)
     #[arg(long, value_enum)]
     scheme: Option<SchemeName>,
@@ -53,6 +57,12 @@ pub struct SolveArgs {
     /// Memory that one solve may take, in GB
     #[arg(long, default_value_t = 4.0)]
     memory_gb: f64,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum WaveName {
+    Scalar,
+    Vector,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -86,14 +96,30 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         );
     }
     warn_of_wavelength(case.incidence.wavelength_um);
-    let solver = Registry::default().build(&args.solver).into_diagnostic()?;
     // A grid of one's own choice may be as fine as it likes.
-    let coverages = match args.nz {
-        Some(_) => Coverages::of(&case.scene),
-        None => Coverages::within(&case.scene, error_for(args.accuracy.unwrap_or(DEFAULT_ACCURACY))),
+    let error = match args.nz {
+        Some(_) => EXACT,
+        None => error_for(args.accuracy.unwrap_or(DEFAULT_ACCURACY)),
     };
+    let report = match args.wave {
+        WaveName::Scalar => report(&estimate(args, &case, &Coverages::within(&case.scene, error))?),
+        WaveName::Vector => {
+            super::solve_vector::report(&estimate(args, &case, &Coverages::vector(&case.scene, error))?)
+        }
+    };
+    say(format_args!("{report:#}"))?;
+    Ok(())
+}
+
+/// Solves on the grid asked for, or searches one.
+fn estimate<G: Discretisation>(
+    args: &SolveArgs,
+    case: &Case,
+    coverages: &Coverages<'_, G>,
+) -> Result<Estimated<G>> {
+    let solver = Registry::default().build(&args.solver).into_diagnostic()?;
     let task = Task {
-        coverages: &coverages,
+        coverages,
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
@@ -104,21 +130,25 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     };
     let mut bar = Bar::new();
     let estimated = match args.nz {
-        Some(cells) => task.solve_with_estimate(resolution(args, &case, cells), &mut bar),
+        Some(cells) => task.solve_with_estimate(resolution(args, case, cells), &mut bar),
         None => task.solve_to_accuracy(args.accuracy.unwrap_or(DEFAULT_ACCURACY), &mut bar),
     };
     bar.0.finish_and_clear();
-    say(format_args!("{:#}", report(&estimated.into_diagnostic()?)))?;
-    Ok(())
+    estimated.into_diagnostic()
 }
 
 /// A wavelength in nm passes for one in µm.
 fn warn_of_wavelength(um: f64) {
     if !USUAL_UM.contains(&um) {
         let meant =
-            if um > 20.0 { format!("; if nm were meant, write {}", 1e-3 * um) } else { String::new() };
-        note(format_args!("warning: wavelength is {um} µm, outside of 0.1 to 20 µm{meant}"));
+            if um > 20.0 { format!("; if nm were meant, write {}", short(1e-3 * um)) } else { String::new() };
+        note(format_args!("warning: wavelength is {} µm, outside of 0.1 to 20 µm{meant}", short(um)));
     }
+}
+
+/// Usual numbers as they are written, others by their power of ten.
+fn short(number: f64) -> String {
+    if (1e-4..1e6).contains(&number) { number.to_string() } else { format!("{number:e}") }
 }
 
 fn check(args: &SolveArgs) -> Result<()> {
@@ -144,6 +174,9 @@ fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
 }
 
 fn scheme(args: &SolveArgs) -> Scheme {
+    if args.wave == WaveName::Vector {
+        return args.scheme.map_or(Scheme::Quadratic, Scheme::from);
+    }
     let searched = || suited_scheme(args.accuracy.unwrap_or(DEFAULT_ACCURACY));
     let suited = || if args.nz.is_some() { Scheme::default() } else { searched() };
     args.scheme.map_or_else(suited, Scheme::from)
@@ -172,16 +205,22 @@ fn report(e: &Estimated) -> Value {
         "process_seconds": processor_seconds(),
         "bytes": bytes,
         "bytes_per_unknown": bytes as f64 / e.problem.unknowns() as f64,
-        "resolution": {
-            "nx": grid.resolution.nx,
-            "ny": grid.resolution.ny,
-            "cells": grid.resolution.cells,
-            "planes": grid.planes(),
-            "scheme": grid.resolution.scheme,
-            "points_per_um": [grid.resolution.nx as f64 / grid.period_um[0], grid.resolution.ny as f64 / grid.period_um[1]],
-            "planes_per_um": (grid.planes() - 1) as f64 / grid.nodes_um[grid.cells()],
-        },
+        "resolution": resolution_of(grid, grid.planes()),
         "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+/// Points, cells and planes, also per µm.
+pub(super) fn resolution_of(grid: &Grid, planes: usize) -> Value {
+    let Resolution { nx, ny, cells, scheme } = grid.resolution;
+    json!({
+        "nx": nx,
+        "ny": ny,
+        "cells": cells,
+        "planes": planes,
+        "scheme": scheme,
+        "points_per_um": [nx as f64 / grid.period_um[0], ny as f64 / grid.period_um[1]],
+        "planes_per_um": (scheme.degree() * cells) as f64 / grid.nodes_um[grid.cells()],
     })
 }
 

@@ -10,13 +10,18 @@ use inkwave::run::runner::RunSettings;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Reported, publish};
+use inkwave::sweep::run::Scope;
 use inkwave::sweep::units::Shard;
 use inkwave::sweep::{Sweep, folder, load, plan, run as runner};
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Variables in which array schedulers tell a task its number, counted from 1.
-const TASK_NUMBER: [&str; 3] = ["SLURM_ARRAY_TASK_ID", "PBS_ARRAYID", "PBS_ARRAY_INDEX"];
+const TASK_NUMBER: [&str; 4] = ["SLURM_ARRAY_TASK_ID", "PBS_ARRAYID", "PBS_ARRAY_INDEX", "HQ_TASK_ID"];
+
+/// Waiting of this length is told.
+const WORTH_TELLING: Duration = Duration::from_millis(100);
 
 /// Run a study of many variants; stop and continue at any time, or divide it among machines.
 #[derive(Debug, Args)]
@@ -38,9 +43,15 @@ pub struct SweepArgs {
     /// With --plan: as JSON.
     #[arg(long, requires = "plan")]
     pub json: bool,
-    /// Part I of N, from 1; with N alone the part is SLURM_ARRAY_TASK_ID, PBS_ARRAYID or PBS_ARRAY_INDEX.
+    /// Part I of N, from 1; with N alone the part is SLURM_ARRAY_TASK_ID, PBS_ARRAYID, PBS_ARRAY_INDEX or HQ_TASK_ID.
     #[arg(long, value_name = "I/N", conflicts_with = "plan")]
     pub shard: Option<String>,
+    /// Only choose the grids, so that shards need not each do it again (--grids).
+    #[arg(long, conflicts_with_all = ["plan", "shard"])]
+    pub grids_only: bool,
+    /// Take grids from this folder, which a run with --grids-only has written.
+    #[arg(long, value_name = "DIR", conflicts_with = "plan")]
+    pub grids: Option<PathBuf>,
     /// Try again what has failed.
     #[arg(long)]
     pub retry_failed: bool,
@@ -63,12 +74,27 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     if args.retry_failed {
         runner::forget_failures(&folder).into_diagnostic()?;
     }
+    if let Some(from) = &args.grids {
+        let taken =
+            folder::take_grids(from, &folder).map_err(|e| miette!("--grids {}: {e}", from.display()))?;
+        eprintln!("{taken} grids taken from {}", from.display());
+    }
     let progress = Progress::new(StopFlag::listen());
-    progress.expect(runner::solves(&sweep, part));
-    let tally = runner::run(&sweep, &folder, part, settings, &progress);
+    let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
+    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) });
+    let tally = runner::run(&sweep, &folder, (part, scope), settings, &progress);
     progress.finish();
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);
+    if tally.waited >= WORTH_TELLING {
+        eprintln!(
+            "{:.1} s of this process's workers were spent waiting for others",
+            tally.waited.as_secs_f64()
+        );
+    }
+    if args.grids_only {
+        return tell_grids(&folder, progress.stopped());
+    }
     if shard.is_some() {
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
@@ -123,13 +149,25 @@ fn tell_shard(
     Ok(())
 }
 
+fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
+    if stopped {
+        return Err(miette!(
+            help = "run the same line again to continue",
+            "stopped before all grids were chosen"
+        ));
+    }
+    println!("Grids in {}", folder.path().display());
+    Ok(())
+}
+
 fn too_many_shards(shard: Shard, most: usize) -> miette::Report {
     let help =
         "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
     miette!(help = help, "--shard: found {} parts; this sweep can be divided into 1 to {most}", shard.count)
 }
 
-fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
+/// Says what a sweep, or a study as a sweep of one variant, will cost.
+pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
     let progress = Progress::new(StopFlag::listen());

@@ -1,9 +1,9 @@
 //! Method comparison: strategies × resolutions × discretisations on one geometry, side by side.
 
+pub use super::error::CompareError;
+pub use super::layer::PackedLayer;
 use super::pages::{Comparison, Row};
-use crate::ink::pack;
-use crate::ink::{PackingRequest, PigmentGrains};
-use crate::input::case::{Case, CaseError};
+use crate::input::case::Case;
 use crate::input::fault::StudyError;
 use crate::input::read::read as read_tree;
 use crate::input::tree::parse_toml;
@@ -11,14 +11,10 @@ use crate::numerics::files;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
 use crate::solve::{Coverages, Gmres, Goal, Registry, Silent, SolveError, Solver, Watch};
-use crate::wave::{
-    FarField, Incidence, Mean, Media, Physical, Problem, Resolution, Scene, Scheme, Side, TotalErrors,
-    WaveError,
-};
+use crate::wave::{FarField, Mean, Physical, Problem, Resolution, Scene, Scheme, TotalErrors};
 use num_complex::Complex64;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// A comparison as written (TOML). Lengths in the units of the key names; indices as [re, im].
 #[derive(Clone, Debug, Deserialize)]
@@ -31,6 +27,8 @@ pub struct ComparisonFile {
     pub case: Option<PathBuf>,
     /// A packed layer of equal spheres, instead of `case`.
     pub layer: Option<PackedLayer>,
+    /// Many contrasts and periods around `layer` instead of many grids.
+    pub matrix: Option<super::matrix::MatrixTable>,
     /// Names of strategies; all of the registry but those for tiny grids unless told.
     pub strategies: Option<Vec<String>>,
     /// Discretisations along z to compare.
@@ -63,41 +61,13 @@ pub struct Points {
     pub cells: usize,
 }
 
-/// Equal spheres in a binder, between vacuum half-spaces.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PackedLayer {
-    /// Lateral period, µm.
-    pub period_um: f64,
-    /// Thickness, µm.
-    pub thickness_um: f64,
-    /// Diameter of the spheres, nm.
-    pub diameter_nm: f64,
-    /// Their volume over the layer's.
-    pub volume_fraction: f64,
-    /// Index of the spheres as [re, im].
-    pub pigment: [f64; 2],
-    /// Index of the binder as [re, im].
-    pub binder: [f64; 2],
-    /// Vacuum wavelength, µm.
-    pub wavelength_um: f64,
-    /// Polar angle from the normal, degrees.
-    #[serde(default)]
-    pub polar_deg: f64,
-    /// Azimuth from the x axis, degrees.
-    #[serde(default)]
-    pub azimuth_deg: f64,
-    /// Seed of the packing.
-    #[serde(default)]
-    pub seed: u64,
-}
-
 impl Default for ComparisonFile {
     fn default() -> Self {
         Self {
             title: String::new(),
             case: None,
             layer: None,
+            matrix: None,
             strategies: None,
             schemes: default_schemes(),
             resolutions: default_resolutions(),
@@ -123,49 +93,6 @@ fn default_true() -> bool {
 
 fn default_repeats() -> usize {
     3
-}
-
-/// Why there is no comparison at all; strategies that fail are rows instead.
-#[derive(Debug, Error)]
-pub enum CompareError {
-    /// The file cannot be read.
-    #[error("cannot read {path}: {message}; check the path and its permissions")]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        message: String,
-    },
-    /// The file is no comparison.
-    #[error(transparent)]
-    Study(#[from] StudyError),
-    /// Fields that do not fit together.
-    #[error("{field} is {found}; allowed is {allowed}: {remedy}")]
-    Field {
-        /// The field.
-        field: &'static str,
-        /// What was found.
-        found: String,
-        /// What is allowed.
-        allowed: String,
-        /// What to try.
-        remedy: &'static str,
-    },
-    /// The case file.
-    #[error(transparent)]
-    Case(#[from] CaseError),
-    /// The packing of the layer.
-    #[error(transparent)]
-    Pack(#[from] crate::ink::PackError),
-    /// The geometry is no wave problem.
-    #[error(transparent)]
-    Wave(#[from] WaveError),
-    /// A strategy is not known, or the user stopped a solve.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
-    /// The reference solution was not reached.
-    #[error(transparent)]
-    Accuracy(#[from] AccuracyError),
 }
 
 /// The geometry, and the reference amplitudes if its file has them.
@@ -239,6 +166,25 @@ impl ComparisonFile {
         }
         let layer = self.layer.as_ref().expect("checked: a case or a layer");
         Ok(Subject { case: layer.case()?, known: None })
+    }
+
+    /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it.
+    ///
+    /// # Errors
+    /// Unknown strategies; layers that cannot be packed; cases that the reference strategy cannot solve; Ctrl-C.
+    pub fn run_matrix(
+        &self,
+        registry: &Registry,
+        watch: &mut dyn Watch,
+        told: impl FnMut(&super::matrix::Cell),
+    ) -> Result<Option<super::matrix::Matrix>, CompareError> {
+        let (Some(matrix), Some(layer)) = (&self.matrix, &self.layer) else { return Ok(None) };
+        self.check()?;
+        let strategies = self.strategies(registry)?;
+        let cells = matrix.run(layer, &strategies, watch, told)?;
+        let names = strategies.into_iter().map(|(name, _)| name.to_string()).collect();
+        let (title, accuracy) = (self.title.clone(), matrix.accuracy);
+        Ok(Some(super::matrix::Matrix { title, accuracy, strategies: names, cells }))
     }
 
     /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison.
@@ -355,7 +301,7 @@ impl ComparisonFile {
         let far = problem.far_field(&solution.field);
         let error = largest_difference(truth, &far);
         let residual = solution.account.residual;
-        row.error_estimate = match task.estimate_parts((&problem, &solution.field), &far, watch) {
+        row.error_estimate = match task.estimate_parts((&problem, &solution), &far, watch) {
             Err(stopped @ AccuracyError::Solve(SolveError::Cancelled { .. })) => return Err(stopped),
             parts => parts.ok().map(|parts| error_estimate(parts, residual)),
         };
@@ -389,33 +335,4 @@ fn resolution(scene: &Scene, points: Points, scheme: Scheme) -> Resolution {
     let nx = if scene.uniform_in_plane() { 1 } else { points.points };
     let ny = if scene.uniform_in_y() { 1 } else { points.points };
     Resolution { nx, ny, cells: points.cells, scheme }
-}
-
-impl PackedLayer {
-    fn case(&self) -> Result<Case, CompareError> {
-        let request = PackingRequest {
-            period_um: [self.period_um; 2],
-            thickness_um: self.thickness_um,
-            pigments: vec![PigmentGrains::spheres(self.diameter_nm, self.volume_fraction)],
-            seed: self.seed,
-            ..PackingRequest::default()
-        };
-        let scene = Scene::from_packing(&pack(&request, &mut ())?);
-        let index = |[re, im]: [f64; 2]| Complex64::new(re, im);
-        let media = Media {
-            incident: Complex64::ONE,
-            exit: Complex64::ONE,
-            backgrounds: vec![index(self.binder)],
-            inclusions: vec![index(self.pigment)],
-        };
-        let incidence = Incidence {
-            wavelength_um: self.wavelength_um,
-            polar_deg: self.polar_deg,
-            azimuth_deg: self.azimuth_deg,
-            from: Side::Incident,
-        };
-        scene.check(&media)?;
-        incidence.check()?;
-        Ok(Case { scene, media, incidence })
-    }
 }

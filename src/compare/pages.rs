@@ -258,7 +258,7 @@ impl Row {
         vec![
             self.strategy.clone(),
             scheme_name(self),
-            format!("{} × {} × {}", self.nx, self.ny, self.cells),
+            format!("{}\u{a0}×\u{a0}{}\u{a0}×\u{a0}{}", self.nx, self.ny, self.cells),
             self.unknowns.to_string(),
             number(self.error),
             number(self.error_estimate),

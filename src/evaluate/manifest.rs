@@ -1,5 +1,6 @@
 //! `results.json`: the numbers and where they come from.
 
+use super::ink_maker::InkMaker;
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
 use crate::store::packing_record::PackingRecord;
@@ -49,6 +50,8 @@ pub struct Manifest<Study: Serialize> {
     pub packings: Vec<PackingRecord>,
     /// Colours under all conditions.
     pub colours: Vec<ColourNote>,
+    /// Hiding power, Kubelka–Munk coefficients and differences, where there are colours.
+    pub ink_maker: Option<InkMaker>,
     /// Why there are no colours, where there are none.
     pub no_colour: Option<String>,
     /// One row for each wavelength and angle.
@@ -61,7 +64,7 @@ pub struct Manifest<Study: Serialize> {
 }
 
 /// Totals outside of 0 … 1 by more than this are no results; every single solve has passed a narrower gate.
-const BEYOND: f64 = 0.06;
+const BEYOND: f64 = 0.03;
 
 impl<Study: Serialize> Manifest<Study> {
     /// The first number that is no result: NaN, infinite, or a total outside of 0 … 1 beyond its error.

@@ -9,6 +9,7 @@ pub mod directional;
 pub mod film;
 pub mod films;
 pub mod ink;
+pub mod ink_maker;
 pub mod layer;
 pub mod manifest;
 pub mod on_paper;

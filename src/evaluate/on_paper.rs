@@ -128,6 +128,11 @@ impl LayerOnPaper {
         back.unwrap_or(f64::NAN)
     }
 
+    /// The same layer over another backing of this albedo.
+    pub fn over(&self, albedo: f64) -> Self {
+        Self { albedo, ..*self }
+    }
+
     /// R(θ) of the layer alone, total.
     pub fn reflectance(&self, at: &PolarAngle) -> f64 {
         at.film[self.node][0] + self.difference(at, 0)

@@ -1,6 +1,7 @@
 //! The numbers of a run, ready for `results.json`, the tables and the page.
 
 use super::ink::{InkError, InkOnPaper};
+use super::ink_maker::ink_maker;
 use super::layer::{Mean, Total};
 use super::manifest::{Budget, Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
 use super::on_paper::{LayerOnPaper, PolarAngle};
@@ -35,7 +36,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     let uncertainty = Uncertainty {
         grid: collected.resolved.grid_error,
         residual: certainty.mean_energy_error,
-        certain: study.pigments.is_empty(),
+        certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
     let (colours, no_colour) = match colours(study, seen, &uncertainty) {
         Ok(colours) => (colours, None),
@@ -57,6 +58,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
         colours,
         no_colour,
+        ink_maker: seen.ink.as_ref().ok().and_then(|ink| ink_maker(study, ink).ok()),
         spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         study,
@@ -126,6 +128,10 @@ fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
 /// Both ways to R̄ from the exit side, realisation by realisation; the film obeys both.
 fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
     let ensemble = layer.ensemble();
+    // Without that side there are no such columns.
+    if !ensemble.exit {
+        return None;
+    }
     let index = layer.index_out()?;
     let [t, a, r] =
         [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
@@ -136,7 +142,7 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
         (0..wavelengths).map(apart).sum::<f64>() / wavelengths.max(1) as f64
     };
     let samples: Vec<f64> = (0..ensemble.realisations()).map(of).collect();
-    ensemble.exit.then(|| Estimate::of_mean(&samples))
+    Some(Estimate::of_mean(&samples))
 }
 
 /// Directions of the two standard conditions.

@@ -19,7 +19,7 @@ pub const POINTS: usize = 96;
 /// The renderer divides by the luminance when it draws directions: never 0, at least this share of its mean.
 const LEAST_LUMINANCE: f64 = 1e-4;
 /// Angles of incidence lie at most this far apart: between them the renderer keeps the half vector, so that the direction of
-/// view turns with the light. *Measured*, median and 95th percentile: 6° 0.56 % and 3.0 %.
+/// view turns with the light. *Measured* with 4.5°, median and 95th percentile: 0.56 % and 3.0 %.
 const WIDEST_STEP_DEG: f64 = 3.0;
 /// Directions nearer to grazing than this have no orders around them.
 const GRAZING_DEG: f64 = 89.9;

@@ -3,7 +3,8 @@
 //! [`stored`] reads a finished study back; [`run`](mod@run) makes the files asked for:
 //! [`mitsuba`] a measured material for the renderer with scenes and [`samples`] to check it by · [`cxf`] and [`cgats`] the
 //! [`print`](mod@print)'s spectra with Lab for colour programs · [`npz`] far fields for NumPy · [`voxels`] and
-//! [`near_field`] as [`vti`] for ParaView · [`provenance`] a research crate and a data package. Each writer takes plain
+//! [`near_field`] as [`vti`] for ParaView · [`provenance`] a research crate and a data package ·
+//! [`viewer`] a packing in the browser. Each writer takes plain
 //! numbers and gives bytes; `scripts/check-exports` opens every file with the program it is meant for.
 
 pub mod cgats;
@@ -17,5 +18,6 @@ pub mod run;
 pub mod samples;
 pub mod stored;
 pub mod tensor;
+pub mod viewer;
 pub mod voxels;
 pub mod vti;

@@ -6,7 +6,7 @@ use super::provenance::{self, Described, Run, STUDY};
 use super::samples::{self, SampleError};
 use super::stored::Stored;
 use super::voxels::Voxels;
-use super::{cgats, cxf, near_field, npz};
+use super::{cgats, cxf, near_field, npz, viewer};
 use crate::evaluate::directional::DirectionalInk;
 use crate::evaluate::ink::{InkError, InkOnPaper};
 use crate::evaluate::manifest::Manifest;
@@ -36,6 +36,8 @@ pub enum Format {
     Npz,
     /// Contrast, and on request the wave inside the layer, as VTK images.
     Vti,
+    /// The first packing as a page for the browser.
+    Viewer,
     /// RO-Crate and Data Package with the tables they describe.
     Crate,
 }
@@ -149,6 +151,9 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
     }
     if wants(Format::Vti) || request.near_field.is_some() {
         exporter.vti(&mut out)?;
+    }
+    if wants(Format::Viewer) {
+        exporter.viewer(&mut out)?;
     }
     if wants(Format::Crate) {
         exporter.provenance(&mut out)?;
@@ -313,6 +318,19 @@ impl Exporter<'_> {
             let image = near_field::image(&problem, &solution.field);
             out.add("near-field.vti", image.vti(), "the wave inside the first packing; lengths in µm");
         }
+        Ok(())
+    }
+
+    fn viewer(&self, out: &mut Exported) -> Result<(), ExportError> {
+        let study = self.study();
+        self.watch.stage("packing realisation 1 again");
+        let packing = pack_realisation(study, 0, self.watch)?;
+        let names: Vec<&str> = study.pigments.iter().map(|p| p.name.as_str()).collect();
+        out.add(
+            "packing.html",
+            viewer::page(&packing, &study.title, &names),
+            "the first packing, to turn and to cut",
+        );
         Ok(())
     }
 

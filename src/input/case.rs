@@ -1,184 +1,16 @@
 //! One solve of an explicit geometry: the `inputs` object of a reference case, as JSON or TOML.
 
+pub use super::case_inputs::{
+    BarInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, PeriodInput, SphereInput,
+    SublayerInput,
+};
 use super::fault::Faults;
 use super::read::read;
 use super::tree::{Node, SyntaxFault, parse_json, parse_toml};
 use crate::numerics::files;
-use crate::wave::{Ball, Body, Incidence, Media, Scene, Shape, Side, Stratum};
+use crate::wave::{Ball, Body, Incidence, Media, Scene, Shape, Stratum};
 use num_complex::Complex64;
-use serde::Deserialize;
 use std::path::Path;
-use thiserror::Error;
-
-/// A geometry with its media and light, as written; lengths in µm, angles in degrees.
-///
-/// `n_below` is the half-space z < 0 that the light comes from, `n_above` the one beyond z > H.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CaseInputs {
-    /// Vacuum wavelength, µm.
-    pub wavelength: f64,
-    /// Polar angle from the normal, degrees.
-    #[serde(default)]
-    pub sigma_deg: f64,
-    /// Azimuth from the x axis, degrees.
-    #[serde(default)]
-    pub phi_deg: f64,
-    /// Period in x, and in y unless `Ly` is given.
-    #[serde(rename = "L", alias = "Lx", default = "unit")]
-    pub period_x: f64,
-    /// Period along y, µm; that along x unless told.
-    #[serde(rename = "Ly")]
-    pub period_y: Option<f64>,
-    /// Thickness, µm; of the layers listed unless told.
-    #[serde(rename = "H")]
-    pub thickness: Option<f64>,
-    /// Real index of the incident side.
-    pub n_below: Option<f64>,
-    /// Real index of the exit side.
-    pub n_above: Option<f64>,
-    /// Index of the incident side as [re, im].
-    pub eta_below: Option<[f64; 2]>,
-    /// Index of the exit side as [re, im].
-    pub eta_above: Option<[f64; 2]>,
-    /// Index of the binder as [re, im].
-    pub eta_binder: Option<[f64; 2]>,
-    /// The side the light comes from: `above` is z < 0.
-    #[serde(default)]
-    pub from: Side,
-    /// Spheres in the binder.
-    pub spheres: Option<Vec<SphereInput>>,
-    /// Cylinders along y in the binder.
-    pub cylinders: Option<Vec<CylinderInput>>,
-    /// Homogeneous films from z = 0 on.
-    pub layers_from_z0: Option<Vec<LayerInput>>,
-    /// Films with bars along y, from z = 0 on.
-    pub sublayers_from_z0: Option<Vec<SublayerInput>>,
-    #[serde(default)]
-    #[allow(dead_code, reason = "free text of reference files")]
-    note: Option<String>,
-}
-
-fn unit() -> f64 {
-    1.0
-}
-
-/// A sphere.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SphereInput {
-    /// Centre (x, y, z), µm.
-    pub center: [f64; 3],
-    /// Radius, µm.
-    pub radius: f64,
-    /// Index as [re, im].
-    pub eta: [f64; 2],
-}
-
-/// A circular cylinder along y.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CylinderInput {
-    /// Centre along x, µm.
-    pub x: f64,
-    /// Centre along z, µm.
-    pub z: f64,
-    /// Radius, µm.
-    pub radius: f64,
-    /// Index as [re, im].
-    pub eta: [f64; 2],
-}
-
-/// A homogeneous film.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LayerInput {
-    /// Thickness, µm.
-    pub thickness: f64,
-    /// Index as [re, im].
-    pub eta: [f64; 2],
-}
-
-/// A film with bars.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SublayerInput {
-    /// Thickness, µm.
-    pub thickness: f64,
-    /// Index between the bars as [re, im].
-    pub eta_background: [f64; 2],
-    /// Bars through the film's whole thickness.
-    #[serde(default)]
-    pub bars: Vec<BarInput>,
-}
-
-/// A bar along y.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BarInput {
-    /// Begins at x, µm.
-    pub x0: f64,
-    /// Ends at x, µm.
-    pub x1: f64,
-    /// Index as [re, im].
-    pub eta: [f64; 2],
-}
-
-/// Why a case cannot be solved.
-#[derive(Debug, Error)]
-pub enum CaseError {
-    /// The file cannot be read.
-    #[error("cannot read {path}: {source}; check the path and its permissions")]
-    Read {
-        /// The file.
-        path: String,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// The file is no case.
-    #[error("{path} is not a case: {message}; {remedy}")]
-    Parse {
-        /// The file.
-        path: String,
-        /// What is wrong, with its place.
-        message: String,
-        /// What to try.
-        remedy: &'static str,
-    },
-    /// Keys or values that a case cannot have.
-    #[error("{path} is not a case: {faults}")]
-    Values {
-        /// The file.
-        path: String,
-        /// All that is wrong.
-        faults: Faults,
-    },
-    /// A number outside its range.
-    #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
-    Range {
-        /// The key.
-        field: String,
-        /// The value found.
-        value: f64,
-        /// What is allowed.
-        allowed: String,
-        /// What to try.
-        remedy: String,
-    },
-    /// A key that does not fit the others.
-    #[error("{field}: {found}; {remedy}")]
-    Field {
-        /// The key.
-        field: String,
-        /// What was found.
-        found: String,
-        /// What to try.
-        remedy: String,
-    },
-    /// The case is no wave problem.
-    #[error(transparent)]
-    Wave(#[from] crate::wave::WaveError),
-}
 
 /// A checked case, ready to be discretised.
 #[derive(Clone, Debug)]
@@ -216,14 +48,10 @@ impl Case {
         super::case_checks::check(inputs)?;
         let mut builder = Builder::default();
         let strata = builder.strata(inputs)?;
-        let scene = Scene {
-            period_um: [inputs.period_x, inputs.period_y.unwrap_or(inputs.period_x)],
-            strata,
-            bodies: builder.bodies(inputs)?,
-        };
+        let scene = Scene { period_um: inputs.period_um(), strata, bodies: builder.bodies(inputs)? };
         let media = Media {
-            incident: half_space("n_below", inputs.n_below, inputs.eta_below)?,
-            exit: half_space("n_above", inputs.n_above, inputs.eta_above)?,
+            incident: half_space("n_in", inputs.n_in, inputs.eta_below)?,
+            exit: half_space("n_out", inputs.n_out, inputs.eta_above)?,
             backgrounds: builder.backgrounds,
             inclusions: builder.inclusions,
         };
@@ -271,10 +99,13 @@ struct Builder {
 
 impl Builder {
     fn strata(&mut self, inputs: &CaseInputs) -> Result<Vec<Stratum>, CaseError> {
+        // A binder stated beside sublayers of the same background says the same thing twice.
+        let same = |l: &SublayerInput| Some(l.eta_background) == inputs.eta_binder;
+        let repeated = inputs.sublayers_from_z0.as_ref().is_some_and(|all| all.iter().all(same));
         let described = [
             inputs.layers_from_z0.is_some(),
             inputs.sublayers_from_z0.is_some(),
-            inputs.eta_binder.is_some(),
+            inputs.eta_binder.is_some() && !repeated,
         ];
         if described.iter().filter(|&&d| d).count() != 1 {
             return Err(CaseError::Field {
@@ -285,7 +116,7 @@ impl Builder {
             });
         }
         let mut parts: Vec<(f64, [f64; 2])> = Vec::new();
-        if let Some(eta) = inputs.eta_binder {
+        if let Some(eta) = inputs.eta_binder.filter(|_| !repeated) {
             let missing = || field("H", "missing", "give the layer's thickness in µm");
             parts.push((inputs.thickness.ok_or_else(missing)?, eta));
         }
@@ -318,7 +149,7 @@ impl Builder {
         for sublayer in inputs.sublayers_from_z0.iter().flatten() {
             let z_um = [bottom, bottom + sublayer.thickness];
             for bar in sublayer.bars.iter().filter(|_| sublayer.thickness != 0.0) {
-                check_bar(bar, inputs.period_x)?;
+                check_bar(bar, inputs.period_um()[0])?;
                 bodies.push(self.body(Shape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
             }
             bottom = z_um[1];
@@ -339,14 +170,13 @@ fn index_of(list: &mut Vec<Complex64>, [re, im]: [f64; 2]) -> usize {
     })
 }
 
-fn half_space(name: &str, n: Option<f64>, eta: Option<[f64; 2]>) -> Result<Complex64, CaseError> {
-    match (n, eta) {
-        (Some(_), Some(_)) => {
-            Err(field(name, "given twice, as a real and as a complex index", "give one of them"))
-        }
-        (n, None) => Ok(n.unwrap_or(1.0).into()),
-        (None, Some([re, im])) => Ok(Complex64::new(re, im)),
+fn half_space(name: &str, n: Option<IndexInput>, eta: Option<[f64; 2]>) -> Result<Complex64, CaseError> {
+    if n.is_some() && eta.is_some() {
+        let old = name.replace("n_in", "eta_below").replace("n_out", "eta_above");
+        return Err(field(name, &format!("given twice, as {name} and as {old}"), "give one of them"));
     }
+    let [re, im] = n.map(IndexInput::parts).or(eta).unwrap_or([1.0, 0.0]);
+    Ok(Complex64::new(re, im))
 }
 
 fn check_bar(bar: &BarInput, period: f64) -> Result<(), CaseError> {

@@ -1,6 +1,6 @@
 //! Ranges of a case's numbers, named as they are written in the file.
 
-use super::case::{CaseError, CaseInputs};
+use super::case_inputs::{CaseError, CaseInputs, IndexInput, PeriodInput};
 
 /// Refuses numbers out of range before they are combined into a scene.
 pub(crate) fn check(inputs: &CaseInputs) -> Result<(), CaseError> {
@@ -35,8 +35,13 @@ fn light(inputs: &CaseInputs) -> Result<(), CaseError> {
 }
 
 fn lengths(inputs: &CaseInputs) -> Result<(), CaseError> {
-    positive("L", inputs.period_x)?;
-    inputs.period_y.map_or(Ok(()), |l| positive("Ly", l))?;
+    let [x, y] = inputs.period_um();
+    positive("L", x)?;
+    positive("Ly", y)?;
+    if let (PeriodInput::Pair(_), Some(_)) = (inputs.period, inputs.period_y) {
+        let (found, remedy) = ("given beside a pair L = [Lx, Ly]", "give one of them");
+        return Err(CaseError::Field { field: "Ly".into(), found: found.into(), remedy: remedy.into() });
+    }
     inputs.thickness.map_or(Ok(()), |h| positive("H", h))?;
     let thickness = |field: String, value: f64| {
         let good = value.is_finite() && value >= 0.0;
@@ -53,8 +58,8 @@ fn lengths(inputs: &CaseInputs) -> Result<(), CaseError> {
 
 fn indices(inputs: &CaseInputs) -> Result<(), CaseError> {
     let eta = |field: &str, value: Option<[f64; 2]>| value.map_or(Ok(()), |v| index(field, v));
-    eta("n_below", inputs.n_below.map(|n| [n, 0.0]))?;
-    eta("n_above", inputs.n_above.map(|n| [n, 0.0]))?;
+    eta("n_in", inputs.n_in.map(IndexInput::parts))?;
+    eta("n_out", inputs.n_out.map(IndexInput::parts))?;
     eta("eta_below", inputs.eta_below)?;
     eta("eta_above", inputs.eta_above)?;
     eta("eta_binder", inputs.eta_binder)?;

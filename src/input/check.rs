@@ -2,6 +2,7 @@
 
 mod angles;
 mod index;
+mod judgement;
 mod paper;
 mod pigments;
 
@@ -17,6 +18,8 @@ use super::variation::{CellRule, LightRule, THICKNESS_CUT, Variation};
 use crate::solve::Goal;
 use std::path::Path;
 
+/// Wavelengths unless told, nm: from, to, step.
+const VISIBLE: [f64; 3] = [400.0, 700.0, 20.0];
 /// More wavelengths or angles than this are a slip of the pen.
 const LONGEST_LIST: usize = 10_000;
 /// Packings of varied cells unless told.
@@ -31,6 +34,39 @@ const FIXED_CELLS: usize = 4;
 /// # Errors
 /// All faults of the file, each with its field, what was found, what is allowed and what to try.
 pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
+    let (study, mut faults) = examine(file, folder, name);
+    if !file.layer.walls {
+        let remedy = "leave it out; `inkwave pack` packs layers without walls";
+        faults.push(Fault::new("layer.walls", "false", "true: waves need a layer between two faces", remedy));
+    }
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+}
+
+/// Tables that packings alone do not need.
+const OPTICAL: [&str; 6] = ["light", "angles", "paper", "resolution", "solver", "layer.binder"];
+
+/// As [`check`], for the packings alone: faults of what only the wave needs do not count.
+///
+/// # Errors
+/// All faults of the layer, the pigments and the packing.
+pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
+    let (study, mut faults) = examine(file, folder, name);
+    let optical =
+        |field: &str| OPTICAL.iter().any(|table| field.starts_with(table)) || field.contains("].index");
+    faults.0.retain(|fault| !optical(&fault.field));
+    // The packing's own check is skipped where optical keys are at fault.
+    if faults.0.is_empty() {
+        faults.0.extend(pigments::packing_fault(&study.packing));
+    }
+    if study.pigments.is_empty() {
+        faults.push(Fault::new("pigment", "none", "at least one [[pigment]] with grains", "add one"));
+    }
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+}
+
+/// The study as far as it can be understood, and everything that is wrong with it.
+fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
+    let file = &file.in_todays_places();
     let mut faults = Faults::default();
     let wavelengths_nm = wavelengths(&file.light, &mut faults);
     let period_um = period(file, &mut faults);
@@ -64,14 +100,16 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
         solver: file.solver.strategy.0,
         goal,
         output: output(&file.output),
+        judgement: judgement::judgement(file, folder, &mut faults),
     };
-    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+    (study, faults)
 }
 
 fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
     let list = match (&light.wavelengths_nm, light.from_nm, light.to_nm, light.step_nm) {
         (Some(list), None, None, None) => list.clone(),
         (None, Some(from), Some(to), Some(step)) => wavelength_range(from, to, step, faults),
+        (None, None, None, None) => wavelength_range(VISIBLE[0], VISIBLE[1], VISIBLE[2], faults),
         _ => {
             let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm";
             let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
@@ -167,7 +205,7 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
         }
         return [pigments::nominal_period_um(file); 2];
     };
-    let remedy = "1.6 µm is usual for varied cells; leave it out, and it follows from the grains";
+    let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
     for period in written.0 {
         faults.number("layer.period_um", period, Allowed::above(0.0, 1000.0, "µm"), remedy);
     }

@@ -20,6 +20,7 @@
 use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
 use super::variation::CellRule;
 use crate::appearance::paper::MirroredSky;
+use crate::appearance::viewing::Summation;
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,
@@ -45,7 +46,8 @@ pub struct StudyFile {
     /// `[paper]`
     #[serde(default)]
     pub paper: PaperTable,
-    /// `[light]`
+    /// `[light]`; 400 to 700 nm by 20 nm when left out.
+    #[serde(default)]
     pub light: LightTable,
     /// `[angles]`
     #[serde(default)]
@@ -62,6 +64,36 @@ pub struct StudyFile {
     /// `[output]`
     #[serde(default)]
     pub output: OutputTable,
+    /// `[colour]`
+    #[serde(default)]
+    pub colour: ColourTable,
+    /// `[compare]`
+    #[serde(default)]
+    pub compare: CompareTable,
+    /// Older place of `run.seed`.
+    pub seed: Option<u64>,
+    /// Older place of `run.realisations`.
+    pub realisations: Option<usize>,
+}
+
+impl StudyFile {
+    /// The same file with every key in today's place.
+    pub(super) fn in_todays_places(&self) -> StudyFile {
+        let mut file = self.clone();
+        let (layer, packing) = (&mut file.layer, &mut file.packing);
+        file.run.seed = file.seed.take().unwrap_or(file.run.seed);
+        file.run.realisations = file.realisations.take().or(file.run.realisations);
+        packing.method = layer.method.take().unwrap_or(packing.method);
+        packing.sequential = layer.sequential.take().unwrap_or(packing.sequential);
+        packing.relaxation = layer.relaxation.take().unwrap_or(packing.relaxation);
+        packing.equilibration = layer.equilibration.take().or(packing.equilibration);
+        for (k, pigment) in file.pigments.iter_mut().enumerate() {
+            if pigment.name.is_none() {
+                pigment.name = Some(format!("pigment {}", k + 1));
+            }
+        }
+        file
+    }
 }
 
 /// `[layer]`: the periodic cell and what lies above and below it.
@@ -75,8 +107,12 @@ pub struct LayerTable {
     pub period_um: Option<Pair>,
     /// Thickness, µm; `{ mean, std }` where it is uneven.
     pub thickness_um: ThicknessWritten,
-    /// What is between the grains.
+    /// The medium between the grains; index 1.558 (P1 section 5) when left out.
+    #[serde(default)]
     pub binder: BinderTable,
+    /// Hard walls at both faces; without them grains wrap around in z as well, for packings alone.
+    #[serde(default = "yes")]
+    pub walls: bool,
     /// Refractive index of the half-space the light comes from.
     #[serde(default = "vacuum", alias = "index_in")]
     pub index_above: f64,
@@ -85,6 +121,14 @@ pub struct LayerTable {
     pub index_below: f64,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
+    /// Older place of `packing.method`.
+    pub method: Option<MethodChoice>,
+    /// Older place of `packing.sequential`.
+    pub sequential: Option<SequentialSettings>,
+    /// Older place of `packing.relaxation`.
+    pub relaxation: Option<RelaxationSettings>,
+    /// Older place of `packing.equilibration`.
+    pub equilibration: Option<EquilibrationSettings>,
 }
 
 /// `[layer.binder]`
@@ -95,12 +139,18 @@ pub struct BinderTable {
     pub index: IndexWritten,
 }
 
+impl Default for BinderTable {
+    fn default() -> Self {
+        Self { index: IndexWritten { n: Some(1.558), ..IndexWritten::default() } }
+    }
+}
+
 /// `[[pigment]]`: one kind of grain.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentTable {
-    /// Name of the pigment, in tables and pages.
-    pub name: String,
+    /// What reports call it; "pigment 1" and so on when left out.
+    pub name: Option<String>,
     /// Shape of its grains.
     #[serde(default)]
     pub shape: Shape,
@@ -111,7 +161,8 @@ pub struct PigmentTable {
     pub size: Option<SizeDistribution>,
     /// Share of the layer's volume, 0–1.
     pub volume_fraction: f64,
-    /// Its refractive index.
+    /// Refractive index; packings alone do without.
+    #[serde(default)]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
     #[serde(default)]
@@ -217,7 +268,7 @@ pub struct RunTable {
     /// Number of independent packings to average over: 24 small varied cells, or 4 fixed ones, when nothing is said.
     pub realisations: Option<usize>,
     /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
-    /// are the most.
+    /// are the most. In a sweep every variant runs all its realisations.
     pub target_delta_e: Option<f64>,
     /// Seed of all random draws.
     pub seed: u64,
@@ -278,6 +329,28 @@ pub struct PackingTable {
     pub equilibration: Option<EquilibrationSettings>,
 }
 
+/// `[colour]`: the conditions of an ink maker's numbers, beside D65 and the 2° observer of everything else.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ColourTable {
+    /// `"D65"` when left out; `"D50"`, `"A"`, `"F11"`, `"LED_B3"` …
+    pub illuminant: Option<String>,
+    /// `"2"` when left out; `"10"`, `"2015_2"`, `"2015_10"`.
+    pub observer: Option<String>,
+    /// `"plain"` when left out, or `"e308"` for the weights of ASTM E308.
+    pub summation: Summation,
+    /// L*, a*, b* that the print should have under these conditions, at 45:0.
+    pub target_lab: Option<[f64; 3]>,
+}
+
+/// `[compare]`: what the prediction is held against.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CompareTable {
+    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17.
+    pub measured: Option<String>,
+}
+
 /// `[output]`
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -298,4 +371,8 @@ impl Default for OutputTable {
 
 fn vacuum() -> f64 {
     1.0
+}
+
+fn yes() -> bool {
+    true
 }

@@ -1,7 +1,7 @@
 //! From a path to a checked study.
 
-use super::check::check;
-use super::fault::StudyError;
+use super::check::{check, check_packing};
+use super::fault::{Fault, StudyError};
 use super::file::StudyFile;
 use super::read::read;
 use super::study::Study;
@@ -15,6 +15,20 @@ use std::path::Path;
 /// # Errors
 /// The file cannot be read, is no TOML, has unknown or missing keys, or has values that are not allowed.
 pub fn load(path: &Path) -> Result<Study, StudyError> {
+    load_with(path, check)
+}
+
+/// As [`load`], for the packings alone: what only the wave needs may be left out.
+///
+/// # Errors
+/// As [`load`], without the faults of optical keys.
+pub fn load_packing(path: &Path) -> Result<Study, StudyError> {
+    load_with(path, check_packing)
+}
+
+type Check = fn(&StudyFile, &Path, &str) -> Result<Study, Vec<Fault>>;
+
+fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
     let (text, file): (String, StudyFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());

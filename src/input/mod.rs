@@ -5,18 +5,18 @@
 
 pub mod case;
 mod case_checks;
+pub mod case_inputs;
 pub mod check;
+mod drawn;
 pub mod fault;
 pub mod file;
 pub mod forms;
 pub mod load;
 pub mod locate;
 pub mod measured;
-pub mod pack_study;
 pub mod read;
 pub mod study;
 pub mod tree;
 pub mod variation;
 
-pub use pack_study::PackStudy;
 pub use study::Study;

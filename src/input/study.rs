@@ -1,7 +1,9 @@
 //! A study that has passed every check: the only input a run takes.
 
+use super::measured::MeasuredSpectrum;
 use super::variation::{Turn, Variation, stratified_deg};
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
+use crate::appearance::viewing::Viewing;
 use crate::ink::{PackingRequest, PigmentGrains};
 use crate::material::spectra::{Spectrum, molecular_mixture};
 use crate::solve::{Goal, SolverChoice};
@@ -44,6 +46,20 @@ pub struct Study {
     pub goal: Goal,
     /// Folder and pictures.
     pub output: Output,
+    /// Conditions and spectra that the prediction is judged by; no solve depends on them.
+    #[serde(default)]
+    pub judgement: Judgement,
+}
+
+/// What an ink maker holds the prediction against.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Judgement {
+    /// Light and observer.
+    pub viewing: Viewing,
+    /// L*, a*, b* wanted at 45:0.
+    pub target_lab: Option<[f64; 3]>,
+    /// A measured spectrum at 45:0.
+    pub measured: Option<MeasuredSpectrum>,
 }
 
 /// The periodic cell 0 ≤ z ≤ thickness and its surroundings.

@@ -4,5 +4,6 @@ pub mod cell;
 pub mod packing;
 pub mod page;
 pub mod publish;
+pub mod seal;
 pub mod sheet;
 pub mod tables;

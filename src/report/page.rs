@@ -20,6 +20,8 @@ pub struct Page {
     pub colour: Option<ColourBlock>,
     /// Plots.
     pub figures: Vec<Figure>,
+    /// Hiding power and differences, where there are colours.
+    pub ink_maker: Option<MakerBlock>,
     /// What the errors hold.
     pub certainty: Vec<Meant>,
     /// What was asked.
@@ -76,6 +78,15 @@ pub struct ColourRow {
     pub name: String,
     /// One value for each condition.
     pub values: Vec<String>,
+}
+
+/// What an ink maker asks.
+#[derive(Clone, Debug, Serialize)]
+pub struct MakerBlock {
+    /// `#rrggbb` and name of each swatch.
+    pub swatches: Vec<Named>,
+    /// Numbers and what they mean.
+    pub rows: Vec<Meant>,
 }
 
 /// A number and what it means.

@@ -55,6 +55,8 @@ pub struct Published {
     pub status: Status,
     /// L*, a*, b* and C* under natural light in words, where there is a colour.
     pub colour: Option<String>,
+    /// Why there is no colour, where there is none.
+    pub no_colour: Option<String>,
 }
 
 /// Writes everything that the finished solves allow; takes the partial mark away when all are finished.
@@ -91,12 +93,16 @@ pub(crate) fn publish_seen(
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
     folder.write("bdf.csv", &tables::distributions(seen.bdfs.iter(), amplitude_error)?)?;
+    for (name, table) in tables::ink_maker(manifest.ink_maker.as_ref())? {
+        folder.write(name, &table)?;
+    }
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
     folder.write("report.html", page.html()?.as_bytes())?;
     if manifest.status == Status::Complete {
         folder.complete()?;
     }
-    Ok(Published { status: manifest.status, colour: page.colour.map(|colour| colour.in_words) })
+    let colour = page.colour.map(|colour| colour.in_words);
+    Ok(Published { status: manifest.status, colour, no_colour: manifest.no_colour.clone() })
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.

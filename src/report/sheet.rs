@@ -1,6 +1,7 @@
 //! What the report page says of a study.
 
 mod figures;
+mod ink_maker;
 mod tables;
 
 use super::page::{ColourBlock, ColourRow, Page, Picture, png_data};
@@ -30,7 +31,8 @@ pub fn sheet(
         partial: partial(manifest, seen),
         picture,
         colour: colour_block(manifest),
-        figures: figures::figures(study, manifest, seen)?,
+        figures: [figures::figures(study, manifest, seen)?, ink_maker::figures(manifest)?].concat(),
+        ink_maker: manifest.ink_maker.as_ref().map(ink_maker::block),
         certainty: tables::certainty(manifest, seen),
         asked: tables::asked(study),
         packings: tables::packings(study, manifest),

@@ -1,6 +1,7 @@
 //! The tables that other programs open: spectra and distributions as CSV.
 
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
+use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
 use crate::wave::Side;
@@ -27,6 +28,34 @@ pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
         table.write_record(place.into_iter().chain(cells))?;
     }
     finish(table)
+}
+
+/// `kubelka-munk.csv`, and `measured.csv` where there is a measurement.
+pub fn ink_maker(maker: Option<&InkMaker>) -> csv::Result<Vec<(&'static str, Vec<u8>)>> {
+    let Some(maker) = maker else { return Ok(Vec::new()) };
+    let mut files = Vec::new();
+    if !maker.kubelka_munk.is_empty() {
+        let mut table = csv::Writer::from_writer(Vec::new());
+        let columns = ["absorption_per_um", "scattering_per_um"];
+        let header = columns.iter().flat_map(|name| [(*name).to_owned(), format!("{name}_standard_error")]);
+        table.write_record(std::iter::once("wavelength_nm".to_owned()).chain(header))?;
+        for row in &maker.kubelka_munk {
+            let numbers =
+                [row.absorption_per_um, row.scattering_per_um].map(Some).into_iter().flat_map(cells);
+            table.write_record(std::iter::once(row.wavelength_nm.to_string()).chain(numbers))?;
+        }
+        files.push(("kubelka-munk.csv", finish(table)?));
+    }
+    if let Some(measured) = &maker.measured {
+        let mut table = csv::Writer::from_writer(Vec::new());
+        table.write_record(["wavelength_nm", "measured", "predicted", "predicted_standard_error"])?;
+        for row in &measured.rows {
+            let place = [row.wavelength_nm.to_string(), row.measured.to_string()];
+            table.write_record(place.into_iter().chain(cells(Some(row.predicted))))?;
+        }
+        files.push(("measured.csv", finish(table)?));
+    }
+    Ok(files)
 }
 
 const BDF_HEADER: [&str; 16] = [

@@ -28,6 +28,11 @@ impl Crew {
         Ok(Self { pools: (0..workers).map(pool).collect::<Result<_, _>>()?, jobs_each: jobs / workers })
     }
 
+    /// Their number.
+    pub fn workers(&self) -> usize {
+        self.pools.len()
+    }
+
     /// Every worker does what `take` gives it until that is nothing.
     pub fn work_off(&self, take: impl Fn() -> Option<usize> + Sync, work: impl Fn(usize) + Sync) {
         let (take, work) = (&take, &work);

@@ -1,5 +1,6 @@
 //! Carries a study out: a point (one solve), a realisation (one packing), the study, its resolution, work side by side.
 
+pub mod collected;
 pub mod crew;
 pub mod memory;
 pub mod point;

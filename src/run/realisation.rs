@@ -1,10 +1,10 @@
 //! One realisation of a run: its packing, its coverage, its solves.
 
+use super::collected::{Failure, Realisation, RunError, RunSettings, Stores};
 use super::crew::work_through;
 use super::point::{PointError, is_physical, pack_realisation, solve_point};
 use super::resolve;
 use super::resolve::Resolved;
-use super::runner::{Failure, Realisation, RunError, RunSettings, Stores};
 use super::watch::RunWatch;
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};

@@ -11,7 +11,7 @@ use crate::input::variation::{Draw, stratified_deg};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
 use crate::solve::demand::Size;
-use crate::solve::{Coverages, SolveError, Solver};
+use crate::solve::{Coverages, Solver};
 use crate::store::identity::Key;
 use crate::store::{Record, Store};
 use crate::wave::physical::largest;
@@ -64,7 +64,7 @@ pub fn size(study: &Study, resolution: Resolution) -> Size {
     let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
     let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
     let channels = study.pigments.len() + usize::from(study.packing.relief.is_some());
-    Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers: [k0 * densest, k0] }
+    Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers: [k0 * densest, k0], vector: false }
 }
 
 impl Record for Resolved {
@@ -115,11 +115,6 @@ fn key(study: &Study, probes: &[Incidence]) -> Key {
     let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
     let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
     Key::of("resolution", &(packing, media, probes, method))
-}
-
-/// True when the user stopped the search, which is no failure.
-pub fn is_stop(error: &AccuracyError) -> bool {
-    matches!(error, AccuracyError::Solve(SolveError::Cancelled { .. }))
 }
 
 fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {

@@ -6,8 +6,10 @@
 pub mod accuracy;
 mod basis;
 pub mod demand;
+pub mod door;
 pub mod ledger;
 pub mod registry;
+pub mod size;
 pub mod solver;
 pub mod strategies;
 mod system;

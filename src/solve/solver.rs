@@ -1,7 +1,7 @@
 //! The door: what a strategy is asked for, what it reports, and how it fails.
 
 use super::System;
-use super::demand::Size;
+use super::size::Size;
 use crate::wave::{Field, Mean, Problem, Resolution};
 use serde::{Deserialize, Serialize};
 use std::fmt;

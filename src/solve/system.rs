@@ -4,6 +4,7 @@
 //! unknowns. Strategies that only apply the operator work on every system; those that take the operator apart
 //! ask for the parts and refuse systems that have none.
 
+use crate::wave::maxwell::Polarised;
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::{Field, Problem};
 use ndarray::ArrayView2;
@@ -78,5 +79,23 @@ pub(crate) struct Double<'a>(pub &'a dyn System);
 impl Scatter<f64> for Double<'_> {
     fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
         self.0.scatter(u, out);
+    }
+}
+
+impl System for Polarised<'_> {
+    fn shape(&self) -> (usize, usize) {
+        self.problem.shape()
+    }
+
+    fn has_contrast(&self) -> bool {
+        self.problem.has_contrast()
+    }
+
+    fn background_wave(&self) -> Field {
+        self.problem.background_wave(self.polarisation)
+    }
+
+    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.problem.scatter(u, out);
     }
 }

@@ -157,7 +157,8 @@ impl Database {
         files.all().try_for_each(|rows| rows.remove_all(kind).map_err(|error| failed(rows.path(), &error)))
     }
 
-    /// Copies the sound records of another store that this one has not, all of them or none; damaged ones are noted there.
+    /// Copies the sound records of these kinds (or of all, where none is named) that this store has not, all or none;
+    /// damaged ones are noted in the other store.
     /// Stops at a record that contradicts the one that is here, by `same` of their kind and contents, and gives both.
     ///
     /// # Errors
@@ -165,11 +166,15 @@ impl Database {
     pub fn adopt(
         &self,
         from: &Self,
+        kinds: &[&str],
         same: impl Fn(&str, &[u8], &[u8]) -> bool,
     ) -> io::Result<Option<(Sealed, Row)>> {
         let mut files = lock(&self.files);
         let into = &self.own(&mut files)?.rows;
         let mut adopt = |row: Row| -> Result<(), Interruption> {
+            if !kinds.is_empty() && !kinds.contains(&row.kind.as_str()) {
+                return Ok(());
+            }
             if let Err(fault) = row.sealed.check(&row.kind, &row.key) {
                 return Ok(from.note(Damage::Record { kind: row.kind, key: row.key, fault }));
             }
@@ -481,14 +486,14 @@ mod tests {
         let equal = |_: &str, a: &[u8], b: &[u8]| a == b;
         for shard in [&one, &two] {
             let from = open(shard);
-            assert_eq!(merged.adopt(&from, equal).unwrap(), None);
+            assert_eq!(merged.adopt(&from, &[], equal).unwrap(), None);
             assert_eq!(from.damages().len(), usize::from(std::ptr::eq(shard, &one)));
         }
         assert_eq!(merged.get("point", "a"), Some(vec![1; 5000]));
         let other = tempfile::tempdir().unwrap();
         open(&other).put("point", "c", vec![4]).unwrap();
         open(&other).put("point", "b", vec![3]).unwrap();
-        let (here, there) = merged.adopt(&open(&other), equal).unwrap().unwrap();
+        let (here, there) = merged.adopt(&open(&other), &["point"], equal).unwrap().unwrap();
         assert_eq!((here.content, there.key.as_str()), (vec![2], "b"));
         assert_eq!(merged.get("point", "c"), None, "all or nothing");
     }

@@ -223,14 +223,18 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let folder = OutputFolder::open(&root.path().join("yellow"), Holds::Study).unwrap();
         Database::open(folder.path()).unwrap().put("point", "a", vec![1]).unwrap();
-        for name in ["report.html", ".inkwave-x.partial"] {
+        for name in ["report.html", ".inkwave-x.partial", ".inkwave-y.partial"] {
             std::fs::write(folder.path().join(name), "old").unwrap();
         }
+        let left =
+            std::fs::File::options().append(true).open(folder.path().join(".inkwave-x.partial")).unwrap();
+        left.set_modified(std::time::SystemTime::now() - std::time::Duration::from_secs(90)).unwrap();
         let folder = OutputFolder::open(folder.path(), Holds::Study).unwrap();
         folder.begin().unwrap();
         folder.discard_when_empty();
         let there = |name: &str| folder.path().join(name).exists();
         assert!(!there("report.html") && !there(".inkwave-x.partial"));
+        assert!(there(".inkwave-y.partial"), "another process may be writing it");
         assert!(there("records/1.sqlite") && there(PARTIAL));
     }
 

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::Path;
+use std::time::Duration;
 
 /// Names of temporary files begin and end so.
 const PREFIX: &str = ".inkwave-";
@@ -19,18 +20,26 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes temporary files that a killed process left in `folder` and below it.
+/// Nobody writes one file for so long.
+const LEFT_BEHIND: Duration = Duration::from_secs(60);
+
+/// Removes temporary files that a killed process left in `folder` and below it. Those of the last minute stay: another
+/// process may be writing them.
 pub fn remove_leftovers(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let path = entry.path();
         if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
             remove_leftovers(&path);
-        } else if is_temporary(&path) {
+        } else if is_temporary(&path) && age(&entry).is_some_and(|age| age > LEFT_BEHIND) {
             // Another process may have been faster.
             let _ = std::fs::remove_file(path);
         }
     }
+}
+
+fn age(entry: &std::fs::DirEntry) -> Option<Duration> {
+    entry.metadata().ok()?.modified().ok()?.elapsed().ok()
 }
 
 fn is_temporary(path: &Path) -> bool {

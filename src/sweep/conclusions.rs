@@ -1,37 +1,14 @@
 //! Conclusions as inequalities: statement, measured value with its standard error, verdict.
 
-use super::axes::Axis;
-use super::expand::{Draft, check_where, matches};
-use super::file::{ConclusionTable, Quantity, Where};
+use super::claims::Claim;
+use super::file::Quantity;
 use super::outcome::Outcome;
-use crate::input::fault::{Fault, Faults};
 use crate::numerics::estimate::Estimate;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Two-sided confidence of a verdict: 95 %.
 const QUANTILE: f64 = 0.975;
-
-/// A checked conclusion about variants by their number.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Claim {
-    /// Short name.
-    pub id: String,
-    /// The conclusion as one sentence.
-    pub statement: String,
-    /// What is measured of each variant.
-    pub quantity: Quantity,
-    /// The wavelength it is measured at, nm, where one is meant.
-    pub wavelength_nm: Option<f64>,
-    /// Numbers of the variants that count positively.
-    pub plus: Vec<usize>,
-    /// Numbers of the variants that count negatively.
-    pub minus: Vec<usize>,
-    /// Least value that confirms it.
-    pub at_least: Option<f64>,
-    /// Most value that confirms it.
-    pub at_most: Option<f64>,
-}
 
 /// What the sweep says about a claim.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,73 +48,6 @@ impl Verdict {
             Self::Undecided => "undecided",
         }
     }
-}
-
-/// Finds the variants that the conclusions speak of.
-pub fn claims(
-    tables: &[ConclusionTable],
-    axes: &[Axis],
-    drafts: &[Draft],
-    faults: &mut Faults,
-) -> Vec<Claim> {
-    let tables = tables.iter().enumerate();
-    tables.map(|(i, table)| claim(&format!("conclusion[{i}]"), table, axes, drafts, faults)).collect()
-}
-
-fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Claim {
-    let mut places = |key: &str, list: &[Where]| -> Vec<usize> {
-        let one = |(k, condition): (usize, &Where)| {
-            one_variant(&format!("{at}.{key}[{k}]"), condition, axes, drafts, faults)
-        };
-        list.iter().enumerate().filter_map(one).collect()
-    };
-    let (plus, minus) = (places("plus", &table.plus), places("minus", &table.minus));
-    let spectral = matches!(table.quantity, Quantity::Transmittance | Quantity::Reflectance);
-    let mut wrong = |key: &str, found: &str, allowed: &str| {
-        faults.push(Fault::new(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml"));
-    };
-    if spectral && table.wavelength_nm.is_none() {
-        wrong("wavelength_nm", "nothing", "one of the study's wavelengths");
-    }
-    if table.at_least.is_none() && table.at_most.is_none() {
-        wrong("at_least", "nothing", "a bound: at_least, at_most or both");
-    }
-    if table.quantity == Quantity::DeltaE && (table.plus.len(), table.minus.len()) != (1, 1) {
-        wrong("plus", "other numbers of colours", "one colour in plus and one in minus");
-    }
-    Claim {
-        id: table.id.clone(),
-        statement: table.statement.clone(),
-        quantity: table.quantity,
-        wavelength_nm: table.wavelength_nm,
-        plus,
-        minus,
-        at_least: table.at_least,
-        at_most: table.at_most,
-    }
-}
-
-fn one_variant(
-    field: &str,
-    condition: &Where,
-    axes: &[Axis],
-    drafts: &[Draft],
-    faults: &mut Faults,
-) -> Option<usize> {
-    check_where(field, condition, axes, faults);
-    let fitting: Vec<usize> =
-        (0..drafts.len()).filter(|&d| matches(condition, axes, &drafts[d].place)).collect();
-    if let [one] = fitting[..] {
-        return Some(one);
-    }
-    let found = format!("{} variants", fitting.len());
-    faults.push(Fault::new(
-        field,
-        found,
-        "exactly one variant",
-        "name a value for every axis that has several",
-    ));
-    None
 }
 
 /// Judges a claim by the outcomes of all variants.

@@ -9,8 +9,13 @@
 
 use super::load::{Input, Outline, Place, Sweep, Variant};
 use crate::input::fault::StudyError;
+use crate::run::resolve::Resolved;
 use crate::run::runner::Stores;
+use crate::store::Record;
+use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};
+use crate::store::marker::{Holds, Marker};
+use crate::store::record::FailureRecord;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -75,6 +80,21 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
     let variants = outline.variants.iter().map(variant).collect::<Result<Vec<_>, _>>()?;
     let inputs = inputs(path).map_err(|e| no_sweep(format!("inputs: {e}")))?;
     Ok(Sweep { outline, variants, inputs })
+}
+
+/// Copies the grids that another folder has, with those that could not be chosen; gives their number.
+///
+/// # Errors
+/// The other folder holds no sweep, or the records cannot be written.
+pub fn take_grids(from: &Path, folder: &OutputFolder) -> io::Result<usize> {
+    if Marker::read(from).is_none_or(|marker| marker.inkwave_folder != Holds::Sweep || !marker.is_readable())
+    {
+        return Err(io::Error::other("no folder of a sweep: write one with --grids-only"));
+    }
+    let (from, into) = (Database::open(from)?, Database::open(folder.path())?);
+    let wanted = [Resolved::KIND, FailureRecord::KIND];
+    into.adopt(&from, &wanted, |_, _, _| true)?;
+    Ok(from.keys(Resolved::KIND).len())
 }
 
 fn inputs(path: &Path) -> io::Result<Vec<Input>> {

@@ -1,8 +1,8 @@
 //! From a sweep file to checked variants.
 
 use super::axes::Axis;
-use super::conclusions;
-use super::conclusions::Claim;
+use super::claims;
+use super::claims::Claim;
 use super::expand::{Draft, expand};
 use super::file::{Base, SheetTable, SweepFile, Where};
 use crate::input::check::check;
@@ -94,6 +94,22 @@ pub struct Input {
     pub bytes: Vec<u8>,
 }
 
+impl Sweep {
+    /// A study alone, as a sweep of one variant.
+    pub fn of_one(name: &str, study: Study) -> Self {
+        let outline = Outline {
+            title: study.title.clone(),
+            axes: Vec::new(),
+            sheet: SheetTable::default(),
+            reference: 0,
+            claims: Vec::new(),
+            variants: vec![Place { name: name.to_owned(), place: Vec::new() }],
+        };
+        let variant = Variant { name: name.to_owned(), study, text: String::new() };
+        Self { outline, variants: vec![variant], inputs: Vec::new() }
+    }
+}
+
 /// Reads and checks the sweep file at `path`, and every variant of it.
 ///
 /// # Errors
@@ -147,7 +163,7 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
         }
     }
     let sound = faults.0.is_empty();
-    let claims = if sound { conclusions::claims(&file.conclusion, axes, drafts, faults) } else { Vec::new() };
+    let claims = if sound { claims::claims(&file.conclusion, axes, drafts, faults) } else { Vec::new() };
     let everything = Where::new();
     let reference = file.reference.as_ref().unwrap_or(&everything);
     let first = drafts.iter().position(|d| super::expand::matches(reference, axes, &d.place));
@@ -262,7 +278,7 @@ fn table_files(study: &mut Table) -> Vec<&mut Value> {
     let mut found = Vec::new();
     for (key, value) in study.iter_mut() {
         match value {
-            Value::String(_) if key == "csv" || key == "yaml" => found.push(value),
+            Value::String(_) if ["csv", "yaml", "measured"].contains(&key.as_str()) => found.push(value),
             Value::Table(table) => found.extend(table_files(table)),
             Value::Array(items) => {
                 found.extend(items.iter_mut().filter_map(Value::as_table_mut).flat_map(table_files));

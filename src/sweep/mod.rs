@@ -13,9 +13,11 @@
 //! no disk, or a network disk, take shards in folders of their own. `sweep.csv` is the table for spreadsheets, R and Python.
 
 pub mod axes;
+pub mod claims;
 pub mod conclusions;
 mod curves;
 pub mod expand;
+mod explore;
 pub mod field;
 pub mod file;
 pub mod folder;
@@ -25,6 +27,7 @@ pub mod outcome;
 mod page;
 pub mod plan;
 pub mod publish;
+pub mod reported;
 pub mod run;
 mod sheets;
 pub mod sweep_page;

@@ -49,7 +49,7 @@ impl Outcome {
             failures: 0,
             reason: None,
             realisations: 0,
-            certain: study.pigments.is_empty(),
+            certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
             colour: None,
             spectra: Vec::new(),
         }

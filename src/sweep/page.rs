@@ -4,7 +4,7 @@ use super::conclusions::Judged;
 use super::curves;
 use super::load::Sweep;
 use super::outcome::Outcome;
-use super::publish::{Reported, numbers};
+use super::reported::{Reported, numbers};
 use super::sheets::Sheet;
 use super::sweep_page::{ConclusionRow, SweepPage, VariantRow};
 use crate::draw::figure::FigureError;

@@ -1,11 +1,14 @@
 //! From the store to what a person opens, at any time: every variant's page, table, contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
+use super::explore;
 use super::folder;
 use super::folder::VARIANTS;
 use super::load::Sweep;
-use super::outcome::{Outcome, collect, lab};
+use super::outcome::{Outcome, collect};
 use super::page;
+pub use super::reported::Reported;
+use super::reported::numbers;
 use super::run::stage_key;
 use super::sheets::{Sheet, sheets};
 use crate::appearance::picture::InkPicture;
@@ -14,39 +17,14 @@ use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
-use crate::numerics::estimate::Estimate;
 use crate::report::cell;
 use crate::report::publish::{PublishError, publish_seen};
 use crate::run::runner::Stores;
-use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;
 const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap_px: 4, labels: false };
-
-/// What a report has found.
-#[derive(Clone, Debug)]
-pub struct Reported {
-    /// What came of each variant.
-    pub outcomes: Vec<Outcome>,
-    /// The conclusions with their verdicts.
-    pub conclusions: Vec<Judged>,
-    /// What was found damaged in the store.
-    pub damages: Vec<Damage>,
-}
-
-impl Reported {
-    /// Variants of which every solve is there.
-    pub fn complete(&self) -> usize {
-        self.outcomes.iter().filter(|o| o.solves.finished == o.solves.asked).count()
-    }
-
-    /// Solves that have failed, over all variants.
-    pub fn failures(&self) -> usize {
-        self.outcomes.iter().map(|o| o.failures).sum()
-    }
-}
 
 /// Writes everything that the store allows; takes the partial mark away when all variants are finished.
 ///
@@ -70,6 +48,7 @@ pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, Publish
     }
     folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
     folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
+    folder.write("explore.html", explore::page(sweep, &reported.outcomes, &pictures).as_bytes())?;
     let html = page::page(sweep, &reported, &sheets, &drawn)?.html()?;
     folder.write("report.html", html.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
@@ -135,17 +114,6 @@ fn draw(
 }
 
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
-
-/// L*, a*, b*, C*, h and ΔE₀₀ to the reference; `None` without a colour.
-pub(crate) fn numbers(outcome: &Outcome, reference: &Outcome) -> Option<[Estimate; 6]> {
-    let colour = outcome.colour.as_ref()?;
-    let difference = match outcome.delta_e_2000(reference) {
-        // No difference to itself, and no error of it.
-        Some(_) if outcome.name == reference.name => Estimate::unknown_error(0.0),
-        difference => difference.unwrap_or(Estimate::unknown_error(f64::NAN)),
-    };
-    Some([lab(colour, 0), lab(colour, 1), lab(colour, 2), colour.chroma(), colour.hue_deg(), difference])
-}
 
 /// `sweep.csv`: one row a variant.
 fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {

@@ -6,7 +6,7 @@
 //! points are spent on one side only at oblique incidence. On the zone's edge itself q and −q are the same direction
 //! with different harmonics: there reciprocity is exact for the specular order, and as accurate as the grid for others.
 
-use super::{Coverage, Incidence, Media, Side, WaveError};
+use super::{Incidence, Layout, Media, Side, WaveError};
 use std::f64::consts::TAU;
 
 /// Distance from the zone's edge, in units of 2π/L, within which a vector counts as on it and stays where it is:
@@ -28,10 +28,10 @@ impl BlochVector {
     ///
     /// Along an axis on which nothing changes there is no lattice: the whole component stays.
     /// Errors: light that comes through an absorber.
-    pub fn new(coverage: &Coverage, media: &Media, incidence: &Incidence) -> Result<BlochVector, WaveError> {
+    pub fn new(layout: &Layout, media: &Media, incidence: &Incidence) -> Result<BlochVector, WaveError> {
         let whole = incidence.lateral_wavevector(media)?;
-        let step = coverage.grid.period_um.map(|l| TAU / l);
-        let order = |i: usize| if coverage.uniform[i] { 0 } else { nearest_order(whole[i] / step[i]) };
+        let step = layout.grid.period_um.map(|l| TAU / l);
+        let order = |i: usize| if layout.uniform[i] { 0 } else { nearest_order(whole[i] / step[i]) };
         let incident = [order(0), order(1)];
         let reduced = [0, 1].map(|i| whole[i] - step[i] * f64::from(incident[i]));
         Ok(BlochVector { reduced, incident, step })
@@ -43,12 +43,12 @@ impl BlochVector {
     }
 
     /// Refuses a grid on which a propagating order of a half-space has no harmonic.
-    pub fn check_orders(&self, coverage: &Coverage, media: &Media, k0: f64) -> Result<(), WaveError> {
-        let resolution = coverage.grid.resolution;
+    pub fn check_orders(&self, layout: &Layout, media: &Media, k0: f64) -> Result<(), WaveError> {
+        let resolution = layout.grid.resolution;
         let sizes = [resolution.nx, resolution.ny];
         let k = k0 * media.incident.re.max(media.exit.re);
         // Where nothing changes along an axis no light goes into its orders.
-        for axis in (0..2).filter(|&i| !coverage.uniform[i]) {
+        for axis in (0..2).filter(|&i| !layout.uniform[i]) {
             let outermost = |sign: f64| ((k - sign * self.reduced[axis]) / self.step[axis]).floor() as i32;
             let order = outermost(1.0).max(outermost(-1.0));
             if order > (sizes[axis] as i32 - 1) / 2 {

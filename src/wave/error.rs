@@ -85,6 +85,16 @@ pub enum WaveError {
         /// Imaginary part found.
         imaginary: f64,
     },
+    /// Something that Maxwell's equations are not solved for here.
+    #[error("{what} is refused by the vector wave: {reason}; {remedy}")]
+    NotInVectorMode {
+        /// What was found.
+        what: &'static str,
+        /// Why it is refused.
+        reason: &'static str,
+        /// What to do instead.
+        remedy: &'static str,
+    },
     /// A number outside its range.
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
     Range {

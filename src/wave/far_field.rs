@@ -1,6 +1,6 @@
 //! What leaves the layer: complex amplitudes and efficiencies of every order.
 
-use super::{Field, Incidence, Problem, Side};
+use super::{Field, Incidence, Media, Problem, Side};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -32,6 +32,24 @@ pub struct Order {
 }
 
 /// All orders of one solve with their receipt: R + T + A = 1, A from the discrete quadratic form.
+///
+/// ```
+/// use inkwave::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+/// use num_complex::Complex64;
+///
+/// // An absorbing film on glass: one order, exact at any number of cells.
+/// let film = Complex64::new(1.6, 0.05);
+/// let scene = Scene::layer([1.0, 1.0], 0.5, vec![]);
+/// let media = Media { incident: 1.0.into(), exit: 1.5.into(), backgrounds: vec![film], inclusions: vec![] };
+/// let light = Incidence { wavelength_um: 0.55, polar_deg: 30.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let grid = Resolution { nx: 1, ny: 1, cells: 6, scheme: Scheme::Cubic };
+/// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+/// let far = problem.far_field(&Gmres::default().solve(&problem, Goal::default(), &mut Silent)?.field);
+/// assert!(far.energy_error().abs() < 1e-12 && far.absorptance > 0.3);
+/// assert_eq!(far.specular().reflected_efficiency, far.reflectance);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FarField {
     /// The light.
@@ -64,20 +82,33 @@ impl FarField {
 /// Evanescent orders are listed up to this lateral wavenumber, in units of the densest half-space's.
 const EVANESCENT_REACH: f64 = 3.0;
 
+/// Compact indices of the harmonics that a far field lists, with their (m, n) counted from the `specular` one.
+pub(in crate::wave) fn listed_orders(
+    harmonics: &[[i32; 2]],
+    lateral: &[[f64; 2]],
+    media: &Media,
+    k0: f64,
+    specular: [i32; 2],
+) -> Vec<(usize, [i32; 2])> {
+    let index = media.incident.re.max(media.exit.re).max(1.0);
+    let reach = EVANESCENT_REACH * index * k0;
+    let labelled = harmonics.iter().map(|[m, n]| [m - specular[0], n - specular[1]]).enumerate();
+    let listed = |&(i, [m, n]): &(usize, [i32; 2])| {
+        lateral[i][0].hypot(lateral[i][1]) <= reach || (m.abs() <= 2 && n.abs() <= 2)
+    };
+    labelled.filter(listed).collect()
+}
+
 impl Problem {
     /// Reads the orders off the first and last node (P2 (3.8), (3.9) with moduli) and adds the receipt.
     pub fn far_field(&self, u: &Field) -> FarField {
         let last = self.shape().0 - 1;
         let (entry, exit) = if self.incidence.from == Side::Incident { (0, last) } else { (last, 0) };
-        let index = self.media.incident.re.max(self.media.exit.re).max(1.0);
         let k0 = TAU / self.incidence.wavelength_um;
-        let listed = |&i: &usize| {
-            let [x, y] = self.lateral[i];
-            let [m, n] = self.order_label(i);
-            x.hypot(y) <= EVANESCENT_REACH * index * k0 || (m.abs() <= 2 && n.abs() <= 2)
-        };
-        let all = (0..self.harmonics.len()).filter(listed);
-        let mut orders: Vec<Order> = all.map(|i| self.order(u, i, entry, exit, k0)).collect();
+        let specular = self.harmonics.orders[self.incident_harmonic()];
+        let listed = listed_orders(&self.harmonics.orders, &self.lateral, &self.media, k0, specular);
+        let mut orders: Vec<Order> =
+            listed.into_iter().map(|(i, label)| self.order(u, i, label, [entry, exit])).collect();
         orders.sort_by_key(|o| (o.m, o.n));
         FarField {
             incidence: self.incidence,
@@ -89,14 +120,8 @@ impl Problem {
         }
     }
 
-    /// (m, n) of a harmonic counted from the incident one.
-    fn order_label(&self, harmonic: usize) -> [i32; 2] {
-        let [own, incident] = [harmonic, self.incident_harmonic()].map(|i| self.harmonics.orders[i]);
-        [own[0] - incident[0], own[1] - incident[1]]
-    }
-
-    fn order(&self, u: &Field, i: usize, entry: usize, exit: usize, k0: f64) -> Order {
-        let [m, n] = self.order_label(i);
+    fn order(&self, u: &Field, i: usize, [m, n]: [i32; 2], [entry, exit]: [usize; 2]) -> Order {
+        let k0 = TAU / self.incidence.wavelength_um;
         let (incident_side, exit_side) = (self.kappa[0][i], self.kappa[1][i]);
         let (back, onward) = if entry == 0 { (incident_side, exit_side) } else { (exit_side, incident_side) };
         let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };

@@ -8,7 +8,7 @@ use std::ops::Deref;
 use thiserror::Error;
 
 /// Error of a total beyond which it is no reflectance, whatever its error estimate says.
-const LARGEST: f64 = 0.05;
+const LARGEST: f64 = 0.02;
 /// Errors of totals for an error of one in every amplitude: R = Σ |r|² changes by 2 |r| δ an order, whose signs are
 /// independent; this is three standard deviations of the sum.
 const TOTAL_OF_AMPLITUDE: f64 = 6.0;

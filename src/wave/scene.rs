@@ -86,6 +86,27 @@ pub struct Stratum {
 }
 
 /// The geometry of one periodic cell, 0 ≤ z ≤ H, independent of wavelength and angle.
+///
+/// ```
+/// use inkwave::wave::{Ball, Body, Media, Scene, Shape};
+///
+/// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+/// let media = Media {
+///     incident: 1.0.into(),
+///     exit: 1.0.into(),
+///     backgrounds: vec![1.558.into()], // the binder
+///     inclusions: vec![1.4.into()],    // the ball
+/// };
+/// scene.check(&media)?;
+/// assert_eq!(scene.thickness_um(), 0.3);
+///
+/// // A body that leaves the layer is refused, with its place and the remedy.
+/// let high = Ball { center_um: [0.1, 0.2, 0.05], radius_um: 0.1 };
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![high]), 0)]);
+/// assert!(scene.check(&media).unwrap_err().to_string().contains("move it or make the layer thicker"));
+/// # Ok::<(), inkwave::wave::WaveError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Lateral periods (Lx, Ly), µm.

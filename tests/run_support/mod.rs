@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+#[allow(dead_code, reason = "not every test file needs it")]
 /// 2 realisations × 4 wavelengths × 3 angles: 24 solves of milliseconds.
 pub const TINY: &str = r#"
 title = "Tiny yellow"

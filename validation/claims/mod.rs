@@ -8,6 +8,7 @@ mod colour;
 mod dilute;
 mod distribution;
 pub mod energy;
+mod furnace;
 mod layers;
 mod molecular;
 mod orders;
@@ -17,8 +18,9 @@ mod reciprocity;
 mod references;
 mod slab;
 mod tau;
+mod varied_cells;
 
-pub const ALL: [Claim; 16] = [
+pub const ALL: [Claim; 18] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -35,4 +37,6 @@ pub const ALL: [Claim; 16] = [
     colour::CLAIM,
     references::HONESTY,
     cell_size::CLAIM,
+    furnace::CLAIM,
+    varied_cells::CLAIM,
 ];

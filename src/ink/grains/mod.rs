@@ -5,4 +5,5 @@ mod name_or_table;
 pub mod orientation;
 pub mod shape;
 pub mod size;
+pub mod sphere;
 pub mod volume;

@@ -1,7 +1,8 @@
 //! Bodies in the cell: positions, rotations and the spheres they carry.
 
-use super::placed::{Grain, Sphere};
+use super::grain::Grain;
 use super::plan::Body;
+use crate::ink::grains::sphere::Sphere;
 use crate::numerics::vector::{Rotation, V3, add};
 
 /// The cell: lengths, and the distance after which an image is nearer (infinite across walls).

@@ -7,6 +7,7 @@
 pub(crate) mod bodies;
 pub(crate) mod buckets;
 mod fewer;
+pub mod grain;
 mod monte_carlo;
 mod neighbours;
 mod overlap;
@@ -16,5 +17,6 @@ pub(crate) mod plan;
 mod relaxation;
 pub mod request;
 mod sequential;
+mod settle;
 mod strain;
 pub mod watch;

@@ -2,8 +2,9 @@
 //!
 //! Nothing here is shared with the packing methods: no grid, no neighbour list, no wrapped copy of positions.
 
-use super::placed::{Grain, Sphere};
+use super::grain::Grain;
 use crate::ink::error::PackError;
+use crate::ink::grains::sphere::Sphere;
 
 struct Entry {
     /// Place along x and y within the period.

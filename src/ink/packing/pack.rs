@@ -5,9 +5,8 @@ use super::placed::{Account, Method, Packing};
 use super::plan::Plan;
 use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest, RelaxationSettings};
 use super::watch::PackWatch;
-use super::{fewer, monte_carlo, relaxation, sequential};
+use super::{fewer, monte_carlo, relaxation, sequential, settle};
 use crate::ink::error::PackError;
-use crate::ink::relief;
 use crate::numerics::draws::Draws;
 
 /// Packs the grains of the request; the same request gives the same packing bit for bit, whatever the number of
@@ -110,7 +109,7 @@ fn finish(
     let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), shares, account)?;
     Ok(match &request.relief {
         Some(asked) if !packing.grains().is_empty() => {
-            let settled = relief::settle(&packing, asked);
+            let settled = settle::settle(&packing, asked);
             packing.with_relief(settled)
         }
         _ => packing,

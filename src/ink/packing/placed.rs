@@ -1,69 +1,10 @@
 //! Grains in place: a packing exists only when an independent pass has found no overlap in it.
 
+use super::grain::Grain;
 use super::overlap;
 use crate::ink::error::PackError;
 use crate::ink::relief::Relief;
-use crate::numerics::vector::{V3, norm, sub};
 use serde::{Deserialize, Serialize};
-
-/// A sphere of pigment, µm.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sphere {
-    /// Centre (x, y, z), µm; z from 0 at the incident side to H.
-    pub center_um: [f64; 3],
-    /// Radius, µm.
-    pub radius_um: f64,
-}
-
-impl Sphere {
-    /// 4πR³/3.
-    pub fn volume_um3(&self) -> f64 {
-        4.0 / 3.0 * std::f64::consts::PI * self.radius_um.powi(3)
-    }
-
-    /// Distance of the surfaces without any wrap; negative when they overlap.
-    pub fn gap_to(&self, other: &Self) -> f64 {
-        norm(sub(self.center_um, other.center_um)) - self.radius_um - other.radius_um
-    }
-}
-
-/// A rigid union of spheres. The coordinates of one grain are contiguous (never wrapped apart) and its first
-/// centre lies in the cell.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Grain {
-    /// The spheres whose union the grain is, µm.
-    pub spheres: Vec<Sphere>,
-    /// Index into the request's pigments.
-    pub pigment: usize,
-    /// Unit vector along the symmetry axis (z for a sphere).
-    pub axis: V3,
-    /// Number of the agglomerate the grain is glued into, if any.
-    pub agglomerate: Option<usize>,
-    /// Volume of the union of the spheres, µm³.
-    pub volume_um3: f64,
-}
-
-impl Grain {
-    /// A grain on its own; the axis runs from the first to the last centre.
-    pub fn new(spheres: Vec<Sphere>, pigment: usize) -> Self {
-        let ends = spheres.first().zip(spheres.last());
-        let axis = ends
-            .map_or([0.0, 0.0, 1.0], |(a, b)| crate::numerics::vector::unit(sub(b.center_um, a.center_um)));
-        let volume_um3 = crate::ink::grains::volume::union_volume(&spheres).um3;
-        Self { spheres, pigment, axis, agglomerate: None, volume_um3 }
-    }
-
-    /// Centre of mass of the spheres, each weighted by its volume; not wrapped.
-    pub fn centre_um(&self) -> V3 {
-        let total: f64 = self.spheres.iter().map(|s| s.radius_um.powi(3)).sum();
-        let mut centre = [0.0; 3];
-        for s in &self.spheres {
-            let weight = s.radius_um.powi(3) / total;
-            (0..3).for_each(|a| centre[a] += weight * s.center_um[a]);
-        }
-        centre
-    }
-}
 
 /// The way the grains came to their places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -123,6 +64,20 @@ impl Account {
 /// Grains in a cell that is periodic in x and y, with hard walls at z = 0 and z = H or periodic in z too.
 ///
 /// It can be built only through an all-pairs check that shares no code with the packing methods.
+///
+/// ```
+/// use inkwave::ink::{Grain, PackError, Packing, Sphere};
+///
+/// let ball = |x: f64| Grain::new(vec![Sphere { center_um: [x, 0.5, 0.5], radius_um: 0.1 }], 0);
+/// let packing = Packing::from_grains([1.0, 1.0], 1.0, true, vec![ball(0.05), ball(0.45)])?;
+/// assert_eq!(packing.grains().len(), 2);
+/// assert!((packing.achieved_fraction(0) - 0.00838).abs() < 1e-5); // 2 · 4π/3 · 0.1³ of 1 µm³
+///
+/// // 0.05 and 0.95 are neighbours across the period.
+/// let close = Packing::from_grains([1.0, 1.0], 1.0, true, vec![ball(0.05), ball(0.95)]);
+/// assert!(matches!(close, Err(PackError::Overlap { .. })));
+/// # Ok::<(), PackError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packing {
     period_um: [f64; 2],

@@ -1,12 +1,13 @@
 //! The list of rigid bodies to be placed: how many grains, how large, glued to which.
 
-use super::placed::{Share, Sphere};
+use super::placed::Share;
 use super::request::{PackingRequest, PigmentGrains, ShareRule};
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration;
 use crate::ink::grains::agglomeration::Agglomeration;
 use crate::ink::grains::orientation::Field;
 use crate::ink::grains::shape::Template;
+use crate::ink::grains::sphere::Sphere;
 use crate::ink::relief;
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, norm, scale};

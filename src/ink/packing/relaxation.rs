@@ -252,17 +252,17 @@ impl<'r, 'a> Relaxation<'r, 'a> {
                 continue; // met from the other side
             }
             let distance = d2.sqrt();
-            let depth = reach - distance;
+            let depth = reach - distance; // L = (1 + ε)(R₁ + R₂) − distance
             // Coincident centres have no line of action: any direction will do.
             let away = if distance > 1e-9 * sum {
                 scale(d, depth / distance)
             } else {
                 scale(draws.direction(), depth)
             };
-            push = sub(push, away);
+            push = sub(push, away); // F = −L on this sphere, summed over its neighbours
             pushed = true;
-            self.loads.act(other, bodies.arm[t], away);
-            found.hear(0.5 * depth * depth, sum * (1.0 + MARGIN) - distance, sum);
+            self.loads.act(other, bodies.arm[t], away); // +L on the other
+            found.hear(0.5 * depth * depth, sum * (1.0 + MARGIN) - distance, sum); // energy L²/2
         }
         if pushed {
             self.loads.act(b, bodies.arm[s], push);
@@ -296,11 +296,13 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             self.loads.touched[b] = false;
             let force = std::mem::take(&mut self.loads.force[b]);
             let torque = std::mem::take(&mut self.loads.torque[b]);
-            let mut by = scale(force, h);
+            let mut by = scale(force, h); // Δx = F Δt/μ
             let mut turn = [0.0; 3];
             if self.loads.inertia[b] > 0.0 {
+                // Δφ = M Δt/J, and what the aligning field adds
                 turn = add(scale(torque, h / self.loads.inertia[b]), self.alignment(b, ramp, &aligning));
             }
+            // No point of the body moves by more than the step's limit.
             let reach = self.plan.bodies[b].reach;
             let length = norm(by) + norm(turn) * reach;
             if length > self.limit[b] {

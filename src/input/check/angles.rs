@@ -54,7 +54,7 @@ fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Angles {
         .collect();
     if !missing.is_empty() {
         let reason = format!(
-            "angles.polar_deg does not list {}: paper and colour need 0 and 45",
+            "angles.polar_deg does not list {}: paper and colour need 0 and 45, or angles.count instead of a list",
             missing.join(" and ")
         );
         return alone(table, exact_deg, reason);

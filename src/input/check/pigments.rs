@@ -24,7 +24,7 @@ pub(crate) fn pigments(
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
     let pigments: Vec<Pigment> = tables
         .map(|(i, table)| Pigment {
-            name: table.name.clone(),
+            name: name(table),
             grains: grains(i, table, (&file.layer, period_um), faults),
             material: index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults),
         })
@@ -46,7 +46,7 @@ pub(crate) fn dissolved(
         .map(|(i, table)| {
             fraction(i, table, faults);
             let material = index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults);
-            Dissolved { name: table.name.clone(), volume_fraction: table.volume_fraction, material }
+            Dissolved { name: name(table), volume_fraction: table.volume_fraction, material }
         })
         .collect()
 }
@@ -72,6 +72,11 @@ pub(crate) fn solution(binder: Material, dissolved: &[Dissolved], grains: &[Pigm
     }
 }
 
+/// Filled in already where it was left out.
+fn name(table: &PigmentTable) -> String {
+    table.name.clone().unwrap_or_default()
+}
+
 fn is_molecular(table: &PigmentTable) -> bool {
     table.diameter_nm == Some(Diameter::Molecular)
 }
@@ -93,15 +98,20 @@ pub(super) fn packing(
         relaxation: file.packing.relaxation,
         equilibration: file.packing.equilibration,
         relief: file.layer.relief,
+        walls: file.layer.walls,
         ..PackingRequest::default()
     };
-    if let (true, Err(PackError::BadInput { field, found, allowed, advice })) =
-        (faults.0.is_empty(), request.check())
-    {
-        let field = if field.starts_with("pigment") { field } else { format!("packing.{field}") };
-        faults.push(Fault::new(field, found, allowed, advice));
+    if faults.0.is_empty() {
+        faults.0.extend(packing_fault(&request));
     }
     request
+}
+
+/// What the packing's own check finds.
+pub(super) fn packing_fault(request: &PackingRequest) -> Option<Fault> {
+    let Err(PackError::BadInput { field, found, allowed, advice }) = request.check() else { return None };
+    let field = if field.starts_with("pigment") { field } else { format!("packing.{field}") };
+    Some(Fault::new(field, found, allowed, advice))
 }
 
 fn of(pigment: usize, key: &str) -> String {
@@ -227,8 +237,8 @@ pub(crate) fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
 fn names(file: &StudyFile, faults: &mut Faults) {
     for (i, pigment) in file.pigments.iter().enumerate() {
         let repeated = file.pigments[..i].iter().any(|earlier| earlier.name == pigment.name);
-        if repeated || pigment.name.trim().is_empty() {
-            let found = format!("{:?}", pigment.name);
+        if repeated || name(pigment).trim().is_empty() {
+            let found = format!("{:?}", name(pigment));
             let allowed = "a name that no other pigment has";
             faults.push(Fault::new(of(i, "name"), found, allowed, "give it another name"));
         }

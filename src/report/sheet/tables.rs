@@ -235,6 +235,9 @@ pub(crate) fn limits(study: &Study) -> Vec<String> {
          sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
             .to_owned(),
     ];
+    if let Some(reason) = &study.angles.no_paper {
+        lines.insert(0, format!("There are no paper, colour and picture here: {reason}."));
+    }
     if study.variation.thickness_std_um == 0.0 {
         let line = "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
                     thickness they wash out: thickness_um = { mean = …, std = … } draws one.";

@@ -1,6 +1,8 @@
 //! Coverages of one scene on several grids, kept for those who try the same grid again.
 
+use super::discretisation::Discretisation;
 use crate::wave::contrast::coverage::EXACT;
+use crate::wave::maxwell::NormalMoments;
 use crate::wave::{Coverage, Resolution, Scene, WaveError};
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -9,12 +11,12 @@ const KEPT: usize = 6;
 
 /// A scene with its latest coverages. Searches try several wavelengths and angles on the same grids; coverage costs
 /// more than a solve where grains are small.
-pub struct Coverages<'a> {
+pub struct Coverages<'a, G = Coverage> {
     /// The geometry.
     pub scene: &'a Scene,
     /// Relative error of the coefficients, see [`Coverage::within`].
     error: f64,
-    latest: Mutex<Vec<Arc<Coverage>>>,
+    latest: Mutex<Vec<Arc<G>>>,
 }
 
 impl<'a> Coverages<'a> {
@@ -27,17 +29,26 @@ impl<'a> Coverages<'a> {
     pub fn within(scene: &'a Scene, error: f64) -> Self {
         Self { error, ..Self::of(scene) }
     }
+}
 
+impl<'a> Coverages<'a, NormalMoments> {
+    /// For Maxwell's equations, with moments of a relative error, see [`NormalMoments::within`].
+    pub fn vector(scene: &'a Scene, error: f64) -> Self {
+        Self { scene, error, latest: Mutex::default() }
+    }
+}
+
+impl<G: Discretisation> Coverages<'_, G> {
     /// The coverage on a grid, kept or new.
     ///
     /// # Errors
     /// As [`Coverage::new`].
-    pub fn at(&self, resolution: Resolution) -> Result<Arc<Coverage>, WaveError> {
+    pub fn at(&self, resolution: Resolution) -> Result<Arc<G>, WaveError> {
         if let Some(found) = self.kept(resolution) {
             return Ok(found);
         }
         // Made without the lock: parallel loops inside may run other tasks that ask for a coverage.
-        let new = Arc::new(Coverage::within(self.scene, resolution, self.error)?);
+        let new = Arc::new(G::build(self.scene, resolution, self.error)?);
         let mut latest = self.lock();
         if latest.len() == KEPT {
             latest.remove(0);
@@ -46,15 +57,15 @@ impl<'a> Coverages<'a> {
         Ok(new)
     }
 
-    fn kept(&self, resolution: Resolution) -> Option<Arc<Coverage>> {
+    fn kept(&self, resolution: Resolution) -> Option<Arc<G>> {
         let mut latest = self.lock();
-        let k = latest.iter().position(|c| c.grid.resolution == resolution)?;
+        let k = latest.iter().position(|c| c.grid().resolution == resolution)?;
         let found = latest.remove(k);
         latest.push(found.clone());
         Some(found)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<Arc<Coverage>>> {
+    fn lock(&self) -> MutexGuard<'_, Vec<Arc<G>>> {
         self.latest.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 }

@@ -8,7 +8,6 @@
 
 use super::search::{AccuracyError, Task, smooth_size};
 use crate::numerics::estimate::Estimate;
-use crate::run::resolve::is_stop;
 use crate::solve::Watch;
 use crate::wave::physical::largest;
 use crate::wave::{Coverage, Problem, Resolution};
@@ -60,7 +59,7 @@ impl GridError {
             let one = totals(task, &here, watch)?;
             let other = match totals(task, &coarse, watch) {
                 Ok(other) => other,
-                Err(stopped) if is_stop(&stopped) => return Err(stopped),
+                Err(stopped) if stopped.is_stop() => return Err(stopped),
                 Err(_) => totals(task, &cover(scaled(own, 1.0 / COARSER))?, watch)?,
             };
             // Layers without grains are exact on every grid: rounding is no error of theirs.

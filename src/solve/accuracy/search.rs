@@ -4,14 +4,13 @@
 //! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
 
 use super::coverages::Coverages;
+use super::discretisation::Discretisation;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
 use crate::solve::demand::{Admitted, Size, TooLarge};
-use crate::solve::solver::{Goal, GridTrial, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Goal, GridTrial, SolveError, Solver, Watch};
 use crate::wave::grid::MOST_POINTS;
-use crate::wave::physical::largest;
 use crate::wave::{
-    FarField, Field, Grid, Incidence, Mean, Media, Order, Physical, Problem, Resolution, Scheme, Shape,
-    TotalErrors, Unphysical, WaveError,
+    Coverage, Grid, Incidence, Mean, Media, Resolution, Scheme, Shape, TotalErrors, Unphysical, WaveError,
 };
 use num_complex::Complex64;
 use thiserror::Error;
@@ -26,18 +25,15 @@ const RESIDUAL_WEIGHT: f64 = 3.0;
 const SAFETY: f64 = 1.4;
 /// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
 const FINE: [f64; 2] = [8.0, 3.3];
-/// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2.
-const START: [f64; 2] = [3.0, 5.4];
 /// Error that a result without physical sense counts as when the grid is refined.
 const UNPHYSICAL: f64 = 1.0;
 /// Resolutions tried before giving up.
 const LEVELS: usize = 24;
 
 /// One solve to be made: everything but the resolution.
-#[derive(Clone, Copy)]
-pub struct Task<'a> {
-    /// Coverages of the scene, one a grid.
-    pub coverages: &'a Coverages<'a>,
+pub struct Task<'a, G = Coverage> {
+    /// The scene, and its geometry on the grids tried.
+    pub coverages: &'a Coverages<'a, G>,
     /// Indices of all media.
     pub media: &'a Media,
     /// The light.
@@ -54,15 +50,23 @@ pub struct Task<'a> {
     pub memory: f64,
 }
 
+impl<G> Clone for Task<'_, G> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<G> Copy for Task<'_, G> {}
+
 /// A solve with its error estimate.
-pub struct Estimated {
-    /// The problem on the final grid.
-    pub problem: Problem,
-    /// Its field.
-    pub solution: Solution,
-    /// Its orders, judged physical.
-    pub far_field: Physical,
-    /// Largest expected error of any complex amplitude that [`largest_difference`] counts.
+pub struct Estimated<G: Discretisation = Coverage> {
+    /// The discrete problem on the grid that was chosen.
+    pub problem: G::Problem,
+    /// What the strategy delivered.
+    pub solution: G::Solution,
+    /// What leaves the layer.
+    pub far_field: G::Judged,
+    /// Largest expected error of any complex amplitude that [`largest_difference`](super::largest_difference) counts.
     pub error_estimate: f64,
     /// The estimate's parts: plane, z.
     pub parts: [f64; 2],
@@ -141,15 +145,33 @@ pub enum AccuracyError {
         /// Estimate on the finest grid solved.
         reached: f64,
     },
+    /// The layer measures more wavelengths than any grid resolves.
+    #[error(
+        "accuracy {asked:.1e} is not reached: already the coarsest grid would need {need:.1e} points along an axis of at \
+         most {MOST_POINTS}; check that the wavelength and all lengths are in µm"
+    )]
+    TooManyWaves {
+        /// The accuracy asked for.
+        asked: f64,
+        /// Points or cells along the longest axis.
+        need: f64,
+    },
     /// An accuracy that makes no sense.
     #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
     Accuracy(f64),
 }
 
 /// A problem and its solution.
-pub type Known<'a> = (&'a Problem, &'a Field);
+pub type Known<'a, G> = (&'a <G as Discretisation>::Problem, &'a <G as Discretisation>::Solution);
 
-impl Task<'_> {
+impl AccuracyError {
+    /// True when the user stopped the search, which is no failure.
+    pub fn is_stop(&self) -> bool {
+        matches!(self, AccuracyError::Solve(SolveError::Cancelled { .. }))
+    }
+}
+
+impl<G: Discretisation> Task<'_, G> {
     /// The strategy as the memory holds it on that grid.
     ///
     /// # Errors
@@ -163,24 +185,23 @@ impl Task<'_> {
         &self,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<(Problem, Solution, f64), AccuracyError> {
+    ) -> Result<(G::Problem, G::Solution, f64), AccuracyError> {
         self.solve_from(None, resolution, watch)
     }
 
     /// Solves at one resolution, with another's solution as first guess.
     fn solve_from(
         &self,
-        guess: Option<Known>,
+        guess: Option<Known<G>>,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<(Problem, Solution, f64), AccuracyError> {
+    ) -> Result<(G::Problem, G::Solution, f64), AccuracyError> {
         let clock = std::time::Instant::now();
         let solver = self.admitted(resolution)?;
         let coverage = self.coverages.at(resolution)?;
-        let problem = Problem::new(&coverage, self.media, self.incidence, self.mean)?;
+        let problem = G::problem(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
-        let start = guess.map(|(known, field)| known.transferred(field, &problem));
-        let solution = solver.solver().solve_from(&problem, start.as_ref(), self.goal, watch)?;
+        let solution = G::solve_from(&problem, guess, solver.solver(), self.goal, watch)?;
         Ok((problem, solution, setup))
     }
 
@@ -189,24 +210,24 @@ impl Task<'_> {
         &self,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated<G>, AccuracyError> {
         self.estimated_from(None, resolution, watch)
     }
 
     fn estimated_from(
         &self,
-        guess: Option<Known>,
+        guess: Option<Known<G>>,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated<G>, AccuracyError> {
         let (problem, solution, seconds_setup) = self.solve_from(guess, resolution, watch)?;
-        let far_field = problem.far_field(&solution.field);
+        let far_field = G::far_field(&problem, &solution);
         let clock = std::time::Instant::now();
-        let parts = self.estimate_parts((&problem, &solution.field), &far_field, watch)?;
-        let error_estimate = error_estimate(parts, solution.account.residual);
-        let errors = TotalErrors::of_amplitudes(error_estimate, solution.account.residual);
+        let parts = self.estimate_parts((&problem, &solution), &far_field, watch)?;
+        let error_estimate = error_estimate(parts, G::residual(&solution));
+        let errors = TotalErrors::of_amplitudes(error_estimate, G::residual(&solution));
         Ok(Estimated {
-            far_field: Physical::judge(far_field, errors)?,
+            far_field: G::judge(far_field, errors)?,
             error_estimate,
             seconds_estimate: clock.elapsed().as_secs_f64(),
             problem,
@@ -222,19 +243,21 @@ impl Task<'_> {
     /// Neither a coarser nor a finer companion has a solution.
     pub fn estimate_parts(
         &self,
-        known: Known,
-        far: &FarField,
+        known: Known<G>,
+        far: &G::FarField,
         watch: &mut dyn Watch,
     ) -> Result<[f64; 2], AccuracyError> {
         let problem = known.0;
-        if !problem.has_contrast() {
+        if !G::has_contrast(problem) {
             return Ok([0.0; 2]);
         }
-        let own = problem.coverage.grid.resolution;
+        let own = G::grid_of(problem).resolution;
         // What is held of the result meanwhile: its problem, its field, and the incident wave.
         let size = self.size(own);
         let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
-        let plane = [COMPANION, 1.0 / COMPANION].map(|f| scaled_plane(own, f, problem.coverage.uniform));
+        let scene = self.coverages.scene;
+        let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
+        let plane = [COMPANION, 1.0 / COMPANION].map(|f| scaled_plane(own, f, uniform));
         let across = [COMPANION, 1.0 / COMPANION].map(|f| scaled_cells(own, f));
         let in_plane = match self.coverages.scene.uniform_in_plane() {
             true => 0.0,
@@ -246,25 +269,25 @@ impl Task<'_> {
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
-        finer: Known,
-        far: &FarField,
+        finer: Known<G>,
+        far: &G::FarField,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
-        let own = finer.0.coverage.grid.resolution;
+        let own = G::grid_of(finer.0).resolution;
         let [coarse, fine] = companions;
         let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
             None => self.solve_from(Some(finer), fine, watch)?,
         };
-        let difference = largest_difference(far, &problem.far_field(&solution.field));
-        let used = problem.coverage.grid.resolution;
+        let difference = G::difference(far, &G::far_field(&problem, &solution));
+        let used = G::grid_of(&problem).resolution;
         Ok(difference * error_share(own, used, self.orders(own)))
     }
 
     /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
     ///
-    /// For grains 4 and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
+    /// For grains 4 (3 for the vector wave, which folds nothing) and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
     /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
     /// do so in one.
     fn orders(&self, own: Resolution) -> [i32; 2] {
@@ -274,7 +297,7 @@ impl Task<'_> {
         let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
             .map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
-        [(4 - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
+        [(G::PLANE_ORDER - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
     }
 
     /// Wavelengths per µm in the densest medium.
@@ -301,11 +324,11 @@ impl Task<'_> {
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        finer: Known,
+        finer: Known<G>,
         watch: &mut dyn Watch,
-    ) -> Result<Option<(Problem, Solution, f64)>, AccuracyError> {
-        let own = finer.0.coverage.grid.resolution;
-        let cells = finer.0.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
+    ) -> Result<Option<(G::Problem, G::Solution, f64)>, AccuracyError> {
+        let own = G::grid_of(finer.0).resolution;
+        let cells = G::cells_needed(finer.0, &Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };
         if coarser == own || cells > own.cells {
             return Ok(None);
@@ -327,14 +350,14 @@ impl Task<'_> {
         &self,
         accuracy: f64,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated<G>, AccuracyError> {
         if !(1e-9..=0.5).contains(&accuracy) {
             return Err(AccuracyError::Accuracy(accuracy));
         }
         let mut task = *self;
         task.goal.tolerance = task.goal.tolerance.min(accuracy / 50.0);
-        let mut resolution = task.start(accuracy);
-        let mut last: Option<Estimated> = None;
+        let mut resolution = task.start(accuracy)?;
+        let mut last: Option<Estimated<G>> = None;
         let mut refused: Option<AccuracyError> = None;
         let mut tried: Vec<GridTrial> = Vec::new();
         for _ in 0..LEVELS {
@@ -346,7 +369,7 @@ impl Task<'_> {
             }
             let clock = std::time::Instant::now();
             watch.grid(&GridTrial { resolution, accuracy, estimate: None, seconds: 0.0 });
-            let guess = last.as_ref().map(|coarser| (&coarser.problem, &coarser.solution.field));
+            let guess = last.as_ref().map(|coarser| (&coarser.problem, &coarser.solution));
             let estimated = match task.estimated_from(guess, resolution, watch) {
                 Err(AccuracyError::Wave(refusal)) => {
                     let Some(finer) = raised(resolution, &refusal) else { return Err(refusal.into()) };
@@ -380,25 +403,29 @@ impl Task<'_> {
     }
 
     /// First resolution of the search.
-    fn start(&self, accuracy: f64) -> Resolution {
+    ///
+    /// # Errors
+    /// The layer measures more wavelengths than any grid resolves.
+    fn start(&self, accuracy: f64) -> Result<Resolution, AccuracyError> {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
-        let points = |period: f64| starting_size(START[0] * finer.powf(0.25) * waves * period);
+        let points = |period: f64| starting_size(accuracy, G::START[0] * finer.powf(0.25) * waves * period);
         let nx = if self.coverages.scene.uniform_in_plane() {
             1
         } else {
-            points(self.coverages.scene.period_um[0])
+            points(self.coverages.scene.period_um[0])?
         };
         let ny =
-            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1]) };
-        let planes = START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
-        let cells = (planes / self.scheme.degree() as f64).ceil().min(MOST_POINTS as f64) as usize;
-        Resolution { nx, ny, cells: cells.max(self.coverages.scene.strata.len()).max(2), scheme: self.scheme }
+            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1])? };
+        let planes = G::START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
+        let cells = possible(accuracy, planes / self.scheme.degree() as f64)?;
+        let cells = cells.max(self.coverages.scene.strata.len()).max(2);
+        Ok(Resolution { nx, ny, cells, scheme: self.scheme })
     }
 
     /// What a solve on that grid will take.
     fn size(&self, resolution: Resolution) -> Size {
-        Size::new(self.coverages.scene, self.media, self.incidence.wavelength_um, resolution)
+        G::size(self.coverages.scene, self.media, self.incidence.wavelength_um, resolution)
     }
 }
 
@@ -407,8 +434,13 @@ fn too_large(asked: f64, refusal: &TooLarge) -> AccuracyError {
     AccuracyError::TooLarge { asked, nx, ny, cells, need_gb, allowed_gb }
 }
 
-fn not_reached(asked: f64, last: &Estimated, refusal: &TooLarge, tried: &[GridTrial]) -> AccuracyError {
-    let Resolution { nx, ny, cells, .. } = last.problem.coverage.grid.resolution;
+fn not_reached<G: Discretisation>(
+    asked: f64,
+    last: &Estimated<G>,
+    refusal: &TooLarge,
+    tried: &[GridTrial],
+) -> AccuracyError {
+    let Resolution { nx, ny, cells, .. } = G::grid_of(&last.problem).resolution;
     let TooLarge { need_gb, allowed_gb, .. } = *refusal;
     let tried = tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; ");
     AccuracyError::NotReached {
@@ -423,10 +455,18 @@ fn not_reached(asked: f64, last: &Estimated, refusal: &TooLarge, tried: &[GridTr
     }
 }
 
-/// Points to start with, in a size that transforms fast; beyond [`MOST_POINTS`] no such size is looked for, the grid is
-/// refused as it is.
-fn starting_size(points: f64) -> usize {
-    if points < MOST_POINTS as f64 { smooth_size(points.ceil() as usize) } else { MOST_POINTS }
+/// Points to start with, in a size that transforms fast.
+fn starting_size(accuracy: f64, points: f64) -> Result<usize, AccuracyError> {
+    possible(accuracy, points).map(smooth_size)
+}
+
+/// A number of points or cells along one axis, if a grid can have so many.
+fn possible(asked: f64, need: f64) -> Result<usize, AccuracyError> {
+    if need <= MOST_POINTS as f64 {
+        Ok(need.ceil() as usize)
+    } else {
+        Err(AccuracyError::TooManyWaves { asked, need })
+    }
 }
 
 /// Largest expected error of any amplitude, from the parts of [`Task::estimate_parts`] and the residual.
@@ -437,19 +477,4 @@ pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
 /// The scheme that reaches an accuracy with the fewest planes: higher cells pay once the planes are needed anyway.
 pub fn suited_scheme(accuracy: f64) -> Scheme {
     if accuracy < 3e-3 { Scheme::Quartic } else { Scheme::Cubic }
-}
-
-/// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
-///
-/// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
-/// converge more slowly.
-pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
-    let counts =
-        |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
-    let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
-    let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
-    let differences = |(a, b): (&Order, &Order)| {
-        [(a.reflected - b.reflected).norm(), (a.transmitted - b.transmitted).norm()]
-    };
-    largest(pairs.flat_map(differences))
 }

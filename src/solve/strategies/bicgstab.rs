@@ -73,9 +73,9 @@ fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), S
         (r.clone(), Field::zeros(shape), Field::zeros(shape), Field::zeros(shape));
     let mut rho = dot(flat(&shadow), flat(r));
     while !ledger.exhausted() {
-        apply(ledger, &p, &mut v);
-        let alpha = rho / dot(flat(&shadow), flat(&v));
-        ndarray::Zip::from(&mut s).and(&*r).and(&v).par_for_each(|s, &r, &v| *s = r - alpha * v);
+        apply(ledger, &p, &mut v); // v = M p
+        let alpha = rho / dot(flat(&shadow), flat(&v)); // α = ⟨r̃, r⟩ / ⟨r̃, v⟩
+        ndarray::Zip::from(&mut s).and(&*r).and(&v).par_for_each(|s, &r, &v| *s = r - alpha * v); // s = r − α v
         // Half a step may end it, and exactly so without contrast: ω would be 0/0.
         let half = norm(flat(&s)) / ledger.scale();
         if half <= 0.9 * ledger.goal.tolerance {
@@ -83,11 +83,12 @@ fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), S
             ledger.account.steps += 1;
             return ledger.note(half);
         }
-        apply(ledger, &s, &mut t);
-        let omega = dot(flat(&t), flat(&s)) / norm(flat(&t)).powi(2);
+        apply(ledger, &s, &mut t); // t = M s
+        let omega = dot(flat(&t), flat(&s)) / norm(flat(&t)).powi(2); // ω = ⟨t, s⟩ / ⟨t, t⟩
         if !(alpha.is_finite() && omega.is_finite()) || omega.norm() < 1e-14 {
             return Ok(());
         }
+        // u ← u + α p + ω s,  r ← s − ω t
         ndarray::Zip::from(&mut *u).and(&p).and(&s).par_for_each(|u, &p, &s| *u += alpha * p + omega * s);
         ndarray::Zip::from(&mut *r).and(&s).and(&t).par_for_each(|r, &s, &t| *r = s - omega * t);
         ledger.account.steps += 1;
@@ -97,8 +98,9 @@ fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), S
             return Ok(());
         }
         let next = dot(flat(&shadow), flat(r));
-        let beta = next / rho * (alpha / omega);
+        let beta = next / rho * (alpha / omega); // β = ⟨r̃, r⟩ / ⟨r̃, r⟩_previous · α/ω
         rho = next;
+        // p ← r + β (p − ω v)
         ndarray::Zip::from(&mut p)
             .and(&*r)
             .and(&v)

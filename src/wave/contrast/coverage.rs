@@ -4,12 +4,14 @@
 //! k² differences ("channels"). Coefficients in the plane are exact and band-limited to the grid's harmonics;
 //! along z they are moments against the scheme's shape functions (numerics: W_p = ∫ ψ_p V dz).
 
+use super::cell::{CellCoefficients, CellColumns};
+pub use super::channel::Channel;
 use super::folding::{Folding, Planes, REACH};
 use super::nufft::{Patch, SourceTransform, Spreading};
 use super::section::{self, Demands, EdgePoint, GaussRules, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
-use crate::wave::grid::element::{Element, MAX_DEGREE};
-use crate::wave::{Ball, Body, Grid, Material, Resolution, Scene, Shape, WaveError};
+use crate::wave::grid::element::MAX_DEGREE;
+use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Shape, WaveError};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
@@ -29,15 +31,6 @@ const OUTER: f64 = 300.0;
 /// hundredth of the coefficients' error in ink.
 pub fn error_for(accuracy: f64) -> f64 {
     0.1 * accuracy
-}
-
-/// One pair of materials: a body's inside a background.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Channel {
-    /// Index into [`crate::wave::Media::backgrounds`].
-    pub background: usize,
-    /// What the bodies consist of.
-    pub material: Material,
 }
 
 /// Moments of every channel's indicator function on every plane.
@@ -64,21 +57,6 @@ pub struct Coverage {
     pub fft_single: PlaneFft<f32>,
     /// Seconds spent here.
     pub seconds: f64,
-}
-
-/// Coefficients of one channel in one cell: plane of the cell → wide harmonics, and their means in full precision.
-pub(crate) struct CellCoefficients<T: Real> {
-    pub spectra: Vec<Vec<Complex<T>>>,
-    pub means: Vec<f64>,
-}
-
-/// What the columns of one cell need to know.
-pub(crate) struct CellColumns<'a> {
-    pub range_um: [f64; 2],
-    pub element: &'a Element,
-    pub orders: &'a [[i32; 2]],
-    /// Largest |m| and |n|.
-    pub widest: [usize; 2],
 }
 
 struct Builder<'a, T: Real> {
@@ -109,6 +87,16 @@ impl Coverage {
             build::<f64>(scene, resolution, error)
         } else {
             build::<f32>(scene, resolution, error)
+        }
+    }
+
+    /// What the mean medium and the Bloch vector are made from.
+    pub fn layout(&self) -> Layout<'_> {
+        Layout {
+            grid: &self.grid,
+            channels: &self.channels,
+            fractions: &self.fractions,
+            uniform: self.uniform,
         }
     }
 
@@ -149,7 +137,7 @@ fn build<T: Real>(scene: &Scene, resolution: Resolution, error: f64) -> Result<C
 }
 
 /// All (background, material) pairs that share a cell.
-fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
+pub(in crate::wave) fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
     let mut channels = Vec::new();
     for body in &scene.bodies {
         for j in 0..grid.cells() {
@@ -163,7 +151,7 @@ fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel> {
 }
 
 /// The part of a cell's height that a body reaches into.
-fn overlap(body: &Body, grid: &Grid, cell: usize) -> Option<[f64; 2]> {
+pub(in crate::wave) fn overlap(body: &Body, grid: &Grid, cell: usize) -> Option<[f64; 2]> {
     let [lo, hi] = body.extent_um();
     let range = [lo.max(grid.nodes_um[cell]), hi.min(grid.nodes_um[cell + 1])];
     (range[1] > range[0]).then_some(range)

@@ -6,7 +6,7 @@
 //! inverse Laplacian. It depends on the geometry alone, costs nothing per step, keeps energy balance and
 //! reciprocity, and raises the observed order of convergence in the plane from 3 to about 5.
 
-use super::coverage::CellCoefficients;
+use super::cell::CellCoefficients;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
 use crate::wave::{Grid, Resolution};
 use ndarray::{Array2, ArrayViewMut1, Axis};

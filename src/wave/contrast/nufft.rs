@@ -14,6 +14,8 @@ use std::f64::consts::PI;
 
 /// Largest kernel width in fine-grid points.
 const MOST: usize = 12;
+/// Most fields side by side: two a plane of a cell for the scalar wave, seven a Gauss plane for the vector wave.
+const MOST_FIELDS: usize = if 2 * (MAX_DEGREE + 1) > 14 { 2 * (MAX_DEGREE + 1) } else { 14 };
 /// The kernel is exp(β (√(1−t²) − 1)) with β this times its width (oversampling 2).
 const SHAPE: f64 = 2.30;
 /// Degree of the polynomials above the kernel's width.
@@ -157,7 +159,7 @@ impl<T: Real> SourceTransform<T> {
 /// values[row, column, field] += wy[row] wx[column] value[field].
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn spread_rows<T: Real>(values: &mut [T], stride: usize, wx: &[T], wy: &[T], value: &[T]) {
-    let mut line = [T::default(); MOST * 2 * (MAX_DEGREE + 1)];
+    let mut line = [T::default(); MOST * MOST_FIELDS];
     let line = &mut line[..wx.len() * value.len()];
     for (part, &w) in line.chunks_exact_mut(value.len()).zip(wx) {
         part.iter_mut().zip(value).for_each(|(p, &v)| *p = w * v);

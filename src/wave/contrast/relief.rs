@@ -3,7 +3,7 @@
 //! Columns of a raster finer than the grid: in each, vacuum fills 0 ≤ z < s(x, y) except where balls are. Moments
 //! along z are exact in every column, so what is sampled is continuous and the raster's aliasing decays fast.
 
-use super::coverage::{CellCoefficients, CellColumns};
+use super::cell::{CellCoefficients, CellColumns};
 use crate::numerics::fourier::{PlaneFft, Real};
 use crate::wave::scene::{Ball, HeightField};
 use gauss_quad::GaussLegendre;

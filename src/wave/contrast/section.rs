@@ -27,7 +27,7 @@ impl Demands {
     /// Degree of the polynomial that replaces a wave over `reach` µm on either side.
     ///
     /// Its error is the Bessel function J_n(k reach), which beyond n = x falls like Ai((n − x)(2/x)^{1/3}).
-    fn degree(&self, reach: f64) -> f64 {
+    pub(in crate::wave) fn degree(&self, reach: f64) -> f64 {
         let one = |&(k, error): &(f64, f64)| {
             let x = k * reach;
             x + (-1.5 * f64::ln(error)).powf(2.0 / 3.0) * (0.5 * x).cbrt()
@@ -101,7 +101,7 @@ impl Sampling {
     }
 
     /// Gauss points over a height: 2n − 1 is the degree integrated.
-    fn height_count(&self, length: f64, whole: bool) -> usize {
+    pub(in crate::wave) fn height_count(&self, length: f64, whole: bool) -> usize {
         // Along sin²t the wave turns at up to π/2 times the mean rate.
         let reach = if whole { 0.5 * length } else { 0.25 * PI * length };
         let extra = if whole { self.degree } else { 2 * self.degree + 4 };
@@ -110,7 +110,13 @@ impl Sampling {
 
     /// Points along an arc: the trapezoidal rule on a whole circle, Gauss–Legendre on a part; both converge
     /// geometrically once they resolve e^{−ik·x}.
-    fn push_arc(&self, ball: &Ball, z: f64, [start, end]: [f64; 2], points: &mut Vec<EdgePoint>) {
+    pub(in crate::wave) fn push_arc(
+        &self,
+        ball: &Ball,
+        z: f64,
+        [start, end]: [f64; 2],
+        points: &mut Vec<EdgePoint>,
+    ) {
         let radius = (ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2)).max(0.0).sqrt();
         let mut push = |[c, s]: [f64; 2], weight: f64| {
             let position = [ball.center_um[0] + radius * c, ball.center_um[1] + radius * s];
@@ -165,7 +171,7 @@ pub fn strip(shape: &Shape, z: f64) -> Option<[f64; 2]> {
 }
 
 /// Heights within `range` between which the arcs of ball `i` keep their number.
-fn breakpoints(balls: &[Ball], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
+pub(in crate::wave) fn breakpoints(balls: &[Ball], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
     let own = &balls[i];
     let (lo, hi) = (lo.max(own.center_um[2] - own.radius_um), hi.min(own.center_um[2] + own.radius_um));
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
@@ -206,7 +212,7 @@ fn is_whole(arcs: &[[f64; 2]]) -> bool {
 }
 
 /// Stretches [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.
-fn free_arcs(balls: &[Ball], i: usize, z: f64) -> Vec<[f64; 2]> {
+pub(in crate::wave) fn free_arcs(balls: &[Ball], i: usize, z: f64) -> Vec<[f64; 2]> {
     let Some(own) = disc_of(&balls[i], z) else { return Vec::new() };
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
     let mut covered = Vec::new();

@@ -375,7 +375,7 @@ fn row<'a>(u: &'a ArrayView2<Complex64>, index: usize) -> &'a [Complex64] {
 }
 
 /// 1/pivot; a pivot that vanishes (a guided mode exactly on the grid) is moved by a part in 10¹² of its row.
-fn guarded_inverse(pivot: Complex64, scale: Complex64) -> Complex64 {
+pub(crate) fn guarded_inverse(pivot: Complex64, scale: Complex64) -> Complex64 {
     let least = 1e-12 * scale.norm().max(1e-300);
     if pivot.norm() < least { Complex64::from(1.0 / least) } else { 1.0 / pivot }
 }

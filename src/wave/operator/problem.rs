@@ -6,7 +6,7 @@ use super::mean::{MeanOperator, decaying_root};
 use super::scattering::{Scatter, Scattering, narrow};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
 use crate::wave::bloch::BlochVector;
-use crate::wave::{Coverage, Grid, Incidence, Media, Scene, Side, WaveError};
+use crate::wave::{Coverage, Grid, Incidence, Layout, Media, Scene, Side, WaveError};
 use ndarray::{Array2, ArrayView2};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
@@ -35,7 +35,31 @@ impl Default for Mean {
     }
 }
 
-/// One wave problem: immutable and shared between threads.
+/// One wave problem (A + V) u = b: immutable and shared between threads. A is the operator of the mean medium ⟨k²⟩ with the
+/// boundary conditions of P2 (3.4), V = k² − ⟨k²⟩ the contrast, u the field on the planes as harmonics.
+///
+/// Shapes: a field has `shape()` = (planes, harmonics) complex numbers; planes = degree · cells + 1.
+///
+/// ```
+/// use inkwave::wave::{Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
+///
+/// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+/// let media =
+///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.558.into()], inclusions: vec![1.4.into()] };
+/// let light = Incidence { wavelength_um: 0.6, polar_deg: 20.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let grid = Resolution { nx: 9, ny: 9, cells: 4, scheme: Scheme::Cubic };
+/// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+/// assert_eq!(problem.shape(), (3 * 4 + 1, 9 * 9));
+///
+/// // One operator application, A⁻¹V u₀: what the ball scatters out of the wave in the mean medium.
+/// let background = problem.background_wave();
+/// let mut scattered = Field::zeros(problem.shape());
+/// problem.scatter(&background, &mut scattered);
+/// let size = |f: &Field| f.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+/// assert!(size(&scattered) < 0.5 * size(&background));
+/// # Ok::<(), inkwave::wave::WaveError>(())
+/// ```
 pub struct Problem {
     /// The geometry, shared with all problems on the same grid.
     pub coverage: Arc<Coverage>,
@@ -73,20 +97,20 @@ impl Problem {
         mean: Mean,
     ) -> Result<Problem, WaveError> {
         incidence.check()?;
-        let grid = &coverage.grid;
+        let (grid, layout) = (&coverage.grid, coverage.layout());
         let harmonics = coverage.harmonics.clone();
         let k0 = TAU / incidence.wavelength_um;
-        let bloch = BlochVector::new(coverage, media, incidence)?;
-        bloch.check_orders(coverage, media, k0)?;
+        let bloch = BlochVector::new(&layout, media, incidence)?;
+        bloch.check_orders(&layout, media, k0)?;
         let lateral: Vec<[f64; 2]> = harmonics.orders.iter().map(|&o| bloch.lateral(o)).collect();
         let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
         let kappa_in =
             |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
         let kappa: [Vec<Complex64>; 2] = [kappa_in(media.incident), kappa_in(media.exit)];
-        let mean_k2 = mean_wavenumbers(coverage, media, k0, mean);
+        let mean_k2 = mean_wavenumbers(&layout, media, k0, mean);
         let [m, n] = bloch.incident;
         let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
-        check_phase(coverage, &mean_k2, lateral_k2[incident])?;
+        check_phase(&layout, &mean_k2, lateral_k2[incident])?;
         let points = grid.points() as f64;
         let contrast = |c: &crate::wave::contrast::coverage::Channel| {
             let [inclusion, background] = [media.index_of(c.material), media.backgrounds[c.background]];
@@ -129,16 +153,7 @@ impl Problem {
     ///
     /// Judged by this problem's mean, before a coverage is computed for that grid.
     pub fn cells_needed(&self, other: &Grid) -> usize {
-        let (own, means) = (&self.coverage.grid, self.mean.mean_k2());
-        let phase = |j: usize| {
-            let [lo, hi] = [other.nodes_um[j], other.nodes_um[j + 1]];
-            let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
-            let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
-            (sum / (hi - lo)).sqrt().re * (hi - lo)
-        };
-        let largest = (0..other.cells()).map(phase).fold(0.0, f64::max);
-        let needed = (largest / PHASE_LIMIT * other.cells() as f64).ceil() as usize;
-        if largest > PHASE_LIMIT { needed.max(other.cells() + 1) } else { other.cells() }
+        cells_needed(&self.coverage.grid, self.mean.mean_k2(), other)
     }
 
     /// Rows and columns of a field.
@@ -326,12 +341,17 @@ impl Problem {
 }
 
 /// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
-fn mean_wavenumbers(coverage: &Coverage, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
-    let grid = &coverage.grid;
+pub(in crate::wave) fn mean_wavenumbers(
+    layout: &Layout,
+    media: &Media,
+    k0: f64,
+    mean: Mean,
+) -> Vec<Complex64> {
+    let grid = layout.grid;
     let square = |eta: Complex64| eta * eta * (k0 * k0);
     let in_cell = |j: usize| {
         let background = square(media.backgrounds[grid.background[j]]);
-        let parts = coverage.channels.iter().zip(&coverage.fractions);
+        let parts = layout.channels.iter().zip(layout.fractions);
         let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
         background
             + parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[j]).sum::<Complex64>()
@@ -363,10 +383,27 @@ fn plane_offsets(coverage: &Coverage, media: &Media, k0: f64, mean_k2: &[Complex
     offsets
 }
 
+/// Cells of a grid `other` that the phase limit allows, from k̄² of the cells of a grid that it has allowed.
+pub(in crate::wave) fn cells_needed(own: &Grid, means: &[Complex64], other: &Grid) -> usize {
+    let phase = |j: usize| {
+        let [lo, hi] = [other.nodes_um[j], other.nodes_um[j + 1]];
+        let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
+        let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
+        (sum / (hi - lo)).sqrt().re * (hi - lo)
+    };
+    let largest = (0..other.cells()).map(phase).fold(0.0, f64::max);
+    let needed = (largest / PHASE_LIMIT * other.cells() as f64).ceil() as usize;
+    if largest > PHASE_LIMIT { needed.max(other.cells() + 1) } else { other.cells() }
+}
+
 /// Refuses cells that are too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
-fn check_phase(coverage: &Coverage, mean_k2: &[Complex64], lateral_k2: f64) -> Result<(), WaveError> {
-    let grid = &coverage.grid;
-    let exact = coverage.channels.is_empty();
+pub(in crate::wave) fn check_phase(
+    layout: &Layout,
+    mean_k2: &[Complex64],
+    lateral_k2: f64,
+) -> Result<(), WaveError> {
+    let grid = layout.grid;
+    let exact = layout.channels.is_empty();
     for (j, &k2) in mean_k2.iter().enumerate() {
         let h = grid.height_um(j);
         let phase = (if exact { k2 - lateral_k2 } else { k2 }).sqrt().re * h;

@@ -1,0 +1,119 @@
+// Checks of the pages for exploring; called by scripts/check-pages.
+import { chromium } from "playwright-core";
+import { readFileSync, statSync, mkdirSync } from "node:fs";
+
+const [, , sweep, packing, shots] = process.argv;
+mkdirSync(shots, { recursive: true });
+const failures = [];
+function claim(name, holds, detail = "") {
+  console.log(`${holds ? "ok     " : "FAILED "} ${name}${detail ? ": " + detail : ""}`);
+  if (!holds) failures.push(name);
+}
+
+/** Rows of a CSV file by column; quotes keep commas. */
+function table(path) {
+  const lines = readFileSync(path, "utf8").trim().split("\n").map(line => {
+    const cells = [];
+    for (const match of line.matchAll(/("(?:[^"]|"")*"|[^,]*)(?:,|$)/g)) cells.push(match[1].replace(/^"|"$/g, "").replaceAll('""', '"'));
+    return cells;
+  });
+  return lines.slice(1).map(cells => Object.fromEntries(lines[0].map((name, i) => [name, cells[i]])));
+}
+
+const browser = await chromium.launch({
+  executablePath: "/usr/bin/chromium",
+  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
+    "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+});
+
+async function open(url, width, height) {
+  const page = await browser.newPage({ viewport: { width, height } });
+  const trouble = [];
+  page.on("console", message => { if (message.type() === "error") trouble.push(message.text()); });
+  page.on("pageerror", error => trouble.push(error.message));
+  page.on("request", request => { if (!/^(file|data|blob):/.test(request.url())) trouble.push("network: " + request.url()); });
+  await page.goto(url);
+  await page.waitForTimeout(300);
+  return { page, trouble };
+}
+
+const overflow = page => page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+
+async function explore() {
+  const url = `file://${sweep}/explore.html`;
+  const megabytes = statSync(`${sweep}/explore.html`).size / 1e6;
+  const { page, trouble } = await open(url, 1200, 1000);
+  const rows = table(`${sweep}/sweep.csv`);
+  const variants = await page.evaluate(() => data.variants.length);
+  claim("explore.html holds every variant", variants === rows.length, `${variants} of ${rows.length}`);
+  claim("size for 260 variants", megabytes * 260 / Math.max(variants, 1) <= 2 || megabytes <= 2 && variants >= 260, `${megabytes.toFixed(3)} MB for ${variants}`);
+  const columns = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
+  let worst = 0, compared = 0;
+  for (const row of rows) {
+    const shown = await page.evaluate(name => {
+      const target = data.variants.find(v => v.name === name);
+      target.place.forEach((k, a) => {
+        const input = document.getElementById("axis" + a);
+        input.value = k;
+        input.dispatchEvent(new Event("input"));
+      });
+      // all sliders are set one after the other: once more, now that every axis is in place
+      target.place.forEach((k, a) => { document.getElementById("axis" + a).value = k; });
+      target.place.forEach((k, a) => document.getElementById("axis" + a).dispatchEvent(new Event("input")));
+      return { variant: document.body.dataset.variant, numbers: [...document.querySelectorAll("#numbers tr")].map(tr => [tr.dataset.value, tr.dataset.error]) };
+    }, row.variant);
+    if (shown.variant !== row.variant) { claim(`the sliders reach ${row.variant}`, false, shown.variant); continue; }
+    columns.forEach((column, i) => [["", 0], ["_standard_error", 1]].forEach(([end, k]) => {
+      const want = row[column + end], have = shown.numbers[i][k];
+      if (want === "" || want === undefined || want === "NaN") return;
+      worst = Math.max(worst, Math.abs(Number(want) - Number(have)));
+      compared += 1;
+    }));
+  }
+  claim("numbers are those of sweep.csv", worst === 0 && compared > 0, `${compared} compared, largest difference ${worst}`);
+  await page.evaluate(() => { const input = document.getElementById("axis0"); input.value = 0; input.dispatchEvent(new Event("input")); input.focus(); });
+  const before = await page.evaluate(() => document.body.dataset.variant);
+  await page.keyboard.press("ArrowRight");
+  const after = await page.evaluate(() => document.body.dataset.variant);
+  claim("an arrow key moves a slider", before !== after, `${before} → ${after}`);
+  await page.click("#hold");
+  await page.keyboard.press("Tab");
+  await page.screenshot({ path: `${shots}/explore.png`, fullPage: true });
+  claim("explore.html: no network, no error", trouble.length === 0, trouble.join("; "));
+  const phone = await open(url, 390, 844);
+  claim("explore.html fits a phone", await overflow(phone.page) <= 0);
+  await phone.page.screenshot({ path: `${shots}/explore-phone.png`, fullPage: true });
+}
+
+/** Share of the canvas that is not background. */
+const drawn = page => page.evaluate(() => {
+  const canvas = document.getElementById("view"), gl = canvas.getContext("webgl2"), n = 4 * canvas.width * canvas.height, p = new Uint8Array(n);
+  gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, p);
+  let other = 0;
+  for (let i = 0; i < n; i += 4) if (Math.abs(p[i] - p[0]) + Math.abs(p[i + 1] - p[1]) + Math.abs(p[i + 2] - p[2]) > 12) other += 1;
+  return other / (n / 4);
+});
+
+async function view() {
+  const { page, trouble } = await open(`file://${packing}`, 1100, 760);
+  const whole = await drawn(page);
+  await page.screenshot({ path: `${shots}/packing.png` });
+  await page.fill("#cut", "500");
+  await page.waitForTimeout(300);
+  const half = await drawn(page);
+  await page.screenshot({ path: `${shots}/packing-cut.png` });
+  claim("the packing is drawn, and the cut takes part of it away", whole > 0.05 && half > 0.02 && half < whole, `${whole.toFixed(3)} → ${half.toFixed(3)} of the canvas`);
+  await page.fill("#cut", "0");
+  await page.waitForTimeout(300);
+  claim("a cut through everything leaves nothing", await drawn(page) === 0);
+  claim("packing.html: no network, no error", trouble.length === 0, trouble.join("; "));
+  const phone = await open(`file://${packing}`, 390, 844);
+  claim("packing.html fits a phone", await overflow(phone.page) <= 0);
+  await phone.page.screenshot({ path: `${shots}/packing-phone.png` });
+}
+
+await explore();
+await view();
+await browser.close();
+console.log(failures.length ? `${failures.length} checks failed` : "all checks hold");
+process.exit(failures.length ? 1 : 0);

@@ -1,0 +1,111 @@
+//! What can be wrong with the paper, and with a spectrum that is to have a colour.
+
+use thiserror::Error;
+
+/// What is wrong with the paper, or with an angle asked of it.
+#[derive(Debug, Error, PartialEq)]
+pub enum PaperError {
+    /// An angle outside the hemisphere.
+    #[error("polar angle {value}°: allowed are 0° to below 90°")]
+    AngleOutOfRange {
+        /// The angle, degrees.
+        value: f64,
+    },
+    /// An albedo outside 0–1.
+    #[error("paper albedo = {value}: allowed 0 to 1")]
+    Albedo {
+        /// The albedo.
+        value: f64,
+    },
+    /// A wavelength that the table does not hold.
+    #[error("paper albedo is given from {lo} to {hi} nm, asked at {value} nm; extend the table")]
+    AlbedoRange {
+        /// The wavelength, nm.
+        value: f64,
+        /// First wavelength of the table, nm.
+        lo: f64,
+        /// Last wavelength of the table, nm.
+        hi: f64,
+    },
+    /// A table that does not rise.
+    #[error("paper albedo table: wavelength_nm = {value} does not increase, or fewer than 2 rows")]
+    AlbedoTable {
+        /// The wavelength, nm.
+        value: f64,
+    },
+    /// A closed box without losses.
+    #[error(
+        "the layer reflects all light from below (R̄_b = {mean}) on paper of albedo 1: the light never leaves; lower the albedo"
+    )]
+    TrapsAllLight {
+        /// R̄_b.
+        mean: f64,
+    },
+}
+
+/// Why a spectrum has no colour.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ColourError {
+    /// Fewer wavelengths than an integral needs.
+    #[error("wavelengths_nm has {count} entries; a colour needs at least 3, spread over 400 to 700 nm")]
+    TooFewWavelengths {
+        /// Wavelengths given.
+        count: usize,
+    },
+    /// An illuminant or observer that is not known.
+    #[error("{what} = {value:?}: allowed are {allowed}")]
+    UnknownName {
+        /// Illuminant or observer.
+        what: &'static str,
+        /// What was written.
+        value: String,
+        /// The names known.
+        allowed: String,
+    },
+    /// A wavelength outside the observer's table, or not rising.
+    #[error(
+        "wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables); leave it out of the colour"
+    )]
+    BadWavelength {
+        /// Its place in the list.
+        index: usize,
+        /// The wavelength, nm.
+        value: f64,
+        /// Shortest allowed, nm.
+        lo: f64,
+        /// Longest allowed, nm.
+        hi: f64,
+    },
+    /// Wavelengths that leave out so much of the visible range that white would be coloured.
+    #[error(
+        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of the {name} channel, at least {least} needed; cover 400 to 700 nm"
+    )]
+    WhiteNotCovered {
+        /// First wavelength, nm.
+        first: f64,
+        /// Last wavelength, nm.
+        last: f64,
+        /// The channel that suffers most.
+        name: &'static str,
+        /// Share of the channel that the wavelengths cover.
+        channel: f64,
+        /// Least share allowed.
+        least: f64,
+    },
+    /// A spectrum of another length than the list of wavelengths.
+    #[error("the spectrum has {count} values for {expected} wavelengths")]
+    WrongLength {
+        /// Values given.
+        count: usize,
+        /// Values expected.
+        expected: usize,
+    },
+    /// A value that is no number.
+    #[error("spectrum value at {wavelength_nm} nm = {value}: must be finite")]
+    NotFinite {
+        /// Its wavelength, nm.
+        wavelength_nm: f64,
+        /// The value.
+        value: f64,
+    },
+}

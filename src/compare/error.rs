@@ -1,0 +1,52 @@
+//! Why there is no comparison.
+
+use crate::input::case::CaseError;
+use crate::input::fault::StudyError;
+use crate::solve::SolveError;
+use crate::solve::accuracy::AccuracyError;
+use crate::wave::WaveError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why there is no comparison at all; strategies that fail are rows instead.
+#[derive(Debug, Error)]
+pub enum CompareError {
+    /// The file cannot be read.
+    #[error("cannot read {path}: {message}; check the path and its permissions")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        message: String,
+    },
+    /// The file is no comparison.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// Fields that do not fit together.
+    #[error("{field} is {found}; allowed is {allowed}: {remedy}")]
+    Field {
+        /// The field.
+        field: &'static str,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: &'static str,
+    },
+    /// The case file.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The packing of the layer.
+    #[error(transparent)]
+    Pack(#[from] crate::ink::PackError),
+    /// The geometry is no wave problem.
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    /// A strategy is not known, or the user stopped a solve.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The reference solution was not reached.
+    #[error(transparent)]
+    Accuracy(#[from] AccuracyError),
+}

@@ -1,0 +1,142 @@
+//! The matrix on paper: a table of costs, the reasons of those that failed, and plots against the cell.
+
+use super::matrix::{Cell, Matrix};
+use super::pages::ComparisonError;
+use crate::draw::log_plot::{Curve, LogPlot, Style};
+use crate::report::page::{STYLE, svg_data};
+use minijinja::{Environment, context};
+use std::path::Path;
+
+impl Matrix {
+    /// Writes `matrix.csv`, `matrix.html`, `README.md` and the plots into `folder`, each whole or not at all.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), ComparisonError> {
+        let failed =
+            |path: &Path, source| ComparisonError::Write { path: path.display().to_string(), source };
+        std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
+        let save = |name: &str, bytes: &[u8]| {
+            let path = folder.join(name);
+            crate::store::safely::write(&path, bytes).map_err(|e| failed(&path, e))
+        };
+        save("matrix.csv", &self.csv()?)?;
+        let mut pictures = Vec::new();
+        for (name, plot) in self.plots() {
+            let svg = plot.svg()?;
+            save(&name, svg.as_bytes())?;
+            pictures.push((name, plot.title, svg));
+        }
+        save("README.md", self.markdown(&pictures).as_bytes())?;
+        save("matrix.html", self.html(&pictures)?.as_bytes())
+    }
+
+    fn csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        self.cells.iter().try_for_each(|cell| writer.serialize(cell))?;
+        Ok(writer.into_inner().unwrap_or_default())
+    }
+
+    /// The cases in their order: the first cell of each.
+    fn cases(&self) -> impl Iterator<Item = &[Cell]> {
+        self.cells.chunks(self.strategies.len().max(1))
+    }
+
+    fn header(&self) -> Vec<String> {
+        let fixed = ["pigment n + iκ", "period, µm", "grid", "grid error"].map(String::from);
+        fixed.into_iter().chain(self.strategies.iter().cloned()).collect()
+    }
+
+    fn rows(&self) -> Vec<Vec<String>> {
+        self.cases().map(|case| [fixed(&case[0]), case.iter().map(cost).collect()].concat()).collect()
+    }
+
+    /// Who failed, where, and why: one line a failure.
+    fn failures(&self) -> Vec<[String; 3]> {
+        let failed = self.cells.iter().filter(|cell| !cell.converged());
+        failed.map(|c| [c.strategy.clone(), place(c), c.outcome.replace('\n', " ")]).collect()
+    }
+
+    /// Applications against the period, one plot a pigment; failures are left out.
+    fn plots(&self) -> Vec<(String, LogPlot)> {
+        let mut pigments: Vec<[f64; 2]> = self.cells.iter().map(|c| [c.n, c.kappa]).collect();
+        pigments.dedup();
+        pigments.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        pigments.dedup();
+        let plots = pigments.into_iter().enumerate().map(|(k, pigment)| (k, self.plot(pigment)));
+        let shown = plots.filter(|(_, plot)| !plot.curves.is_empty());
+        shown.map(|(k, plot)| (format!("applications-{}.svg", k + 1), plot)).collect()
+    }
+
+    fn plot(&self, pigment: [f64; 2]) -> LogPlot {
+        let of = |name: &String| {
+            let own = self.cells.iter().filter(|c| [c.n, c.kappa] == pigment && &c.strategy == name);
+            let points = own.filter(|c| c.converged() && c.operator_applications > 0);
+            Curve::new(
+                name.clone(),
+                Style::Data,
+                points.map(|c| (c.period_um, c.operator_applications as f64)),
+            )
+        };
+        let curves = self.strategies.iter().map(of).filter(|c| !c.points.is_empty()).collect();
+        let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
+        LogPlot::log_log(&title, "period, µm", "operator applications", curves)
+    }
+
+    fn markdown(&self, pictures: &[(String, String, String)]) -> String {
+        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+        let mut text = format!("# {}\n\n{}\n\n", self.title, self.lead());
+        text += &line(&self.header());
+        text += &format!("|{}\n", "---|".repeat(self.header().len()));
+        self.rows().iter().for_each(|row| text += &line(row));
+        text += "\n## Who fails where, and why\n\n| strategy | case | reason |\n|---|---|---|\n";
+        self.failures().iter().for_each(|row| text += &line(row));
+        text += "\n";
+        pictures.iter().for_each(|(name, title, _)| text += &format!("![{title}]({name})\n"));
+        text
+    }
+
+    fn html(&self, pictures: &[(String, String, String)]) -> Result<String, minijinja::Error> {
+        let mut templates = Environment::new();
+        templates.add_template("style.css", STYLE)?;
+        templates.add_template("matrix.html", include_str!("matrix.html"))?;
+        let figures = pictures.iter().map(|(_, title, svg)| context!(title, data => svg_data(svg)));
+        templates.get_template("matrix.html")?.render(context! {
+            title => &self.title,
+            lead => self.lead(),
+            header => self.header(),
+            rows => self.rows(),
+            failures => self.failures(),
+            figures => figures.collect::<Vec<_>>(),
+        })
+    }
+
+    fn lead(&self) -> String {
+        format!(
+            "Cost to a wanted amplitude error of {:.0e}: operator applications (seconds of one solve) on the grid that \
+             the search chose; the residual goes to a hundredth of the error. One application is one inverse and one \
+             forward transform of every plane. Failures say after how many applications.",
+            self.accuracy
+        )
+    }
+}
+
+fn fixed(cell: &Cell) -> Vec<String> {
+    vec![
+        format!("{} + {}i", cell.n, cell.kappa),
+        cell.period_um.to_string(),
+        format!("{0} × {0} × {1}", cell.points, cell.cells),
+        format!("{:.1e}", cell.error_estimate),
+    ]
+}
+
+fn cost(cell: &Cell) -> String {
+    if cell.converged() {
+        return format!("{} ({:.2} s)", cell.operator_applications, cell.seconds);
+    }
+    format!("fails ({})", cell.operator_applications)
+}
+
+fn place(cell: &Cell) -> String {
+    format!("{} + {}i, {} µm", cell.n, cell.kappa, cell.period_um)
+}

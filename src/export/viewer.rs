@@ -1,0 +1,29 @@
+//! A packing to look at in a browser: every sphere as a ball, a cut that slides through the layer. One file, no network.
+
+use crate::ink::Packing;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::json;
+
+const TEMPLATE: &str = include_str!("viewer.html");
+
+/// The page; `pigments` names the kinds of grains in their order.
+pub fn page(packing: &Packing, title: &str, pigments: &[&str]) -> String {
+    let grains = packing.grains();
+    let spheres = || grains.iter().flat_map(|g| g.spheres.iter().map(move |s| (g.pigment, s)));
+    let numbers = spheres().flat_map(|(_, s)| {
+        let [x, y, z] = s.center_um;
+        [x, y, z, s.radius_um].map(|v| v as f32)
+    });
+    let [lx, ly] = packing.period_um();
+    let data = json!({
+        "title": title,
+        "size_um": [lx, ly, packing.thickness_um()],
+        "pigments": pigments,
+        "grains": grains.len(),
+        "spheres": STANDARD.encode(numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>()),
+        "kinds": STANDARD.encode(spheres().map(|(kind, _)| kind as u8).collect::<Vec<u8>>()),
+    });
+    // "</" would end the script element
+    TEMPLATE.replace("/*data*/null", &data.to_string().replace("</", "<\\/"))
+}

@@ -1,0 +1,25 @@
+//! The sphere that all grains are made of.
+
+use crate::numerics::vector::{norm, sub};
+use serde::{Deserialize, Serialize};
+
+/// A sphere of pigment, µm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sphere {
+    /// Centre (x, y, z), µm; z from 0 at the incident side to H.
+    pub center_um: [f64; 3],
+    /// Radius, µm.
+    pub radius_um: f64,
+}
+
+impl Sphere {
+    /// 4πR³/3.
+    pub fn volume_um3(&self) -> f64 {
+        4.0 / 3.0 * std::f64::consts::PI * self.radius_um.powi(3)
+    }
+
+    /// Distance of the surfaces without any wrap; negative when they overlap.
+    pub fn gap_to(&self, other: &Self) -> f64 {
+        norm(sub(self.center_um, other.center_um)) - self.radius_um - other.radius_um
+    }
+}

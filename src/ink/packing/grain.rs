@@ -1,0 +1,43 @@
+//! A grain in its place.
+
+use crate::ink::grains::sphere::Sphere;
+use crate::ink::grains::volume::union_volume;
+use crate::numerics::vector::{V3, sub, unit};
+use serde::{Deserialize, Serialize};
+
+/// A rigid union of spheres. The coordinates of one grain are contiguous (never wrapped apart) and its first
+/// centre lies in the cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grain {
+    /// The spheres whose union the grain is, µm.
+    pub spheres: Vec<Sphere>,
+    /// Index into the request's pigments.
+    pub pigment: usize,
+    /// Unit vector along the symmetry axis (z for a sphere).
+    pub axis: V3,
+    /// Number of the agglomerate the grain is glued into, if any.
+    pub agglomerate: Option<usize>,
+    /// Volume of the union of the spheres, µm³.
+    pub volume_um3: f64,
+}
+
+impl Grain {
+    /// A grain on its own; the axis runs from the first to the last centre.
+    pub fn new(spheres: Vec<Sphere>, pigment: usize) -> Self {
+        let ends = spheres.first().zip(spheres.last());
+        let axis = ends.map_or([0.0, 0.0, 1.0], |(a, b)| unit(sub(b.center_um, a.center_um)));
+        let volume_um3 = union_volume(&spheres).um3;
+        Self { spheres, pigment, axis, agglomerate: None, volume_um3 }
+    }
+
+    /// Centre of mass of the spheres, each weighted by its volume; not wrapped.
+    pub fn centre_um(&self) -> V3 {
+        let total: f64 = self.spheres.iter().map(|s| s.radius_um.powi(3)).sum();
+        let mut centre = [0.0; 3];
+        for s in &self.spheres {
+            let weight = s.radius_um.powi(3) / total;
+            (0..3).for_each(|a| centre[a] += weight * s.center_um[a]);
+        }
+        centre
+    }
+}

@@ -1,0 +1,221 @@
+//! The keys of a case, as written.
+
+use super::fault::Faults;
+use crate::wave::Side;
+use serde::Deserialize;
+use thiserror::Error;
+
+/// A geometry with its media and light, as written; lengths in µm, angles in degrees.
+///
+/// `n_in` (also `n_below`) is the half-space z < 0, the incident side, `n_out` (also `n_above`) the one beyond z > H, each
+/// a number or [re, im].
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseInputs {
+    /// Vacuum wavelength, µm.
+    pub wavelength: f64,
+    /// Polar angle from the normal, degrees.
+    #[serde(default)]
+    pub sigma_deg: f64,
+    /// Azimuth from the x axis, degrees.
+    #[serde(default)]
+    pub phi_deg: f64,
+    /// Period in x, and in y unless `Ly` is given; or both as a pair.
+    #[serde(rename = "L", alias = "Lx", default)]
+    pub period: PeriodInput,
+    /// Period along y, µm; that along x unless told.
+    #[serde(rename = "Ly")]
+    pub period_y: Option<f64>,
+    /// Thickness, µm; of the layers listed unless told.
+    #[serde(rename = "H")]
+    pub thickness: Option<f64>,
+    /// Index of the half-space z < 0.
+    #[serde(rename = "n_in", alias = "n_below")]
+    pub n_in: Option<IndexInput>,
+    /// Index of the half-space z > H.
+    #[serde(rename = "n_out", alias = "n_above")]
+    pub n_out: Option<IndexInput>,
+    /// Index of the incident side as [re, im].
+    pub eta_below: Option<[f64; 2]>,
+    /// Index of the exit side as [re, im].
+    pub eta_above: Option<[f64; 2]>,
+    /// Index of the binder as [re, im].
+    pub eta_binder: Option<[f64; 2]>,
+    /// The side the light comes from: `above` is z < 0.
+    #[serde(default)]
+    pub from: Side,
+    /// Spheres in the binder.
+    pub spheres: Option<Vec<SphereInput>>,
+    /// Cylinders along y in the binder.
+    pub cylinders: Option<Vec<CylinderInput>>,
+    /// Homogeneous films from z = 0 on.
+    pub layers_from_z0: Option<Vec<LayerInput>>,
+    /// Films with bars along y, from z = 0 on.
+    pub sublayers_from_z0: Option<Vec<SublayerInput>>,
+    #[serde(default)]
+    #[allow(dead_code, reason = "free text of reference files")]
+    note: Option<String>,
+}
+
+/// A refractive index: a number, or [re, im].
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "an index: a number or [re, im]")]
+pub enum IndexInput {
+    /// Transparent.
+    Real(f64),
+    /// Real and imaginary part; Im ≥ 0 absorbs.
+    Complex([f64; 2]),
+}
+
+impl IndexInput {
+    /// [re, im].
+    pub fn parts(self) -> [f64; 2] {
+        match self {
+            IndexInput::Real(n) => [n, 0.0],
+            IndexInput::Complex(parts) => parts,
+        }
+    }
+}
+
+/// Lateral periods in µm: one for both axes, or a pair.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "a period in µm: a number or [Lx, Ly]")]
+pub enum PeriodInput {
+    /// The same along x and y.
+    Square(f64),
+    /// Along x and along y.
+    Pair([f64; 2]),
+}
+
+impl Default for PeriodInput {
+    fn default() -> PeriodInput {
+        PeriodInput::Square(1.0)
+    }
+}
+
+impl CaseInputs {
+    /// Periods along x and y; `Ly` beside a pair is refused by the checks.
+    pub fn period_um(&self) -> [f64; 2] {
+        match self.period {
+            PeriodInput::Square(x) => [x, self.period_y.unwrap_or(x)],
+            PeriodInput::Pair(pair) => pair,
+        }
+    }
+}
+
+/// A sphere.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereInput {
+    /// Centre (x, y, z), µm.
+    pub center: [f64; 3],
+    /// Radius, µm.
+    pub radius: f64,
+    /// Index as [re, im].
+    pub eta: [f64; 2],
+}
+
+/// A circular cylinder along y.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CylinderInput {
+    /// Centre along x, µm.
+    pub x: f64,
+    /// Centre along z, µm.
+    pub z: f64,
+    /// Radius, µm.
+    pub radius: f64,
+    /// Index as [re, im].
+    pub eta: [f64; 2],
+}
+
+/// A homogeneous film.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayerInput {
+    /// Thickness, µm.
+    pub thickness: f64,
+    /// Index as [re, im].
+    pub eta: [f64; 2],
+}
+
+/// A film with bars.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SublayerInput {
+    /// Thickness, µm.
+    pub thickness: f64,
+    /// Index between the bars as [re, im].
+    pub eta_background: [f64; 2],
+    /// Bars through the film's whole thickness.
+    #[serde(default)]
+    pub bars: Vec<BarInput>,
+}
+
+/// A bar along y.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarInput {
+    /// Begins at x, µm.
+    pub x0: f64,
+    /// Ends at x, µm.
+    pub x1: f64,
+    /// Index as [re, im].
+    pub eta: [f64; 2],
+}
+
+/// Why a case cannot be solved.
+#[derive(Debug, Error)]
+pub enum CaseError {
+    /// The file cannot be read.
+    #[error("cannot read {path}: {source}; check the path and its permissions")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file is no case.
+    #[error("{path} is not a case: {message}; {remedy}")]
+    Parse {
+        /// The file.
+        path: String,
+        /// What is wrong, with its place.
+        message: String,
+        /// What to try.
+        remedy: &'static str,
+    },
+    /// Keys or values that a case cannot have.
+    #[error("{path} is not a case: {faults}")]
+    Values {
+        /// The file.
+        path: String,
+        /// All that is wrong.
+        faults: Faults,
+    },
+    /// A number outside its range.
+    #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
+    Range {
+        /// The key.
+        field: String,
+        /// The value found.
+        value: f64,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: String,
+    },
+    /// A key that does not fit the others.
+    #[error("{field}: {found}; {remedy}")]
+    Field {
+        /// The key.
+        field: String,
+        /// What was found.
+        found: String,
+        /// What to try.
+        remedy: String,
+    },
+    /// The case is no wave problem.
+    #[error(transparent)]
+    Wave(#[from] crate::wave::WaveError),
+}

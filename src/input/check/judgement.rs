@@ -1,0 +1,45 @@
+//! What the prediction is held against: conditions, a target, a measured spectrum.
+
+use crate::appearance::viewing::Viewing;
+use crate::input::fault::{Fault, Faults};
+use crate::input::file::StudyFile;
+use crate::input::measured::{MeasuredError, MeasuredSpectrum};
+use crate::input::study::Judgement;
+use std::path::Path;
+
+pub(crate) fn judgement(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Judgement {
+    let (viewing, target_lab) = (viewing(file, faults), target(file, faults));
+    Judgement { viewing, target_lab, measured: measured(file, folder, faults) }
+}
+
+fn viewing(file: &StudyFile, faults: &mut Faults) -> Viewing {
+    let table = &file.colour;
+    let or = |name: &Option<String>, default: &str| name.clone().unwrap_or_else(|| default.to_owned());
+    let (illuminant, observer) = (or(&table.illuminant, "D65"), or(&table.observer, "2"));
+    Viewing::new(&illuminant, &observer, table.summation).unwrap_or_else(|error| {
+        let allowed = "an illuminant such as D50, D65, A, F11 and an observer 2, 10, 2015_2 or 2015_10";
+        let remedy = "write for example illuminant = \"D50\", observer = \"2\"";
+        faults.push(Fault::new("colour", error, allowed, remedy));
+        Viewing::default()
+    })
+}
+
+fn target(file: &StudyFile, faults: &mut Faults) -> Option<[f64; 3]> {
+    let lab = file.colour.target_lab?;
+    if !((0.0..=150.0).contains(&lab[0]) && lab.iter().all(|x| x.abs() <= 300.0)) {
+        let allowed = "L* from 0 to 150, a* and b* from -300 to 300";
+        let remedy = "write for example target_lab = [85, -10, 80]";
+        faults.push(Fault::new("colour.target_lab", format!("{lab:?}"), allowed, remedy));
+    }
+    Some(lab)
+}
+
+fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<MeasuredSpectrum> {
+    let path = folder.join(file.compare.measured.as_ref()?);
+    let fault = |error: MeasuredError| {
+        let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn";
+        let remedy = "correct the file; its path is relative to the study file";
+        faults.push(Fault::new("compare.measured", error, allowed, remedy));
+    };
+    MeasuredSpectrum::read(&path).map_err(fault).ok()
+}

@@ -1,0 +1,110 @@
+//! What each realisation of a study draws.
+
+use super::study::Study;
+use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, Turn, between, thickness_um};
+use crate::ink::{PigmentGrains, SizeDistribution};
+use crate::numerics::sequence::Sequence;
+
+/// Whole grains are sought within this share of the drawn area where several pigments must agree.
+const AREA_SEARCH: f64 = 0.04;
+/// Steps by this share of the circle fill it evenly: (√5 − 1)/2.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Coordinates of the sequence.
+const COORDINATES: usize = 6;
+
+impl Study {
+    /// What realisation `r` has drawn.
+    pub fn draw(&self, r: usize) -> Draw {
+        let [area, aspect, azimuth, direction, wavelength, thickness] =
+            Sequence::<COORDINATES>::new(self.packing.seed).point(r);
+        let layer = &self.layer;
+        let thickness_um = thickness_um(layer.thickness_um, self.variation.thickness_std_um, thickness);
+        let (period_um, turn) = match self.variation.cell {
+            CellRule::Fixed => (layer.period_um, 0.0),
+            CellRule::Varied => {
+                let [x, y] = layer.period_um;
+                let area = self.whole_grains(between(AREA, area) * x * y, thickness_um);
+                let side = (area * between(ASPECT, aspect) * x / y).sqrt();
+                ([side, area / side], 360.0 * azimuth)
+            }
+        };
+        Draw { period_um, thickness_um, azimuth_deg: self.angles.azimuth_deg + turn, direction, wavelength }
+    }
+
+    /// Directions of a realisation at its wavelength number `j`: varied cells are turned on from wavelength to wavelength, so that no two
+    /// of them share a Bloch vector and their chances are as independent as one packing allows.
+    pub fn turn(&self, draw: &Draw, j: usize) -> Turn {
+        match self.variation.cell {
+            CellRule::Fixed => Turn { azimuth_deg: draw.azimuth_deg, direction: draw.direction },
+            CellRule::Varied => Turn {
+                azimuth_deg: draw.azimuth_deg + 360.0 * (j as f64 * GOLDEN).fract(),
+                direction: (draw.direction + j as f64 * GOLDEN).fract(),
+            },
+        }
+    }
+
+    /// Wavelengths of a realisation, nm, rising.
+    pub fn solved_wavelengths_nm(&self, draw: &Draw) -> Vec<f64> {
+        match self.variation.light {
+            LightRule::Listed => self.wavelengths_nm.clone(),
+            LightRule::Shifted { range_nm: [from, to], strata } => {
+                let width = (to - from) / strata as f64;
+                (0..strata).map(|j| from + (j as f64 + draw.wavelength) * width).collect()
+            }
+        }
+    }
+
+    /// Number of wavelengths of a realisation.
+    pub fn solved_wavelengths(&self) -> usize {
+        match self.variation.light {
+            LightRule::Listed => self.wavelengths_nm.len(),
+            LightRule::Shifted { strata, .. } => strata,
+        }
+    }
+
+    /// Equally likely thicknesses of the layer, µm: the mean alone where it is even.
+    pub fn thicknesses_um(&self) -> Vec<f64> {
+        let count = if self.variation.thickness_std_um > 0.0 { 32 } else { 1 };
+        let share = |k: usize| (k as f64 + 0.5) / count as f64;
+        (0..count)
+            .map(|k| thickness_um(self.layer.thickness_um, self.variation.thickness_std_um, share(k)))
+            .collect()
+    }
+
+    /// The area nearest to `area` (µm²) that whole grains fill to the volume fractions asked.
+    fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
+        let quanta: Vec<f64> = self
+            .pigments
+            .iter()
+            .filter_map(|p| area_of_a_grain(&p.grains, self.dry_um(thickness_um)))
+            .collect();
+        let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };
+        let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;
+        let miss = |n: usize| {
+            let of = |quantum: &f64| {
+                let count = n as f64 * largest / quantum;
+                (count - count.round()).abs() / count
+            };
+            quanta.iter().map(of).fold(0.0, f64::max)
+        };
+        let nearest = grains(1.0);
+        let distance = |n: usize| (n as f64 - nearest as f64).abs();
+        let key = |&n: &usize| (1e9 * miss(n)).round() as u64;
+        let candidates = grains(1.0 - AREA_SEARCH)..=grains(1.0 + AREA_SEARCH);
+        let best = candidates.min_by(|a, b| key(a).cmp(&key(b)).then(distance(*a).total_cmp(&distance(*b))));
+        best.unwrap_or(nearest) as f64 * largest
+    }
+
+    /// Height over which the grains' share is counted, µm.
+    fn dry_um(&self, thickness_um: f64) -> f64 {
+        self.packing.relief.as_ref().map_or(thickness_um, |relief| thickness_um - relief.depth_um)
+    }
+}
+
+/// Area of the cell for one grain of a pigment whose grains are all alike, µm².
+fn area_of_a_grain(grains: &PigmentGrains, height_um: f64) -> Option<f64> {
+    let SizeDistribution::Constant { value_nm, .. } = grains.size else { return None };
+    let template = grains.shape.template();
+    let volume = template.volume.um3 * grains.size.radius_um(value_nm, &template).powi(3);
+    Some(volume / (grains.volume_fraction * height_um))
+}

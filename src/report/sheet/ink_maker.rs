@@ -1,0 +1,110 @@
+//! The page's part for ink makers.
+
+use super::with_error;
+use crate::draw::figure::FigureError;
+use crate::draw::plots::{Plot, Series};
+use crate::evaluate::ink_maker::{Comparison, InkMaker, Swatch};
+use crate::evaluate::manifest::Manifest;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use crate::report::page::{Figure, MakerBlock, Meant, Named, svg_data};
+
+/// Swatches and numbers.
+pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
+    let swatch = |name: &str, swatch: &Swatch| Named::new(name, swatch.hex.clone());
+    let mut rows = vec![
+        row(
+            "contrast ratio",
+            with_error(maker.contrast_ratio, 3),
+            "Y over black divided by Y over white of albedo 0.8, both at 45:0 (ISO 6504-3): 1 hides everything".into(),
+        ),
+        row("over black", lab(&maker.over_black), format!("L*, a*, b* at 45:0, {}", maker.conditions)),
+        row("over white", lab(&maker.over_white), "the same over white".into()),
+        row("on its paper", lab(&maker.print), "the same on the study's paper".into()),
+    ];
+    if let Some(target) = &maker.target {
+        let [l, a, b] = target.lab;
+        rows.push(row(
+            "ΔE₀₀ to the target",
+            with_error(target.delta_e_2000, 2),
+            format!("L* {l}, a* {a}, b* {b}"),
+        ));
+    }
+    if let Some(measured) = &maker.measured {
+        let value = measured.delta_e_2000.map_or_else(|| "–".to_owned(), |e| with_error(e, 2));
+        let meaning = format!("{}; root mean square of the residuals {:.4}", measured.source, measured.rms);
+        rows.push(row("ΔE₀₀ to the measurement", value, meaning));
+    }
+    let swatches = vec![
+        swatch("over black", &maker.over_black),
+        swatch("over white", &maker.over_white),
+        swatch("on its paper", &maker.print),
+    ];
+    MakerBlock { swatches, rows }
+}
+
+fn row(name: &str, value: String, meaning: String) -> Meant {
+    Meant { name: name.to_owned(), value, meaning }
+}
+
+fn lab(swatch: &Swatch) -> String {
+    let part = |i: usize| Estimate {
+        value: swatch.colour.lab[i],
+        standard_error: swatch.lab_standard_error.map(|errors| errors[i]),
+    };
+    [0, 1, 2].map(|i| with_error(part(i), 2)).join(", ")
+}
+
+/// K and S, and a measurement with its residuals.
+pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, FigureError> {
+    let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
+    let mut figures = Vec::new();
+    if !maker.kubelka_munk.is_empty() {
+        figures.push(kubelka_munk(maker)?);
+    }
+    if let Some(measured) = &maker.measured {
+        figures.extend(compared(measured)?);
+    }
+    Ok(figures)
+}
+
+fn figure(heading: &str, y_label: &str, series: Vec<Series>, caption: String) -> Result<Figure, FigureError> {
+    let plot = Plot { x_label: "wavelength, nm".into(), y_label: y_label.into(), series, ..Plot::default() };
+    Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
+}
+
+fn kubelka_munk(maker: &InkMaker) -> Result<Figure, FigureError> {
+    let rows = || maker.kubelka_munk.iter();
+    let absorption = rows().map(|row| (row.wavelength_nm, row.absorption_per_um)).collect();
+    let scattering = rows().map(|row| (row.wavelength_nm, row.scattering_per_um)).collect();
+    let series = vec![
+        Series { name: "absorption K".into(), points: absorption },
+        Series { name: "scattering S".into(), points: scattering },
+    ];
+    let caption = "Kubelka–Munk coefficients of the layer with its faces, from its diffuse reflectance and transmittance. \
+                   Bars are standard errors over realisations.";
+    figure("Kubelka–Munk coefficients", "1/µm", series, caption.to_owned())
+}
+
+fn compared(measured: &Comparison) -> Result<Vec<Figure>, FigureError> {
+    let exact = |value: f64| Estimate { value, standard_error: None };
+    let of = |value: &dyn Fn(&crate::evaluate::ink_maker::ComparedRow) -> Estimate| {
+        measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
+    };
+    let both = vec![
+        Series { name: "predicted".into(), points: of(&|row| row.predicted) },
+        Series { name: "measured".into(), points: of(&|row| exact(row.measured)) },
+    ];
+    let residual = of(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
+    let residual = vec![Series { name: "measured less predicted".into(), points: residual }];
+    let caption = format!("At 45:0; measured: {}.", measured.source);
+    Ok(vec![
+        figure("Measured and predicted", "share of a perfect white", both, caption.clone())?,
+        figure(
+            "Residual",
+            "measured less predicted",
+            residual,
+            format!("{caption} Bars are those of the prediction."),
+        )?,
+    ])
+}

@@ -1,0 +1,19 @@
+//! The distance of two far fields.
+
+use crate::wave::physical::largest;
+use crate::wave::{FarField, Order};
+
+/// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
+///
+/// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
+/// converge more slowly.
+pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
+    let counts =
+        |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
+    let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
+    let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
+    let differences = |(a, b): (&Order, &Order)| {
+        [(a.reflected - b.reflected).norm(), (a.transmitted - b.transmitted).norm()]
+    };
+    largest(pairs.flat_map(differences))
+}

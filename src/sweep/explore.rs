@@ -1,0 +1,162 @@
+//! A page to explore a sweep by hand: sliders over its axes, and of the variant they point at the swatch, spectra, numbers with
+//! their errors and the picture. One file, no network.
+//!
+//! Spectra travel as 16-bit steps of 1/20 000 and pictures as one byte a channel, so that 260 variants stay below 2 MB;
+//! numbers keep every digit that `sweep.csv` has.
+
+use super::load::Sweep;
+use super::outcome::Outcome;
+use super::reported::numbers;
+use crate::appearance::picture::InkPicture;
+use crate::evaluate::manifest::SpectrumRow;
+use crate::numerics::estimate::Estimate;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+
+/// Steps of a spectrum's values per unit; the largest value is 3.2767 − 0.1.
+const STEPS: f64 = 20_000.0;
+/// Added before the steps are counted: values may be slightly negative.
+const LOWEST: f64 = -0.1;
+/// What stands for an unknown value or error.
+const UNKNOWN: u16 = u16::MAX;
+
+const TEMPLATE: &str = include_str!("explore.html");
+const STYLE: &str = crate::report::page::STYLE;
+
+#[derive(Serialize)]
+struct Page<'a> {
+    title: &'a str,
+    program: String,
+    reference: &'a str,
+    axes: Vec<AxisOf<'a>>,
+    wavelengths_nm: Vec<f64>,
+    /// Names of the spectra in their order.
+    spectra: [&'static str; 4],
+    steps: f64,
+    lowest: f64,
+    variants: Vec<VariantOf<'a>>,
+}
+
+#[derive(Serialize)]
+struct AxisOf<'a> {
+    name: &'a str,
+    labels: &'a [String],
+}
+
+#[derive(Serialize)]
+struct VariantOf<'a> {
+    name: &'a str,
+    place: &'a [usize],
+    hex: Option<String>,
+    /// \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀.
+    numbers: Option<Vec<[Option<f64>; 2]>>,
+    realisations: usize,
+    state: String,
+    /// Base64 of u16: for every spectrum all values, then all errors.
+    spectra: String,
+    /// Angles along an edge of the picture.
+    angles: usize,
+    /// Base64 of RGB: the strip, then the square row by row.
+    picture: String,
+}
+
+/// The page as HTML.
+pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]) -> String {
+    let outline = &sweep.outline;
+    let axes = outline.axes.iter().map(|axis| AxisOf { name: &axis.name, labels: &axis.labels }).collect();
+    let longest = outcomes.iter().max_by_key(|o| o.spectra.len());
+    let wavelengths_nm: Vec<f64> =
+        longest.map_or_else(Vec::new, |o| o.spectra.iter().map(|row| row.wavelength_nm).collect());
+    let reference = &outcomes[outline.reference];
+    let variant = |((outcome, picture), place)| variant(outcome, picture, place, reference, &wavelengths_nm);
+    let places = outline.variants.iter().map(|v| v.place.as_slice());
+    let variants = outcomes.iter().zip(pictures).zip(places).map(variant).collect();
+    let data = Page {
+        title: &outline.title,
+        program: crate::evaluate::summary::program(),
+        reference: &reference.name,
+        axes,
+        spectra: [
+            "under a uniform sky",
+            "lit at 45°, seen at 0°",
+            "transmittance of the layer",
+            "reflectance of the layer",
+        ],
+        steps: STEPS,
+        lowest: LOWEST,
+        variants,
+        wavelengths_nm: wavelengths_nm.clone(),
+    };
+    // "</" would end the script element
+    let json = serde_json::to_string(&data).unwrap_or_default().replace("</", "<\\/");
+    TEMPLATE.replace("/*style*/", STYLE).replace("/*data*/null", &json)
+}
+
+fn variant<'a>(
+    outcome: &'a Outcome,
+    picture: &Option<InkPicture>,
+    place: &'a [usize],
+    reference: &Outcome,
+    wavelengths_nm: &[f64],
+) -> VariantOf<'a> {
+    let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+    let both = |e: Estimate| [finite(e.value), e.standard_error.and_then(finite)];
+    let hex = outcome.colour.as_ref().map(|c| {
+        let [r, g, b] = c.srgb8;
+        format!("#{r:02x}{g:02x}{b:02x}")
+    });
+    let (finished, asked) = (outcome.solves.finished, outcome.solves.asked);
+    let missing = if finished < asked { format!("{finished} of {asked} solves") } else { String::new() };
+    VariantOf {
+        name: &outcome.name,
+        place,
+        hex,
+        numbers: numbers(outcome, reference).map(|all| all.into_iter().map(both).collect()),
+        realisations: outcome.realisations,
+        state: outcome.reason.clone().unwrap_or(missing),
+        spectra: spectra(&outcome.spectra, wavelengths_nm),
+        angles: picture.as_ref().map_or(0, |p| p.strip.len()),
+        picture: picture.as_ref().map_or_else(String::new, pixels),
+    }
+}
+
+fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
+    let at = |nm: f64| rows.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6);
+    let kinds: [fn(&SpectrumRow) -> Option<Estimate>; 4] =
+        [|r| r.natural_light, |r| r.lit_at_45, |r| Some(r.transmittance), |r| Some(r.reflectance)];
+    let mut bytes = Vec::new();
+    for kind in kinds {
+        let estimates: Vec<Option<Estimate>> =
+            wavelengths_nm.iter().map(|&nm| at(nm).and_then(kind)).collect();
+        let values = estimates.iter().map(|e| e.map(|e| e.value - LOWEST));
+        let errors = estimates.iter().map(|e| e.and_then(|e| e.standard_error));
+        values.chain(errors).for_each(|x| bytes.extend(counted(x).to_le_bytes()));
+    }
+    STANDARD.encode(bytes)
+}
+
+fn counted(value: Option<f64>) -> u16 {
+    value
+        .filter(|v| v.is_finite())
+        .map_or(UNKNOWN, |v| (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16)
+}
+
+fn pixels(picture: &InkPicture) -> String {
+    let colours = picture.strip.iter().chain(picture.square.iter());
+    STANDARD.encode(colours.flat_map(|colour| colour.srgb8).collect::<Vec<u8>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_travel_to_a_twenty_thousandth() {
+        let there = |x: f64| f64::from(counted(Some(x - LOWEST))) / STEPS + LOWEST;
+        for x in [-0.05, 0.0, 0.123_456, 1.0, 1.3] {
+            assert!((there(x) - x).abs() <= 0.5 / STEPS + 1e-12, "{x}");
+        }
+        assert_eq!((counted(None), counted(Some(f64::NAN))), (UNKNOWN, UNKNOWN));
+    }
+}

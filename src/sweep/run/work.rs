@@ -1,0 +1,103 @@
+//! One realisation of one variant.
+
+use super::room::Room;
+use crate::input::study::Study;
+use crate::run::realisation::{Packings, RealisationRun};
+use crate::run::resolve::{Resolved, resolve};
+use crate::run::runner::{Realisation, RunError, RunSettings, Stores, stopped};
+use crate::run::watch::RunWatch;
+use crate::store::identity::Key;
+use crate::store::record::FailureRecord;
+use crate::wave::Scene;
+
+/// One realisation of one variant.
+pub(super) struct Work<'a> {
+    pub name: &'a str,
+    pub study: &'a Study,
+    pub stores: &'a Stores,
+    pub settings: RunSettings,
+    pub room: &'a Room,
+    pub watch: &'a dyn RunWatch,
+    pub realisation: usize,
+}
+
+impl Work<'_> {
+    /// Gives the number of solves without a result.
+    pub fn go(&self, packings: &mut Packings) -> Result<usize, RunError> {
+        if self.has_failed() {
+            self.watch.kept(self.study, self.study.solves_each());
+            return Ok(self.study.solves_each());
+        }
+        match self.realise(packings).map_err(stopped) {
+            Ok(realisation) => Ok(realisation.failures.len()),
+            Err(RunError::Stopped) => Ok(0),
+            Err(error) if is_failure(&error) => {
+                self.watch.kept(self.study, self.study.solves_each());
+                self.note_failure(self.realisation..self.realisation + 1, &error)?;
+                Ok(self.study.solves_each())
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Whether it is recorded that this realisation has no packing or no grid.
+    pub fn has_failed(&self) -> bool {
+        let key = stage_key(self.study, self.realisation);
+        self.stores.failures.as_ref().is_some_and(|store| store.has(key.as_str()))
+    }
+
+    /// Records that realisations have no packing or no grid.
+    pub fn note_failure(
+        &self,
+        realisations: std::ops::Range<usize>,
+        error: &RunError,
+    ) -> Result<(), RunError> {
+        let (variant, reason) = (self.name.to_owned(), error.to_string());
+        self.watch.stage(&format!("{variant}: no result: {reason}"));
+        let Some(failures) = &self.stores.failures else { return Ok(()) };
+        for realisation in realisations {
+            let (variant, reason) = (variant.clone(), reason.clone());
+            let record = FailureRecord { variant, realisation, incidence: None, reason };
+            failures.put(stage_key(self.study, realisation).as_str(), &record)?;
+        }
+        Ok(())
+    }
+
+    pub fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
+        self.room.within(|memory| {
+            let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
+            resolve(self.study, &self.stores.grids, memory, self.watch, scene)
+        })
+    }
+
+    fn realise(&self, packings: &mut Packings) -> Result<Realisation, RunError> {
+        let resolved = &self.resolve(packings)?;
+        let Self { study, stores, watch, realisation, .. } = *self;
+        self.room.within(|memory| {
+            let settings = RunSettings { memory, ..self.settings };
+            RealisationRun { study, resolved, stores, settings, watch, realisation }.finish(packings)
+        })
+    }
+
+    /// Unknowns of a realisation's solves, which its time goes with.
+    pub fn cost(&self, resolved: &Resolved) -> f64 {
+        let r = resolved.resolution;
+        (r.nx * r.ny * r.planes() * self.study.solves_each()) as f64
+    }
+}
+
+/// Failures that belong to a variant; all others end the run.
+pub(super) fn is_failure(error: &RunError) -> bool {
+    matches!(
+        error,
+        RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_) | RunError::Memory(_)
+    )
+}
+
+/// What a realisation's packing and grid depend on.
+pub(crate) fn stage_key(study: &Study, realisation: usize) -> Key {
+    let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
+    let light = (&study.wavelengths_nm, &study.angles, indices);
+    let method = (&study.resolution, &study.solver, &study.goal);
+    Key::of("stage", &(study.packing_request(realisation), light, method))
+}

@@ -1,0 +1,82 @@
+//! One cell's Green function between moments, in closed form.
+//!
+//! A field in a cell is known by two moments e_q = 2∫ψ_q E dt against the Lagrange functions ψ₁, ψ₂ of the two Gauss
+//! points t = ½ ∓ 1/(2√3), and a source is J(t) = J₁ψ₁ + J₂ψ₂. With x = kz h, y = x/2, sums v₊ = v₁ + v₂ and differences
+//! v₋ = v₂ − v₁, mirror symmetry leaves of all moments of the cell's Dirichlet Green function g, of its derivatives
+//! and of the node functions sin x(1−t)/sin x only two functions of x²:
+//!
+//!   b = (tan y / y − 1)/x²    (BD₊: ∫∫ψgψ on sums)      c = (3(1 − y cot y)/y² − 1)/x²    (BD₋: on differences)
+//!
+//! since ψ₊ = 1, ψ₋ = √3(2t−1) are polynomials and each derivative can be shifted onto them:
+//! ∂z g: −2√3 b from sums to differences, 0 back; ∂z∂z'g − δ: −1 on sums, 12b − 1 on differences; node functions
+//! l₊ = 1 + x²b, l₋ = −(1 + x²c)/√3; their derivatives l'₊ = −2, l'₋ = −2√3 x²b.
+
+use num_complex::Complex64;
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+/// Terms of the series; the last is below 1e-17 where the series are used.
+const TERMS: usize = 18;
+/// |x|² below which the series are used: b's closed form loses 12/|x|² ulp to cancellation, c's 720/|x|⁴.
+const SERIES_B: f64 = 1.0;
+const SERIES_C: f64 = 4.0;
+
+/// The two functions b and c of a cell for one harmonic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellFunctions {
+    /// Moments of the Dirichlet Green function on sums.
+    pub b: Complex64,
+    /// The same on differences.
+    pub c: Complex64,
+}
+
+impl CellFunctions {
+    /// From x² = kz² h²; real x² must stay below π², where the cell resonates.
+    pub fn new(x2: Complex64) -> CellFunctions {
+        let size = x2.norm();
+        if size < SERIES_B {
+            return CellFunctions { b: series(&B, x2), c: series(&C, x2) };
+        }
+        // tan y from e^{ix} with Im x ≥ 0: nothing overflows in strongly evanescent harmonics.
+        let x = crate::wave::operator::mean::decaying_root(x2);
+        let step = (Complex64::I * x).exp();
+        let tangent = Complex64::I * (1.0 - step) / (1.0 + step);
+        let y = 0.5 * x;
+        let b = (tangent / y - 1.0) / x2;
+        let c = if size < SERIES_C { series(&C, x2) } else { (12.0 / x2 * (1.0 - y / tangent) - 1.0) / x2 };
+        CellFunctions { b, c }
+    }
+}
+
+/// b = Σ 2(4ⁿ−1)ζ(2n)/(π²ⁿ 4ⁿ⁻¹) x^{2n−4}, n ≥ 2, from the series of tan y.
+static B: LazyLock<[f64; TERMS]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let n = i as i32 + 2;
+        let tangent = 2.0 * (4f64.powi(n) - 1.0) * zeta(2 * n) / PI.powi(2 * n);
+        tangent / 4f64.powi(n - 1)
+    })
+});
+
+/// c from y cot y = 1 − 2Σζ(2n)(y/π)²ⁿ: 3(1 − y cot y)/y² = 6Σζ(2n) y^{2n−2}/π²ⁿ; in powers of x².
+static C: LazyLock<[f64; TERMS]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let n = i as i32 + 2;
+        6.0 * zeta(2 * n) / PI.powi(2 * n) / 4f64.powi(n - 1)
+    })
+});
+
+fn series(terms: &[f64; TERMS], x2: Complex64) -> Complex64 {
+    terms.iter().rev().fold(Complex64::default(), |sum, &t| sum * x2 + t)
+}
+
+/// ζ(s) for s ≥ 4: the sum to 200, and the integral with Euler–Maclaurin's first correction for the rest.
+fn zeta(s: i32) -> f64 {
+    let last = 200f64;
+    let head: f64 = (1..200).rev().map(|k| f64::from(k).powi(-s)).sum();
+    let tail = last.powi(1 - s) / f64::from(s - 1) + 0.5 * last.powi(-s);
+    head + tail + f64::from(s) / 12.0 * last.powi(-s - 1)
+}
+
+#[cfg(test)]
+#[path = "cell_tests.rs"]
+mod tests;

@@ -1,0 +1,132 @@
+//! The contrast as a symmetric tensor per point: V = k0² (ε_eff − ε̄) from the normal-field moments.
+//!
+//! F = (1 − N)E + N(ε/ε_b)E is continuous across a grain's surface, so that moments of its coefficients multiply a
+//! continuous field (Li's factorisation rules in every direction): E = W_C F, D = W_D F with
+//!
+//!   W_C = 1 + Σ_i (ε_b/ε_i − 1) m_i      W_D = ε_b + Σ_i (ε_i − ε_b)(χ_i 1 − m_i)      ε_eff = sym(W_D W_C⁻¹)
+//!
+//! The symmetric part keeps reciprocity and energy balance exact. A flat horizontal face gives the harmonic mean for zz
+//! and the arithmetic one for xx and yy.
+
+use super::moments::NormalMoments;
+use super::sources::FIELDS;
+use crate::wave::{Media, WaveError};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Components xx, xy, yy, xz, yz, zz of a symmetric tensor.
+pub type Symmetric = [Complex64; 6];
+
+/// Least |det W_C|: below it the band-limited moments have no inverse worth the name.
+const LEAST_DETERMINANT: f64 = 1e-3;
+
+/// How the product of contrast and field is formed where a grain's surface cuts through a point's neighbourhood.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Averaging {
+    /// By the direction of the surface's normal: observed order 2.5 and more.
+    #[default]
+    Normal,
+    /// ε averaged by volume in every direction: order 1 for fields across a surface. For comparison only.
+    Naive,
+}
+
+/// V of every Gauss plane, over the points of a plane (inverse transforms are unnormalised).
+pub(super) fn tensors(
+    moments: &NormalMoments,
+    media: &Media,
+    k0: f64,
+    mean_k2: &[Complex64],
+    averaging: Averaging,
+) -> Result<Vec<Vec<Symmetric>>, WaveError> {
+    let planes = moments.planes.par_iter().enumerate();
+    planes.map(|(plane, _)| plane_tensors(moments, media, k0, mean_k2, averaging, plane)).collect()
+}
+
+fn plane_tensors(
+    moments: &NormalMoments,
+    media: &Media,
+    k0: f64,
+    mean_k2: &[Complex64],
+    averaging: Averaging,
+    plane: usize,
+) -> Result<Vec<Symmetric>, WaveError> {
+    let grid = &moments.grid;
+    let (points, cell) = (grid.points(), plane / 2);
+    let square = |eta: Complex64| eta * eta;
+    let background = square(media.backgrounds[grid.background[cell]]);
+    let (mean, scale) = (mean_k2[cell], Complex64::from(k0 * k0));
+    let present = &moments.planes[plane];
+    let shift = background * scale - mean;
+    if present.is_empty() {
+        // A difference of rounding size is none: homogeneous layers then need no iteration at all.
+        let exact = shift.norm() < 1e-14 * mean.norm();
+        let own = diagonal(shift / points as f64);
+        return Ok(if exact { Vec::new() } else { vec![own; points] });
+    }
+    let epsilon: Vec<Complex64> =
+        present.iter().map(|(c, _)| square(media.index_of(moments.channels[*c].material))).collect();
+    let at = |point: usize| {
+        let fields = present.iter().map(|(_, fields)| &fields[point]);
+        let effective = effective(background, epsilon.iter().copied().zip(fields), averaging)?;
+        let mut v = effective.map(|e| e * scale / points as f64);
+        [0, 2, 5].into_iter().for_each(|i| v[i] -= mean / points as f64);
+        Ok(v)
+    };
+    (0..points).map(at).collect()
+}
+
+fn diagonal(value: Complex64) -> Symmetric {
+    let zero = Complex64::default();
+    [value, zero, value, zero, zero, value]
+}
+
+/// ε_eff of one point from the inclusions' (ε_i, fields).
+fn effective<'a>(
+    background: Complex64,
+    inclusions: impl Iterator<Item = (Complex64, &'a [f64; FIELDS])>,
+    averaging: Averaging,
+) -> Result<Symmetric, WaveError> {
+    let (mut e, mut d) = (diagonal(Complex64::ONE), diagonal(background));
+    for (epsilon, [chi, normal @ ..]) in inclusions {
+        let (ratio, step) = (background / epsilon - 1.0, epsilon - background);
+        [0, 2, 5].into_iter().for_each(|i| d[i] += step * chi);
+        if averaging == Averaging::Normal {
+            for (i, m) in normal.iter().enumerate() {
+                e[i] += ratio * m;
+                d[i] -= step * m;
+            }
+        }
+    }
+    let (adjugate, determinant) = adjugate(&e);
+    if determinant.norm() < LEAST_DETERMINANT {
+        return Err(WaveError::NotInVectorMode {
+            what: "this contrast",
+            reason: "the normal-field tensor is nearly singular at a point of the grid",
+            remedy: "raise the resolution, or take the naive averaging",
+        });
+    }
+    Ok(symmetric_product(&d, &adjugate).map(|v| v / determinant))
+}
+
+/// Adjugate and determinant of a symmetric tensor.
+fn adjugate(&[xx, xy, yy, xz, yz, zz]: &Symmetric) -> (Symmetric, Complex64) {
+    let adjugate = [
+        yy * zz - yz * yz,
+        xz * yz - xy * zz,
+        xx * zz - xz * xz,
+        xy * yz - xz * yy,
+        xy * xz - xx * yz,
+        xx * yy - xy * xy,
+    ];
+    (adjugate, xx * adjugate[0] + xy * adjugate[1] + xz * adjugate[3])
+}
+
+/// Symmetric part of A B.
+fn symmetric_product(a: &Symmetric, b: &Symmetric) -> Symmetric {
+    let [full_a, full_b] = [a, b].map(|&[xx, xy, yy, xz, yz, zz]| [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let entry = |i: usize, j: usize| (0..3).map(|k| full_a[i][k] * full_b[k][j]).sum::<Complex64>();
+    let symmetric = |i: usize, j: usize| 0.5 * (entry(i, j) + entry(j, i));
+    [symmetric(0, 0), symmetric(0, 1), symmetric(1, 1), symmetric(0, 2), symmetric(1, 2), symmetric(2, 2)]
+}

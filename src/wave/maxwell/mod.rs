@@ -1,0 +1,21 @@
+//! Maxwell's equations on the same scenes, grids and strategies: the vector wave in s and p polarisation.
+//!
+//! Unknowns are two moments a cell of each component of E ([`mean`]), the mean medium is exact per harmonic as a TE and a
+//! TM problem, and the contrast is a symmetric tensor built from the grains' normals ([`contrast`]): with plain
+//! averaging the error falls only like the spacing, with the tensor like its third power. Homogeneous layers are exact.
+//! Refused: rough surfaces, and metals (Re η² < 0) as grains or around them.
+
+pub mod cell;
+pub mod contrast;
+pub mod far_field;
+pub mod mean;
+pub mod moments;
+mod nodes;
+mod power;
+pub mod problem;
+pub mod sources;
+
+pub use contrast::Averaging;
+pub use far_field::{VectorFarField, VectorOrder};
+pub use moments::NormalMoments;
+pub use problem::{Polarisation, Polarised, VectorProblem};

@@ -1,0 +1,274 @@
+//! The geometry as Maxwell's equations see it: moments of χ and of the normal-field tensor χN on the Gauss planes.
+//!
+//! m_ab = 2∫ψ_q χN_ab dz/h and χ_q = 2∫ψ_q χ dz/h per material, exact and band-limited in the plane; real, without
+//! wavelength or angle, made once per scene and grid and shared by both polarisations.
+
+use super::sources::{self, FIELDS, Slab, Source, VALUES};
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
+use crate::wave::contrast::coverage::{Channel, EXACT, find_channels, overlap};
+use crate::wave::contrast::nufft::{Patch, SourceTransform, Spreading};
+use crate::wave::contrast::section::{Demands, GaussRules, Sampling};
+use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Scheme, Shape, WaveError};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// All fields of one material at the points of a plane (x fastest).
+pub type Fields = Vec<[f64; FIELDS]>;
+
+/// Moments of every material's indicator and normal tensor on every Gauss plane.
+pub struct NormalMoments {
+    /// Points and cells; two Gauss planes a cell.
+    pub grid: Grid,
+    /// Pairs of materials that share a cell.
+    pub channels: Vec<Channel>,
+    /// Per Gauss plane, the channels present there and their fields.
+    pub planes: Vec<Vec<(usize, Fields)>>,
+    /// Per channel, mean of χ over each cell of the grid.
+    pub fractions: Vec<Vec<f64>>,
+    /// Along which axes nothing changes, so that one point is enough.
+    pub uniform: [bool; 2],
+    /// Seconds spent here.
+    pub seconds: f64,
+}
+
+struct Builder<'a> {
+    scene: &'a Scene,
+    grid: &'a Grid,
+    channels: &'a [Channel],
+    harmonics: Harmonics,
+    transform: SourceTransform,
+    fft: PlaneFft,
+    sampling: Sampling,
+}
+
+/// One channel in one cell: fields on both planes, and mean of χ.
+struct CellFields {
+    planes: [Fields; 2],
+    fraction: f64,
+}
+
+impl NormalMoments {
+    /// Integrates every body over every cell, to rounding or nearly. Errors: see [`NormalMoments::within`].
+    pub fn new(scene: &Scene, resolution: Resolution) -> Result<NormalMoments, WaveError> {
+        NormalMoments::within(scene, resolution, EXACT)
+    }
+
+    /// The same with a relative error of the moments of about `error` (10⁻¹⁰ … 10⁻³), in less time.
+    ///
+    /// Errors: see [`Grid::new`]; rough surfaces are refused.
+    pub fn within(scene: &Scene, resolution: Resolution, error: f64) -> Result<NormalMoments, WaveError> {
+        let clock = std::time::Instant::now();
+        check(scene, resolution)?;
+        let grid = Grid::new(scene, resolution)?;
+        let channels = find_channels(scene, &grid);
+        let builder = Builder::new(scene, &grid, &channels, error.clamp(EXACT, 1e-3));
+        let cells: Vec<Vec<Option<CellFields>>> =
+            (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
+        let mut planes: Vec<Vec<(usize, Fields)>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
+        let mut fractions = vec![vec![0.0; grid.cells()]; channels.len()];
+        for (j, cell) in cells.into_iter().enumerate() {
+            for (c, fields) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
+                fractions[c][j] = fields.fraction;
+                let [first, second] = fields.planes;
+                planes[2 * j].push((c, first));
+                planes[2 * j + 1].push((c, second));
+            }
+        }
+        let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
+        let seconds = clock.elapsed().as_secs_f64();
+        Ok(NormalMoments { grid, channels, planes, fractions, uniform, seconds })
+    }
+
+    /// What the mean medium and the Bloch vector are made from.
+    pub fn layout(&self) -> Layout<'_> {
+        Layout {
+            grid: &self.grid,
+            channels: &self.channels,
+            fractions: &self.fractions,
+            uniform: self.uniform,
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.planes.iter().flatten().map(|(_, fields)| size_of_val(fields.as_slice())).sum()
+    }
+}
+
+/// Refuses what the tensor is not known for.
+fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
+    if resolution.scheme != Scheme::Quadratic {
+        return Err(WaveError::NotInVectorMode {
+            what: "a scheme other than `quadratic`",
+            reason: "cells carry two moments of each field component",
+            remedy: "leave --scheme out",
+        });
+    }
+    if scene.bodies.iter().any(|b| matches!(b.shape, Shape::Above { .. })) {
+        return Err(WaveError::NotInVectorMode {
+            what: "a rough surface (relief)",
+            reason: "its normal-field tensor is not written yet, and averaging without it errs by several per cent",
+            remedy: "take a flat surface, or the scalar wave",
+        });
+    }
+    Ok(())
+}
+
+impl<'a> Builder<'a> {
+    fn new(scene: &'a Scene, grid: &'a Grid, channels: &'a [Channel], error: f64) -> Builder<'a> {
+        let [nx, ny] = [grid.resolution.nx, grid.resolution.ny];
+        let [mmax, nmax] = [nx, ny].map(|n| (n - 1) / 2);
+        let k = |max: usize, period: f64| TAU * max as f64 / period;
+        let kmax = k(mmax, grid.period_um[0]).hypot(k(nmax, grid.period_um[1]));
+        // All harmonics count, unlike those that the scalar scheme folds: twice as many points as orders.
+        let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
+        Builder {
+            scene,
+            grid,
+            channels,
+            harmonics: Harmonics::new(nx, ny),
+            transform: SourceTransform::new(mmax, nmax, spreading),
+            fft: PlaneFft::new(nx, ny),
+            sampling: Sampling {
+                demands: Demands([(kmax, error); 2]),
+                degree: 3,
+                rules: GaussRules::default(),
+            },
+        }
+    }
+
+    fn cell(&self, cell: usize) -> Vec<Option<CellFields>> {
+        let here = |c: &Channel| c.background == self.grid.background[cell];
+        self.channels.iter().map(|c| if here(c) { self.channel_in_cell(c, cell) } else { None }).collect()
+    }
+
+    /// Adds the harmonics of sources on a fine grid, which is used up.
+    fn add_sources(
+        &self,
+        sources: &mut Vec<Complex64>,
+        scratch: &mut PlaneScratch,
+        spectrum: &mut [Complex64],
+    ) {
+        std::mem::swap(sources, &mut scratch.plane);
+        self.transform.transform(scratch);
+        let area = self.grid.period_um[0] * self.grid.period_um[1];
+        for (value, &[m, n]) in spectrum.iter_mut().zip(&self.harmonics.orders) {
+            let row = self.transform.row(scratch, m);
+            let coefficient = row[n.rem_euclid(row.len() as i32) as usize];
+            *value += coefficient * (self.transform.correction(m, n) / area);
+        }
+    }
+
+    fn channel_in_cell(&self, channel: &Channel, cell: usize) -> Option<CellFields> {
+        let bodies = self.scene.bodies.iter();
+        let present: Vec<&Body> = bodies
+            .filter(|b| b.material == channel.material && overlap(b, self.grid, cell).is_some())
+            .collect();
+        if present.is_empty() {
+            return None;
+        }
+        let slab = Slab { range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]] };
+        let mut sum = CellSum::new(self, slab);
+        present.iter().for_each(|body| sum.add_body(&body.shape));
+        Some(sum.finish())
+    }
+}
+
+/// The running moments of one channel in one cell.
+struct CellSum<'a> {
+    builder: &'a Builder<'a>,
+    slab: Slab,
+    /// Sources of each field on the fine grid, first plane + i · second plane; empty while there are none.
+    sources: Vec<Vec<Complex64>>,
+    patch: Patch<f64>,
+    /// Directly summed harmonics of each field, first plane + i · second plane.
+    direct: Vec<Vec<Complex64>>,
+}
+
+impl<'a> CellSum<'a> {
+    fn new(builder: &'a Builder<'a>, slab: Slab) -> CellSum<'a> {
+        let direct = vec![vec![Complex64::default(); builder.harmonics.len()]; FIELDS];
+        CellSum { builder, slab, sources: Vec::new(), patch: Patch::empty(), direct }
+    }
+
+    fn add_body(&mut self, shape: &Shape) {
+        let (slab, sampling) = (self.slab, &self.builder.sampling);
+        match shape {
+            Shape::Balls(balls) => {
+                (0..balls.len()).for_each(|i| self.add_ball(balls, i));
+            }
+            Shape::CylinderY { x_um, z_um, radius_um } => {
+                for (x, values) in sources::of_cylinder(*z_um, *radius_um, &slab, sampling) {
+                    self.add_lines(&values, |k, lx| Complex64::cis(-k * (x_um + x)) / lx);
+                }
+            }
+            Shape::BarY { x_um, z_um } => {
+                let values = sources::of_block(*z_um, &slab, true);
+                self.add_lines(&values, |k, lx| strip_coefficient(*x_um, k, lx));
+            }
+            Shape::Sheet { z_um } => {
+                let values = sources::of_block(*z_um, &slab, false);
+                self.add_lines(&values, |k, _| Complex64::from(f64::from(u8::from(k == 0.0))));
+            }
+            Shape::Above { .. } => unreachable!("rough surfaces are refused first"),
+        }
+    }
+
+    fn add_ball(&mut self, balls: &[Ball], i: usize) {
+        let (transform, [lx, ly]) = (&self.builder.transform, self.builder.grid.period_um);
+        if self.sources.is_empty() {
+            self.sources = vec![vec![Complex64::default(); transform.points()]; FIELDS];
+        }
+        let Ball { center_um: [x, y, _], radius_um } = balls[i];
+        transform.open(&mut self.patch, VALUES, [x / lx, y / ly], [radius_um / lx, radius_um / ly]);
+        let patch = &mut self.patch;
+        sources::of_ball(balls, i, &self.slab, &self.builder.sampling, &mut |source: Source| {
+            let [x, y] = source.position;
+            let (x, y) = (transform.footprint(0, x / lx), transform.footprint(1, y / ly));
+            transform.spread(patch, &x, &y, &source.values);
+        });
+        transform.close(&self.patch, &mut self.sources);
+    }
+
+    /// Adds a part that is uniform in y; `coefficient` is its transform at kx.
+    fn add_lines(&mut self, values: &[f64; VALUES], coefficient: impl Fn(f64, f64) -> Complex64) {
+        let lx = self.builder.grid.period_um[0];
+        for (i, order) in self.builder.harmonics.orders.iter().enumerate().filter(|(_, o)| o[1] == 0) {
+            let transform = coefficient(TAU * f64::from(order[0]) / lx, lx);
+            for (field, pair) in self.direct.iter_mut().zip(values.chunks_exact(2)) {
+                field[i] += transform * Complex64::new(pair[0], pair[1]);
+            }
+        }
+    }
+
+    /// Band-limited fields at the points: both planes of a field are the parts of one complex transform.
+    fn finish(mut self) -> CellFields {
+        let builder = self.builder;
+        let mut narrow = builder.fft.scratch();
+        let mut wide = builder.transform.scratch();
+        let points = builder.grid.points();
+        let mut planes = [vec![[0.0; FIELDS]; points], vec![[0.0; FIELDS]; points]];
+        for (f, spectrum) in self.direct.iter_mut().enumerate() {
+            if let Some(sources) = self.sources.get_mut(f) {
+                builder.add_sources(sources, &mut wide, spectrum);
+            }
+            builder.harmonics.scatter(spectrum, &mut narrow.spectrum);
+            builder.fft.inverse(&mut narrow, &builder.harmonics.rows);
+            for (i, value) in narrow.plane.iter().enumerate() {
+                (planes[0][i][f], planes[1][i][f]) = (value.re, value.im);
+            }
+        }
+        // Order (0, 0) comes first; each plane stands for half the cell.
+        let mean = self.direct[0][0];
+        CellFields { planes, fraction: 0.5 * (mean.re + mean.im) }
+    }
+}
+
+/// (1/Lx) ∫ e^{−ikx} dx over a strip.
+fn strip_coefficient([x0, x1]: [f64; 2], k: f64, lx: f64) -> Complex64 {
+    let (middle, width) = (0.5 * (x0 + x1), x1 - x0);
+    let phase = 0.5 * k * width;
+    let sinc = if phase.abs() < 1e-8 { 1.0 } else { phase.sin() / phase };
+    Complex64::cis(-k * middle) * (width / lx * sinc)
+}

@@ -1,0 +1,94 @@
+//! Cuts through a union of balls, divided among them by power: each ball's share of a cut and its edge.
+//!
+//! A point belongs to the ball of least power |x − c|² − R². At one height the shares are bounded by the discs' free arcs and
+//! by pieces of their radical lines, the same lines at which the balls' surfaces meet.
+
+use crate::wave::Ball;
+use crate::wave::contrast::section::{EdgePoint, Sampling, breakpoints, free_arcs};
+
+/// Calls `edge(z, weight, points)` for heights within a range on the edge of ball `i`'s share.
+pub(super) fn share_edges(
+    balls: &[Ball],
+    i: usize,
+    range: [f64; 2],
+    sampling: &Sampling,
+    edge: &mut impl FnMut(f64, f64, &[EdgePoint]),
+) {
+    let mut points = Vec::new();
+    for part in breakpoints(balls, i, range).windows(2) {
+        let (lo, length) = (part[0], part[1] - part[0]);
+        for &(x, w) in sampling.rules.of(sampling.height_count(length, false) + 2) {
+            // z = lo + length sin²t removes the square roots with which edges appear and vanish.
+            let t = std::f64::consts::FRAC_PI_4 * (x + 1.0);
+            let (z, dz) = (lo + length * t.sin().powi(2), length * (2.0 * t).sin());
+            share_edge(balls, i, z, sampling, &mut points);
+            edge(z, std::f64::consts::FRAC_PI_4 * w * dz, &points);
+        }
+    }
+}
+
+/// Centre and squared radius of a ball's disc at a height; the square may be negative, powers remain.
+fn disc(ball: &Ball, z: f64) -> ([f64; 2], f64) {
+    let [x, y, height] = ball.center_um;
+    ([x, y], ball.radius_um.powi(2) - (z - height).powi(2))
+}
+
+fn share_edge(balls: &[Ball], i: usize, z: f64, sampling: &Sampling, points: &mut Vec<EdgePoint>) {
+    points.clear();
+    for arc in free_arcs(balls, i, z) {
+        sampling.push_arc(&balls[i], z, arc, points);
+    }
+    for j in (0..balls.len()).filter(|&j| j != i) {
+        push_chord(balls, [i, j], z, sampling, points);
+    }
+}
+
+/// Points along the piece of the radical line of discs `i` and `j` that bounds the share of disc `i`.
+fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, points: &mut Vec<EdgePoint>) {
+    let ((own, own_square), (other, other_square)) = (disc(&balls[i], z), disc(&balls[j], z));
+    let delta = [0, 1].map(|k| other[k] - own[k]);
+    let distance = delta[0].hypot(delta[1]);
+    if distance < 1e-12 * balls[i].radius_um {
+        return;
+    }
+    let normal = delta.map(|d| d / distance);
+    let along = 0.5 * (distance + (own_square - other_square) / distance);
+    let half = (own_square - along * along).max(0.0).sqrt();
+    let tangent = [-normal[1], normal[0]];
+    let foot = [0, 1].map(|k| own[k] + along * normal[k]);
+    let mut stretch = [-half, half];
+    for k in (0..balls.len()).filter(|&k| k != i && k != j) {
+        let (third, square) = disc(&balls[k], z);
+        let apart = [0, 1].map(|a| third[a] - own[a]);
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        // Power of the third ball less the own one along the line: start + slope t, to be kept above zero.
+        let to_foot = normal.map(|n| along * n);
+        let start = dot(apart, apart) - 2.0 * dot(apart, to_foot) - square + own_square;
+        clip(&mut stretch, start, -2.0 * dot(apart, tangent), balls[i].radius_um, k < j);
+    }
+    let [from, to] = stretch;
+    if to <= from {
+        return;
+    }
+    let half = 0.5 * (to - from);
+    let degree = sampling.demands.degree(half) + 3.0;
+    for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
+        let t = from + half * (1.0 + x);
+        let position = [0, 1].map(|k| foot[k] + t * tangent[k]);
+        points.push(EdgePoint { position, normal: normal.map(|n| n * half * w) });
+    }
+}
+
+/// Keeps the part of a stretch where start + slope t ≥ 0; of three balls with one radical line the first two share it.
+fn clip(stretch: &mut [f64; 2], start: f64, slope: f64, radius: f64, third_first: bool) {
+    if slope.abs() < 1e-12 * radius {
+        let on_line = start.abs() < 1e-12 * radius * radius;
+        if (on_line && third_first) || (!on_line && start < 0.0) {
+            *stretch = [0.0, 0.0];
+        }
+    } else if slope > 0.0 {
+        stretch[0] = stretch[0].max(-start / slope);
+    } else {
+        stretch[1] = stretch[1].min(-start / slope);
+    }
+}

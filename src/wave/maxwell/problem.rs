@@ -1,0 +1,311 @@
+//! The discrete vector problem e + A⁻¹V e = e₀: mean solve, contrast product, incident waves of both polarisations.
+
+use super::contrast::{Averaging, Symmetric, tensors};
+use super::mean::{CELL_ROWS, Entry, Faces, VectorMean};
+use super::moments::NormalMoments;
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
+use crate::wave::bloch::BlochVector;
+use crate::wave::operator::mean::decaying_root;
+use crate::wave::operator::problem::{cells_needed, check_phase, mean_wavenumbers};
+use crate::wave::{Field, Grid, Incidence, Mean, Media, Side, WaveError};
+use ndarray::{ArrayView2, Axis};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// State of linear polarisation of a plane wave: s has E along s = ẑ × p̂, p has H along it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Polarisation {
+    /// E perpendicular to the plane of incidence.
+    S,
+    /// E in the plane of incidence.
+    P,
+}
+
+impl Polarisation {
+    /// Both, s first.
+    pub const BOTH: [Polarisation; 2] = [Polarisation::S, Polarisation::P];
+}
+
+/// Maxwell's equations on a scene for one wavelength and direction, both polarisations: immutable, shared by threads.
+pub struct VectorProblem {
+    /// Geometry, shared by all wavelengths and directions.
+    pub moments: Arc<NormalMoments>,
+    /// Wavelength and direction of the light.
+    pub incidence: Incidence,
+    /// Indices of all media.
+    pub media: Media,
+    /// Harmonics in use.
+    pub harmonics: Harmonics,
+    /// The mean operator A.
+    pub mean: VectorMean,
+    /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
+    pub kappa: [Vec<Complex64>; 2],
+    /// Wavenumbers of the half-spaces, 1/µm.
+    pub k: [Complex64; 2],
+    /// Lateral wavevectors of every harmonic, 1/µm.
+    pub lateral: Vec<[f64; 2]>,
+    /// p̂ of every harmonic.
+    directions: Vec<[f64; 2]>,
+    fft: PlaneFft,
+    /// V of every Gauss plane; empty where it vanishes.
+    contrast: Vec<Vec<Symmetric>>,
+    incident: usize,
+}
+
+/// The problem for one polarisation of the incident wave: what the strategies solve.
+#[derive(Clone, Copy)]
+pub struct Polarised<'a> {
+    /// The problem that both polarisations share.
+    pub problem: &'a VectorProblem,
+    /// Polarisation of the incident wave, of amplitude 1.
+    pub polarisation: Polarisation,
+}
+
+impl VectorProblem {
+    /// Sets up one wavelength and direction on a geometry.
+    ///
+    /// Errors: as the scalar problem, and metals (Re ε < 0) beside grains.
+    pub fn new(
+        moments: &Arc<NormalMoments>,
+        media: &Media,
+        incidence: &Incidence,
+        mean: Mean,
+        averaging: Averaging,
+    ) -> Result<VectorProblem, WaveError> {
+        incidence.check()?;
+        check_metals(moments, media)?;
+        let (grid, layout) = (&moments.grid, moments.layout());
+        let harmonics = Harmonics::new(grid.resolution.nx, grid.resolution.ny);
+        let k0 = TAU / incidence.wavelength_um;
+        let bloch = BlochVector::new(&layout, media, incidence)?;
+        bloch.check_orders(&layout, media, k0)?;
+        let lateral: Vec<[f64; 2]> = harmonics.orders.iter().map(|&o| bloch.lateral(o)).collect();
+        let q: Vec<f64> = lateral.iter().map(|[x, y]| x.hypot(*y)).collect();
+        let azimuth = incidence.azimuth_deg.to_radians();
+        let directions = lateral.iter().map(|&l| direction(l, k0, azimuth)).collect();
+        let k = [media.incident, media.exit].map(|eta| k0 * eta);
+        let kappa = k.map(|k| q.iter().map(|q| decaying_root(k * k - q * q)).collect::<Vec<_>>());
+        let mean_k2 = mean_wavenumbers(&layout, media, k0, mean);
+        let [m, n] = bloch.incident;
+        let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
+        check_phase(&layout, &mean_k2, q[incident] * q[incident])?;
+        let contrast = tensors(moments, media, k0, &mean_k2, averaging)?;
+        let mean = VectorMean::new(grid, mean_k2, q, [&kappa[0], &kappa[1]], k);
+        let fft = PlaneFft::new(grid.resolution.nx, grid.resolution.ny);
+        let (moments, incidence, media) = (moments.clone(), *incidence, media.clone());
+        Ok(VectorProblem {
+            moments,
+            incidence,
+            media,
+            harmonics,
+            mean,
+            kappa,
+            k,
+            lateral,
+            directions,
+            fft,
+            contrast,
+            incident,
+        })
+    }
+
+    /// The problem for light of one polarisation.
+    pub fn polarised(&self, polarisation: Polarisation) -> Polarised<'_> {
+        Polarised { problem: self, polarisation }
+    }
+
+    /// Rows and columns of a field of moments.
+    pub fn shape(&self) -> (usize, usize) {
+        (CELL_ROWS * self.moments.grid.cells(), self.harmonics.len())
+    }
+
+    /// False for layered media whose mean is exact: nothing is left to iterate on.
+    pub fn has_contrast(&self) -> bool {
+        self.contrast.iter().any(|plane| !plane.is_empty())
+    }
+
+    /// Compact index of the harmonic that the incident wave is, and with it the specular order.
+    pub fn incident_harmonic(&self) -> usize {
+        self.incident
+    }
+
+    /// κ of the incident wave.
+    pub fn incident_kappa(&self) -> f64 {
+        self.kappa[self.entry_side()][self.incident].re
+    }
+
+    /// 0 when the light enters at z = 0, 1 when at z = H.
+    pub(super) fn entry_side(&self) -> usize {
+        usize::from(self.incidence.from == Side::Exit)
+    }
+
+    /// p̂ of every harmonic, the incident azimuth's where the wavevector has no lateral part.
+    pub fn directions(&self) -> &[[f64; 2]] {
+        &self.directions
+    }
+
+    /// Cells of another grid that [`VectorProblem::new`] would accept: its own, or as many as the wave needs.
+    pub fn cells_needed(&self, other: &Grid) -> usize {
+        cells_needed(&self.moments.grid, self.mean.mean_k2(), other)
+    }
+
+    /// Bytes held: tables, tensors and geometry, without solver vectors.
+    pub fn bytes(&self) -> usize {
+        let tensors: usize = self.contrast.iter().map(|plane| size_of_val(plane.as_slice())).sum();
+        self.mean.bytes() + tensors + self.moments.bytes()
+    }
+
+    /// Right-hand sides of the entry face's nodes: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k, over k²).
+    fn entry(&self, polarisation: Polarisation) -> Entry {
+        let side = self.entry_side();
+        let node = if side == 0 { 0 } else { self.moments.grid.cells() };
+        let strength = 2.0 * Complex64::I * self.kappa[side][self.incident];
+        let zero = Complex64::default();
+        let source = match polarisation {
+            Polarisation::S => [strength, zero],
+            Polarisation::P => [zero, strength / self.k[side]],
+        };
+        Entry { node, harmonic: self.incident, source }
+    }
+
+    /// e₀, the wave of one polarisation in the mean medium.
+    pub fn background_wave(&self, polarisation: Polarisation) -> Field {
+        self.mean.background(self.entry(polarisation))
+    }
+
+    /// out ← A⁻¹ V e: one operator application.
+    pub fn scatter(&self, e: ArrayView2<Complex64>, out: &mut Field) {
+        self.contrast_product(e, out);
+        self.mean.solve(out);
+    }
+
+    /// out ← V e: three inverse and three forward transforms a plane.
+    fn contrast_product(&self, e: ArrayView2<Complex64>, out: &mut Field) {
+        let planes = out.axis_chunks_iter_mut(Axis(0), 3).into_par_iter().enumerate();
+        planes.for_each_init(
+            || PlaneWork::new(self),
+            |work, (plane, mut out)| {
+                if self.contrast[plane].is_empty() {
+                    return out.fill(Complex64::default());
+                }
+                let rows: [&[Complex64]; 3] =
+                    std::array::from_fn(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
+                work.to_points(self, rows);
+                work.multiply(&self.contrast[plane]);
+                work.to_harmonics(self);
+                for (c, mut row) in out.outer_iter_mut().enumerate() {
+                    row.as_slice_mut().expect("rows are contiguous").copy_from_slice(&work.compact[c]);
+                }
+            },
+        );
+    }
+
+    /// E_s and h of every harmonic on both faces, from a solution's moments.
+    pub(super) fn faces(&self, e: &Field, polarisation: Polarisation) -> Faces {
+        let mut loads = Field::zeros(self.shape());
+        if self.has_contrast() {
+            self.contrast_product(e.view(), &mut loads);
+            // The scattered wave is −A⁻¹ V e.
+            loads.par_mapv_inplace(|z| -z);
+        }
+        self.mean.faces(&mut loads, Some(self.entry(polarisation)))
+    }
+
+    /// Σ h w_q Im⟨E†VE⟩/κ: the share of the incident flux absorbed where the index differs from the mean. With a real
+    /// mean this is all absorption, and R + T + A = 1 to the residual.
+    pub fn excess_absorptance(&self, e: &Field) -> f64 {
+        let mut product = Field::zeros(self.shape());
+        self.contrast_product(e.view(), &mut product);
+        let weight = |row: usize| 0.5 * self.moments.grid.height_um(row / CELL_ROWS);
+        let rows = e.outer_iter().zip(product.outer_iter()).enumerate();
+        let sum: f64 = rows
+            .map(|(r, (e, v))| weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>())
+            .sum();
+        sum / self.incident_kappa()
+    }
+}
+
+/// Buffers of one thread: three components of one plane.
+struct PlaneWork {
+    scratch: [PlaneScratch; 3],
+    compact: [Vec<Complex64>; 3],
+}
+
+impl PlaneWork {
+    fn new(problem: &VectorProblem) -> PlaneWork {
+        let zeros = || vec![Complex64::default(); problem.harmonics.len()];
+        PlaneWork {
+            scratch: [problem.fft.scratch(), problem.fft.scratch(), problem.fft.scratch()],
+            compact: [zeros(), zeros(), zeros()],
+        }
+    }
+
+    /// s, p, z harmonics → x, y, z at the points.
+    fn to_points(&mut self, problem: &VectorProblem, [s, p, z]: [&[Complex64]; 3]) {
+        for (i, [px, py]) in problem.directions.iter().enumerate() {
+            self.compact[0][i] = p[i] * px - s[i] * py;
+            self.compact[1][i] = p[i] * py + s[i] * px;
+        }
+        let spectra: [&[Complex64]; 3] = [&self.compact[0], &self.compact[1], z];
+        for (scratch, spectrum) in self.scratch.iter_mut().zip(spectra) {
+            problem.harmonics.scatter(spectrum, &mut scratch.spectrum);
+            problem.fft.inverse(scratch, &problem.harmonics.rows);
+        }
+    }
+
+    /// E ← V E at every point.
+    fn multiply(&mut self, tensors: &[Symmetric]) {
+        let [x, y, z] = &mut self.scratch;
+        let points = x.plane.iter_mut().zip(&mut y.plane).zip(&mut z.plane).zip(tensors);
+        for (((x, y), z), [xx, xy, yy, xz, yz, zz]) in points {
+            let e = [*x, *y, *z];
+            *x = xx * e[0] + xy * e[1] + xz * e[2];
+            *y = xy * e[0] + yy * e[1] + yz * e[2];
+            *z = xz * e[0] + yz * e[1] + zz * e[2];
+        }
+    }
+
+    /// x, y, z at the points → s, p, z harmonics in `compact`.
+    fn to_harmonics(&mut self, problem: &VectorProblem) {
+        for (scratch, compact) in self.scratch.iter_mut().zip(&mut self.compact) {
+            problem.fft.forward(scratch, &problem.harmonics.rows);
+            problem.harmonics.gather(&scratch.spectrum, compact);
+        }
+        for (i, [px, py]) in problem.directions.iter().enumerate() {
+            let (x, y) = (self.compact[0][i], self.compact[1][i]);
+            self.compact[0][i] = px * y - py * x;
+            self.compact[1][i] = px * x + py * y;
+        }
+    }
+}
+
+/// p̂, or the azimuth of incidence where there is no lateral part to speak of.
+fn direction([x, y]: [f64; 2], k0: f64, azimuth: f64) -> [f64; 2] {
+    let q = x.hypot(y);
+    if q < 1e-12 * k0 { [azimuth.cos(), azimuth.sin()] } else { [x / q, y / q] }
+}
+
+/// Metals may be films, whose mean is exact; beside grains their tensor may have no inverse.
+fn check_metals(moments: &NormalMoments, media: &Media) -> Result<(), WaveError> {
+    let metal = |eta: Complex64| (eta * eta).re < 0.0;
+    let found = moments
+        .channels
+        .iter()
+        .any(|c| metal(media.index_of(c.material)) || metal(media.backgrounds[c.background]));
+    if !found {
+        return Ok(());
+    }
+    Err(WaveError::NotInVectorMode {
+        what: "a metal (Re η² < 0) as grain or around grains",
+        reason: "the normal-field tensor may be singular there and has not been tested",
+        remedy: "use Re η > Im η, or the scalar wave; homogeneous metal films are solved exactly",
+    })
+}
+
+#[cfg(test)]
+#[path = "problem_tests.rs"]
+mod tests;

@@ -1,0 +1,1 @@
+//! Hypotheses on tiny grids.

@@ -1,0 +1,209 @@
+//! Point sources whose Fourier sums are the moments of a grain's indicator χ and of χN, N the normal-field tensor.
+//!
+//! In a ball N = x xᵀ/R² about its centre: smooth inside, n nᵀ on the surface. In a union of balls N is that of the ball
+//! of least power |x − c|² − R² (the jump on inner radical planes does no harm at ink contrast). A vertical column of a
+//! ball has closed moments in z, so a ball is a rule in its plan alone; r = R sin θ removes the square root at the rim.
+
+use super::power::share_edges;
+use crate::wave::Ball;
+use crate::wave::contrast::section::{EdgePoint, Sampling};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// χ, and χN's components xx, xy, yy, xz, yz, zz.
+pub const FIELDS: usize = 7;
+/// Fields on both Gauss planes of a cell, the planes running fastest.
+pub const VALUES: usize = 2 * FIELDS;
+
+/// Height range of a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Slab {
+    /// Heights of its faces, µm.
+    pub range_um: [f64; 2],
+}
+
+/// A source: lateral position in µm and its share of every field's moments, in µm².
+#[derive(Clone, Copy, Debug)]
+pub struct Source {
+    /// Lateral position, µm.
+    pub position: [f64; 2],
+    /// Share of every field's moments, µm².
+    pub values: [f64; VALUES],
+}
+
+/// 2∫ψ_q ζᵏ dζ/h for both Gauss planes q and k = 0, 1, 2.
+type HeightMoments = [[f64; 3]; 2];
+
+impl Slab {
+    fn height(&self) -> f64 {
+        self.range_um[1] - self.range_um[0]
+    }
+
+    fn middle(&self) -> f64 {
+        0.5 * (self.range_um[0] + self.range_um[1])
+    }
+
+    /// ψ_q at z: ½ ∓ √3 (t − ½).
+    fn shape_functions(&self, z: f64) -> [f64; 2] {
+        let slope = 3f64.sqrt() * (z - self.middle()) / self.height();
+        [0.5 - slope, 0.5 + slope]
+    }
+
+    /// Over a stretch ζ₀ … ζ₁ of a column, heights counted from `origin`.
+    fn stretch(&self, [from, to]: [f64; 2], origin: f64) -> HeightMoments {
+        let (h, middle) = (self.height(), self.middle() - origin);
+        let power: [f64; 4] = std::array::from_fn(|k| {
+            let n = k as i32 + 1;
+            (to.powi(n) - from.powi(n)) / f64::from(n)
+        });
+        let of = |sign: f64, k: usize| {
+            (power[k] + sign * 2.0 * 3f64.sqrt() / h * (power[k + 1] - middle * power[k])) / h
+        };
+        [-1.0, 1.0].map(|sign| [0, 1, 2].map(|k| of(sign, k)))
+    }
+
+    /// At one height z with a quadrature weight in µm.
+    fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
+        let zeta = z - origin;
+        self.shape_functions(z)
+            .map(|psi| [1.0, zeta, zeta * zeta].map(|p| 2.0 * weight * psi * p / self.height()))
+    }
+}
+
+/// All fields of a ball's column at (x, y) from its centre.
+fn ball_values([x, y]: [f64; 2], radius: f64, heights: &HeightMoments, weight: f64) -> [f64; VALUES] {
+    let square = 1.0 / (radius * radius);
+    let mut values = [0.0; VALUES];
+    for (q, [m0, m1, m2]) in heights.iter().enumerate() {
+        let fields = [
+            *m0,
+            x * x * square * m0,
+            x * y * square * m0,
+            y * y * square * m0,
+            x * square * m1,
+            y * square * m1,
+            square * m2,
+        ];
+        fields.iter().enumerate().for_each(|(f, v)| values[2 * f + q] = weight * v);
+    }
+    values
+}
+
+/// Sources of ball `i` of one grain within a cell: its own volume, or its share of the union.
+pub fn of_ball(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
+    match balls {
+        [ball] => of_single(ball, slab, sampling, push),
+        _ => of_share(balls, i, slab, sampling, push),
+    }
+}
+
+fn of_single(ball: &Ball, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
+    let [cx, cy, cz] = ball.center_um;
+    for (theta, weight) in profile_nodes(cz, ball.radius_um, slab, sampling) {
+        let (sine, cosine) = theta.sin_cos();
+        let r = ball.radius_um * sine;
+        let Some(chord) = chord(ball.radius_um * cosine, cz, slab) else { continue };
+        let heights = slab.stretch(chord, cz);
+        let count = angles(sampling.demands.degree(r));
+        let area = weight * ball.radius_um * cosine * r * TAU / count as f64;
+        for k in 0..count {
+            let (s, c) = (TAU * k as f64 / count as f64).sin_cos();
+            let values = ball_values([r * c, r * s], ball.radius_um, &heights, area);
+            push(Source { position: [cx + r * c, cy + r * s], values });
+        }
+    }
+}
+
+/// Points of the trapezoidal rule on a circle, a multiple of four so that quarter turns change nothing; N adds two
+/// to the degree.
+fn angles(degree: f64) -> usize {
+    4 * ((degree + 3.0) / 4.0).ceil() as usize
+}
+
+/// The part of a column ±`half` about the centre's height that lies in the cell, from the centre.
+fn chord(half: f64, center: f64, slab: &Slab) -> Option<[f64; 2]> {
+    let range = [(slab.range_um[0] - center).max(-half), (slab.range_um[1] - center).min(half)];
+    (range[1] > range[0]).then_some(range)
+}
+
+/// Degree that the profile's powers of sin θ and cos θ add, per radian of half-range.
+const PROFILE_DEGREE: f64 = 8.0;
+
+/// Nodes θ and weights for columns at R sin θ, 0 ≤ θ ≤ π/2, divided where columns begin to meet a face of the cell.
+fn profile_nodes(center: f64, radius: f64, slab: &Slab, sampling: &Sampling) -> Vec<(f64, f64)> {
+    let mut breaks = vec![0.0, FRAC_PI_2];
+    let faces = slab.range_um.map(|z| (z - center).abs() / radius);
+    breaks.extend(faces.into_iter().filter(|&c| c < 1.0).map(f64::acos));
+    breaks.sort_by(f64::total_cmp);
+    let mut nodes = Vec::new();
+    for pair in breaks.windows(2) {
+        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+        if half < 1e-12 || chord(radius * middle.cos(), center, slab).is_none() {
+            continue;
+        }
+        // Sines and cosines of θ up to the fifth power multiply the wave: twice their degree over the half-range.
+        let reach = 0.5 * radius * (pair[1].sin() - pair[0].sin());
+        let degree = sampling.demands.degree(reach) + PROFILE_DEGREE * half;
+        let rule = sampling.rules.of((0.5 * degree).ceil() as usize + 2);
+        nodes.extend(rule.iter().map(|&(x, w)| (middle + half * x, half * w)));
+    }
+    nodes
+}
+
+/// Cuts at heights; a ball's share of a cut is a fan of cones from its centre to the share's edge.
+fn of_share(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
+    share_edges(balls, i, slab.range_um, sampling, &mut |z, weight, edge| {
+        let heights = slab.point(z, weight, balls[i].center_um[2]);
+        fan(&balls[i], edge, sampling, &heights, push);
+    });
+}
+
+fn fan(
+    ball: &Ball,
+    edge: &[EdgePoint],
+    sampling: &Sampling,
+    heights: &HeightMoments,
+    push: &mut impl FnMut(Source),
+) {
+    let center = [ball.center_um[0], ball.center_um[1]];
+    for point in edge {
+        let to = [0, 1].map(|i| point.position[i] - center[i]);
+        let cone = to[0] * point.normal[0] + to[1] * point.normal[1];
+        // The cone's Jacobian and N add three to the degree.
+        let degree = sampling.demands.degree(0.5 * to[0].hypot(to[1])) + 3.0;
+        for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
+            let s = 0.5 * (1.0 + x);
+            let from_center = to.map(|t| s * t);
+            let values = ball_values(from_center, ball.radius_um, heights, 0.5 * w * s * cone);
+            push(Source { position: [0, 1].map(|i| center[i] + from_center[i]), values });
+        }
+    }
+}
+
+/// Lines of a cylinder along y: x from its axis with a weight in µm, and all fields.
+pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab, sampling: &Sampling) -> Vec<(f64, [f64; VALUES])> {
+    let mut lines = Vec::new();
+    for (theta, weight) in profile_nodes(z_um, radius_um, slab, sampling) {
+        let (sine, cosine) = theta.sin_cos();
+        let Some(chord) = chord(radius_um * cosine, z_um, slab) else { continue };
+        let heights = slab.stretch(chord, z_um);
+        for x in [-radius_um * sine, radius_um * sine] {
+            lines.push((x, ball_values([x, 0.0], radius_um, &heights, weight * radius_um * cosine)));
+        }
+    }
+    lines
+}
+
+/// χ over a height range, with N = x̂x̂ᵀ for bars and ẑẑᵀ for sheets: a bar's horizontal faces should lie on cell faces.
+pub fn of_block([lo, hi]: [f64; 2], slab: &Slab, upright: bool) -> [f64; VALUES] {
+    let range = [lo.max(slab.range_um[0]), hi.min(slab.range_um[1])];
+    let mut values = [0.0; VALUES];
+    if range[1] <= range[0] {
+        return values;
+    }
+    let heights = slab.stretch(range, 0.0);
+    let normal = if upright { 1 } else { FIELDS - 1 };
+    for (q, [m0, ..]) in heights.iter().enumerate() {
+        (values[q], values[2 * normal + q]) = (*m0, *m0);
+    }
+    values
+}

@@ -1,0 +1,145 @@
+//! What the repository says about itself: generated pages are as they were generated, versions agree, schedules run.
+
+use inkwave::report::seal;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    std::fs::read_to_string(root().join(path)).expect("a file of the repository")
+}
+
+#[test]
+fn generated_pages_are_as_they_were_generated() {
+    for page in ["reports/latest/report.md", "reports/latest/mutations.md", "reports/benchmarks/README.md"] {
+        seal::check(&read(page)).unwrap_or_else(|broken| panic!("{page}: {broken}"));
+    }
+}
+
+/// The page of planted faults names commits of this repository, or says that it has none.
+#[test]
+fn commits_that_pages_name_are_in_the_repository() {
+    let git = |arguments: &[&str]| Command::new("git").current_dir(root()).args(arguments).output();
+    let Ok(shallow) = git(&["rev-parse", "--is-shallow-repository"]) else { return };
+    if String::from_utf8_lossy(&shallow.stdout).trim() != "false" {
+        return;
+    }
+    let mut table = csv::Reader::from_path(root().join("reports/latest/mutations.csv")).expect("a table");
+    for row in table.records() {
+        let commit = row.expect("a row").get(3).expect("a commit").to_owned();
+        let known =
+            || git(&["cat-file", "-e", &format!("{commit}^{{commit}}")]).is_ok_and(|o| o.status.success());
+        assert!(commit == "not in this repository" || known(), "{commit}");
+    }
+}
+
+/// The oldest Rust is stated once in Cargo.toml, and the same in the README; no dependency asks for a newer one.
+#[test]
+fn the_oldest_rust_is_stated_and_enough_for_every_dependency() {
+    let manifest: toml::Table = read("Cargo.toml").parse().expect("TOML");
+    let stated = manifest["package"]["rust-version"].as_str().expect("a version").to_owned();
+    assert!(read("README.md").contains(&format!("Rust {stated}")), "README states Rust {stated} or newer");
+    let version = Command::new("rustc").arg("-vV").output().expect("rustc");
+    let version = String::from_utf8_lossy(&version.stdout).into_owned();
+    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).expect("a host");
+    // Other systems' dependencies need not be there.
+    let arguments = ["metadata", "--format-version", "1", "--offline", "--locked", "--filter-platform", host];
+    let cargo = Command::new(env!("CARGO")).current_dir(root()).args(arguments).output().expect("cargo");
+    assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
+    let metadata: serde_json::Value = serde_json::from_slice(&cargo.stdout).expect("JSON");
+    let number =
+        |version: &str| version.split('.').filter_map(|n| n.parse::<u32>().ok()).take(2).collect::<Vec<_>>();
+    for package in metadata["packages"].as_array().expect("packages") {
+        if let Some(needed) = package["rust-version"].as_str().map(number) {
+            assert!(needed <= number(&stated), "{} needs Rust {}", package["name"], package["rust-version"]);
+        }
+    }
+}
+
+/// `forbid` would refuse ndarray's macro `s!`; `deny` with nobody who allows it is as good.
+#[test]
+fn no_code_is_unsafe() {
+    assert!(
+        read("Cargo.toml").contains("unsafe_code = \"deny\"")
+            && read("src/main.rs").contains("#![forbid(unsafe_code)]")
+    );
+    let mut folders = vec![root().join("src")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = std::fs::read_to_string(&path).expect("text");
+                let words = ["unsafe {", "unsafe fn", "unsafe impl", "allow(unsafe_code"];
+                assert!(!words.iter().any(|word| text.contains(word)), "{}", path.display());
+            }
+        }
+    }
+}
+
+/// A home without rustup and a cargo that only notes how it is called.
+struct Home(tempfile::TempDir);
+
+impl Home {
+    fn new() -> Home {
+        let home = Home(tempfile::tempdir().expect("a folder"));
+        std::fs::create_dir(home.path("bin")).expect("a folder");
+        let cargo = home.path("bin/cargo");
+        std::fs::write(&cargo, "#!/bin/sh\necho \"$@\" >> \"$HOME/calls\"\n").expect("a file");
+        let executable = Command::new("chmod").arg("+x").arg(&cargo).status().expect("chmod");
+        assert!(executable.success());
+        home
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn night(&self, nights: Option<&Path>, arguments: &[&str], bin: &str) -> std::process::Output {
+        let mut night = Command::new(root().join("scripts/schedule/night"));
+        night.args(arguments).env_clear().env("HOME", self.0.path());
+        night.env("PATH", format!("{bin}:/usr/bin:/bin"));
+        nights.iter().for_each(|folder| _ = night.env("INKWAVE_NIGHTS", folder));
+        night.output().expect("the script starts")
+    }
+
+    fn bin(&self) -> String {
+        self.path("bin").display().to_string()
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn scheduled_nights_write_outside_of_the_clone() {
+    let home = Home::new();
+    let done = home.night(None, &[], &home.bin());
+    assert!(done.status.success(), "{done:?}");
+    let calls = std::fs::read_to_string(home.path("calls")).expect("cargo was called");
+    let nights = home.path("inkwave-nights").display().to_string();
+    assert!(calls.contains(&format!("--out {nights}/latest")), "{calls}");
+    assert!(
+        calls.contains(&format!("--history {nights}/history.csv")) && !calls.contains("--readme"),
+        "{calls}"
+    );
+    assert!(home.path("inkwave-nights/log").exists() && home.path("inkwave-nights/history.csv").exists());
+
+    let inside = home.night(Some(&root().join("target/nights")), &[], &home.bin());
+    let said = String::from_utf8_lossy(&inside.stderr).into_owned();
+    assert!(!inside.status.success() && said.contains("outside"), "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_schedule_without_cargo_says_so() {
+    if Path::new("/usr/bin/cargo").exists() || Path::new("/usr/local/bin/cargo").exists() {
+        return;
+    }
+    let home = Home::new();
+    let done = home.night(None, &[], "/nowhere");
+    let log = std::fs::read_to_string(home.path("inkwave-nights/log")).expect("a log");
+    assert!(done.status.code() == Some(127) && log.contains("cargo is not found"), "{log}");
+}

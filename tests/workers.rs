@@ -1,0 +1,108 @@
+//! Several processes in one folder: they share the work, outlive one another, and come to the same results as one alone.
+
+mod sweep_support;
+
+use inkwave::store::{PointRecord, Record, Store};
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+use sweep_support::{Place, TINY, inkwave, points, results, said, succeed};
+
+fn start(place: &Place, output: &str) -> Child {
+    let (file, output) = (place.path("tiny.toml"), place.path(output));
+    let mut command = inkwave(&["sweep", &file, "--jobs", "1", "--output", &output]);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn wait_for_points(folder: &str, count: usize) {
+    let since = Instant::now();
+    while points(folder) < count {
+        assert!(since.elapsed() < Duration::from_secs(120), "no points");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// What was said, without the frame and the line breaks of the terminal.
+fn plain(output: &std::process::Output) -> String {
+    said(output).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn workers_share_the_work_and_the_others_finish_what_a_killed_one_began() {
+    let place = Place::new(
+        &TINY.replace("step_nm = 100", "step_nm = 4").replace("realisations = 2", "realisations = 4"),
+    );
+    place.sweep("alone", &[]);
+    let mut workers: Vec<Child> = (0..4).map(|_| start(&place, "shared")).collect();
+    wait_for_points(&place.path("shared"), 100);
+    workers[0].kill().unwrap();
+    workers.remove(0).wait().unwrap();
+    let ends: Vec<_> = workers.into_iter().map(|worker| worker.wait_with_output().unwrap()).collect();
+    ends.iter().for_each(|end| assert!(end.status.success(), "{}", said(end)));
+    let reports = ends.iter().filter(|end| said(end).contains("Report:")).count();
+    assert!(reports >= 1, "whoever finds all units finished writes the report");
+    for (alone, shared) in results(&place.path("alone")).iter().zip(&results(&place.path("shared"))) {
+        assert!(alone == shared, "{} differs", alone.0.display());
+    }
+    assert_eq!(points(&place.path("alone")), points(&place.path("shared")));
+    let files = std::fs::read_dir(place.path("shared/records")).unwrap();
+    let files =
+        files.filter(|f| f.as_ref().unwrap().path().extension().is_some_and(|e| e == "sqlite")).count();
+    assert!(files >= 3, "{files} workers wrote");
+}
+
+#[test]
+fn other_work_in_a_folder_where_processes_are_at_work_is_refused() {
+    let place = Place::new(&TINY.replace("step_nm = 100", "step_nm = 2"));
+    let mut worker = start(&place, "out");
+    wait_for_points(&place.path("out"), 5);
+    let file = place.path("tiny.toml");
+    let other = inkwave(&["sweep", &file, "--grids-only", "--output", &place.path("out")]).output().unwrap();
+    worker.kill().unwrap();
+    worker.wait().unwrap();
+    assert!(
+        !other.status.success() && said(&other).contains("other processes work on another sweep"),
+        "{}",
+        said(&other)
+    );
+}
+
+#[test]
+fn shards_take_grids_that_were_chosen_before() {
+    let place = Place::new(TINY);
+    let (file, grids) = (place.path("tiny.toml"), place.path("grids"));
+    succeed(&["sweep", &file, "--grids-only", "--output", &grids]);
+    assert_eq!(points(&grids), 0);
+    let count = |folder: &str| Store::<PointRecord>::open(folder).unwrap().database().keys("grid").len();
+    let chosen = count(&grids);
+    assert!(chosen > 0);
+    let told = place.sweep("one", &["--shard", "1/2", "--grids", &grids]);
+    assert!(told.contains(&format!("{chosen} grids taken")) && !told.contains("estimating"), "{told}");
+    let wrong = inkwave(&["sweep", &file, "--grids", &place.path("."), "--output", &place.path("x")])
+        .output()
+        .unwrap();
+    assert!(!wrong.status.success() && plain(&wrong).contains("no folder of a sweep"), "{}", said(&wrong));
+    assert_eq!(PointRecord::KIND, "point");
+}
+
+#[test]
+fn a_task_number_of_any_engine_is_heard_and_numbers_beyond_the_units_are_refused() {
+    let place = Place::new(TINY);
+    let run = |variable: &str, shard: &str, output: &str| {
+        let (file, output) = (place.path("tiny.toml"), place.path(output));
+        let mut command = inkwave(&["sweep", &file, "--output", &output, "--shard", shard]);
+        command.env(variable, "2").output().unwrap()
+    };
+    for variable in ["SLURM_ARRAY_TASK_ID", "PBS_ARRAYID", "PBS_ARRAY_INDEX", "HQ_TASK_ID"] {
+        let done = run(variable, "4", variable);
+        assert!(done.status.success() && said(&done).contains("Shard 2/4"), "{}", said(&done));
+    }
+    let most = usize::MAX;
+    for shard in [format!("{most}/{most}"), "1/1000".into(), format!("{most}")] {
+        let done = run("HQ_TASK_ID", &shard, "none");
+        assert!(
+            done.status.code() == Some(1) && plain(&done).contains("can be divided into 1 to 5"),
+            "{}",
+            said(&done)
+        );
+    }
+}

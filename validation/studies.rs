@@ -1,0 +1,47 @@
+//! Small studies run as a user runs them, for claims about whole results.
+
+use inkwave::evaluate::manifest::Manifest;
+use inkwave::evaluate::seen::{Seen, see};
+use inkwave::evaluate::summary::summarise;
+use inkwave::input::check::check;
+use inkwave::input::file::StudyFile;
+use inkwave::input::study::Study;
+use inkwave::run::runner::{RunSettings, run};
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
+use serde_json::Value;
+use std::path::Path;
+
+/// A study with all that follows from its solves.
+pub struct Done {
+    /// What its solves say.
+    pub seen: Seen,
+    /// `results.json`.
+    pub results: Value,
+}
+
+/// Checks and runs a study file's text in a folder of its own.
+pub fn done(text: &str) -> Done {
+    let file: StudyFile = toml::from_str(text).expect("a study file");
+    let study: Study = check(&file, Path::new("."), "claim").expect("a sound study");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = OutputFolder::open(&folder.path().join("out"), Holds::Study).expect("an empty folder");
+    let collected = run(&study, &output, RunSettings::default(), &()).expect("a study that runs");
+    let seen = see(&study, &collected).expect("records that belong together");
+    let manifest: Manifest<&Study> = summarise(&study, &collected, &seen);
+    Done { results: serde_json::to_value(&manifest).expect("JSON"), seen }
+}
+
+/// Value and standard error of an estimate in `results.json`.
+pub fn estimate(value: &Value) -> [f64; 2] {
+    ["value", "standard_error"].map(|key| value[key].as_f64().unwrap_or(f64::NAN))
+}
+
+/// Row of the spectra at a wavelength and angle.
+pub fn row(results: &Value, nm: f64, polar_deg: f64) -> &Value {
+    let here = |row: &&Value| {
+        let near = |key: &str, wanted: f64| (row[key].as_f64().unwrap_or(f64::NAN) - wanted).abs() < 1e-6;
+        near("wavelength_nm", nm) && near("polar_deg", polar_deg)
+    };
+    results["spectra"].as_array().and_then(|rows| rows.iter().find(here)).expect("a row of the spectra")
+}
