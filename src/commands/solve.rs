@@ -236,6 +236,9 @@ fn order(o: &Order) -> Value {
     })
 }
 
+/// A grid that took longer to try is told, also where nobody watches.
+const SAID_SECONDS: f64 = 2.0;
+
 /// A spinner on standard error with the residual; hidden when that is not a terminal.
 struct Bar(indicatif::ProgressBar);
 
@@ -257,7 +260,8 @@ impl Watch for Bar {
 
     fn grid(&mut self, trial: &GridTrial) {
         self.0.set_prefix(format!("{trial}"));
-        if trial.estimate.is_some() {
+        // Short searches stay silent in a file of results.
+        if trial.estimate.is_some() && (!self.0.is_hidden() || trial.seconds > SAID_SECONDS) {
             self.0.suspend(|| eprintln!("grid tried: {trial}"));
         }
     }
