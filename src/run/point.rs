@@ -6,7 +6,7 @@ use crate::ink::{PackError, PackProgress, PackWatch, Packing};
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::door::{DoorError, Geometry, WaveProblem};
-use crate::solve::{Account, SolveError, Solver, Step, Watch};
+use crate::solve::{Account, GridTrial, SolveError, Solver, Step, Watch};
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
 use crate::wave::{Mean, Physical, TotalErrors, Unphysical, WaveError};
 use std::ops::ControlFlow;
@@ -98,6 +98,10 @@ impl Stopper<'_> {
 impl Watch for Stopper<'_> {
     fn step(&mut self, _: &Step) -> ControlFlow<()> {
         self.go_on()
+    }
+
+    fn grid(&mut self, trial: &GridTrial) {
+        self.0.stage(&format!("grid: {trial}"));
     }
 }
 

@@ -19,8 +19,9 @@ mod references;
 mod slab;
 mod tau;
 mod varied_cells;
+mod vector;
 
-pub const ALL: [Claim; 18] = [
+pub const ALL: [Claim; 20] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -39,4 +40,6 @@ pub const ALL: [Claim; 18] = [
     cell_size::CLAIM,
     furnace::CLAIM,
     varied_cells::CLAIM,
+    vector::ACCURACY,
+    vector::TENSOR,
 ];

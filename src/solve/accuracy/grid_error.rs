@@ -79,7 +79,7 @@ fn totals<G: Discretisation>(
     watch: &mut dyn Watch,
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let problem = G::problem(geometry, task.media, task.incidence, task.mean)?;
-    let solution = G::solve(&problem, task.solver, task.goal, watch)?;
+    let solution = G::solve_from(&problem, None, task.solver, task.goal, watch)?;
     Ok(G::totals(&G::far_field(&problem, &solution)))
 }
 
