@@ -136,7 +136,10 @@ fn a_finished_run_in_unpolarised_light_has_everything_and_resumes() {
     drop(store);
     let again = results(folder.path(), &text);
     assert_eq!(again["solves"]["finished"], 48);
-    assert!(spectra == std::fs::read(out.join("spectra.csv")).unwrap(), "the lost half of a pair comes back bit for bit");
+    assert!(
+        spectra == std::fs::read(out.join("spectra.csv")).unwrap(),
+        "the lost half of a pair comes back bit for bit"
+    );
 }
 
 #[test]

@@ -118,7 +118,14 @@ mod tests {
     use proptest::prelude::*;
 
     /// Airy's formulas of one slab, written with complex exponentials of both signs: shares nothing with the recursion.
-    fn airy(index: Complex64, h: f64, wavelength: f64, [from, to]: [f64; 2], deg: f64, p: bool) -> (f64, f64) {
+    fn airy(
+        index: Complex64,
+        h: f64,
+        wavelength: f64,
+        [from, to]: [f64; 2],
+        deg: f64,
+        p: bool,
+    ) -> (f64, f64) {
         let along = from * deg.to_radians().sin();
         let (a, c) = (
             Complex64::from(from * deg.to_radians().cos()),

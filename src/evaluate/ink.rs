@@ -205,9 +205,8 @@ impl InkOnPaper {
             SpectralBasis::at(shares, |i| coefficients[[i * width + row, column]])
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, shares, column));
-        let bends = |fits: &Fits| {
-            std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)))
-        };
+        let bends =
+            |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
         let curve = Curve {

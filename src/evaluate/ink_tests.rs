@@ -3,8 +3,8 @@
 use super::*;
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::evaluate::film::Profile;
-use crate::solve::door::Wave;
 use crate::material::spectra::{Spectrum, molecular_mixture};
+use crate::solve::door::Wave;
 use num_complex::Complex64;
 
 /// A molecular mixture of a synthetic pigment in the papers' binder, 1 µm, on paper 0.9.
@@ -20,7 +20,13 @@ pub(crate) fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> In
 }
 
 fn films<'a>(indices: &'a super::super::films::Indices<'a>, index_out: f64) -> Films<'a> {
-    Films { profile: Profile::homogeneous(), indices, thicknesses_um: vec![1.0], index_out, wave: Wave::Scalar }
+    Films {
+        profile: Profile::homogeneous(),
+        indices,
+        thicknesses_um: vec![1.0],
+        index_out,
+        wave: Wave::Scalar,
+    }
 }
 
 #[test]

@@ -10,9 +10,7 @@ mod wave;
 pub(crate) use pigments::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults};
-use super::file::{
-    LayerTable, LightTable, OutputTable, SamplingName, SolverTable, StudyFile,
-};
+use super::file::{LayerTable, LightTable, OutputTable, SamplingName, SolverTable, StudyFile};
 use super::forms::ThicknessWritten;
 use super::study::{Layer, Output, Study, WantedResolution};
 use super::variation::{CellRule, LightRule, THICKNESS_CUT, Variation};

@@ -349,8 +349,7 @@ impl MixingRule {
             Self::VolumeAverage => molecular_mixture(binder, shares),
             Self::MaxwellGarnett => {
                 let host = binder * binder;
-                let polarisability =
-                    |eta: Complex64| (eta * eta - host) / (eta * eta + 2.0 * host);
+                let polarisability = |eta: Complex64| (eta * eta - host) / (eta * eta + 2.0 * host);
                 let beta: Complex64 = shares.iter().map(|&(f, eta)| f * polarisability(eta)).sum();
                 (host * (1.0 + 2.0 * beta) / (1.0 - beta)).sqrt()
             }

@@ -15,8 +15,8 @@ use crate::solve::demand::Size;
 use crate::solve::{Coverages, Solver};
 use crate::store::identity::Key;
 use crate::store::{Record, Store};
-use crate::wave::physical::largest;
 use crate::wave::maxwell::NormalMoments;
+use crate::wave::physical::largest;
 use crate::wave::{Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use serde::{Deserialize, Serialize};
 
@@ -185,7 +185,11 @@ fn grid_differences<G: Discretisation>(
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let probes = probes(study, realisation);
     let own = resolved.for_cell(&study.draw(realisation));
-    GridError::differences(&Prepared::<G>::new(study, scene, &probes, memory).tasks(), own, &mut Stopper(watch))
+    GridError::differences(
+        &Prepared::<G>::new(study, scene, &probes, memory).tasks(),
+        own,
+        &mut Stopper(watch),
+    )
 }
 
 /// What the probes of one packing borrow.

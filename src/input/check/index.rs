@@ -36,7 +36,7 @@ pub(crate) fn tabulate(
             index,
             spectrum: spectrum.clone(),
             dissolved: Vec::new(),
-        mixing: MixingRule::default(),
+            mixing: MixingRule::default(),
         },
     )
 }

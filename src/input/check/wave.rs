@@ -22,7 +22,8 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     }
     let scalar = "or take light.wave = \"scalar\"";
     if file.layer.relief.is_some() {
-        let allowed = "none with Maxwell's equations: the slope of a rough surface has no normal-field tensor yet";
+        let allowed =
+            "none with Maxwell's equations: the slope of a rough surface has no normal-field tensor yet";
         let remedy = format!("remove [layer.relief], {scalar}");
         faults.push(Fault::new("layer.relief", "a rough surface", allowed, remedy));
     }
@@ -55,6 +56,7 @@ fn is_packed(file: &StudyFile, pigment: usize) -> bool {
 fn metal(field: String, material: &Material, wavelengths_nm: &[f64], scalar: &str) -> Option<Fault> {
     let (eta, nm) = material.index.iter().zip(wavelengths_nm).find(|(eta, _)| eta.im >= eta.re)?;
     let found = format!("{} + {}i at {nm} nm, a metal", eta.re, eta.im);
-    let allowed = "n greater than k with Maxwell's equations: the field across a metal's surface is not resolved";
+    let allowed =
+        "n greater than k with Maxwell's equations: the field across a metal's surface is not resolved";
     Some(Fault::new(field, found, allowed, format!("give another pigment, {scalar}")))
 }

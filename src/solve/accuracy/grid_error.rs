@@ -10,8 +10,8 @@ use super::discretisation::Discretisation;
 use super::search::{AccuracyError, Task, smooth_size};
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;
-use crate::wave::physical::largest;
 use crate::wave::Resolution;
+use crate::wave::physical::largest;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
