@@ -17,6 +17,7 @@
 //! step_nm = 30
 //! ```
 
+use super::contrast::ContrastPart;
 use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
 use super::variation::CellRule;
 use crate::appearance::paper::MirroredSky;
@@ -124,6 +125,9 @@ pub struct LayerTable {
     /// How `"molecular"` pigments mix with the binder: `"volume-average"` for the scalar wave and `"maxwell-garnett"` for
     /// Maxwell's equations when left out, the limits of vanishing grains of either.
     pub mixing: Option<MixingRule>,
+    /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
+    #[serde(default)]
+    pub contrast: ContrastPart,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
     /// Older place of `packing.method`.

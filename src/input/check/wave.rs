@@ -2,10 +2,11 @@
 
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
-use crate::input::study::{Material, Study};
+use crate::input::study::Study;
 use crate::material::spectra::MixingRule;
 use crate::solve::SolverChoice;
-use crate::wave::Scheme;
+use crate::wave::{Media, Scheme};
+use num_complex::Complex64;
 
 /// The limit of vanishing grains of the wave asked for, unless the file says otherwise.
 pub(super) fn mixing(file: &StudyFile) -> MixingRule {
@@ -41,22 +42,25 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
         // Metal films are exact.
         return;
     }
-    let grains = (0..file.pigments.len()).filter(|&i| is_packed(file, i)).zip(&study.pigments);
-    let grains = grains.map(|(i, pigment)| (format!("pigment[{i}].index"), &pigment.material));
-    for (field, material) in grains.chain([("layer.binder.index".to_owned(), &study.layer.binder)]) {
-        faults.0.extend(metal(field, material, &study.wavelengths_nm, scalar));
+    let media: Vec<(f64, Media)> =
+        study.wavelengths_nm.iter().map(|&nm| (nm, study.media(1e-3 * nm))).collect();
+    let packed = (0..file.pigments.len()).filter(|&i| is_packed(file, i)).enumerate();
+    for (place, i) in packed {
+        let index = media.iter().map(|(nm, media)| (*nm, media.inclusions[place]));
+        faults.0.extend(metal(format!("pigment[{i}].index"), index, scalar));
     }
+    let binder = media.iter().map(|(nm, media)| (*nm, media.backgrounds[0]));
+    faults.0.extend(metal("layer.binder.index".to_owned(), binder, scalar));
 }
 
 fn is_packed(file: &StudyFile, pigment: usize) -> bool {
     !super::pigments::is_molecular(&file.pigments[pigment])
 }
 
-/// The normal-field tensor may be singular in metals, and has not been tested there.
-fn metal(field: String, material: &Material, wavelengths_nm: &[f64], scalar: &str) -> Option<Fault> {
-    let (eta, nm) = material.index.iter().zip(wavelengths_nm).find(|(eta, _)| eta.im >= eta.re)?;
+/// The normal-field tensor may be singular in metals, Re η² ≤ 0, and has not been tested there.
+fn metal(field: String, mut index: impl Iterator<Item = (f64, Complex64)>, scalar: &str) -> Option<Fault> {
+    let (nm, eta) = index.find(|(_, eta)| (eta * eta).re <= 0.0)?;
     let found = format!("{} + {}i at {nm} nm, a metal", eta.re, eta.im);
-    let allowed =
-        "n greater than k with Maxwell's equations: the field across a metal's surface is not resolved";
+    let allowed = "n greater than k with Maxwell's equations: the field across a metal's surface is not resolved";
     Some(Fault::new(field, found, allowed, format!("give another pigment, {scalar}")))
 }
