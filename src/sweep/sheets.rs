@@ -76,12 +76,18 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
 }
 
 impl Sheet {
-    /// The sheet with its pictures.
-    pub fn contact_sheet(&self, title: &str, pictures: &[Option<InkPicture>]) -> ContactSheet {
+    /// The sheet with its pictures; `reasons` say of each variant why it has none.
+    pub fn contact_sheet(
+        &self,
+        title: &str,
+        pictures: &[Option<InkPicture>],
+        reasons: &[String],
+    ) -> ContactSheet {
         let title =
             if self.caption.is_empty() { title.to_owned() } else { format!("{title}: {}", self.caption) };
         let places = (0..self.rows.len()).flat_map(|r| (0..self.columns.len()).map(move |c| [r, c]));
-        let left_out = places.filter(|&[r, c]| self.variants[r][c].is_none()).collect();
+        let reason = |v: Option<usize>| v.map_or_else(|| "left out".to_owned(), |v| reasons[v].clone());
+        let blanks = places.map(|[r, c]| ([r, c], reason(self.variants[r][c]))).collect();
         let picture = |v: &Option<usize>| v.and_then(|v| pictures[v].clone());
         ContactSheet {
             title,
@@ -89,7 +95,7 @@ impl Sheet {
             rows: self.rows.clone(),
             column_axis: self.column_axis.clone(),
             columns: self.columns.clone(),
-            left_out,
+            blanks,
             pictures: self.variants.iter().map(|row| row.iter().map(picture).collect()).collect(),
         }
     }
