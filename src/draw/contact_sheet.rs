@@ -17,10 +17,10 @@ pub struct ContactSheet {
     pub column_axis: String,
     /// Labels of the columns, from the left.
     pub columns: Vec<String>,
-    /// \[row\]\[column\]; variants that are missing stay empty and are marked so.
+    /// \[row\]\[column\]
     pub pictures: Vec<Vec<Option<InkPicture>>>,
-    /// \[row, column\] of places where no variant was asked for: they stay empty.
-    pub left_out: Vec<[usize; 2]>,
+    /// \[row\]\[column\]: why there is no picture, in a few words.
+    pub blanks: Vec<Vec<String>>,
 }
 
 /// Sheet layout, pixels: space for captions, and between pictures.
@@ -45,12 +45,23 @@ impl ContactSheet {
                 let at = [SHEET_LEFT + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
                     Some(picture) => picture.paint(&mut bitmap, at, style),
-                    None if self.left_out.contains(&[r, c]) => {}
-                    None => missing(&mut bitmap, at, cell)?,
+                    None => self.blank(&mut bitmap, at, cell, [r, c])?,
                 }
             }
         }
         Ok(bitmap)
+    }
+
+    fn blank(
+        &self,
+        bitmap: &mut Bitmap,
+        [x, y]: [usize; 2],
+        cell: [usize; 2],
+        [r, c]: [usize; 2],
+    ) -> Result<(), FigureError> {
+        let Some(reason) = self.blanks.get(r).and_then(|row| row.get(c)) else { return Ok(()) };
+        let middle = [(x + (cell[0] - SHEET_GAP) / 2) as i32, (y + (cell[1] - SHEET_GAP) / 2) as i32];
+        bitmap.text(reason, middle, LABEL_PX, Anchor::Centre, false)
     }
 
     fn check(&self) -> Result<(), FigureError> {
@@ -80,9 +91,4 @@ impl ContactSheet {
         }
         Ok(())
     }
-}
-
-fn missing(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2]) -> Result<(), FigureError> {
-    let middle = [(x + (cell[0] - SHEET_GAP) / 2) as i32, (y + (cell[1] - SHEET_GAP) / 2) as i32];
-    bitmap.text("not computed", middle, LABEL_PX, Anchor::Centre, false)
 }

@@ -75,7 +75,7 @@ impl MadeUp<'_> {
             transmittance: t,
             specular_transmittance: film[1] - 2.0 * lost,
             absorptance: 1.0 - r - t,
-            scattered: vec![[0.9, 0.01], [0.5, 0.01]],
+            scattered: [0.9, 0.5].map(|cosine| Scattered { cosine, along: 0.0, density: 0.01 }).to_vec(),
         }
     }
 
