@@ -17,6 +17,7 @@
 //! step_nm = 30
 //! ```
 
+use super::contrast::ContrastPart;
 use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
 use super::limits;
 use super::variation::CellRule;
@@ -131,6 +132,9 @@ pub struct LayerTable {
     #[serde(default = "vacuum", alias = "index_out")]
     #[schemars(transform = limits::INDEX.mark())]
     pub index_below: f64,
+    /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
+    #[serde(default)]
+    pub contrast: ContrastPart,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
     /// Older place of `packing.method`.
