@@ -250,7 +250,9 @@ fn schema_and_reader_agree_on_every_change() {
         if refused(document, &good) {
             continue;
         }
-        for changed in every_change(&good) {
+        // What an axis sets anew may stand in a sweep's base as it likes.
+        let kept = |place: &String| document != Document::Sweep || !place.starts_with("/base");
+        for changed in every_change(&good, kept) {
             changes += 1;
             let (fits, is_read) = (judge.is_valid(&changed), is_read(document, &changed));
             assert!(fits || refused(document, &changed), "{}: the program takes {changed}", path.display());
@@ -260,9 +262,9 @@ fn schema_and_reader_agree_on_every_change() {
     assert!(changes > 2000, "{changes} changes");
 }
 
-fn every_change(good: &Value) -> Vec<Value> {
+fn every_change(good: &Value, kept: impl Fn(&String) -> bool) -> Vec<Value> {
     let mut all = Vec::new();
-    for place in places(good, "") {
+    for place in places(good, "").into_iter().filter(kept) {
         let others = [
             json!("zzz"),
             json!(-1e9),
