@@ -46,6 +46,7 @@ pub struct ComparisonFile {
     /// Many contrasts and periods of the study instead of many grids.
     pub matrix: Option<super::matrix::MatrixTable>,
     /// Names of the strategies; all of the registry but those for tiny grids unless told.
+    #[serde(default)]
     #[schemars(schema_with = "strategy_names", example = ["krylov", "bicgstab"])]
     pub strategies: Option<Vec<String>>,
     /// Discretisations along z to compare.
