@@ -3,9 +3,10 @@
 use super::say::{note, say};
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
+use inkwave::run::crew::processor_seconds;
 use inkwave::solve::accuracy::discretisation::Discretisation;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
-use inkwave::solve::{Coverages, Goal, Registry, Step, Watch};
+use inkwave::solve::{Coverages, Goal, GridTrial, Registry, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_for};
 use inkwave::wave::{Grid, Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
@@ -38,9 +39,9 @@ pub struct SolveArgs {
     /// Cells along z
     #[arg(long, value_name = "CELLS")]
     nz: Option<usize>,
-    /// Relative residual to reach
-    #[arg(long, default_value_t = 1e-6, allow_negative_numbers = true)]
-    tolerance: f64,
+    /// Relative residual to reach (default: a fiftieth of the accuracy; 1e-6 where --nz is given)
+    #[arg(long, allow_negative_numbers = true)]
+    tolerance: Option<f64>,
     /// Equation solved: scalar (Helmholtz), or vector (Maxwell's equations in s and p polarisation)
     #[arg(long, value_enum, default_value_t = WaveName::Scalar)]
     wave: WaveName,
@@ -124,7 +125,7 @@ fn estimate<G: Discretisation>(
         mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
         scheme: scheme(args),
         solver: &*solver,
-        goal: Goal { tolerance: args.tolerance, ..Goal::default() },
+        goal: Goal { tolerance: tolerance(args), ..Goal::default() },
         memory: super::memory::bytes(args.memory_gb)?,
     };
     let mut bar = Bar::new();
@@ -151,11 +152,18 @@ fn short(number: f64) -> String {
 }
 
 fn check(args: &SolveArgs) -> Result<()> {
-    if !(1e-15..1.0).contains(&args.tolerance) {
-        miette::bail!("--tolerance is {}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6", args.tolerance);
+    if let Some(tolerance) = args.tolerance.filter(|t| !(1e-15..1.0).contains(t)) {
+        miette::bail!("--tolerance is {tolerance}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6");
     }
     super::memory::bytes(args.memory_gb)?;
     Ok(())
+}
+
+/// Residual to reach: three times it is what it may do to an amplitude.
+fn tolerance(args: &SolveArgs) -> f64 {
+    let of_accuracy = || args.accuracy.unwrap_or(DEFAULT_ACCURACY) / 50.0;
+    let suited = || if args.nz.is_some() { Goal::default().tolerance } else { of_accuracy() };
+    args.tolerance.unwrap_or_else(suited)
 }
 
 fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
@@ -176,6 +184,7 @@ fn scheme(args: &SolveArgs) -> Scheme {
 
 fn report(e: &Estimated) -> Value {
     let (far, account, grid) = (&e.far_field, &e.solution.account, &e.problem.coverage.grid);
+    let bytes = e.problem.bytes() + account.bytes;
     json!({
         "orders": far.orders.iter().map(order).collect::<Vec<_>>(),
         "R_total": far.reflectance,
@@ -192,7 +201,10 @@ fn report(e: &Estimated) -> Value {
         "seconds_setup": e.seconds_setup,
         "seconds_estimate": e.seconds_estimate,
         "unknowns": e.problem.unknowns(),
-        "bytes": e.problem.bytes() + account.bytes,
+        // User and system time of the whole process: reading, search, companions and this solve.
+        "process_seconds": processor_seconds(),
+        "bytes": bytes,
+        "bytes_per_unknown": bytes as f64 / e.problem.unknowns() as f64,
         "resolution": resolution_of(grid, grid.planes()),
         "version": env!("CARGO_PKG_VERSION"),
     })
@@ -224,12 +236,17 @@ fn order(o: &Order) -> Value {
     })
 }
 
+/// A grid that took longer to try is told, also where nobody watches.
+const SAID_SECONDS: f64 = 2.0;
+
 /// A spinner on standard error with the residual; hidden when that is not a terminal.
 struct Bar(indicatif::ProgressBar);
 
 impl Bar {
     fn new() -> Bar {
         let bar = indicatif::ProgressBar::new_spinner();
+        let style = indicatif::ProgressStyle::with_template("{spinner} {prefix}  {msg}");
+        bar.set_style(style.expect("a template that indicatif knows"));
         bar.enable_steady_tick(std::time::Duration::from_millis(200));
         Bar(bar)
     }
@@ -239,5 +256,13 @@ impl Watch for Bar {
     fn step(&mut self, step: &Step) -> ControlFlow<()> {
         self.0.set_message(format!("step {}: residual {:.1e}", step.step, step.residual));
         ControlFlow::Continue(())
+    }
+
+    fn grid(&mut self, trial: &GridTrial) {
+        self.0.set_prefix(format!("{trial}"));
+        // Short searches stay silent in a file of results.
+        if trial.estimate.is_some() && (!self.0.is_hidden() || trial.seconds > SAID_SECONDS) {
+            self.0.suspend(|| eprintln!("grid tried: {trial}"));
+        }
     }
 }

@@ -301,7 +301,7 @@ impl ComparisonFile {
         let far = problem.far_field(&solution.field);
         let error = largest_difference(truth, &far);
         let residual = solution.account.residual;
-        row.error_estimate = match task.estimate_parts(&problem, &far, watch) {
+        row.error_estimate = match task.estimate_parts((&problem, &solution), &far, watch) {
             Err(stopped @ AccuracyError::Solve(SolveError::Cancelled { .. })) => return Err(stopped),
             parts => parts.ok().map(|parts| error_estimate(parts, residual)),
         };

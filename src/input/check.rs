@@ -187,6 +187,7 @@ fn layer(
         thickness_um: mean,
         index_above: table.index_above,
         index_below: table.index_below,
+        contrast: table.contrast,
         binder: index::tabulate("layer.binder.index", &table.binder.index, wavelengths_nm, folder, faults),
     }
 }

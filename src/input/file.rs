@@ -17,6 +17,7 @@
 //! step_nm = 30
 //! ```
 
+use super::contrast::ContrastPart;
 use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
 use super::variation::CellRule;
 use crate::appearance::paper::MirroredSky;
@@ -119,6 +120,9 @@ pub struct LayerTable {
     /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
     #[serde(default = "vacuum", alias = "index_out")]
     pub index_below: f64,
+    /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
+    #[serde(default)]
+    pub contrast: ContrastPart,
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
     /// Older place of `packing.method`.

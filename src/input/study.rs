@@ -1,5 +1,6 @@
 //! A study that has passed every check: the only input a run takes.
 
+use super::contrast::ContrastPart;
 use super::measured::MeasuredSpectrum;
 use super::variation::{Turn, Variation, stratified_deg};
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
@@ -75,6 +76,9 @@ pub struct Layer {
     pub index_below: f64,
     /// What is between the grains.
     pub binder: Material,
+    /// Which part of the contrast scatters.
+    #[serde(default, skip_serializing_if = "ContrastPart::is_full")]
+    pub contrast: ContrastPart,
 }
 
 /// One kind of grain.
@@ -264,11 +268,15 @@ impl Study {
 
     /// Indices at one wavelength; pigment i is inclusion i.
     pub fn media(&self, wavelength_um: f64) -> Media {
+        let binder = self.layer.binder.index_at(wavelength_um);
+        let pigments: Vec<_> = self.pigments.iter().map(|p| p.material.index_at(wavelength_um)).collect();
+        let shares: Vec<f64> = self.pigments.iter().map(|p| p.grains.volume_fraction).collect();
+        let (binder, inclusions) = self.layer.contrast.of(binder, &shares, pigments);
         Media {
             incident: self.layer.index_above.into(),
             exit: self.layer.index_below.into(),
-            backgrounds: vec![self.layer.binder.index_at(wavelength_um)],
-            inclusions: self.pigments.iter().map(|p| p.material.index_at(wavelength_um)).collect(),
+            backgrounds: vec![binder],
+            inclusions,
         }
     }
 

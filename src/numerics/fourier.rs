@@ -6,7 +6,9 @@ use rustfft::{Fft, FftNum, FftPlanner};
 use std::sync::Arc;
 
 /// Floating-point types of transforms: `f64`, and `f32` where its rounding is far below the error asked.
-pub trait Real: FftNum + NumAssign + PartialOrd + Default {
+pub trait Real: FftNum + NumAssign + PartialOrd + Default + bytemuck::Pod {
+    /// What rounding leaves of a vector that should vanish, over its length before: some hundred roundings.
+    const ROUNDING: f64;
     /// The nearest number of this type.
     fn of(x: f64) -> Self;
     /// The number itself.
@@ -14,6 +16,7 @@ pub trait Real: FftNum + NumAssign + PartialOrd + Default {
 }
 
 impl Real for f64 {
+    const ROUNDING: f64 = 1e-14;
     fn of(x: f64) -> f64 {
         x
     }
@@ -23,6 +26,7 @@ impl Real for f64 {
 }
 
 impl Real for f32 {
+    const ROUNDING: f64 = 1e-6;
     fn of(x: f64) -> f32 {
         x as f32
     }
@@ -34,6 +38,7 @@ impl Real for f32 {
 /// Transforms of an nx × ny plane (x runs fastest), unnormalised in both directions.
 ///
 /// The spectrum is left transposed (n runs fastest): one transposition a transform instead of two.
+#[derive(Clone)]
 pub struct PlaneFft<T: Real = f64> {
     nx: usize,
     ny: usize,

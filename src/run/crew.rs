@@ -65,6 +65,11 @@ pub fn work_through(
     Ok(())
 }
 
+/// Processor time of this process so far, user and system, where the system tells it: other programs do not count.
+pub fn processor_seconds() -> Option<f64> {
+    cpu_time::ProcessTime::try_now().ok().map(|time| time.as_duration().as_secs_f64())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

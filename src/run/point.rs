@@ -5,7 +5,7 @@ use crate::ink::pack;
 use crate::ink::{PackError, PackProgress, PackWatch, Packing};
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::grid_error::GridError;
-use crate::solve::{SolveError, Solver, Step, Watch};
+use crate::solve::{GridTrial, SolveError, Solver, Step, Watch};
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
 use crate::wave::{Coverage, Mean, Physical, Problem, TotalErrors, Unphysical, WaveError};
 use std::ops::ControlFlow;
@@ -98,6 +98,10 @@ impl Stopper<'_> {
 impl Watch for Stopper<'_> {
     fn step(&mut self, _: &Step) -> ControlFlow<()> {
         self.go_on()
+    }
+
+    fn grid(&mut self, trial: &GridTrial) {
+        self.0.stage(&format!("grid: {trial}"));
     }
 }
 

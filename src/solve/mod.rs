@@ -4,6 +4,7 @@
 //! [`accuracy`] searches the grid for a wanted error and estimates the error of what it delivers.
 
 pub mod accuracy;
+mod basis;
 pub mod demand;
 pub mod door;
 pub mod ledger;
@@ -17,6 +18,6 @@ pub mod vectors;
 pub use accuracy::coverages::Coverages;
 pub use ledger::Ledger;
 pub use registry::{Registry, SolverChoice};
-pub use solver::{Account, Goal, Silent, Solution, SolveError, Solver, Step, Watch};
+pub use solver::{Account, Goal, GridTrial, Silent, Solution, SolveError, Solver, Step, Watch};
 pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Relaxation};
 pub use system::System;

@@ -93,7 +93,8 @@ impl Size {
             return self.points() * self.planes() * each;
         }
         let moments = channels + 0.5 * channels * (channels + 1.0);
-        let factors = COMPLEX * (1.0 + 1.0 / degree);
+        // The mean operator's tables, and those of A⁻¹V in double and in single precision.
+        let factors = COMPLEX * (1.0 + 3.0 / degree + 4.5);
         self.unknowns() * (8.0 * moments + factors)
     }
 

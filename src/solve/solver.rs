@@ -2,8 +2,9 @@
 
 use super::System;
 use super::size::Size;
-use crate::wave::{Field, Mean, Problem};
+use crate::wave::{Field, Mean, Problem, Resolution};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::ops::ControlFlow;
 use thiserror::Error;
 
@@ -38,6 +39,33 @@ pub struct Step {
 pub trait Watch {
     /// Called after every step; `Break` stops the solve with [`SolveError::Cancelled`].
     fn step(&mut self, step: &Step) -> ControlFlow<()>;
+
+    /// Called when a search for a grid begins to try one, and again when its error is known.
+    fn grid(&mut self, _: &GridTrial) {}
+}
+
+/// A grid that a search tries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridTrial {
+    /// The grid.
+    pub resolution: Resolution,
+    /// Largest amplitude error that was asked for.
+    pub accuracy: f64,
+    /// Largest amplitude error estimated, once it is known.
+    pub estimate: Option<f64>,
+    /// Seconds spent on this grid and its companions.
+    pub seconds: f64,
+}
+
+impl fmt::Display for GridTrial {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Resolution { nx, ny, cells, .. } = self.resolution;
+        write!(f, "{nx} × {ny} points, {cells} cells")?;
+        match self.estimate {
+            Some(estimate) => write!(f, ": error {estimate:.1e} in {:.1} s", self.seconds),
+            None => write!(f, " for an error of {:.1e}", self.accuracy),
+        }
+    }
 }
 
 /// Nobody looks on.

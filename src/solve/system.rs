@@ -5,6 +5,7 @@
 //! ask for the parts and refuse systems that have none.
 
 use crate::wave::maxwell::Polarised;
+use crate::wave::operator::scattering::Scatter;
 use crate::wave::{Field, Problem};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
@@ -22,6 +23,12 @@ pub trait System: Send + Sync {
 
     /// out ← A⁻¹ V u: one operator application, written over whatever `out` held.
     fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field);
+
+    /// The same operator in single precision, where the system has it: its roundings are for strategies that measure the
+    /// true residual afterwards.
+    fn single(&self) -> Option<&dyn Scatter<f32>> {
+        None
+    }
 
     /// The scalar problem, for strategies that split its operator or treat its guided modes; none for other systems.
     fn scalar(&self) -> Option<&Problem> {
@@ -57,8 +64,21 @@ impl System for Problem {
         self.scatter_view(u, out);
     }
 
+    fn single(&self) -> Option<&dyn Scatter<f32>> {
+        Some(self.single())
+    }
+
     fn scalar(&self) -> Option<&Problem> {
         Some(self)
+    }
+}
+
+/// A system's operator in double precision, for code that is written for both.
+pub(crate) struct Double<'a>(pub &'a dyn System);
+
+impl Scatter<f64> for Double<'_> {
+    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.0.scatter(u, out);
     }
 }
 

@@ -17,6 +17,9 @@ pub struct Claim {
     pub quantity: Quantity,
     /// The wavelength it is measured at, nm, where one is meant.
     pub wavelength_nm: Option<f64>,
+    /// The wavelengths it is measured at, nm, where it speaks of a range.
+    #[serde(default)]
+    pub range_nm: Option<[f64; 2]>,
     /// Numbers of the variants that count positively.
     pub plus: Vec<usize>,
     /// Numbers of the variants that count negatively.
@@ -25,6 +28,9 @@ pub struct Claim {
     pub at_least: Option<f64>,
     /// Most value that confirms it.
     pub at_most: Option<f64>,
+    /// Places and numbers of the variants of a curve that the value is looked up on; empty where it counts itself.
+    #[serde(default)]
+    pub curve: Vec<(f64, usize)>,
 }
 
 /// Finds the variants that the conclusions speak of.
@@ -46,12 +52,34 @@ fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], fau
         list.iter().enumerate().filter_map(one).collect()
     };
     let (plus, minus) = (places("plus", &table.plus), places("minus", &table.minus));
+    let among = places("among", &table.among);
     let spectral = matches!(table.quantity, Quantity::Transmittance | Quantity::Reflectance);
     let mut wrong = |key: &str, found: &str, allowed: &str| {
         faults.push(Fault::new(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml"));
     };
-    if spectral && table.wavelength_nm.is_none() {
-        wrong("wavelength_nm", "nothing", "one of the study's wavelengths");
+    match (spectral, table.wavelength_nm, table.range_nm) {
+        (true, None, None) => {
+            wrong("wavelength_nm", "nothing", "one of the study's wavelengths, or range_nm = [from, to]");
+        }
+        (true, Some(_), Some(_)) => wrong("range_nm", "both", "either wavelength_nm or range_nm"),
+        (false, _, Some(_)) => {
+            wrong("range_nm", "a range", "a range for transmittance and reflectance alone")
+        }
+        (true, None, Some([from, to])) if from.is_nan() || to.is_nan() || from > to => {
+            wrong("range_nm", &format!("[{from}, {to}]"), "the shortest wavelength and the longest");
+        }
+        _ => {}
+    }
+    let rising = table.along.windows(2).all(|w| w[0] < w[1]);
+    if table.along.len() != table.among.len() || !rising || table.along.len() == 1 {
+        wrong(
+            "along",
+            &format!("{} places", table.along.len()),
+            "a number for every variant in among, rising, 2 or more",
+        );
+    }
+    if !table.along.is_empty() && (table.quantity == Quantity::DeltaE || table.range_nm.is_some()) {
+        wrong("among", "a curve", "a curve of one quantity, at one wavelength");
     }
     if table.at_least.is_none() && table.at_most.is_none() {
         wrong("at_least", "nothing", "a bound: at_least, at_most or both");
@@ -64,10 +92,12 @@ fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], fau
         statement: table.statement.clone(),
         quantity: table.quantity,
         wavelength_nm: table.wavelength_nm,
+        range_nm: table.range_nm,
         plus,
         minus,
         at_least: table.at_least,
         at_most: table.at_most,
+        curve: table.along.iter().copied().zip(among).collect(),
     }
 }
 

@@ -1,5 +1,8 @@
 //! Conclusions as inequalities: statement, measured value with its standard error, verdict.
 
+mod curve;
+mod spectrum;
+
 use super::claims::Claim;
 use super::file::Quantity;
 use super::outcome::Outcome;
@@ -52,15 +55,31 @@ impl Verdict {
 
 /// Judges a claim by the outcomes of all variants.
 pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
-    let (verdict, measured, remark) = match measure(claim, outcomes) {
-        Err(missing) => (Verdict::Undecided, None, format!("no value of {missing} yet: finish the sweep")),
-        Ok((estimate, fewest)) => {
-            let (verdict, remark) = decide(claim, estimate, fewest);
-            (verdict, Some(estimate), remark)
-        }
+    let (verdict, measured, remark) = match claim.range_nm {
+        Some(range) => spectrum::judge(claim, outcomes, range),
+        None => judge_one(claim, outcomes),
     };
     let (id, statement) = (claim.id.clone(), claim.statement.clone());
     Judged { id, statement, inequality: inequality(claim, outcomes), measured, verdict, remark }
+}
+
+fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>, String) {
+    let measured = measure(claim, outcomes).and_then(|(sum, fewest)| {
+        let place = if claim.curve.is_empty() { sum } else { curve::place(claim, outcomes, sum)? };
+        Ok((place, fewest))
+    });
+    match measured {
+        Err(missing) => (Verdict::Undecided, None, missing),
+        Ok((estimate, fewest)) => {
+            let (verdict, remark) = decide(claim, estimate, fewest, QUANTILE);
+            (verdict, Some(estimate), remark)
+        }
+    }
+}
+
+/// What a verdict says of a variant that is not there.
+fn no_value(name: &str) -> String {
+    format!("no value of {name} yet: finish the sweep")
 }
 
 /// The measured value, and the fewest realisations behind it.
@@ -69,13 +88,14 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Estimate, usize), Str
     let several = all().map(|o| o.realisations).filter(|&n| n > 1).min().unwrap_or(0);
     if claim.quantity == Quantity::DeltaE {
         let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
-        let missing = || if a.colour.is_none() { a.name.clone() } else { b.name.clone() };
+        let missing = || no_value(if a.colour.is_none() { &a.name } else { &b.name });
         return a.delta_e_2000(b).map(|difference| (difference, several)).ok_or_else(missing);
     }
     let (mut value, mut variance, mut known) = (0.0, 0.0, true);
     for (sign, &v) in claim.plus.iter().map(|v| (1.0, v)).chain(claim.minus.iter().map(|v| (-1.0, v))) {
         let outcome = &outcomes[v];
-        let one = outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or(outcome.name.clone())?;
+        let one =
+            outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(&outcome.name))?;
         value += sign * one.value;
         // A layer without grains has no chance in it.
         known &= one.standard_error.is_some() || outcome.certain;
@@ -84,7 +104,8 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Estimate, usize), Str
     Ok((Estimate { value, standard_error: known.then(|| variance.sqrt()) }, several))
 }
 
-fn decide(claim: &Claim, measured: Estimate, fewest: usize) -> (Verdict, String) {
+/// The verdict at a one-sided confidence, and what a decision would take.
+fn decide(claim: &Claim, measured: Estimate, fewest: usize, quantile: f64) -> (Verdict, String) {
     let Some(error) = measured.standard_error else {
         return (
             Verdict::Undecided,
@@ -94,7 +115,7 @@ fn decide(claim: &Claim, measured: Estimate, fewest: usize) -> (Verdict, String)
     let above = claim.at_least.map(|bound| measured.value - bound);
     let below = claim.at_most.map(|bound| bound - measured.value);
     let margin = above.into_iter().chain(below).fold(f64::INFINITY, f64::min);
-    let reach = error * student(fewest);
+    let reach = error * student(fewest, quantile);
     if margin.abs() > reach || error == 0.0 {
         return (if margin >= 0.0 { Verdict::Confirmed } else { Verdict::Refuted }, String::new());
     }
@@ -111,19 +132,24 @@ fn decide(claim: &Claim, measured: Estimate, fewest: usize) -> (Verdict, String)
 }
 
 /// Quantile of Student's t for a mean of n realisations; one where nothing varies.
-fn student(realisations: usize) -> f64 {
+fn student(realisations: usize, quantile: f64) -> f64 {
     let freedom = realisations.saturating_sub(1).max(1) as f64;
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(QUANTILE))
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(quantile))
 }
 
 fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
-    let symbol = match (claim.quantity, claim.wavelength_nm) {
-        (Quantity::Chroma, _) => "C*".to_owned(),
-        (Quantity::Lightness, _) => "L*".to_owned(),
-        (Quantity::Hue, _) => "h".to_owned(),
-        (Quantity::Transmittance, nm) => format!("T{:.0}", nm.unwrap_or(0.0)),
-        (Quantity::Reflectance, nm) => format!("R{:.0}", nm.unwrap_or(0.0)),
-        (Quantity::DeltaE, _) => {
+    let at = match (claim.wavelength_nm, claim.range_nm) {
+        (Some(nm), _) => format!("{nm:.0}"),
+        (None, Some([from, to])) => format!("{from:.0}–{to:.0}"),
+        (None, None) => String::new(),
+    };
+    let symbol = match claim.quantity {
+        Quantity::Chroma => "C*".to_owned(),
+        Quantity::Lightness => "L*".to_owned(),
+        Quantity::Hue => "h".to_owned(),
+        Quantity::Transmittance => format!("T{at}"),
+        Quantity::Reflectance => format!("R{at}"),
+        Quantity::DeltaE => {
             let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));
             return bounded(claim, &format!("ΔE₀₀({}; {})", name(&claim.plus), name(&claim.minus)));
         }
@@ -131,7 +157,8 @@ fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
     let term = |v: &usize| format!("{symbol}({})", outcomes[*v].labels.join(", "));
     let plus: Vec<String> = claim.plus.iter().map(term).collect();
     let minus: String = claim.minus.iter().map(|v| format!(" − {}", term(v))).collect();
-    bounded(claim, &format!("{}{minus}", plus.join(" + ")))
+    let sum = format!("{}{minus}", plus.join(" + "));
+    bounded(claim, &if claim.curve.is_empty() { sum } else { format!("place with the same {sum}") })
 }
 
 fn bounded(claim: &Claim, what: &str) -> String {
@@ -153,12 +180,14 @@ mod tests {
             statement: String::new(),
             quantity: Quantity::Chroma,
             wavelength_nm: None,
+            range_nm: None,
             plus: vec![],
             minus: vec![],
             at_least: Some(5.0),
             at_most: None,
+            curve: vec![],
         };
-        decide(&claim, Estimate { value, standard_error: Some(error) }, n).0
+        decide(&claim, Estimate { value, standard_error: Some(error) }, n, QUANTILE).0
     }
 
     #[test]

@@ -139,8 +139,10 @@ pub struct ConclusionTable {
     pub statement: String,
     /// What is measured of each variant.
     pub quantity: Quantity,
-    /// For `transmittance` and `reflectance`.
+    /// For `transmittance` and `reflectance`: one wavelength.
     pub wavelength_nm: Option<f64>,
+    /// For `transmittance` and `reflectance`: the inequality is to hold at every wavelength from the first to the second.
+    pub range_nm: Option<[f64; 2]>,
     /// Variants whose quantity is added.
     pub plus: Vec<Where>,
     /// Variants whose quantity is subtracted; for `delta_e` the other colour.
@@ -150,6 +152,13 @@ pub struct ConclusionTable {
     pub at_least: Option<f64>,
     /// Most value that confirms it.
     pub at_most: Option<f64>,
+    /// Variants along a curve: instead of the sum itself, the place on this curve that has the same value is measured,
+    /// such as the diameter of the spheres that an agglomerate acts like.
+    #[serde(default)]
+    pub among: Vec<Where>,
+    /// The places of `among`, rising, such as their diameters in nm.
+    #[serde(default)]
+    pub along: Vec<f64>,
 }
 
 /// What a conclusion compares.

@@ -50,9 +50,10 @@ pub trait Discretisation: Sized + Send + Sync {
     /// False where the mean medium's wave is the solution.
     fn has_contrast(problem: &Self::Problem) -> bool;
 
-    /// Runs a strategy.
-    fn solve(
+    /// Runs a strategy, from another grid's solution where there is one and it helps.
+    fn solve_from(
         problem: &Self::Problem,
+        guess: Option<(&Self::Problem, &Self::Solution)>,
         solver: &dyn Solver,
         goal: Goal,
         watch: &mut dyn Watch,
@@ -112,13 +113,15 @@ impl Discretisation for Coverage {
         problem.has_contrast()
     }
 
-    fn solve(
+    fn solve_from(
         problem: &Problem,
+        guess: Option<(&Problem, &Solution)>,
         solver: &dyn Solver,
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
-        solver.solve(problem, goal, watch)
+        let start = guess.map(|(known, solution)| known.transferred(&solution.field, problem));
+        solver.solve_from(problem, start.as_ref(), goal, watch)
     }
 
     fn far_field(problem: &Problem, solution: &Solution) -> FarField {
@@ -194,8 +197,10 @@ impl Discretisation for NormalMoments {
         problem.has_contrast()
     }
 
-    fn solve(
+    // Unknowns of the vector wave are moments, which do not interpolate from grid to grid: no guess.
+    fn solve_from(
         problem: &VectorProblem,
+        _guess: Option<(&VectorProblem, &BothPolarisations)>,
         solver: &dyn Solver,
         goal: Goal,
         watch: &mut dyn Watch,

@@ -7,7 +7,7 @@ use super::coverages::Coverages;
 use super::discretisation::Discretisation;
 use super::resolution::{error_share, raised, refine, scaled_cells, scaled_plane};
 use crate::solve::demand::{Admitted, Size, TooLarge};
-use crate::solve::solver::{Goal, SolveError, Solver, Watch};
+use crate::solve::solver::{Goal, GridTrial, SolveError, Solver, Watch};
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::{
     Coverage, Grid, Incidence, Mean, Media, Resolution, Scheme, Shape, TotalErrors, Unphysical, WaveError,
@@ -95,7 +95,7 @@ pub enum AccuracyError {
     #[error(
         "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
          and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
-         a smaller cell, or more memory"
+         a smaller cell, or more memory (tried: {tried})"
     )]
     NotReached {
         /// Amplitude error asked for.
@@ -112,6 +112,8 @@ pub enum AccuracyError {
         need_gb: f64,
         /// Memory allowed, GB.
         allowed_gb: f64,
+        /// Every grid tried, with its estimate and time.
+        tried: String,
     },
     /// Not even the coarsest sensible grid fits into memory.
     #[error(
@@ -159,6 +161,9 @@ pub enum AccuracyError {
     Accuracy(f64),
 }
 
+/// A problem and its solution.
+pub type Known<'a, G> = (&'a <G as Discretisation>::Problem, &'a <G as Discretisation>::Solution);
+
 impl AccuracyError {
     /// True when the user stopped the search, which is no failure.
     pub fn is_stop(&self) -> bool {
@@ -181,12 +186,22 @@ impl<G: Discretisation> Task<'_, G> {
         resolution: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<(G::Problem, G::Solution, f64), AccuracyError> {
+        self.solve_from(None, resolution, watch)
+    }
+
+    /// Solves at one resolution, with another's solution as first guess.
+    fn solve_from(
+        &self,
+        guess: Option<Known<G>>,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<(G::Problem, G::Solution, f64), AccuracyError> {
         let clock = std::time::Instant::now();
         let solver = self.admitted(resolution)?;
         let coverage = self.coverages.at(resolution)?;
         let problem = G::problem(&coverage, self.media, self.incidence, self.mean)?;
         let setup = clock.elapsed().as_secs_f64();
-        let solution = G::solve(&problem, solver.solver(), self.goal, watch)?;
+        let solution = G::solve_from(&problem, guess, solver.solver(), self.goal, watch)?;
         Ok((problem, solution, setup))
     }
 
@@ -196,10 +211,19 @@ impl<G: Discretisation> Task<'_, G> {
         resolution: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<Estimated<G>, AccuracyError> {
-        let (problem, solution, seconds_setup) = self.solve(resolution, watch)?;
+        self.estimated_from(None, resolution, watch)
+    }
+
+    fn estimated_from(
+        &self,
+        guess: Option<Known<G>>,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated<G>, AccuracyError> {
+        let (problem, solution, seconds_setup) = self.solve_from(guess, resolution, watch)?;
         let far_field = G::far_field(&problem, &solution);
         let clock = std::time::Instant::now();
-        let parts = self.estimate_parts(&problem, &far_field, watch)?;
+        let parts = self.estimate_parts((&problem, &solution), &far_field, watch)?;
         let error_estimate = error_estimate(parts, G::residual(&solution));
         let errors = TotalErrors::of_amplitudes(error_estimate, G::residual(&solution));
         Ok(Estimated {
@@ -219,10 +243,11 @@ impl<G: Discretisation> Task<'_, G> {
     /// Neither a coarser nor a finer companion has a solution.
     pub fn estimate_parts(
         &self,
-        problem: &G::Problem,
+        known: Known<G>,
         far: &G::FarField,
         watch: &mut dyn Watch,
     ) -> Result<[f64; 2], AccuracyError> {
+        let problem = known.0;
         if !G::has_contrast(problem) {
             return Ok([0.0; 2]);
         }
@@ -236,24 +261,24 @@ impl<G: Discretisation> Task<'_, G> {
         let across = [COMPANION, 1.0 / COMPANION].map(|f| scaled_cells(own, f));
         let in_plane = match self.coverages.scene.uniform_in_plane() {
             true => 0.0,
-            false => companion.compare(problem, far, plane, watch)?,
+            false => companion.compare(known, far, plane, watch)?,
         };
-        Ok([in_plane, companion.compare(problem, far, across, watch)?])
+        Ok([in_plane, companion.compare(known, far, across, watch)?])
     }
 
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
-        finer: &G::Problem,
+        finer: Known<G>,
         far: &G::FarField,
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
-        let own = G::grid_of(finer).resolution;
+        let own = G::grid_of(finer.0).resolution;
         let [coarse, fine] = companions;
         let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
-            None => self.solve(fine, watch)?,
+            None => self.solve_from(Some(finer), fine, watch)?,
         };
         let difference = G::difference(far, &G::far_field(&problem, &solution));
         let used = G::grid_of(&problem).resolution;
@@ -299,18 +324,18 @@ impl<G: Discretisation> Task<'_, G> {
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        finer: &G::Problem,
+        finer: Known<G>,
         watch: &mut dyn Watch,
     ) -> Result<Option<(G::Problem, G::Solution, f64)>, AccuracyError> {
-        let own = G::grid_of(finer).resolution;
-        let cells = G::cells_needed(finer, &Grid::new(self.coverages.scene, coarser)?);
+        let own = G::grid_of(finer.0).resolution;
+        let cells = G::cells_needed(finer.0, &Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };
         if coarser == own || cells > own.cells {
             return Ok(None);
         }
-        let solved = match self.solve(coarser, watch) {
+        let solved = match self.solve_from(Some(finer), coarser, watch) {
             Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) if needed < own.cells => {
-                self.solve(Resolution { cells: needed, ..coarser }, watch)
+                self.solve_from(Some(finer), Resolution { cells: needed, ..coarser }, watch)
             }
             other => other,
         };
@@ -334,14 +359,18 @@ impl<G: Discretisation> Task<'_, G> {
         let mut resolution = task.start(accuracy)?;
         let mut last: Option<Estimated<G>> = None;
         let mut refused: Option<AccuracyError> = None;
+        let mut tried: Vec<GridTrial> = Vec::new();
         for _ in 0..LEVELS {
             if let Err(refusal) = task.admitted(resolution) {
                 return Err(match &last {
-                    Some(estimated) => not_reached(accuracy, estimated, &refusal),
+                    Some(estimated) => not_reached(accuracy, estimated, &refusal, &tried),
                     None => too_large(accuracy, &refusal),
                 });
             }
-            let estimated = match task.solve_with_estimate(resolution, watch) {
+            let clock = std::time::Instant::now();
+            watch.grid(&GridTrial { resolution, accuracy, estimate: None, seconds: 0.0 });
+            let guess = last.as_ref().map(|coarser| (&coarser.problem, &coarser.solution));
+            let estimated = match task.estimated_from(guess, resolution, watch) {
                 Err(AccuracyError::Wave(refusal)) => {
                     let Some(finer) = raised(resolution, &refusal) else { return Err(refusal.into()) };
                     (resolution, refused) = (finer, Some(refusal.into()));
@@ -355,6 +384,10 @@ impl<G: Discretisation> Task<'_, G> {
                 }
                 other => other?,
             };
+            let (estimate, seconds) = (Some(estimated.error_estimate), clock.elapsed().as_secs_f64());
+            let trial = GridTrial { resolution, accuracy, estimate, seconds };
+            watch.grid(&trial);
+            tried.push(trial);
             if estimated.error_estimate <= accuracy {
                 return Ok(estimated);
             }
@@ -401,10 +434,25 @@ fn too_large(asked: f64, refusal: &TooLarge) -> AccuracyError {
     AccuracyError::TooLarge { asked, nx, ny, cells, need_gb, allowed_gb }
 }
 
-fn not_reached<G: Discretisation>(asked: f64, last: &Estimated<G>, refusal: &TooLarge) -> AccuracyError {
+fn not_reached<G: Discretisation>(
+    asked: f64,
+    last: &Estimated<G>,
+    refusal: &TooLarge,
+    tried: &[GridTrial],
+) -> AccuracyError {
     let Resolution { nx, ny, cells, .. } = G::grid_of(&last.problem).resolution;
     let TooLarge { need_gb, allowed_gb, .. } = *refusal;
-    AccuracyError::NotReached { asked, reached: last.error_estimate, nx, ny, cells, need_gb, allowed_gb }
+    let tried = tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; ");
+    AccuracyError::NotReached {
+        asked,
+        reached: last.error_estimate,
+        nx,
+        ny,
+        cells,
+        need_gb,
+        allowed_gb,
+        tried,
+    }
 }
 
 /// Points to start with, in a size that transforms fast.

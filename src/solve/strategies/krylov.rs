@@ -3,13 +3,18 @@
 
 use super::guided::{Correction, GuidedModes};
 use super::least_squares::LeastSquares;
+use crate::numerics::fourier::Real;
 use crate::solve::System;
+use crate::solve::basis::Basis;
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::solve::vectors::{add_combination, dots, norm, scale};
+use crate::solve::system::Double;
+use crate::solve::vectors::norm;
 use crate::wave::Field;
-use num_complex::Complex64;
+use crate::wave::operator::scattering::Scatter;
+use ndarray::Array2;
+use num_complex::{Complex, Complex64};
 use serde::{Deserialize, Serialize};
 
 /// Restarted GMRES; memory: the basis (at most `restart` vectors) and 4 vectors of 16 bytes per unknown.
@@ -28,15 +33,19 @@ impl Default for Gmres {
     }
 }
 
-/// Vectors besides the basis: field, residual, the incident wave, the work of one step.
-const OTHER_VECTORS: f64 = 7.0;
+/// Residuals from which single precision is enough for the basis: its roundings are ten times smaller and more, and the
+/// residual that counts is always measured in double precision.
+const SINGLE: f64 = 5e-6;
+/// Most vectors of a basis in single precision: where more are needed, their loss of orthogonality costs more.
+const MOST_SINGLE: usize = 60;
+/// A basis in single precision must reduce the true residual by this factor, or double precision takes over.
+const SINGLE_GAIN: f64 = 0.2;
+/// Vectors besides the basis: guess, field, residual, the incident wave, the work of one step.
+const OTHER_VECTORS: f64 = 9.0;
 /// Share of scarce memory that the guided modes' dense block may take.
 const GUIDED_SHARE: f64 = 0.3;
 /// Fewest basis vectors that restarts still converge with.
 const LEAST_RESTART: usize = 20;
-
-/// A second orthogonalisation pays when the first one removed nearly everything (Kahan, Parlett).
-const REORTHOGONALISE: f64 = 0.05;
 
 impl Solver for Gmres {
     fn name(&self) -> &'static str {
@@ -63,16 +72,22 @@ impl Solver for Gmres {
         let mut run = Run { ledger, field, work, correction };
         let first = if start.is_some() { run.ledger.measure(&run.field, &mut run.work) } else { 1.0 };
         run.ledger.note(first)?;
+        let mut single = if goal.tolerance >= SINGLE { problem.single() } else { None };
         while !run.ledger.reached() {
             let before = run.ledger.account.residual;
-            run.cycle(self.restart.max(1))?;
+            match single {
+                Some(operator) => run.cycle(operator, self.restart.clamp(1, MOST_SINGLE))?,
+                None => run.cycle(&Double(problem), self.restart.max(1))?,
+            }
             let after = run.ledger.measure(&run.field, &mut run.work);
-            if !run.ledger.reached() && after > 0.99 * before {
+            if run.ledger.reached() {
+                break;
+            }
+            if single.is_none() && after > 0.99 * before {
                 return Err(run.ledger.not_converged("it stalls; raise restart or the resolution"));
             }
-            if !run.ledger.reached() {
-                run.ledger.judge("allow more applications or raise restart")?;
-            }
+            run.ledger.judge("allow more applications or raise restart")?;
+            single = single.filter(|_| after < SINGLE_GAIN * before);
         }
         Ok(run.ledger.finish(run.field))
     }
@@ -100,74 +115,46 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn correct(&self, v: &mut [Complex64]) {
-        self.correction.iter().for_each(|c| c.apply(v));
-    }
-
     /// One restart cycle: builds a basis from the residual in `work` and corrects the field.
-    fn cycle(&mut self, restart: usize) -> Result<(), SolveError> {
-        let mut first = flat(&self.work).to_vec();
-        let beta = norm(&first);
-        scale(&mut first, 1.0 / beta);
-        let (mut basis, mut small) = (vec![first], LeastSquares::new(beta));
+    fn cycle<T: Real>(&mut self, operator: &dyn Scatter<T>, restart: usize) -> Result<(), SolveError> {
+        let beta = norm(flat(&self.work));
+        let (mut basis, mut small) = (Basis::<T>::new(flat(&self.work), beta), LeastSquares::new(beta));
+        let (mut last, mut image) = (Array2::zeros(self.field.dim()), Array2::zeros(self.field.dim()));
         let mut verdict = Ok(());
         while basis.len() <= restart {
-            let (column, next) = self.expand(&basis);
+            let applied = last.as_slice_mut().expect("fields are contiguous");
+            basis.last(applied);
+            self.correct(applied);
+            operator.scatter(last.view(), &mut image);
+            let (column, grows) = basis.expand(entries(&last), entries(&image));
             let residual = small.add_column(column) / self.ledger.scale();
             self.ledger.account.steps += 1;
             self.ledger.account.operator_applications += 1;
             verdict = self.ledger.note(residual);
-            let breakdown = next.is_none();
-            basis.extend(next);
             // A little below the goal, so that the true residual, measured next, meets it too.
             let reached = residual <= 0.9 * self.ledger.goal.tolerance;
-            if breakdown || reached || verdict.is_err() || self.ledger.exhausted() {
+            if !grows || reached || verdict.is_err() || self.ledger.exhausted() {
                 break;
             }
         }
-        self.ledger.holds_vectors(basis.len() + 3);
-        self.ledger.account.bytes += self.correction.as_ref().map_or(0, Correction::bytes);
-        let coefficients = small.solve();
-        let mut change = vec![Complex64::default(); self.field.len()];
-        add_combination(&mut change, &coefficients, &basis[..coefficients.len()]);
-        self.correct(&mut change);
-        let field = self.field.as_slice_mut().expect("fields are contiguous");
-        add_combination(field, &[Complex64::ONE], std::slice::from_ref(&change));
+        let held = basis.bytes() + 2 * size_of_val(entries(&last)) + 3 * size_of_val(flat(&self.field));
+        let correction = self.correction.as_ref().map_or(0, Correction::bytes);
+        self.ledger.account.bytes = self.ledger.account.bytes.max(held + correction);
+        let change = last.as_slice_mut().expect("fields are contiguous");
+        basis.combine(&small.solve(), change);
+        self.correct(change);
+        let changes = self.field.iter_mut().zip(change);
+        changes.for_each(|(u, c)| *u += Complex64::new(c.re.wide(), c.im.wide()));
         verdict
     }
 
-    /// Applies the operator to the last basis vector and orthogonalises: Hessenberg column and new vector.
-    fn expand(&mut self, basis: &[Vec<Complex64>]) -> (Vec<Complex64>, Option<Vec<Complex64>>) {
-        let mut last = std::borrow::Cow::Borrowed(basis.last().expect("a cycle starts with one vector"));
-        if self.correction.is_some() {
-            self.correct(last.to_mut());
-        }
-        let problem = self.ledger.problem;
-        let view = ndarray::ArrayView2::from_shape(problem.shape(), &last).expect("same number of unknowns");
-        problem.scatter(view, &mut self.work);
-        // The work array becomes the new basis vector; the next step writes into a fresh one.
-        let work = std::mem::replace(&mut self.work, Field::zeros(problem.shape()));
-        let mut w = work.into_raw_vec_and_offset().0;
-        let before = add_combination(&mut w, &[Complex64::ONE], std::slice::from_ref(&last));
-        let mut column = dots(basis, &w);
-        let mut after = subtract(&mut w, &column, basis);
-        if after < REORTHOGONALISE * before {
-            let correction = dots(basis, &w);
-            after = subtract(&mut w, &correction, basis);
-            column.iter_mut().zip(correction).for_each(|(c, d)| *c += d);
-        }
-        column.push(after.into());
-        if after <= 1e-14 * before {
-            return (column, None);
-        }
-        scale(&mut w, 1.0 / after);
-        (column, Some(w))
+    fn correct<T: Real>(&self, v: &mut [Complex<T>]) {
+        self.correction.iter().for_each(|c| c.apply(v));
     }
 }
 
-fn subtract(w: &mut [Complex64], column: &[Complex64], basis: &[Vec<Complex64>]) -> f64 {
-    let negative: Vec<Complex64> = column.iter().map(|c| -c).collect();
-    add_combination(w, &negative, basis)
+fn entries<T>(field: &Array2<T>) -> &[T] {
+    field.as_slice().expect("fields are contiguous")
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::ink::PigmentGrains;
 use crate::input::check::largest_extents_nm;
 use crate::input::study::{Point, Study, WantedResolution};
 use crate::input::variation::CellRule;
-use crate::run::crew::work_through;
+use crate::run::crew::{processor_seconds, work_through};
 use crate::run::memory;
 use crate::run::point::solve_point;
 use crate::run::realisation::Packings;
@@ -120,15 +120,6 @@ fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunE
     // Ticks of a hundredth of a second say nothing of less than a few of them.
     let used = processor_seconds().zip(before).map(|(after, before)| after - before).filter(|&s| s > 0.1);
     Ok((used.unwrap_or(wall), made))
-}
-
-/// Processor time of this process where the system tells it (Linux): other programs on the machine do not count.
-fn processor_seconds() -> Option<f64> {
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The second field, the name in brackets, may hold spaces; user and system ticks are the 14th and 15th.
-    let mut ticks = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
-    let mut next = || ticks.next()?.parse::<f64>().ok();
-    Some((next()? + next()?) / 100.0)
 }
 
 /// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.

@@ -9,13 +9,14 @@ pub use super::channel::Channel;
 use super::folding::{Folding, Planes, REACH};
 use super::nufft::{Patch, SourceTransform, Spreading};
 use super::section::{self, Demands, EdgePoint, GaussRules, Sampling};
-use crate::numerics::fourier::{Harmonics, PlaneScratch, Real};
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
 use crate::wave::grid::element::MAX_DEGREE;
 use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Shape, WaveError};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Relative error of coefficients where nothing else is asked for.
 pub const EXACT: f64 = 1e-10;
@@ -48,6 +49,12 @@ pub struct Coverage {
     pub fractions: Vec<Vec<f64>>,
     /// Along which axes nothing changes, so that one point is enough.
     pub uniform: [bool; 2],
+    /// The harmonics in use on the grid, for all problems.
+    pub harmonics: Arc<Harmonics>,
+    /// Transforms of the grid's planes.
+    pub fft: PlaneFft,
+    /// The same in single precision.
+    pub fft_single: PlaneFft<f32>,
     /// Seconds spent here.
     pub seconds: f64,
 }
@@ -121,6 +128,9 @@ fn build<T: Real>(scene: &Scene, resolution: Resolution, error: f64) -> Result<C
         folded,
         fractions,
         uniform: [scene.uniform_in_plane(), scene.uniform_in_y()],
+        harmonics: Arc::new(Harmonics::new(resolution.nx, resolution.ny)),
+        fft: PlaneFft::new(resolution.nx, resolution.ny),
+        fft_single: PlaneFft::new(resolution.nx, resolution.ny),
         seconds: clock.elapsed().as_secs_f64(),
         grid,
     })

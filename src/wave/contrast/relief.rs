@@ -45,8 +45,9 @@ pub(crate) fn add_vacuum<T: Real>(
     let columns = column_moments(surface, balls, cell, count);
     let points = (count[0] * count[1]) as f64;
     for (plane, out) in sum.spectra.iter_mut().enumerate() {
-        scratch.plane.iter_mut().zip(&columns).for_each(|(s, m)| *s = T::of(m[plane] / points).into());
-        sum.means[plane] += columns.iter().map(|m| m[plane]).sum::<f64>() / points;
+        let values = columns.iter().skip(plane).step_by(cell.element.degree + 1);
+        scratch.plane.iter_mut().zip(values.clone()).for_each(|(s, m)| *s = T::of(m / points).into());
+        sum.means[plane] += values.sum::<f64>() / points;
         fft.forward(&mut scratch, std::slice::from_ref(&(0..count[0])));
         for (value, &[m, n]) in out.iter_mut().zip(cell.orders) {
             let row = m.rem_euclid(count[0] as i32) as usize;
@@ -55,35 +56,61 @@ pub(crate) fn add_vacuum<T: Real>(
     }
 }
 
-/// ∫ ψ_p dz over the vacuum of each column within the cell.
-fn column_moments(
-    surface: &HeightField,
-    balls: &[Ball],
-    cell: &CellColumns,
-    count: [usize; 2],
-) -> Vec<Vec<f64>> {
+/// ∫ ψ_p dz over the vacuum of each column within the cell: columns × planes of the cell.
+fn column_moments(surface: &HeightField, balls: &[Ball], cell: &CellColumns, count: [usize; 2]) -> Vec<f64> {
     let [lo, hi] = cell.range_um;
-    let near: Vec<&Ball> = balls
-        .iter()
-        .filter(|b| b.center_um[2] - b.radius_um < hi && b.center_um[2] + b.radius_um > lo)
-        .collect();
-    let rule = GaussLegendre::new(cell.element.degree + 1).expect("at least two nodes");
-    let column = |k: usize| {
-        let fraction = [(k % count[0]) as f64 / count[0] as f64, (k / count[0]) as f64 / count[1] as f64];
-        let [x, y] = [0, 1].map(|i| fraction[i] * surface.period_um[i]);
+    let planes = cell.element.degree + 1;
+    let rule = GaussLegendre::new(planes).expect("at least two nodes");
+    let chords = chords(balls, cell, surface.period_um, count);
+    let mut rest = chords.as_slice();
+    let mut all = vec![0.0; count[0] * count[1] * planes];
+    for (column, moments) in all.chunks_exact_mut(planes).enumerate() {
+        let here = rest.partition_point(|(k, _)| *k == column);
+        let (blocked, after) = rest.split_at(here);
+        rest = after;
+        let [x, y] = place(column, count, surface.period_um);
         let top = surface.z_um(x, y).min(hi);
-        let mut blocked: Vec<[f64; 2]> =
-            near.iter().filter_map(|b| chord(b, x, y, surface.period_um)).collect();
-        blocked.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let mut moments = vec![0.0; cell.element.degree + 1];
         let mut from = lo;
-        for [start, end] in blocked.into_iter().chain([[top, top]]) {
-            add_stretch(&mut moments, cell, &rule, [from, start.min(top)]);
+        for [start, end] in blocked.iter().map(|(_, chord)| *chord).chain([[top, top]]) {
+            add_stretch(moments, cell, &rule, [from, start.min(top)]);
             from = from.max(end);
         }
-        moments
-    };
-    (0..count[0] * count[1]).map(column).collect()
+    }
+    all
+}
+
+/// Where a column stands, µm.
+fn place(column: usize, count: [usize; 2], period_um: [f64; 2]) -> [f64; 2] {
+    let index = [column % count[0], column / count[0]];
+    [0, 1].map(|i| index[i] as f64 / count[i] as f64 * period_um[i])
+}
+
+/// Stretches of columns inside balls that reach into the cell, by column and from the top.
+fn chords(
+    balls: &[Ball],
+    cell: &CellColumns,
+    period_um: [f64; 2],
+    count: [usize; 2],
+) -> Vec<(usize, [f64; 2])> {
+    let [lo, hi] = cell.range_um;
+    let mut chords = Vec::new();
+    let near = |b: &&Ball| b.center_um[2] - b.radius_um < hi && b.center_um[2] + b.radius_um > lo;
+    for ball in balls.iter().filter(near) {
+        // Indices of the columns that it may cross, each once.
+        let range = |axis: usize| {
+            let step = period_um[axis] / count[axis] as f64;
+            let first = ((ball.center_um[axis] - ball.radius_um) / step).floor() as i64;
+            let last = ((ball.center_um[axis] + ball.radius_um) / step).ceil() as i64;
+            let n = count[axis] as i64;
+            (first..=last.min(first + n - 1)).map(move |k| k.rem_euclid(n) as usize)
+        };
+        for column in range(1).flat_map(|y| range(0).map(move |x| y * count[0] + x)) {
+            let [x, y] = place(column, count, period_um);
+            chords.extend(chord(ball, x, y, period_um).map(|chord| (column, chord)));
+        }
+    }
+    chords.sort_by(|(a, c), (b, d)| a.cmp(b).then(c[0].total_cmp(&d[0])));
+    chords
 }
 
 /// The stretch of the vertical line at (x, y) inside a ball or its nearest image.

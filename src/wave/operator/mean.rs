@@ -36,12 +36,49 @@ impl NodeCoefficients {
             return NodeCoefficients { off, diagonal: -off * cosine_series(x2) };
         }
         let ikz = Complex64::I * decaying_root(kz2);
-        let (step, square) = ((ikz * h).exp(), (ikz * (2.0 * h)).exp());
-        NodeCoefficients {
-            off: 2.0 * ikz * step / (square - 1.0),
-            diagonal: -ikz * (square + 1.0) / (square - 1.0),
-        }
+        NodeCoefficients::of_step(ikz, (ikz * h).exp())
     }
+
+    /// From ikz and e^{ikz h}.
+    fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
+        let square = step * step;
+        let scale = ikz / (square - 1.0);
+        NodeCoefficients { off: 2.0 * step * scale, diagonal: -(square + 1.0) * scale }
+    }
+}
+
+/// One cell's coefficients for one harmonic, all from two exponentials: the nodes', and the first node's shares at the
+/// inner `points` (see [`left_share`]), which lie symmetrically.
+fn cell_factors(
+    kz2: Complex64,
+    h: f64,
+    points: &[f64],
+    scheme: Scheme,
+) -> (NodeCoefficients, [Complex64; MAX_DEGREE]) {
+    let mut shares = [Complex64::default(); MAX_DEGREE];
+    if scheme == Scheme::SecondDifference || (kz2 * (h * h)).norm() < SMALL {
+        points.iter().zip(&mut shares).for_each(|(&t, share)| *share = left_share(kz2, h, t, scheme));
+        return (NodeCoefficients::new(kz2, h, scheme), shares);
+    }
+    let ikz = Complex64::I * decaying_root(kz2);
+    // e^{ikz h t} at the inner points: increments repeat from both ends, at most two differ.
+    let mut waves = [Complex64::ONE; MAX_DEGREE + 1];
+    let mut increments = [Complex64::ONE; MAX_DEGREE + 1];
+    let count = points.len();
+    for q in 0..=count {
+        let before = if q == 0 { 0.0 } else { points[q - 1] };
+        let here = if q == count { 1.0 } else { points[q] };
+        let mirrored = count - q;
+        increments[q] = if mirrored < q { increments[mirrored] } else { (ikz * (h * (here - before))).exp() };
+        waves[q] = increments[q] * if q == 0 { Complex64::ONE } else { waves[q - 1] };
+    }
+    let step = waves[count];
+    let scale = 1.0 / (1.0 - step * step);
+    for q in 0..count {
+        let rest = waves[count - 1 - q];
+        shares[q] = waves[q] * (1.0 - rest * rest) * scale;
+    }
+    (NodeCoefficients::of_step(ikz, step), shares)
 }
 
 /// Share of the left node in the mean medium's solution at the fraction t of a cell: sin(kz h (1−t))/sin(kz h).
@@ -86,6 +123,8 @@ pub struct MeanOperator {
     /// kx² + ky² of each harmonic.
     lateral_k2: Vec<f64>,
     off: Array2<Complex64>,
+    /// A cell's share of both its nodes' diagonals.
+    diagonal: Array2<Complex64>,
     inverse_pivot: Array2<Complex64>,
     /// One array per inner point of a cell.
     pub(crate) left_share: Vec<Array2<Complex64>>,
@@ -105,16 +144,16 @@ impl MeanOperator {
         let mut operator = MeanOperator {
             scheme,
             element: grid.element.clone(),
-            left_share: Vec::new(),
+            left_share: vec![Array2::zeros(shape); grid.element.degree - 1],
             off: Array2::zeros(shape),
+            diagonal: Array2::zeros(shape),
             inverse_pivot: Array2::zeros((shape.0 + 1, shape.1)),
             heights,
             mean_k2,
             lateral_k2,
         };
+        operator.cells();
         operator.factorise(kappa);
-        operator.left_share =
-            grid.element.points[1..grid.element.degree].iter().map(|&t| operator.shares(t)).collect();
         operator
     }
 
@@ -122,33 +161,45 @@ impl MeanOperator {
         self.mean_k2[cell] - self.lateral_k2[harmonic]
     }
 
-    fn shares(&self, t: f64) -> Array2<Complex64> {
-        let mut shares = Array2::zeros(self.off.dim());
-        shares.outer_iter_mut().into_par_iter().enumerate().for_each(|(j, mut row)| {
-            for (i, value) in row.iter_mut().enumerate() {
-                *value = left_share(self.kz2(j, i), self.heights[j], t, self.scheme);
-            }
-        });
-        shares
-    }
-
-    fn factorise(&mut self, kappa: [&[Complex64]; 2]) {
+    /// Coefficients of every cell.
+    fn cells(&mut self) {
         let (heights, mean_k2, lateral_k2, scheme) =
             (&self.heights, &self.mean_k2, &self.lateral_k2, self.scheme);
-        let columns =
-            self.off.axis_iter_mut(Axis(1)).into_par_iter().zip(self.inverse_pivot.axis_iter_mut(Axis(1)));
-        columns.enumerate().with_min_len(BLOCK).for_each(|(i, (mut off, mut pivots))| {
-            let ends = [kappa[0][i], kappa[1][i]].map(|k| Complex64::I * k);
-            let mut diagonal = ends[0];
-            for (j, &h) in heights.iter().enumerate() {
-                let cell = NodeCoefficients::new(mean_k2[j] - lateral_k2[i], h, scheme);
-                let inverse = guarded_inverse(diagonal + cell.diagonal, cell.off);
-                (off[j], pivots[j]) = (cell.off, inverse);
-                diagonal = cell.diagonal - cell.off * cell.off * inverse;
+        let points = &self.element.points[1..self.element.degree];
+        let mut rows: Vec<Vec<_>> = (0..heights.len()).map(|_| Vec::new()).collect();
+        for table in [&mut self.off, &mut self.diagonal].into_iter().chain(&mut self.left_share) {
+            rows.iter_mut().zip(table.outer_iter_mut()).for_each(|(row, part)| row.push(part));
+        }
+        rows.into_par_iter().enumerate().for_each(|(j, mut tables)| {
+            for (i, &q) in lateral_k2.iter().enumerate() {
+                let (node, shares) = cell_factors(mean_k2[j] - q, heights[j], points, scheme);
+                let values = [node.off, node.diagonal].into_iter().chain(shares);
+                tables.iter_mut().zip(values).for_each(|(table, value)| table[i] = value);
             }
-            let last = heights.len();
-            pivots[last] = guarded_inverse(diagonal + ends[1], off[last - 1]);
         });
+    }
+
+    /// L D Lᵀ of the nodes' system, all harmonics side by side.
+    fn factorise(&mut self, kappa: [&[Complex64]; 2]) {
+        let last = self.heights.len();
+        let mut diagonal: Vec<Complex64> = kappa[0].iter().map(|k| Complex64::I * k).collect();
+        for j in 0..last {
+            let (off, own) = (self.off.row(j), self.diagonal.row(j));
+            for (i, pivot) in self.inverse_pivot.row_mut(j).iter_mut().enumerate() {
+                *pivot = guarded_inverse(diagonal[i] + own[i], off[i]);
+                diagonal[i] = own[i] - off[i] * off[i] * *pivot;
+            }
+        }
+        for (i, pivot) in self.inverse_pivot.row_mut(last).iter_mut().enumerate() {
+            *pivot = guarded_inverse(diagonal[i] + Complex64::I * kappa[1][i], self.off[[last - 1, i]]);
+        }
+    }
+
+    /// L (each node's coupling with the next over its pivot) and 1/D.
+    pub(super) fn factors(&self) -> (Array2<Complex64>, &Array2<Complex64>) {
+        let mut lower = self.off.clone();
+        lower.zip_mut_with(&self.inverse_pivot.slice(s![..self.off.nrows(), ..]), |l, p| *l *= p);
+        (lower, &self.inverse_pivot)
     }
 
     /// Diagonal of A on a bubble.
@@ -177,10 +228,6 @@ impl MeanOperator {
 
     /// Loads y_p on planes → right-hand sides of nodes and bubbles, in place (transpose of the plane values).
     pub fn load(&self, y: &mut Array2<Complex64>) {
-        self.load_block(&mut y.view_mut(), 0);
-    }
-
-    fn load_block(&self, y: &mut ArrayViewMut2<Complex64>, first: usize) {
         let degree = self.element.degree;
         for cell in (0..self.heights.len()).filter(|_| degree > 1) {
             let (mut before, mut rest) = y.view_mut().split_at(Axis(0), degree * cell + 1);
@@ -188,9 +235,7 @@ impl MeanOperator {
             let mut previous = before.row_mut(degree * cell);
             let mut next = after.row_mut(0);
             for point in 1..degree {
-                let width = first..first + inner.ncols();
-                let [left, right] =
-                    [point, degree - point].map(|q| self.left_share[q - 1].slice(s![cell, width.clone()]));
+                let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1].row(cell));
                 let loads = inner.row(point - 1);
                 ndarray::Zip::from(&mut previous).and(left).and(loads).for_each(|n, &w, &y| *n += w * y);
                 ndarray::Zip::from(&mut next).and(right).and(loads).for_each(|n, &w, &y| *n += w * y);
@@ -210,13 +255,10 @@ impl MeanOperator {
         }
     }
 
-    /// A⁻¹ applied in place; with `loads`, `y` holds loads on planes, otherwise rows of nodes and bubbles.
-    pub fn solve(&self, y: &mut Array2<Complex64>, loads: bool) {
+    /// A⁻¹ applied in place to rows of nodes and bubbles; to loads on planes see [`super::scattering`].
+    pub fn solve(&self, y: &mut Array2<Complex64>) {
         y.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter().enumerate().for_each(|(b, mut block)| {
             let first = b * BLOCK;
-            if loads {
-                self.load_block(&mut block, first);
-            }
             self.solve_nodes(&mut block, first);
             self.solve_bubbles(&mut block, first);
         });
@@ -259,10 +301,10 @@ impl MeanOperator {
             out[0] += Complex64::I * kappa[0][i] * u[0];
             out[stride * cells] += Complex64::I * kappa[1][i] * u[stride * cells];
             for j in 0..cells {
-                let cell = NodeCoefficients::new(self.kz2(j, i), self.heights[j], self.scheme);
+                let (own, off) = (self.diagonal[[j, i]], self.off[[j, i]]);
                 let (a, b) = (u[stride * j], u[stride * (j + 1)]);
-                out[stride * j] += cell.diagonal * a + cell.off * b;
-                out[stride * (j + 1)] += cell.diagonal * b + cell.off * a;
+                out[stride * j] += own * a + off * b;
+                out[stride * (j + 1)] += own * b + off * a;
                 for bubble in 0..stride - 1 {
                     let row = stride * j + 1 + bubble;
                     out[row] += self.bubble(j, bubble, i) * u[row];
@@ -293,11 +335,10 @@ impl MeanOperator {
         let mut diagonal = vec![Complex64::default(); cells + 1];
         (diagonal[0], diagonal[cells]) = (ends[0], ends[1]);
         let mut off = Vec::with_capacity(cells);
-        for (j, &h) in self.heights.iter().enumerate() {
-            let cell = NodeCoefficients::new(self.kz2(j, harmonic), h, self.scheme);
-            diagonal[j] += cell.diagonal;
-            diagonal[j + 1] += cell.diagonal;
-            off.push(cell.off);
+        for j in 0..cells {
+            diagonal[j] += self.diagonal[[j, harmonic]];
+            diagonal[j + 1] += self.diagonal[[j, harmonic]];
+            off.push(self.off[[j, harmonic]]);
         }
         (diagonal, off)
     }
@@ -325,7 +366,7 @@ impl MeanOperator {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let shares = self.left_share.iter().map(|s| s.len()).sum::<usize>();
-        (self.off.len() + self.inverse_pivot.len() + shares) * size_of::<Complex64>()
+        (2 * self.off.len() + self.inverse_pivot.len() + shares) * size_of::<Complex64>()
     }
 }
 

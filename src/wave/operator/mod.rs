@@ -3,3 +3,7 @@
 pub mod banded;
 pub mod mean;
 pub mod problem;
+pub mod scattering;
+mod transfer;
+
+pub use problem::Problem;

@@ -3,15 +3,16 @@
 //! Unknowns are harmonics of nodes and, of the bubbles in each cell; see [`super::mean`].
 
 use super::mean::{MeanOperator, decaying_root};
-use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
+use super::scattering::{Scatter, Scattering, narrow};
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
 use crate::wave::bloch::BlochVector;
 use crate::wave::{Coverage, Grid, Incidence, Layout, Media, Scene, Side, WaveError};
 use ndarray::{Array2, ArrayView2};
-use num_complex::Complex64;
+use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
 pub type Field = Array2<Complex64>;
@@ -67,7 +68,7 @@ pub struct Problem {
     /// Indices of all media.
     pub media: Media,
     /// The harmonics in use: columns of a field.
-    pub harmonics: Harmonics,
+    pub harmonics: Arc<Harmonics>,
     /// A, factorised.
     pub mean: MeanOperator,
     /// Normal wavenumbers of every harmonic in the half-spaces above and below, 1/µm.
@@ -79,6 +80,8 @@ pub struct Problem {
     contrasts: Vec<Complex64>,
     /// Uniform part of each plane's moment, equally divided.
     offsets: Vec<Complex64>,
+    double: OnceLock<Scattering<f64>>,
+    single: OnceLock<Scattering<f32>>,
     /// Compact index of the incident harmonic.
     incident: usize,
 }
@@ -95,7 +98,7 @@ impl Problem {
     ) -> Result<Problem, WaveError> {
         incidence.check()?;
         let (grid, layout) = (&coverage.grid, coverage.layout());
-        let harmonics = Harmonics::new(grid.resolution.nx, grid.resolution.ny);
+        let harmonics = coverage.harmonics.clone();
         let k0 = TAU / incidence.wavelength_um;
         let bloch = BlochVector::new(&layout, media, incidence)?;
         bloch.check_orders(&layout, media, k0)?;
@@ -121,7 +124,9 @@ impl Problem {
             contrasts: contrasts.collect(),
             offsets: plane_offsets(coverage, media, k0, &mean_k2),
             mean: MeanOperator::new(grid, mean_k2, lateral_k2, [&kappa[0], &kappa[1]]),
-            fft: PlaneFft::new(grid.resolution.nx, grid.resolution.ny),
+            fft: coverage.fft.clone(),
+            double: OnceLock::new(),
+            single: OnceLock::new(),
             coverage: coverage.clone(),
             incidence: *incidence,
             media: media.clone(),
@@ -163,7 +168,8 @@ impl Problem {
 
     /// Bytes held by the problem itself: factors of the mean operator and coverage, without solver vectors.
     pub fn bytes(&self) -> usize {
-        self.mean.bytes() + self.coverage.bytes()
+        let tables = [self.double.get().map(|d| d.bytes()), self.single.get().map(|d| d.bytes())];
+        self.mean.bytes() + self.coverage.bytes() + tables.into_iter().flatten().sum::<usize>()
     }
 
     /// False for layered media whose mean is exact: nothing is left to iterate on.
@@ -193,7 +199,7 @@ impl Problem {
     /// u₀ = A⁻¹ b, the wave in the mean medium.
     pub fn background_wave(&self) -> Field {
         let mut b = self.source();
-        self.mean.solve(&mut b, false);
+        self.mean.solve(&mut b);
         b
     }
 
@@ -204,24 +210,45 @@ impl Problem {
 
     /// [`Problem::scatter`] of a borrowed field.
     pub fn scatter_view(&self, u: ArrayView2<Complex64>, out: &mut Field) {
-        self.contrast_loads(u, out);
-        self.mean.solve(out, true);
+        self.double().scatter(u, out);
     }
 
     /// out ← V u as loads y_p on planes (one inverse and one forward transform a plane).
     pub fn contrast_loads(&self, u: ArrayView2<Complex64>, out: &mut Field) {
-        let planes = out.outer_iter_mut().into_par_iter().enumerate();
-        planes.for_each_init(
-            || self.fft.scratch(),
-            |scratch, (plane, mut out)| {
-                let out = out.as_slice_mut().expect("rows are contiguous");
-                self.mean.plane_values(u, plane, out);
-                self.to_points(out, scratch);
-                self.multiply_contrast(plane, &mut scratch.plane);
-                self.fft.forward(scratch, &self.harmonics.rows);
-                self.harmonics.gather(&scratch.spectrum, out);
-            },
-        );
+        self.double().contrast_loads(u, out);
+    }
+
+    /// A⁻¹V as tables, made when first asked for.
+    pub fn double(&self) -> &Scattering<f64> {
+        let fft = || self.fft.clone();
+        self.double.get_or_init(|| Scattering::new(&self.mean, &self.harmonics, fft(), self.weights()))
+    }
+
+    /// The same in single precision.
+    pub fn single(&self) -> &Scattering<f32> {
+        let fft = || self.coverage.fft_single.clone();
+        self.single.get_or_init(|| Scattering::new(&self.mean, &self.harmonics, fft(), self.weights()))
+    }
+
+    /// W_p over the points of a plane, planes × points.
+    fn weights<T: Real>(&self) -> Array2<Complex<T>> {
+        let grid = &self.coverage.grid;
+        let mut weights = Array2::zeros((grid.planes(), grid.points()));
+        let mut sum = vec![Complex64::default(); grid.points()];
+        for (plane, mut row) in weights.outer_iter_mut().enumerate() {
+            self.contrast_weights(plane, &mut sum);
+            row.iter_mut().zip(&sum).for_each(|(w, &z)| *w = narrow(z));
+        }
+        weights
+    }
+
+    /// W_p of one plane over its points.
+    fn contrast_weights(&self, plane: usize, sum: &mut [Complex64]) {
+        sum.fill(self.offsets[plane]);
+        let fields = self.coverage.moments.iter().chain(&self.coverage.folded);
+        for (moments, &contrast) in fields.zip(&self.contrasts) {
+            sum.iter_mut().zip(moments.row(plane)).for_each(|(w, &m)| *w += contrast * m);
+        }
     }
 
     /// iκ of both half-spaces for one harmonic.
@@ -279,20 +306,11 @@ impl Problem {
         self.fft.inverse(scratch, &self.harmonics.rows);
     }
 
-    /// Multiplies by W_p in blocks that stay in registers and first-level cache.
+    /// Multiplies by W_p over the points of a plane.
     fn multiply_contrast(&self, plane: usize, values: &mut [Complex64]) {
-        const BLOCK: usize = 64;
-        for (b, block) in values.chunks_mut(BLOCK).enumerate() {
-            let mut weight = [self.offsets[plane]; BLOCK];
-            for (moments, &contrast) in
-                self.coverage.moments.iter().chain(&self.coverage.folded).zip(&self.contrasts)
-            {
-                let row = moments.row(plane).to_slice().expect("rows are contiguous");
-                let part = &row[b * BLOCK..b * BLOCK + block.len()];
-                weight.iter_mut().zip(part).for_each(|(w, &m)| *w += contrast * m);
-            }
-            block.iter_mut().zip(&weight).for_each(|(v, w)| *v *= w);
-        }
+        let mut weights = vec![Complex64::default(); values.len()];
+        self.contrast_weights(plane, &mut weights);
+        values.iter_mut().zip(weights).for_each(|(v, w)| *v *= w);
     }
 
     /// Im⟨u, (A_interior + V) u⟩/κ₀₀, the absorbed share of the incident flux.

@@ -1,0 +1,61 @@
+//! Runs that tell which part of the contrast scatters: η² with its real or its imaginary part levelled out.
+
+use crate::material::spectra::molecular_mixture;
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+/// Part of the contrast in η² that is kept. The other part takes its mean over the layer everywhere, so that the mean
+/// medium is the same in all three (P1 conclusion 4 asks which fluctuations make large grains pale).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ContrastPart {
+    /// As the materials are.
+    #[default]
+    Full,
+    /// Re η² alone differs; Im η² is the same everywhere.
+    Real,
+    /// Im η² alone differs; Re η² is the same everywhere.
+    Imaginary,
+}
+
+impl ContrastPart {
+    /// True where nothing is levelled out.
+    pub fn is_full(&self) -> bool {
+        *self == ContrastPart::Full
+    }
+
+    /// Indices of binder and pigments with the part kept; `shares` are the pigments' volume fractions.
+    pub fn of(
+        self,
+        binder: Complex64,
+        shares: &[f64],
+        pigments: Vec<Complex64>,
+    ) -> (Complex64, Vec<Complex64>) {
+        let all: Vec<_> = shares.iter().copied().zip(pigments.iter().copied()).collect();
+        let mean = molecular_mixture(binder, &all).powi(2);
+        let keep = |eta: Complex64| match self {
+            ContrastPart::Full => eta,
+            ContrastPart::Real => Complex64::new((eta * eta).re, mean.im).sqrt(),
+            ContrastPart::Imaginary => Complex64::new(mean.re, (eta * eta).im).sqrt(),
+        };
+        (keep(binder), pigments.into_iter().map(keep).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_stays_and_one_part_differs() {
+        let (binder, pigment) = (Complex64::new(1.558, 0.0), Complex64::new(1.8, 0.2));
+        let mean = molecular_mixture(binder, &[(0.3, pigment)]);
+        for part in [ContrastPart::Full, ContrastPart::Real, ContrastPart::Imaginary] {
+            let (b, p) = part.of(binder, &[0.3], vec![pigment]);
+            let difference = p[0] * p[0] - b * b;
+            assert!((molecular_mixture(b, &[(0.3, p[0])]) - mean).norm() < 1e-14);
+            assert_eq!(difference.im.abs() < 1e-14, part == ContrastPart::Real);
+            assert_eq!(difference.re.abs() < 1e-14, part == ContrastPart::Imaginary);
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! The orthonormal vectors of a Krylov space, in double or single precision.
+//!
+//! Real and imaginary parts lie apart, so that sums over many vectors are plain loops over numbers. Sums run over fixed
+//! chunks, which are added in order and in double precision: they do not depend on the number of threads.
+
+use crate::numerics::fourier::Real;
+use multiversion::multiversion;
+use num_complex::{Complex, Complex64};
+use rayon::prelude::*;
+
+/// Entries a chunk: real and imaginary parts of one stay in first-level cache in single precision.
+const CHUNK: usize = 2048;
+/// Chunks below which one thread does all: waking others costs more.
+const FEW: usize = 16;
+/// A second orthogonalisation pays when the first one removed nearly everything (Kahan, Parlett).
+const REORTHOGONALISE: f64 = 0.05;
+/// Numbers a step of the kernels.
+const LANES: usize = 16;
+
+/// Orthonormal vectors of one length.
+pub(crate) struct Basis<T: Real> {
+    length: usize,
+    /// Each vector's real parts, then its imaginary parts.
+    vectors: Vec<Vec<T>>,
+}
+
+impl<T: Real> Basis<T> {
+    /// One vector: `first` over its norm.
+    pub fn new(first: &[Complex64], norm: f64) -> Basis<T> {
+        let part = |value: fn(&Complex64) -> f64| first.iter().map(move |z| T::of(value(z) / norm));
+        let vector = part(|z| z.re).chain(part(|z| z.im)).collect();
+        Basis { length: first.len(), vectors: vec![vector] }
+    }
+
+    /// Number of vectors.
+    pub fn len(&self) -> usize {
+        self.vectors.len()
+    }
+
+    /// Bytes of all vectors.
+    pub fn bytes(&self) -> usize {
+        self.len() * 2 * self.length * size_of::<T>()
+    }
+
+    /// The latest vector.
+    pub fn last(&self, out: &mut [Complex<T>]) {
+        let (re, im) = self.vectors[self.len() - 1].split_at(self.length);
+        out.iter_mut().zip(re.iter().zip(im)).for_each(|(z, (&re, &im))| *z = Complex::new(re, im));
+    }
+
+    /// Σ a_i v_i over the first vectors.
+    pub fn combine(&self, factors: &[Complex64], out: &mut [Complex<T>]) {
+        let mut sum = vec![T::zero(); 2 * self.length];
+        add_combination(&mut sum, factors, &self.vectors);
+        let (re, im) = sum.split_at(self.length);
+        out.iter_mut().zip(re.iter().zip(im)).for_each(|(z, (&re, &im))| *z = Complex::new(re, im));
+    }
+
+    /// Orthogonalises `applied` + `image` and adds it: its column of the Hessenberg matrix, which ends with its norm.
+    /// Where nothing but rounding is left no vector is added.
+    pub fn expand(&mut self, applied: &[Complex<T>], image: &[Complex<T>]) -> (Vec<Complex64>, bool) {
+        let mut w = vec![T::zero(); 2 * self.length];
+        let (re, im) = w.split_at_mut(self.length);
+        for ((re, im), (a, b)) in re.iter_mut().zip(im).zip(applied.iter().zip(image)) {
+            (*re, *im) = (a.re + b.re, a.im + b.im);
+        }
+        let mut column = self.dots(&w);
+        let (before, mut after) = self.subtract(&mut w, &column);
+        if after < REORTHOGONALISE * before {
+            let correction = self.dots(&w);
+            (_, after) = self.subtract(&mut w, &correction);
+            column.iter_mut().zip(correction).for_each(|(c, d)| *c += d);
+        }
+        column.push(after.into());
+        let grows = after > T::ROUNDING * before;
+        if grows {
+            let factor = T::of(1.0 / after);
+            w.par_chunks_mut(CHUNK).with_min_len(FEW).for_each(|c| c.iter_mut().for_each(|x| *x *= factor));
+            self.vectors.push(w);
+        }
+        (column, grows)
+    }
+
+    /// ⟨v_i, w⟩ for all i, reading each chunk of w once.
+    fn dots(&self, w: &[T]) -> Vec<Complex64> {
+        let product = |from: usize| {
+            let w = part(w, from);
+            self.vectors.iter().map(|v| dot(part(v, from), w)).collect::<Vec<_>>()
+        };
+        let starts = (0..self.length.div_ceil(CHUNK)).into_par_iter().with_min_len(FEW);
+        let parts: Vec<Vec<Complex64>> = starts.map(|c| product(c * CHUNK)).collect();
+        (0..self.len()).map(|i| parts.iter().map(|p| p[i]).sum()).collect()
+    }
+
+    /// w ← w − Σ c_i v_i; the norms of w before and after.
+    fn subtract(&self, w: &mut [T], column: &[Complex64]) -> (f64, f64) {
+        let negative: Vec<Complex64> = column.iter().map(|c| -c).collect();
+        let after = add_combination(w, &negative, &self.vectors);
+        let removed: f64 = column.iter().map(|c| c.norm_sqr()).sum();
+        ((after * after + removed).sqrt(), after)
+    }
+}
+
+/// w ← w + Σ a_i v_i, writing each chunk of w once; returns ‖w‖ afterwards.
+fn add_combination<T: Real>(w: &mut [T], factors: &[Complex64], vectors: &[Vec<T>]) -> f64 {
+    let length = w.len() / 2;
+    let (re, im) = w.split_at_mut(length);
+    let chunks = re.par_chunks_mut(CHUNK).zip(im.par_chunks_mut(CHUNK)).with_min_len(FEW).enumerate();
+    let add = |(c, (re, im)): (usize, (&mut [T], &mut [T]))| {
+        for (a, v) in factors.iter().zip(vectors) {
+            let (v_re, v_im) = part(v, c * CHUNK);
+            add_scaled([&mut *re, &mut *im], [T::of(a.re), T::of(a.im)], [v_re, v_im]);
+        }
+        dot((re, im), (re, im)).re
+    };
+    let parts: Vec<f64> = chunks.map(add).collect();
+    parts.iter().sum::<f64>().sqrt()
+}
+
+/// Real and imaginary parts of the chunk that begins at `from`.
+fn part<T>(v: &[T], from: usize) -> (&[T], &[T]) {
+    let (re, im) = v.split_at(v.len() / 2);
+    let to = re.len().min(from + CHUNK);
+    (&re[from..to], &im[from..to])
+}
+
+/// Σ ā b of one chunk.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
+    let ((a_re, a_im), (b_re, b_im)) = (a, b);
+    let (mut parallel, mut crossed) = ([T::zero(); LANES], [T::zero(); LANES]);
+    let (ar, ai) = (a_re.as_chunks::<LANES>(), a_im.as_chunks::<LANES>());
+    let (br, bi) = (b_re.as_chunks::<LANES>(), b_im.as_chunks::<LANES>());
+    for ((ar, ai), (br, bi)) in ar.0.iter().zip(ai.0).zip(br.0.iter().zip(bi.0)) {
+        for i in 0..LANES {
+            parallel[i] += ar[i] * br[i] + ai[i] * bi[i];
+            crossed[i] += ar[i] * bi[i] - ai[i] * br[i];
+        }
+    }
+    for ((&ar, &ai), (&br, &bi)) in ar.1.iter().zip(ai.1).zip(br.1.iter().zip(bi.1)) {
+        parallel[0] += ar * br + ai * bi;
+        crossed[0] += ar * bi - ai * br;
+    }
+    let sum = |lanes: [T; LANES]| lanes.iter().map(|x| x.wide()).sum();
+    Complex64::new(sum(parallel), sum(crossed))
+}
+
+/// w ← w + factor v on one chunk; every operand as real and imaginary part.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn add_scaled<T: Real>([re, im]: [&mut [T]; 2], [a_re, a_im]: [T; 2], [v_re, v_im]: [&[T]; 2]) {
+    for ((re, im), (&x, &y)) in re.iter_mut().zip(im).zip(v_re.iter().zip(v_im)) {
+        *re += a_re * x - a_im * y;
+        *im += a_re * y + a_im * x;
+    }
+}
+
+#[cfg(test)]
+#[path = "basis_tests.rs"]
+mod tests;
