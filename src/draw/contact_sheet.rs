@@ -17,10 +17,10 @@ pub struct ContactSheet {
     pub column_axis: String,
     /// Labels of the columns, from the left.
     pub columns: Vec<String>,
-    /// \[row\]\[column\]; what is not there is told by `blanks`.
+    /// \[row\]\[column\]
     pub pictures: Vec<Vec<Option<InkPicture>>>,
-    /// \[row, column\] of places without a picture, and why they have none.
-    pub blanks: Vec<([usize; 2], String)>,
+    /// \[row\]\[column\]: why there is no picture, in a few words.
+    pub blanks: Vec<Vec<String>>,
 }
 
 /// Sheet layout, pixels: least space for captions, and between pictures.
@@ -48,7 +48,7 @@ impl ContactSheet {
                 let at = [left + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
                     Some(picture) => picture.paint(&mut bitmap, at, style),
-                    None => blank(&mut bitmap, at, cell, self.reason([r, c]))?,
+                    None => blank(&mut bitmap, at, cell, self.reason(r, c))?,
                 }
             }
         }
@@ -61,9 +61,8 @@ impl ContactSheet {
         SHEET_LEFT.max(SHEET_GAP + (longest as f64 * LETTER * LABEL_PX as f64) as usize + 14)
     }
 
-    fn reason(&self, place: [usize; 2]) -> &str {
-        let found = self.blanks.iter().find(|(at, _)| *at == place);
-        found.map_or("not computed", |(_, reason)| reason)
+    fn reason(&self, row: usize, column: usize) -> &str {
+        self.blanks.get(row).and_then(|reasons| reasons.get(column)).map_or("", String::as_str)
     }
 
     fn check(&self) -> Result<(), FigureError> {

@@ -69,14 +69,14 @@ impl Outcome {
         }
     }
 
-    /// In a few words why there is no picture of it.
-    pub fn blank(&self) -> String {
-        let Some(reason) = &self.reason else { return "not computed yet".into() };
+    /// In a few words why it has no results, if something failed.
+    pub fn short_reason(&self) -> Option<String> {
+        let reason = self.reason.as_ref()?;
         // "realisation 1: volume fraction 0.5 not reached after 6799 steps: …" → what a glance can take.
         let told = reason.split_once(": ").filter(|(head, _)| head.starts_with("realisation"));
         let told = told.map_or(reason.as_str(), |(_, rest)| rest);
         let end = [":", ";", ",", " after "].iter().filter_map(|stop| told.find(stop)).min();
-        told[..end.unwrap_or(told.len())].to_owned()
+        Some(told[..end.unwrap_or(told.len())].to_owned())
     }
 
     /// One number with its error, if it is there. An unfinished variant counts with its complete realisations.

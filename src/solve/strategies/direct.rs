@@ -6,10 +6,11 @@ use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::Field;
 use num_complex::Complex64;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Dense LU; refuses problems above `max_unknowns` (16 bytes times their square, and their cube in time).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Direct {
     /// Most complex unknowns it takes.
