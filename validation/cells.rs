@@ -49,6 +49,14 @@ impl Cell {
         }
     }
 
+    /// The same cell with grains of the binder's own index: nothing scatters, and nothing remains to be iterated.
+    pub fn clear_problem(&self, (polar_deg, azimuth_deg, from): Direction) -> Problem {
+        let incidence = Incidence { wavelength_um: 0.5, polar_deg, azimuth_deg, from };
+        let media = Media { inclusions: vec![1.558.into()], ..self.media() };
+        Problem::from_scene(&Self::scene(), &media, &incidence, self.resolution, self.mean)
+            .expect("a sound cell")
+    }
+
     pub fn problem(&self, (polar_deg, azimuth_deg, from): Direction) -> Problem {
         let incidence = Incidence { wavelength_um: 0.5, polar_deg, azimuth_deg, from };
         Problem::from_scene(&Self::scene(), &self.media(), &incidence, self.resolution, self.mean)

@@ -3,8 +3,8 @@
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Mean, SpectrumEstimate, Total, film_means, film_totals};
 use super::on_paper::{
-    Anchors, BENDS, Curve, DIFFUSE, LayerOnPaper, Measured, Nodes, PolarAngle, SYMMETRIC, anchor_shares,
-    diffuse_functions,
+    AZIMUTHAL, Anchors, BENDS, Curve, DIFFUSE, LayerOnPaper, Measured, Nodes, PolarAngle, SYMMETRIC,
+    anchor_shares, azimuthal, diffuse_functions, symmetric,
 };
 use super::regression::{Fits, Normal, Sums};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
@@ -92,6 +92,7 @@ pub struct InkOnPaper {
     diffuse_width: usize,
     /// The layer in the light that the paper gives back, where that is another one.
     returned: Option<(LayerEnsemble, Fits)>,
+    directional: Fits,
     whole: Vec<LayerOnPaper>,
     /// \[realisation left out\]\[node\]
     replicates: Vec<Vec<LayerOnPaper>>,
@@ -141,10 +142,19 @@ impl InkOnPaper {
         let shares = nodes_nm.iter().map(|&nm| layer.basis.shares(nm)).collect();
         let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
         let nodes = Nodes { wavelengths_nm: nodes_nm, films, albedos, shares, means };
-        let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
-        let (own_curves, diffuse) = match solved {
-            [] => (Fits::nothing(&layer.basis, BENDS, 3), Fits::nothing(&layer.basis, diffuse_width, 1)),
-            _ => (curves(&layer, anchored, solved, inputs.films), diffuse(&layer, solved, diffuse_width)),
+        let none = |width: usize, columns: usize| Fits::nothing(&layer.basis, width, columns);
+        let polarised = returned.is_some();
+        let diffuse_width = if polarised { DIFFUSE } else { SYMMETRIC };
+        let (own_curves, diffuse, directional) = match solved {
+            [] => (none(BENDS, 3), none(diffuse_width, 1), none(SYMMETRIC + AZIMUTHAL, 1)),
+            _ => (
+                curves(&layer, anchored, solved, inputs.films),
+                match polarised {
+                    false => diffuse::<SYMMETRIC>(&layer, solved, &mean_functions),
+                    true => diffuse::<DIFFUSE>(&layer, solved, &polarised_functions),
+                },
+                diffuse::<{ SYMMETRIC + AZIMUTHAL }>(&layer, solved, &all_functions),
+            ),
         };
         let returned = returned.map(|(layer, solved)| {
             let fits = curves(&layer, anchored, solved, &inputs.films.returned());
@@ -162,6 +172,7 @@ impl InkOnPaper {
             diffuse,
             diffuse_width,
             returned,
+            directional,
             whole: Vec::new(),
             replicates: Vec::new(),
         };
@@ -213,6 +224,9 @@ impl InkOnPaper {
             bends: bends(&self.curves),
             returned: bends(self.returned.as_ref().map_or(&self.curves, |(_, fits)| fits)),
             diffuse: std::array::from_fn(diffuse),
+            azimuthal: std::array::from_fn(|k| {
+                at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0)
+            }),
         };
         let [mean_t, _, mean_a, _] = self.nodes.means[node];
         let film = [mean_t, mean_a];
@@ -488,23 +502,44 @@ fn curves(layer: &LayerEnsemble, anchored: [usize; 2], solved: &[SolvedRealisati
     Fits::new(&solved.iter().enumerate().map(part).collect::<Vec<_>>(), &layer.basis, BENDS)
 }
 
-/// The layer's own diffuse BRDF, from all orders of all solves from the incident side.
-fn diffuse(layer: &LayerEnsemble, solved: &[SolvedRealisation], width: usize) -> Fits {
+/// Functions of a sample: cosines of light and order, and sin θ_i sin θ_o cos Δφ.
+type Functions<const N: usize> = dyn Fn(f64, f64, f64) -> [f64; N];
+
+fn mean_functions(lit: f64, seen: f64, _: f64) -> [f64; SYMMETRIC] {
+    symmetric(lit, seen)
+}
+
+fn polarised_functions(lit: f64, seen: f64, _: f64) -> [f64; DIFFUSE] {
+    diffuse_functions(lit, seen)
+}
+
+fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
+    let (mean, directional) = (symmetric(lit, seen), azimuthal(lit, seen, s));
+    std::array::from_fn(|k| if k < SYMMETRIC { mean[k] } else { directional[k - SYMMETRIC] })
+}
+
+/// The layer's own diffuse BRDF, from all orders of all solves from the incident side: its mean over the azimuth, which colours
+/// need, or with its dependence on it, which a renderer needs.
+fn diffuse<const N: usize>(
+    layer: &LayerEnsemble,
+    solved: &[SolvedRealisation],
+    functions: &Functions<N>,
+) -> Fits {
     let part = |realisation: &SolvedRealisation| {
-        let mut normal = Normal::new(layer.basis.len() * width, 1);
+        let mut normal = Normal::new(layer.basis.len() * N, 1);
         for at in &realisation.wavelengths {
-            let mut sums = Sums::new(width, 1);
+            let mut sums = Sums::new(N, 1);
             for s in at.exact.iter().chain(&at.strata) {
-                let lit = s.polar_deg.to_radians().cos();
-                s.scattered.iter().for_each(|&[seen, density]| {
-                    sums.add(&diffuse_functions(lit, seen)[..width], &[density])
+                let (sine, lit) = s.polar_deg.to_radians().sin_cos();
+                s.scattered.iter().for_each(|order| {
+                    sums.add(&functions(lit, order.cosine, sine * order.along), &[order.density])
                 });
             }
             normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
         }
         normal
     };
-    Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, width)
+    Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, N)
 }
 
 #[cfg(test)]

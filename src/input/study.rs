@@ -269,6 +269,14 @@ impl Study {
         }
     }
 
+    /// Content hash of all that the packings of every realisation depend on. The first one is not enough: cells are drawn to hold
+    /// whole grains, so two nominal periods may agree in one realisation and differ in the next.
+    pub fn packings_key(&self) -> Key {
+        let (layer, variation) = (&self.layer, &self.variation);
+        let cell = (layer.period_um, layer.thickness_um, variation.cell, variation.thickness_std_um);
+        Key::of("packings", &(&self.packing, cell))
+    }
+
     /// Indices at one wavelength; pigment i is inclusion i.
     pub fn media(&self, wavelength_um: f64) -> Media {
         let binder = self.layer.binder.index_at(wavelength_um);

@@ -7,6 +7,7 @@
 use super::columns::{Columns, ColumnsError};
 use super::dispersion::{Dispersion, DispersionError};
 use num_complex::Complex64;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -326,7 +327,7 @@ pub fn molecular_mixture(binder: Complex64, shares: &[(f64, Complex64)]) -> Comp
 }
 
 /// How pigments without grains mix with the binder: the limit of vanishing grains of a wave equation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MixingRule {
     /// ε = ⟨ε⟩, the limit of the scalar wave, which feels no surface charge.

@@ -86,8 +86,7 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
     watch: &dyn RunWatch,
     mut scene: impl FnMut(usize) -> Result<Scene, E>,
 ) -> Result<Resolved, E> {
-    let probes = probes(study, 0);
-    let key = key(study, &probes);
+    let (probes, key) = (probes(study, 0), key(study));
     if let Some(resolved) = store.get(key.as_str()) {
         return Ok(resolved);
     }
@@ -102,7 +101,7 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
         true => settle::<NormalMoments>(study, &first, &probes, memory, watch)?,
     };
     let mut differences = Vec::new();
-    for r in 0..study.realisations.min(GRID_PACKINGS) {
+    for r in 0..compared(study) {
         let scene = if r == 0 { first.clone() } else { scene(r)? };
         differences.push(match study.wave.is_vector() {
             false => grid_differences::<Coverage>(study, &resolved, r, &scene, memory, watch)?,
@@ -116,16 +115,26 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
 
 /// The study's grid if the store has it.
 pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
-    store.get(key(study, &probes(study, 0)).as_str())
+    store.get(key(study).as_str())
 }
 
-/// Content hash of all that the choice of the grid depends on.
-fn key(study: &Study, probes: &[Incidence]) -> Key {
-    let packing = Key::of("packing", &study.packing_request(0));
-    let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
+/// Realisations whose packings two grids are compared on.
+fn compared(study: &Study) -> usize {
+    study.realisations.min(GRID_PACKINGS)
+}
+
+/// Content hash of all that the choice of the grid and its error depend on. Every packing compared counts: studies may share the
+/// first one and differ in others, since cells are drawn to hold whole grains.
+pub(crate) fn key(study: &Study) -> Key {
+    let packing = |realisation: usize| {
+        let probes = probes(study, realisation);
+        let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
+        (Key::of("packing", &study.packing_request(realisation)), media, probes)
+    };
+    let packings: Vec<_> = (0..compared(study)).map(packing).collect();
     let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
     // s, p and unpolarised light share a grid.
-    Key::of_wave("resolution", &(packing, media, probes, method), study.wave.is_vector().then_some(()))
+    Key::of_wave("resolution", &(packings, method), study.wave.is_vector().then_some(()))
 }
 
 fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {

@@ -47,11 +47,11 @@ impl Shard {
     }
 }
 
-/// Variants with equal packings, in the order of the packings' hashes.
+/// Variants with equal packings in all realisations, in the order of the packings' hashes.
 pub fn groups(sweep: &Sweep) -> Vec<Vec<usize>> {
     let mut groups: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
     for (v, variant) in sweep.variants.iter().enumerate() {
-        groups.entry(Key::of("packing", &variant.study.packing_request(0))).or_default().push(v);
+        groups.entry(variant.study.packings_key()).or_default().push(v);
     }
     groups.into_values().collect()
 }

@@ -3,7 +3,7 @@
 use super::room::Room;
 use crate::input::study::Study;
 use crate::run::realisation::{Packings, RealisationRun};
-use crate::run::resolve::{Resolved, resolve};
+use crate::run::resolve::{Resolved, key as grid_key, resolve};
 use crate::run::runner::{Realisation, RunError, RunSettings, Stores, stopped};
 use crate::run::watch::RunWatch;
 use crate::store::identity::Key;
@@ -99,5 +99,6 @@ pub(crate) fn stage_key(study: &Study, realisation: usize) -> Key {
     let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
     let light = (&study.wavelengths_nm, &study.angles, indices);
     let method = (&study.resolution, &study.solver, &study.goal);
-    Key::of_wave("stage", &(study.packing_request(realisation), light, method), study.vector_wave())
+    let inputs = (grid_key(study), study.packing_request(realisation), light, method);
+    Key::of_wave("stage", &inputs, study.vector_wave())
 }

@@ -1,0 +1,250 @@
+//! Golden numbers: everything that a run publishes, value by value, against values derived by other means.
+//!
+//! `validation/golden.py` (Python's standard library, nothing of this program) takes a study and its stored solves to every published
+//! number: film, least squares, jackknife, paper, colour, error budget, picture. Here the program gets the same solves.
+//! What the script has to be told again after the records changed is in its first lines.
+
+use inkwave::input::load::load;
+use inkwave::report::publish::publish;
+use inkwave::run::collected::{Collected, Realisation};
+use inkwave::run::resolve::Resolved;
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
+use inkwave::store::{PackingRecord, PointRecord};
+use serde::Deserialize;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Relative and absolute: the same sums in another order, matrices instead of a recursion.
+const ROUNDING: [f64; 2] = [1e-6, 2e-9];
+/// The script interpolates the 5 nm rows of CIE's tables at the wavelengths solved, where the program reads rows of 1 nm. That
+/// enters the colours' correction for what the spectra's fit leaves over, which is as large as 1 in Lab here.
+const TABLES: [f64; 2] = [1e-3, 2e-4];
+
+/// Columns that name a row.
+const KEYS: [&str; 8] =
+    ["wavelength_nm", "polar_deg", "from", "polar_in_deg", "azimuth_in_deg", "lobe", "m", "n"];
+
+#[derive(Deserialize)]
+struct Solves {
+    grid: Resolved,
+    realisations: Vec<Solved>,
+}
+
+#[derive(Deserialize)]
+struct Solved {
+    packing: PackingRecord,
+    points: Vec<PointRecord>,
+}
+
+fn golden(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/data/golden").join(name)
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).expect("a file")).expect("JSON")
+}
+
+/// What differs, with its place; a list of its own so that one run shows everything.
+struct Ledger {
+    faults: Vec<String>,
+    tolerance: [f64; 2],
+}
+
+impl Ledger {
+    fn new() -> Ledger {
+        Ledger { faults: Vec::new(), tolerance: ROUNDING }
+    }
+
+    fn number(&mut self, place: &str, got: Option<f64>, want: Option<f64>) {
+        let same = match (got, want) {
+            (Some(got), Some(want)) => {
+                let [relative, absolute] = self.tolerance;
+                (got - want).abs() <= absolute + relative * got.abs().max(want.abs())
+            }
+            (None, None) => true,
+            _ => false,
+        };
+        if !same {
+            self.faults.push(format!("{place}: {got:?} instead of {want:?}"));
+        }
+    }
+
+    /// Every value of `want` against that of the same name in `got`; an estimate is [value, standard error] in `want`.
+    fn value(&mut self, place: &str, got: &Value, want: &Value) {
+        match (got, want) {
+            (_, Value::Object(fields)) => {
+                fields
+                    .iter()
+                    .for_each(|(name, want)| self.value(&format!("{place}.{name}"), &got[name], want));
+            }
+            (Value::Object(estimate), Value::Array(pair)) => {
+                self.value(place, &estimate["value"], &pair[0]);
+                self.value(&format!("{place} error"), &estimate["standard_error"], &pair[1]);
+            }
+            (Value::Array(got), Value::Array(want)) if got.len() == want.len() => {
+                got.iter().zip(want).for_each(|(got, want)| self.value(place, got, want));
+            }
+            (Value::Number(_) | Value::Null, Value::Number(_) | Value::Null) => {
+                self.number(place, got.as_f64(), want.as_f64());
+            }
+            (got, want) if got == want => {}
+            _ => self.faults.push(format!("{place}: {got} instead of {want}")),
+        }
+    }
+
+    /// A table against rows of values in the order of its columns; rows may end early where the rest is empty.
+    fn table(&mut self, path: &Path, want: &Value) {
+        let mut table = csv::Reader::from_path(path).expect("a table");
+        let header = table.headers().expect("a header").clone();
+        let rows: Vec<csv::StringRecord> = table.records().map(|row| row.expect("a row")).collect();
+        let want: Vec<&Vec<Value>> =
+            want.as_array().expect("rows").iter().filter_map(Value::as_array).collect();
+        let name = path.file_name().expect("a name").display().to_string();
+        if rows.len() != want.len() {
+            return self.faults.push(format!("{name}: {} rows instead of {}", rows.len(), want.len()));
+        }
+        let text = |value: &Value| value.as_str().map_or(value.to_string(), str::to_owned);
+        let short = |text: &str| text.parse::<f64>().map_or(text.to_owned(), |x| format!("{x:.5}"));
+        // The order of rows is no number: the first columns name them.
+        let naming = header.iter().position(|c| KEYS.iter().all(|key| *key != c)).unwrap_or(0);
+        let place_of = |cell: &dyn Fn(usize) -> String| {
+            (0..naming).map(|i| short(&cell(i))).collect::<Vec<_>>().join("/")
+        };
+        for want in want {
+            let place = place_of(&|i| text(&want[i]));
+            let Some(row) = rows.iter().find(|row| place_of(&|i| row[i].to_owned()) == place) else {
+                self.faults.push(format!("{name}: no row {place}"));
+                continue;
+            };
+            for (i, column) in header.iter().enumerate() {
+                let want = want.get(i).unwrap_or(&Value::Null);
+                let place = format!("{name}, {column} at {place}");
+                match row[i].parse::<f64>() {
+                    Ok(number) => self.number(&place, Some(number), want.as_f64()),
+                    Err(_) if row[i].is_empty() => self.number(&place, None, want.as_f64()),
+                    Err(_) if row[i] == text(want) => {}
+                    Err(_) => self.faults.push(format!("{place}: {} instead of {want}", &row[i])),
+                }
+            }
+        }
+    }
+
+    /// One step of 255 is rounding.
+    fn picture(&mut self, path: &Path, want: &Value) {
+        let file = std::fs::File::open(path).expect("a picture");
+        let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("PNG");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        let frame = reader.next_frame(&mut pixels).expect("a frame");
+        let samples = frame.line_size / frame.width as usize;
+        let at = |x: usize, y: usize| &pixels[y * frame.line_size + x * samples..][..3];
+        let rows = |key: &str| want[key].as_array().expect("rows").clone();
+        let (strip, square) = (rows("strip"), rows("square"));
+        let left = frame.width as usize - square.len();
+        for (y, (strip, row)) in strip.iter().zip(&square).enumerate() {
+            let row = row.as_str().expect("hexadecimal digits");
+            let wanted = row.as_bytes().chunks(6).enumerate().map(|(x, colour)| (left + x, colour));
+            for (x, colour) in wanted.chain([(0, strip.as_str().expect("a colour").as_bytes())]) {
+                let colour = std::str::from_utf8(colour).expect("ASCII");
+                let channel =
+                    |c: usize| i32::from_str_radix(&colour[2 * c..2 * c + 2], 16).expect("two digits");
+                if (0..3).any(|c| (i32::from(at(x, y)[c]) - channel(c)).abs() > 1) {
+                    self.faults.push(format!("pixel ({x}, {y}): {:?} instead of {colour}", at(x, y)));
+                }
+            }
+        }
+    }
+
+    fn close(self, name: &str) {
+        let shown = self.faults.iter().take(20).cloned().collect::<Vec<_>>().join("\n");
+        assert!(self.faults.is_empty(), "{name}: {} values differ, such as\n{shown}", self.faults.len());
+    }
+}
+
+/// Publishes the kept solves of a study and compares all of it.
+fn compare(name: &str, colours: [f64; 2]) {
+    let study = load(&golden(&format!("{name}.toml"))).expect("a study");
+    let solves: Solves = serde_json::from_value(json(&golden(&format!("{name}-solves.json"))))
+        .expect("solves of today's form");
+    let whole = |Solved { packing, points }: Solved| {
+        assert_eq!(points.len(), study.solves_each());
+        Realisation { packing, points: points.into_iter().map(Some).collect(), failures: Vec::new() }
+    };
+    let realisations = solves.realisations.into_iter().map(whole).collect();
+    let collected = Collected { resolved: solves.grid, realisations, enough: false, damages: Vec::new() };
+    let place = tempfile::tempdir().expect("a folder");
+    let out = place.path().join("out");
+    let folder = OutputFolder::open(&out, Holds::Study).expect("a folder");
+    publish(&study, &collected, &folder).expect("published");
+    let (results, want) = (json(&out.join("results.json")), json(&golden(&format!("{name}.json"))));
+    let mut ledger = Ledger::new();
+    ledger.value("certainty", &results["certainty"], &want["certainty"]);
+    ledger.tolerance = colours;
+    ledger.value("colours", &results["colours"], &want["colours"]);
+    ledger.tolerance = ROUNDING;
+    let maker = &want["ink_maker"];
+    for key in ["print", "over_black", "over_white", "contrast_ratio"] {
+        ledger.value(key, &results["ink_maker"][key], &maker[key]);
+    }
+    if maker.get("target").is_some() {
+        ledger.value("target", &results["ink_maker"]["target"]["delta_e_2000"], &maker["target"]);
+    }
+    if let Some(rows) = maker.get("kubelka_munk") {
+        ledger.table(&out.join("kubelka-munk.csv"), rows);
+    }
+    ledger.table(&out.join("spectra.csv"), &want["spectra"]);
+    ledger.table(&out.join("bdf.csv"), &want["bdf"]);
+    ledger.picture(&out.join("picture.png"), &want["picture"]);
+    ledger.close(name);
+}
+
+#[test]
+fn a_film_has_its_golden_numbers() {
+    compare("film", ROUNDING);
+}
+
+#[test]
+fn fixed_cells_have_their_golden_numbers() {
+    compare("fixed", ROUNDING);
+}
+
+#[test]
+fn varied_cells_have_their_golden_numbers() {
+    compare("varied", TABLES);
+}
+
+/// Films of two shares on two papers, through the program: solved, collected, compared with the reference variant.
+#[test]
+fn a_sweep_has_its_golden_numbers() {
+    let place = tempfile::tempdir().expect("a folder");
+    let out = place.path().join("out");
+    let mut inkwave = Command::new(env!("CARGO_BIN_EXE_inkwave"));
+    inkwave
+        .env_remove("SLURM_ARRAY_TASK_ID")
+        .arg("sweep")
+        .arg(golden("sweep.toml"))
+        .arg("--output")
+        .arg(&out);
+    let done = inkwave.output().expect("the program starts");
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let want = json(&golden("sweep.json"));
+    let mut table = csv::Reader::from_path(out.join("sweep.csv")).expect("a table");
+    let header = table.headers().expect("a header").clone();
+    let mut ledger = Ledger::new();
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), want["variants"].as_array().expect("variants").len());
+    for (row, want) in rows.iter().zip(want["variants"].as_array().expect("variants")) {
+        for (column, cell) in header.iter().zip(row) {
+            // Solved to a residual of 1e-12 with an exact scheme; ten digits remain.
+            if let Some(want) = want.get(column) {
+                ledger.number(&format!("{}, {column}", &row[0]), cell.parse().ok(), want.as_f64());
+            }
+        }
+    }
+    let conclusions = std::fs::read_to_string(out.join("conclusions.csv")).expect("conclusions");
+    let measured = conclusions.lines().nth(1).expect("one conclusion").split(',').collect::<Vec<_>>();
+    let value = measured.iter().filter_map(|cell| cell.parse::<f64>().ok()).next();
+    ledger.number("conclusion", value, want["conclusion"].as_f64());
+    ledger.close("sweep");
+}
