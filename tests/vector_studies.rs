@@ -149,7 +149,6 @@ fn what_is_not_solved_with_maxwells_equations_is_refused_by_its_field() {
     let cases = [
         (vector.replace("binder.index", "relief = { depth_um = 0.1 }\nbinder.index"), "layer.relief"),
         (vector.replace("{ built_in = \"yellow\" }", "{ n = 0.2, k = 3.0 }"), "pigment[0].index"),
-        (vector.replace("[resolution]", "[resolution]\nscheme = \"cubic\""), "resolution.scheme"),
         (vector.clone() + "[solver]\nstrategy = \"relaxation\"\n", "solver.strategy"),
         (lit_by("circular", TINY), "unpolarised"),
     ];

@@ -100,6 +100,14 @@ impl Packed {
     pub fn case(&self) -> Result<Case, CompareError> {
         let study =
             check(&self.file, &self.folder, "study").map_err(|faults| inside(faults, &self.folder))?;
+        if study.wave.is_vector() {
+            return Err(CompareError::Field {
+                field: "study.light.wave",
+                found: study.wave.name().into(),
+                allowed: "scalar: comparisons are of the scalar wave".into(),
+                remedy: "leave it out, or solve with `inkwave run`",
+            });
+        }
         let scene = Scene::from_packing(&pack(&study.packing_request(0), &mut ())?);
         let incidence = self.incidence(&study)?;
         let media = study.media(incidence.wavelength_um);

@@ -258,7 +258,7 @@ fn realisations(file: &StudyFile) -> usize {
 
 fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
     let table = &file.resolution;
-    let scheme = file.light.wave.scheme(table.scheme.unwrap_or_default());
+    let scheme = file.light.wave.scheme(table.scheme);
     match (table.accuracy, table.points_per_um, table.planes_per_um) {
         (accuracy, None, None) => {
             let accuracy = accuracy.unwrap_or(1e-2);

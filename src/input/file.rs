@@ -237,8 +237,7 @@ pub enum CouplingName {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LightTable {
-    /// Which equation is solved, and for which light: `"scalar"` when left out, `"s"`, `"p"` or `"unpolarised"` for Maxwell's
-    /// equations.
+    /// Which equation is solved, and for which light.
     #[serde(default)]
     pub wave: Wave,
     /// The list.
@@ -339,8 +338,9 @@ pub struct ResolutionTable {
     /// Planes with unknowns per µm in z.
     #[schemars(transform = limits::PER_UM.mark(), example = 30)]
     pub planes_per_um: Option<f64>,
-    /// The discretisation in z of the scalar wave: `"cubic"` when left out. Maxwell's equations have their own.
-    pub scheme: Option<Scheme>,
+    /// The discretisation in z of the scalar wave; Maxwell's equations have two moments a cell whatever it says.
+    #[serde(default)]
+    pub scheme: Scheme,
 }
 
 /// `[solver]`

@@ -5,7 +5,7 @@ use crate::input::file::StudyFile;
 use crate::input::study::Study;
 use crate::material::spectra::MixingRule;
 use crate::solve::SolverChoice;
-use crate::wave::{Media, Scheme};
+use crate::wave::Media;
 use num_complex::Complex64;
 
 /// The limit of vanishing grains of the wave asked for, unless the file says otherwise.
@@ -27,11 +27,6 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
             "none with Maxwell's equations: the slope of a rough surface has no normal-field tensor yet";
         let remedy = format!("remove [layer.relief], {scalar}");
         faults.push(Fault::new("layer.relief", "a rough surface", allowed, remedy));
-    }
-    if let Some(scheme) = file.resolution.scheme.filter(|scheme| *scheme != Scheme::Quadratic) {
-        let allowed = "nothing, or \"quadratic\": Maxwell's equations have two planes a cell";
-        let found = format!("{scheme:?}").to_lowercase();
-        faults.push(Fault::new("resolution.scheme", found, allowed, format!("leave it out, {scalar}")));
     }
     if let SolverChoice::ConvergentBorn(_) | SolverChoice::Relaxation(_) = study.solver {
         let allowed = "\"krylov\", \"bicgstab\", \"born\" or \"direct\" with Maxwell's equations: their unknowns are no values at points";
@@ -61,6 +56,7 @@ fn is_packed(file: &StudyFile, pigment: usize) -> bool {
 fn metal(field: String, mut index: impl Iterator<Item = (f64, Complex64)>, scalar: &str) -> Option<Fault> {
     let (nm, eta) = index.find(|(_, eta)| (eta * eta).re <= 0.0)?;
     let found = format!("{} + {}i at {nm} nm, a metal", eta.re, eta.im);
-    let allowed = "n greater than k with Maxwell's equations: the field across a metal's surface is not resolved";
+    let allowed =
+        "n greater than k with Maxwell's equations: the field across a metal's surface is not resolved";
     Some(Fault::new(field, found, allowed, format!("give another pigment, {scalar}")))
 }
