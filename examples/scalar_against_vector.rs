@@ -1,6 +1,5 @@
 //! Tables of `examples/scalar-against-vector.toml`: `cargo run --release --example scalar_against_vector -- OUT DATA.csv`
-//! reads the finished sweep in OUT, prints its pairs of variants as Markdown, and writes their differences to DATA.csv, which
-//! pages of scalar studies quote (`src/report/scalar_error.csv`).
+//! reads the finished sweep in OUT, prints its pairs of variants as Markdown, and writes their differences to DATA.csv.
 
 use inkwave::appearance::tristimulus::Colorimeter;
 use inkwave::evaluate::manifest::SpectrumRow;

@@ -4,7 +4,6 @@ pub mod cell;
 pub mod packing;
 pub mod page;
 pub mod publish;
-mod scalar_error;
 pub mod seal;
 pub mod sheet;
 pub mod tables;

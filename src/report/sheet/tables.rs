@@ -8,7 +8,6 @@ use crate::ink::Method;
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
 use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
-use crate::report::scalar_error;
 use crate::solve::door::Wave;
 
 fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
@@ -234,9 +233,6 @@ pub(crate) fn limits(study: &Study) -> Vec<String> {
          sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
             .to_owned(),
     ];
-    if let Some(line) = scalar_error::line(study) {
-        lines.insert(1, line);
-    }
     if let Some(reason) = &study.angles.no_paper {
         lines.insert(0, format!("There are no paper, colour and picture here: {reason}."));
     }
