@@ -135,6 +135,7 @@ fn curve_errors(index: Complex64, thickness_um: f64) -> [f64; 2] {
         indices: &indices,
         thicknesses_um: vec![thickness_um],
         index_out: 1.0,
+        wave: Wave::Scalar,
     };
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[OUTPUT_NM] };
