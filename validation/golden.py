@@ -990,13 +990,14 @@ def film_alone(study):
 def derive_sweep(name):
     """L*, a*, b*, C*, h and ΔE₀₀ to the reference of every variant of a sweep of films; the difference it draws."""
     file = tomllib.loads((GOLDEN / f"{name}.toml").read_text())
-    labs = []
+    labs, through = [], []
     for share in file["axis"][0]["values"]:
         for albedo in file["axis"][1]["values"]:
             base = json.loads(json.dumps(file["base"]))
             base["pigment"][0]["volume_fraction"], base["paper"]["albedo"] = share, albedo
             study = Study(name, base)
             ink = Ink(Layer(study, film_alone(study)))
+            through.append(ink.layer.films.at(500.0, 0.0, study.thicknesses())[1])
             labs.append(ink.meter.colour(ink.xyz(SKY))["lab"])
     # of "strong" on 0.9, the third; the first and second differ by the paper alone
     reference = labs[2]
@@ -1008,7 +1009,7 @@ def derive_sweep(name):
         }
         for lab in labs
     ]
-    write(GOLDEN / f"{name}.json", {"variants": rows, "conclusion": labs[0][0] - labs[1][0]})
+    write(GOLDEN / f"{name}.json", {"variants": rows, "conclusions": [labs[0][0] - labs[1][0], through[0] - through[2]]})
 
 
 def main():
