@@ -36,7 +36,7 @@
 //! # The folders
 //!
 //! They follow the path of the light, and dependencies run one way only (`tests/house.rs` holds them to it):
-//! `numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate ← draw ← report ← compare, sweep ← export`.
+//! `numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate ← draw ← report ← compare, sweep ← export, schema`.
 //! [`architecture`] draws the data flow with the shapes of all arrays.
 //!
 //! - [`numerics`]: mathematics without physics. Vectors and rotations, reproducible random draws, a value with its standard
@@ -63,6 +63,7 @@
 //! - [`compare`]: strategies × grids × discretisations side by side.
 //! - [`sweep`]: studies of many variants, on one machine or many.
 //! - [`export`]: other programs' formats.
+//! - [`schema`]: the language of all input files, for editors and for people.
 //!
 //! # Conventions
 //!
@@ -98,6 +99,7 @@ pub mod material;
 pub mod numerics;
 pub mod report;
 pub mod run;
+pub mod schema;
 pub mod solve;
 pub mod store;
 pub mod sweep;

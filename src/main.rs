@@ -25,6 +25,7 @@ enum Command {
     Solve(commands::solve::SolveArgs),
     Compare(commands::compare::CompareArgs),
     Export(commands::export::ExportArgs),
+    Schema(commands::schema::SchemaArgs),
     Completions(commands::completions::CompletionsArgs),
     Man(commands::completions::ManArgs),
 }
@@ -36,6 +37,7 @@ fn main() -> miette::Result<()> {
         Command::Compare(args) => commands::compare::run(&args),
         Command::Completions(args) => commands::completions::completions(&args, Cli::command()),
         Command::Man(args) => commands::completions::man(&args, Cli::command()),
+        Command::Schema(args) => commands::schema::run(&args),
         Command::Export(args) => commands::export::run(&args),
         Command::Sweep(args) => commands::sweep::run(&args),
         Command::Merge(args) => commands::merge::run(&args),

@@ -26,7 +26,7 @@ fn every_strategy_is_a_row_and_every_file_is_whole() {
     let path = folder.path().join("tiny.toml");
     std::fs::write(&path, TINY).expect("written");
     let file = ComparisonFile::read(&path).expect("parsed");
-    let comparison = file.run(&Registry::default(), folder.path(), &mut Silent, |_| ()).expect("compared");
+    let comparison = file.run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
     assert_eq!(comparison.rows.len(), 8);
     let find = |name: &str| comparison.rows.iter().find(|r| r.strategy == name).expect("a row");
     // One discrete system: krylov and the dense solve have the same error, to the residual asked for (1e-6, amplified).
@@ -60,8 +60,7 @@ fn slips_are_told() {
         let path = folder.path().join("slip.toml");
         std::fs::write(&path, TINY.replace(from, to)).expect("written");
         let read = ComparisonFile::read(&path);
-        let message = match read.and_then(|f| f.run(&Registry::default(), folder.path(), &mut Silent, |_| ()))
-        {
+        let message = match read.and_then(|f| f.run(&Registry::default(), &mut Silent, |_| ())) {
             Err(error) => error.to_string(),
             Ok(_) => panic!("{to} was accepted"),
         };

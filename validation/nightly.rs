@@ -3,6 +3,7 @@
 //! Each claim runs in a process of its own, so that a crash loses no other; results are kept as they come, so that an
 //! interrupted night goes on where it was. `scripts/nightly` calls this.
 
+mod changes;
 mod history;
 mod manifest;
 mod page;

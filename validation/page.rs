@@ -1,6 +1,7 @@
 //! The report's files: a self-contained page, the same in Markdown, all numbers as JSON and CSV.
 
 use crate::Judged;
+use crate::changes::{Changes, changes};
 use crate::claim::{Check, Table, short};
 use crate::history::{Night, Trend, margins, trend};
 use crate::manifest::Manifest;
@@ -39,6 +40,7 @@ struct Chapter {
 #[derive(Serialize)]
 struct Report<'a> {
     manifest: &'a Manifest,
+    changes: Changes,
     chapters: Vec<Chapter>,
 }
 
@@ -126,7 +128,7 @@ pub fn write(
 ) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     let chapters: Vec<Chapter> = judged.iter().map(|j| chapter(j, nights)).collect();
-    let report = Report { manifest, chapters };
+    let report = Report { manifest, changes: changes(judged, nights), chapters };
     let mut templates = Environment::new();
     templates.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     templates.add_template("style.css", inkwave::report::page::STYLE)?;

@@ -29,6 +29,7 @@
 
 pub use super::error::PaperError;
 pub use super::substrate::{Albedo, Coupling, Substrate};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Illumination of print measurement (ISO 13655: 45°:0°), the second angle that every colour needs, degrees.
@@ -37,7 +38,7 @@ pub const PRINT_DEG: f64 = 45.0;
 const LEAST_ESCAPE: f64 = 1e-12;
 
 /// Whether light of the sky mirrored by the layer counts: P1 leaves it open.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MirroredSky {
     /// R(o) + g T(o) T̄: all the light of a uniform sky.

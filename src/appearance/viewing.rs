@@ -1,8 +1,9 @@
 //! Under which light and by which observer a colour is judged.
 
-use super::tristimulus::ColourError;
+use super::error::ColourError;
 use colorimetry::illuminant::CieIlluminant;
 use colorimetry::observer::Observer;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 /// The illuminants of CIE 15:2018 by name.
@@ -60,7 +61,7 @@ const OBSERVERS: [(&str, Observer); 4] = [
 ];
 
 /// How a spectrum on a grid becomes tristimulus values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Summation {
     /// Grids up to 10 nm as they are, coarser ones resampled to 5 nm; nothing beyond the grid's ends (CIE 15).
@@ -84,6 +85,21 @@ impl Default for Viewing {
     fn default() -> Self {
         Self { illuminant: "D65".into(), observer: "2".into(), summation: Summation::Plain }
     }
+}
+
+/// Names of illuminants, for the schema of a file; any case will do.
+pub fn illuminants(_: &mut SchemaGenerator) -> Schema {
+    offered(&ILLUMINANTS.map(|(name, _)| name))
+}
+
+/// Names of observers, for the schema of a file; a degree sign does no harm.
+pub fn observers(_: &mut SchemaGenerator) -> Schema {
+    offered(&OBSERVERS.map(|(name, _)| name))
+}
+
+/// Texts of which some are known: editors offer those.
+fn offered(names: &[&str]) -> Schema {
+    json_schema!({ "type": "string", "anyOf": [{ "enum": names }, {}] })
 }
 
 impl Viewing {

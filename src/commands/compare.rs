@@ -4,31 +4,35 @@ use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
-use inkwave::compare::experiment::{CompareError, ComparisonFile};
+use inkwave::compare::experiment::{CompareError, ComparisonFile, Plan};
 use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Compares strategies, resolutions and discretisations on one geometry.
 #[derive(Args)]
 pub struct CompareArgs {
-    /// Comparison (TOML), or a case file (JSON) to compare with the default lists
+    /// Comparison (TOML), or a study (TOML) or a case (JSON) to compare with the default lists
     file: PathBuf,
     /// Folder for tables, plots and the page
     #[arg(short, long, default_value = "out/comparison")]
     output: PathBuf,
+    /// Only read and check everything, pack the layer, and say how many solves there are to do
+    #[arg(long)]
+    plan: bool,
 }
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> Result<()> {
-    let file = ComparisonFile::read(&args.file).map_err(|error| match error {
-        CompareError::Study(error) => study_report(error),
-        other => miette::miette!("{other}"),
-    })?;
-    let folder = args.file.parent().unwrap_or(Path::new("."));
+    let file = ComparisonFile::read(&args.file).map_err(report)?;
+    let registry = Registry::default();
+    if args.plan {
+        let Plan { bodies, rows } = file.plan(&registry).map_err(report)?;
+        return say(format_args!("{}: {rows} solves on a layer of {bodies} bodies", args.file.display()));
+    }
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let mut stop = Stop(super::stop::StopFlag::listen());
     let told = |cell: &inkwave::compare::matrix::Cell| {
@@ -36,9 +40,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         let cost = format!("{} applications, {:.2} s", cell.operator_applications, cell.seconds);
         note(format_args!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy));
     };
-    let registry = Registry::default();
     let matrix = file.run_matrix(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty());
-    if let Some(matrix) = matrix.into_diagnostic()? {
+    if let Some(matrix) = matrix.map_err(report)? {
         matrix.write(output.path()).into_diagnostic()?;
         return say(format_args!("Comparison: {}", output.path().join("matrix.html").display()));
     }
@@ -49,10 +52,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
         ));
     };
-    let comparison = file
-        .run(&registry, folder, &mut stop, told)
-        .inspect_err(|_| output.discard_when_empty())
-        .into_diagnostic()?;
+    let comparison =
+        file.run(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     if comparison.rows.iter().any(|row| row.converged()) {
@@ -60,6 +61,13 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let reason = comparison.rows.first().map_or("no rows", |row| row.outcome.as_str());
     Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
+}
+
+fn report(error: CompareError) -> miette::Report {
+    match error {
+        CompareError::Study(error) => study_report(error),
+        other => miette::miette!("{other}"),
+    }
 }
 
 /// Stops a solve on Ctrl-C.

@@ -35,7 +35,7 @@ pub fn run(args: &MergeArgs) -> miette::Result<()> {
         ));
     }
     let reported = publish(&merged.sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, false)
+    tell(&reported, &folder, false, "run the sweep again, with its file")
 }
 
 pub(super) fn open_report(error: OpenError) -> miette::Report {

@@ -1,9 +1,11 @@
 //! The commands, one file each.
 
+mod again;
 pub mod compare;
 pub mod completions;
 pub mod diagnostics;
 pub mod export;
+mod live;
 pub mod memory;
 pub mod merge;
 pub mod pack;
@@ -11,6 +13,7 @@ pub mod progress;
 pub mod report;
 pub mod run;
 pub mod say;
+pub mod schema;
 pub mod solve;
 mod solve_vector;
 pub mod stop;

@@ -38,5 +38,5 @@ pub fn run(args: &ReportArgs) -> miette::Result<()> {
     }
     let folder = OutputFolder::open(&args.folder, Holds::Sweep).map_err(folder_report)?;
     let reported = publish(&sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, false)
+    tell(&reported, &folder, false, "run the sweep again, with its file")
 }

@@ -1,6 +1,8 @@
 //! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper.
 
+use super::again::this_command;
 use super::diagnostics::study_report;
+use super::live::LivePage;
 use super::progress::Progress;
 use super::say::say;
 use super::stop::StopFlag;
@@ -25,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `inkwave run`.
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// Study file (TOML); examples/yellow.toml shows all of it.
+    /// Study file (TOML); examples/every-key.toml shows all of it.
     pub study: PathBuf,
     /// Folder for the results; made when it is not there, continued when it holds part of this study.
     #[arg(long, short, value_name = "DIR")]
@@ -58,7 +60,11 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
         super::say::note(format_args!("no paper, colour and picture: {reason}"));
     }
     let progress = Progress::new(StopFlag::listen());
-    let enough = |collected: &Collected| summary::enough(&study, collected);
+    let live = LivePage::new(&study, &folder);
+    let enough = |collected: &Collected| {
+        live.show(collected);
+        collected.realisations.len().is_multiple_of(runner::BATCH) && summary::enough(&study, collected)
+    };
     let collected = runner::run_until(&study, &folder, settings, &progress, &enough);
     progress.finish();
     let collected = collected.map_err(|error| {
@@ -91,9 +97,9 @@ fn tell(
     }
     let (finished, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
     let help = if stopped {
-        "run the same command again to continue"
+        format!("to go on: {}", this_command())
     } else {
-        "the report lists their reasons; try another solver, a finer grid or more applications"
+        "the report lists their reasons; try another solver, a finer grid or more applications".to_owned()
     };
     let why = if stopped { "stopped".to_owned() } else { format!("{failed} solves have no result") };
     Err(miette!(

@@ -1,5 +1,6 @@
 //! `inkwave sweep SWEEP.toml`: a study of many variants, on one machine or many.
 
+use super::again::this_command;
 use super::diagnostics::study_report;
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
@@ -103,11 +104,16 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         return Ok(());
     }
     let reported = publish(&sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, progress.stopped())
+    tell(&reported, &folder, progress.stopped(), &this_command())
 }
 
 /// Says where the results are; anything less than all of them is an error, so that scripts notice.
-pub(super) fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
+pub(super) fn tell(
+    reported: &Reported,
+    folder: &OutputFolder,
+    stopped: bool,
+    go_on: &str,
+) -> miette::Result<()> {
     for judged in &reported.conclusions {
         say(format_args!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality))?;
     }
@@ -117,9 +123,9 @@ pub(super) fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool) ->
         return Ok(());
     }
     let help = if failures > 0 && !stopped {
-        "the report lists the reasons; change the sweep, or try again with --retry-failed"
+        "the report lists the reasons; change the sweep, or try again with --retry-failed".to_owned()
     } else {
-        "run the same sweep again to continue"
+        format!("to go on: {go_on}")
     };
     Err(miette!(help = help, "{complete} of {all} variants are finished, {failures} failures are recorded"))
 }
@@ -138,7 +144,7 @@ fn tell_shard(
     ))?;
     if stopped || finished + failed < asked {
         return Err(miette!(
-            help = "run the same shard again to continue",
+            help = format!("to go on: {}", this_command()),
             "stopped: {finished} of {asked} solves"
         ));
     }
@@ -152,7 +158,7 @@ fn tell_shard(
 fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
     if stopped {
         return Err(miette!(
-            help = "run the same line again to continue",
+            help = format!("to go on: {}", this_command()),
             "stopped before all grids were chosen"
         ));
     }

@@ -3,39 +3,59 @@
 pub use super::error::CompareError;
 pub use super::layer::PackedLayer;
 use super::pages::{Comparison, Row};
+use super::subject::{Packed, StudyWritten};
 use crate::input::case::Case;
 use crate::input::fault::StudyError;
+use crate::input::limits;
 use crate::input::read::read as read_tree;
 use crate::input::tree::parse_toml;
 use crate::numerics::files;
+use crate::numerics::written::older_place;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
-use crate::solve::{Coverages, Gmres, Goal, Registry, Silent, SolveError, Solver, Watch};
+use crate::solve::{Coverages, Gmres, Goal, Registry, Silent, SolveError, Solver, SolverChoice, Watch};
 use crate::wave::{FarField, Mean, Physical, Problem, Resolution, Scene, Scheme, TotalErrors};
 use num_complex::Complex64;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// A comparison as written (TOML). Lengths in the units of the key names; indices as [re, im].
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparisonFile {
     /// Title, for people.
     #[serde(default)]
     pub title: String,
-    /// A case file (relative to this file), instead of `layer`.
+    /// The study whose first packing the strategies are compared on: its file (relative to this one), or a table
+    /// `[study]` with a whole study.
+    #[schemars(example = &"yellow.toml")]
+    pub study: Option<StudyWritten>,
+    /// A case file (relative to this file), instead of `study`.
+    #[schemars(example = &"case.json")]
     pub case: Option<PathBuf>,
-    /// A packed layer of equal spheres, instead of `case`.
+    /// Wavelength of the comparison, nm; the middle one of the study's when left out.
+    #[schemars(transform = limits::WAVELENGTH_NM.mark(), example = 550)]
+    pub wavelength_nm: Option<f64>,
+    /// Polar angle of the comparison, degrees; the first of the study's when left out.
+    #[schemars(transform = limits::POLAR_DEG.mark(), example = 0)]
+    pub polar_deg: Option<f64>,
+    /// Older form of `study`: equal spheres.
+    #[schemars(transform = older_place)]
     pub layer: Option<PackedLayer>,
-    /// Many contrasts and periods around `layer` instead of many grids.
+    /// Many contrasts and periods of the study instead of many grids.
     pub matrix: Option<super::matrix::MatrixTable>,
-    /// Names of strategies; all of the registry but those for tiny grids unless told.
+    /// Names of the strategies; all of the registry but those for tiny grids unless told.
+    #[serde(default)]
+    #[schemars(schema_with = "strategy_names", example = ["krylov", "bicgstab"])]
     pub strategies: Option<Vec<String>>,
     /// Discretisations along z to compare.
     #[serde(default = "default_schemes")]
+    #[schemars(length(min = 1))]
     pub schemes: Vec<Scheme>,
     /// Grids to compare.
     #[serde(default = "default_resolutions")]
+    #[schemars(length(min = 1))]
     pub resolutions: Vec<Points>,
     /// Keeps absorption in ⟨k²⟩; relaxation is then left out. Off by default: all strategies share one problem.
     #[serde(default)]
@@ -48,11 +68,20 @@ pub struct ComparisonFile {
     pub goal: Goal,
     /// Solves of each row; the median of their seconds is kept.
     #[serde(default = "default_repeats")]
+    #[schemars(range(min = 1))]
     pub repeats: usize,
+    /// Where the comparison was read.
+    #[serde(skip)]
+    pub origin: PathBuf,
+}
+
+/// Lists of built-in strategies.
+fn strategy_names(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": "array", "items": { "enum": SolverChoice::NAMES }, "minItems": 1 })
 }
 
 /// One resolution of the list.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Points {
     /// Points along x and y of one period.
@@ -65,7 +94,10 @@ impl Default for ComparisonFile {
     fn default() -> Self {
         Self {
             title: String::new(),
+            study: None,
             case: None,
+            wavelength_nm: None,
+            polar_deg: None,
             layer: None,
             matrix: None,
             strategies: None,
@@ -75,6 +107,7 @@ impl Default for ComparisonFile {
             mean_depends_on_z: true,
             goal: Goal::default(),
             repeats: default_repeats(),
+            origin: PathBuf::new(),
         }
     }
 }
@@ -95,6 +128,22 @@ fn default_repeats() -> usize {
     3
 }
 
+/// Whether the file is a study rather than a comparison: it has none of a comparison's own keys.
+fn is_study(table: &toml::Table) -> bool {
+    let own = ["study", "case", "matrix", "strategies", "schemes", "resolutions", "goal", "repeats"];
+    let short = table.get("layer").is_some_and(|layer| layer.get("wavelength_um").is_some());
+    table.contains_key("layer") && !short && !own.iter().any(|key| table.contains_key(*key))
+}
+
+/// What a comparison is about to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Bodies of the geometry (of the matrix's own study).
+    pub bodies: usize,
+    /// Solves, but for those of the search for a grid.
+    pub rows: usize,
+}
+
 /// The geometry, and the reference amplitudes if its file has them.
 struct Subject {
     case: Case,
@@ -102,18 +151,22 @@ struct Subject {
 }
 
 impl ComparisonFile {
-    /// Reads a comparison; a plain case file is compared with the default lists.
+    /// Reads a comparison; a study or a plain case file is compared with the default lists.
     pub fn read(path: &Path) -> Result<ComparisonFile, CompareError> {
         let read =
             |message: std::io::Error| CompareError::Read { path: path.into(), message: message.to_string() };
+        let (origin, name) = (path.to_owned(), path.file_name().map(PathBuf::from));
         if path.extension().is_some_and(|e| e == "json") {
-            let case = path.file_name().map(PathBuf::from);
-            return Ok(ComparisonFile { case, ..ComparisonFile::default() });
+            return Ok(ComparisonFile { case: name, origin, ..ComparisonFile::default() });
         }
         let text = files::read_text(path, files::STUDY).map_err(read)?;
         let table = parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?;
+        if is_study(&table) {
+            let study = name.map(StudyWritten::File);
+            return Ok(ComparisonFile { study, origin, ..ComparisonFile::default() });
+        }
         let values = |faults| StudyError::Values { path: path.into(), text: text.clone(), faults };
-        Ok(read_tree(table.into()).map_err(values)?)
+        Ok(ComparisonFile { origin, ..read_tree(table.into()).map_err(values)? })
     }
 
     /// The strategies to compare, each of them known.
@@ -144,28 +197,61 @@ impl ComparisonFile {
                 remedy: "add one or leave it out",
             });
         }
-        if self.case.is_some() == self.layer.is_some() {
+        let given = [self.study.is_some(), self.case.is_some(), self.layer.is_some()];
+        let count = given.into_iter().filter(|given| *given).count();
+        if count != 1 {
             return Err(CompareError::Field {
                 field: "geometry",
-                found: if self.case.is_some() { "given twice" } else { "missing" }.into(),
-                allowed: "exactly one of `case` and `[layer]`".into(),
-                remedy: "name a case file or describe a packed layer",
+                found: format!("given {count} times"),
+                allowed: "exactly one of `study`, `case` and `[layer]`".into(),
+                remedy: "name a study file or a case file, or write a whole study as [study]",
             });
         }
         Ok(())
     }
 
-    fn subject(&self, folder: &Path) -> Result<Subject, CompareError> {
+    /// The study, whichever way it is written; none for a case.
+    fn packed(&self) -> Result<Option<Packed>, CompareError> {
+        let values = |faults| StudyError::Values { path: self.origin.clone(), text: String::new(), faults };
+        let packed = match (&self.study, &self.layer) {
+            (Some(study), _) => Packed::read(study, self.folder())?,
+            (None, Some(layer)) => layer.packed().map_err(values)?,
+            (None, None) => return Ok(None),
+        };
+        Ok(Some(packed.lit(self.wavelength_nm, self.polar_deg)))
+    }
+
+    fn folder(&self) -> &Path {
+        self.origin.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Rows of the comparison, or of its matrix, without a solve: the geometry is packed, and everything is checked.
+    ///
+    /// # Errors
+    /// As [`ComparisonFile::run`], but those of solves.
+    pub fn plan(&self, registry: &Registry) -> Result<Plan, CompareError> {
+        self.check()?;
+        let strategies = self.strategies(registry)?.len();
+        let Subject { case, .. } = self.subject()?;
+        let bodies = case.scene.bodies.len();
+        let Some(matrix) = &self.matrix else {
+            return Ok(Plan { bodies, rows: strategies * self.schemes.len() * self.resolutions.len() });
+        };
+        matrix.check()?;
+        Ok(Plan { bodies, rows: strategies * matrix.pigments.len() * matrix.periods_um.len() })
+    }
+
+    fn subject(&self) -> Result<Subject, CompareError> {
         if let Some(path) = &self.case {
-            let path = folder.join(path);
+            let path = self.folder().join(path);
             let case = Case::read(&path)?;
             let json = files::read_text(&path, files::CASE).ok().and_then(|t| serde_json::from_str(&t).ok());
             let known =
                 json.and_then(|v: serde_json::Value| v.get("outputs").and_then(|o| o.get("orders")).cloned());
             return Ok(Subject { case, known });
         }
-        let layer = self.layer.as_ref().expect("checked: a case or a layer");
-        Ok(Subject { case: layer.case()?, known: None })
+        let packed = self.packed()?.expect("checked: a study, a case or a layer");
+        Ok(Subject { case: packed.case()?, known: None })
     }
 
     /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it.
@@ -178,10 +264,15 @@ impl ComparisonFile {
         watch: &mut dyn Watch,
         told: impl FnMut(&super::matrix::Cell),
     ) -> Result<Option<super::matrix::Matrix>, CompareError> {
-        let (Some(matrix), Some(layer)) = (&self.matrix, &self.layer) else { return Ok(None) };
+        let Some(matrix) = &self.matrix else { return Ok(None) };
         self.check()?;
+        let Some(packed) = self.packed()? else {
+            let (found, allowed) = ("a case".into(), "a study, whose period and index vary".into());
+            let remedy = "name a study file, or write a whole study as [study]";
+            return Err(CompareError::Field { field: "matrix", found, allowed, remedy });
+        };
         let strategies = self.strategies(registry)?;
-        let cells = matrix.run(layer, &strategies, watch, told)?;
+        let cells = matrix.run(&packed, &strategies, watch, told)?;
         let names = strategies.into_iter().map(|(name, _)| name.to_string()).collect();
         let (title, accuracy) = (self.title.clone(), matrix.accuracy);
         Ok(Some(super::matrix::Matrix { title, accuracy, strategies: names, cells }))
@@ -191,13 +282,12 @@ impl ComparisonFile {
     pub fn run(
         &self,
         registry: &Registry,
-        folder: &Path,
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Row),
     ) -> Result<Comparison, CompareError> {
         self.check()?;
         let strategies = self.strategies(registry)?;
-        let subject = self.subject(folder)?;
+        let subject = self.subject()?;
         let (truth, reference) = self.reference(&subject)?;
         let coverages = Coverages::of(&subject.case.scene);
         let mut rows = Vec::new();

@@ -1,14 +1,15 @@
-//! The packed layer that strategies are compared on.
+//! The short form of a packed layer, from before comparisons read studies.
 
-use super::error::CompareError;
-use crate::ink::{PackingRequest, PigmentGrains, pack};
-use crate::input::case::Case;
-use crate::wave::{Incidence, Media, Scene, Side};
-use num_complex::Complex64;
+use super::subject::Packed;
+use crate::input::fault::Fault;
+use crate::input::read::read;
+use schemars::JsonSchema;
 use serde::Deserialize;
+use serde_json::json;
+use std::path::PathBuf;
 
-/// Equal spheres in a binder, between vacuum half-spaces.
-#[derive(Clone, Debug, Deserialize)]
+/// Equal spheres in a binder, between vacuum half-spaces: an older form of `study`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PackedLayer {
     /// Lateral period, µm.
@@ -37,30 +38,25 @@ pub struct PackedLayer {
 }
 
 impl PackedLayer {
-    pub(crate) fn case(&self) -> Result<Case, CompareError> {
-        let request = PackingRequest {
-            period_um: [self.period_um; 2],
-            thickness_um: self.thickness_um,
-            pigments: vec![PigmentGrains::spheres(self.diameter_nm, self.volume_fraction)],
-            seed: self.seed,
-            ..PackingRequest::default()
-        };
-        let scene = Scene::from_packing(&pack(&request, &mut ())?);
-        let index = |[re, im]: [f64; 2]| Complex64::new(re, im);
-        let media = Media {
-            incident: Complex64::ONE,
-            exit: Complex64::ONE,
-            backgrounds: vec![index(self.binder)],
-            inclusions: vec![index(self.pigment)],
-        };
-        let incidence = Incidence {
-            wavelength_um: self.wavelength_um,
-            polar_deg: self.polar_deg,
-            azimuth_deg: self.azimuth_deg,
-            from: Side::Incident,
-        };
-        scene.check(&media)?;
-        incidence.check()?;
-        Ok(Case { scene, media, incidence })
+    /// The same as a study.
+    pub(super) fn packed(&self) -> Result<Packed, Vec<Fault>> {
+        let index = |[n, k]: [f64; 2]| json!({ "n": n, "k": k });
+        let study = json!({
+            "layer": {
+                "cell": "fixed",
+                "period_um": self.period_um,
+                "thickness_um": self.thickness_um,
+                "binder": { "index": index(self.binder) },
+            },
+            "pigment": [{
+                "diameter_nm": self.diameter_nm,
+                "volume_fraction": self.volume_fraction,
+                "index": index(self.pigment),
+            }],
+            "light": { "wavelengths_nm": [1e3 * self.wavelength_um] },
+            "angles": { "polar_deg": [self.polar_deg], "azimuth_deg": self.azimuth_deg },
+            "run": { "seed": self.seed, "realisations": 1 },
+        });
+        Ok(Packed::of(read(study.into())?, PathBuf::new()))
     }
 }

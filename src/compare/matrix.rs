@@ -4,24 +4,28 @@
 //! then every strategy solves the same discrete problem on that grid to the same residual.
 
 use super::error::CompareError;
-use super::layer::PackedLayer;
+use super::subject::Packed;
 use crate::input::case::Case;
 use crate::solve::accuracy::{Estimated, Task, largest_difference};
 use crate::solve::{Account, Coverages, Gmres, Goal, SolveError, Solver, Watch};
 use crate::wave::{Mean, Scheme};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
-/// `[matrix]`: the axes, around the comparison's `[layer]`.
-#[derive(Clone, Debug, Deserialize)]
+/// The axes around the comparison's study.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MatrixTable {
-    /// Indices [n, κ] of the pigment, one case each.
+    /// Indices [n, κ] of the first pigment, one case each.
+    #[schemars(length(min = 1), example = [[1.4, 0.1]])]
     pub pigments: Vec<[f64; 2]>,
     /// Periods of the square cell, µm.
+    #[schemars(length(min = 1), example = [1.6])]
     pub periods_um: Vec<f64>,
     /// Wanted largest error of any amplitude; residuals go to a hundredth of it.
     #[serde(default = "hundredth")]
+    #[schemars(transform = crate::input::limits::ACCURACY.mark())]
     pub accuracy: f64,
     /// Most operator applications before a strategy counts as failed.
     #[serde(default = "thousand")]
@@ -107,9 +111,9 @@ impl MatrixTable {
     ///
     /// # Errors
     /// Layers that cannot be packed, cases that the reference strategy cannot solve, Ctrl-C.
-    pub fn run(
+    pub(super) fn run(
         &self,
-        layer: &PackedLayer,
+        packed: &Packed,
         strategies: &[(impl AsRef<str>, Box<dyn Solver>)],
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Cell),
@@ -118,7 +122,7 @@ impl MatrixTable {
         let mut cells = Vec::new();
         for &period_um in &self.periods_um {
             for &pigment in &self.pigments {
-                let case = PackedLayer { period_um, pigment, ..layer.clone() }.case()?;
+                let case = packed.varied(period_um, pigment)?.case()?;
                 let reference = self.reference(&case, watch)?;
                 for (name, solver) in strategies {
                     let strategy = (name.as_ref(), &**solver);

@@ -6,3 +6,4 @@ pub mod layer;
 pub mod matrix;
 mod matrix_page;
 pub mod pages;
+pub mod subject;

@@ -85,7 +85,7 @@ fn a_contact_sheet_shows_what_is_there_and_marks_what_is_not() {
         column_axis: "volume share of pigment".into(),
         columns: shares.map(|s| format!("{:.0} %", 100.0 * s)).to_vec(),
         pictures,
-        left_out: Vec::new(),
+        blanks: Vec::new(),
     };
     let style = PictureStyle { side_px: 130, strip_px: 40, gap_px: 6, labels: false };
     let bitmap = sheet.render(&style).unwrap();

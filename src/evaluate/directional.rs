@@ -4,8 +4,8 @@
 //! f(i, o) = f_layer,diffuse(i, o) + g T(i) T(o)/π          (P1 section 5)
 //! ```
 //!
-//! No mirror part, which is a delta and not a density. The layer's own part is the fitted diffuse BRDF of all orders, a mean over the azimuth
-//! between the planes; the light that has been in the paper does not depend on it. T is tabulated finely, fringes included.
+//! No mirror part, which is a delta and not a density. The layer's own part is the BRDF fitted to all orders, with its dependence on the azimuth
+//! between the planes (cos Δφ and cos 2Δφ); the light that has been in the paper does not depend on it. T is tabulated finely, fringes included.
 
 use super::ink::{InkError, InkOnPaper};
 use std::f64::consts::PI;
@@ -86,7 +86,9 @@ impl<'a> DirectionalInk<'a> {
     /// f(i, o) at a wavelength's place, 1/sr, mirror part left out.
     pub fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
         let cosine = |deg: f64| deg.to_radians().cos();
-        let own = self.ink.layers()[wavelength].diffuse_brdf_at(cosine(light_deg), cosine(view.polar_deg));
+        let (layer, lit, seen) = (&self.ink.layers()[wavelength], cosine(light_deg), cosine(view.polar_deg));
+        let own =
+            layer.diffuse_brdf_at(lit, seen) + layer.azimuthal_brdf(lit, seen, cosine(view.azimuth_deg));
         own + self.paper_brdf(wavelength, light_deg, view.polar_deg)
     }
 

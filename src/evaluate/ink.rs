@@ -3,7 +3,8 @@
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Mean, SpectrumEstimate, Total, film_means, film_totals};
 use super::on_paper::{
-    Anchors, BENDS, Curve, DIFFUSE, LayerOnPaper, Measured, Nodes, PolarAngle, anchor_shares,
+    AZIMUTHAL, Anchors, BENDS, Curve, DIFFUSE, LayerOnPaper, Measured, Nodes, PolarAngle, anchor_shares,
+    azimuthal, symmetric,
 };
 use super::regression::{Fits, Normal, Sums};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
@@ -87,6 +88,7 @@ pub struct InkOnPaper {
     meter: Result<Colorimeter, ColourError>,
     curves: Fits,
     diffuse: Fits,
+    directional: Fits,
     whole: Vec<LayerOnPaper>,
     /// \[realisation left out\]\[node\]
     replicates: Vec<Vec<LayerOnPaper>>,
@@ -115,9 +117,14 @@ impl InkOnPaper {
         let shares = nodes_nm.iter().map(|&nm| layer.basis.shares(nm)).collect();
         let means = films.iter().map(|film| film_means(film, layer.exit)).collect();
         let nodes = Nodes { wavelengths_nm: nodes_nm, films, albedos, shares, means };
-        let (curves, diffuse) = match solved {
-            [] => (Fits::nothing(&layer.basis, BENDS, 3), Fits::nothing(&layer.basis, DIFFUSE, 1)),
-            _ => (curves(&layer, anchored, solved, inputs.films), diffuse(&layer, solved)),
+        let none = |width: usize, columns: usize| Fits::nothing(&layer.basis, width, columns);
+        let (curves, diffuse, directional) = match solved {
+            [] => (none(BENDS, 3), none(DIFFUSE, 1), none(DIFFUSE + AZIMUTHAL, 1)),
+            _ => (
+                curves(&layer, anchored, solved, inputs.films),
+                diffuse::<DIFFUSE>(&layer, solved, &mean_functions),
+                diffuse::<{ DIFFUSE + AZIMUTHAL }>(&layer, solved, &all_functions),
+            ),
         };
         let replicates = layer.replicates();
         let mut ink = Self {
@@ -129,6 +136,7 @@ impl InkOnPaper {
             meter,
             curves,
             diffuse,
+            directional,
             whole: Vec::new(),
             replicates: Vec::new(),
         };
@@ -181,6 +189,7 @@ impl InkOnPaper {
         let curve = Curve {
             bends: std::array::from_fn(|column| std::array::from_fn(|b| at(&self.curves, b, BENDS, column))),
             diffuse: std::array::from_fn(|k| at(&self.diffuse, k, DIFFUSE, 0)),
+            azimuthal: std::array::from_fn(|k| at(&self.directional, DIFFUSE + k, DIFFUSE + AZIMUTHAL, 0)),
         };
         let [mean_t, _, mean_a, _] = self.nodes.means[node];
         let film = [mean_t, mean_a];
@@ -447,23 +456,40 @@ fn curves(layer: &LayerEnsemble, anchored: [usize; 2], solved: &[SolvedRealisati
     Fits::new(&solved.iter().enumerate().map(part).collect::<Vec<_>>(), &layer.basis, BENDS)
 }
 
-/// The layer's own diffuse BRDF, from all orders of all solves from the incident side.
-fn diffuse(layer: &LayerEnsemble, solved: &[SolvedRealisation]) -> Fits {
+/// Functions of a sample: cosines of light and order, and sin θ_i sin θ_o cos Δφ.
+type Functions<const N: usize> = dyn Fn(f64, f64, f64) -> [f64; N];
+
+fn mean_functions(lit: f64, seen: f64, _: f64) -> [f64; DIFFUSE] {
+    symmetric(lit, seen)
+}
+
+fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; DIFFUSE + AZIMUTHAL] {
+    let (mean, directional) = (symmetric(lit, seen), azimuthal(lit, seen, s));
+    std::array::from_fn(|k| if k < DIFFUSE { mean[k] } else { directional[k - DIFFUSE] })
+}
+
+/// The layer's own diffuse BRDF, from all orders of all solves from the incident side: its mean over the azimuth, which colours
+/// need, or with its dependence on it, which a renderer needs.
+fn diffuse<const N: usize>(
+    layer: &LayerEnsemble,
+    solved: &[SolvedRealisation],
+    functions: &Functions<N>,
+) -> Fits {
     let part = |realisation: &SolvedRealisation| {
-        let mut normal = Normal::new(layer.basis.len() * DIFFUSE, 1);
+        let mut normal = Normal::new(layer.basis.len() * N, 1);
         for at in &realisation.wavelengths {
-            let mut sums = Sums::new(DIFFUSE, 1);
+            let mut sums = Sums::new(N, 1);
             for s in at.exact.iter().chain(&at.strata) {
-                let lit = s.polar_deg.to_radians().cos();
-                s.scattered.iter().for_each(|&[seen, density]| {
-                    sums.add(&super::on_paper::symmetric(lit, seen), &[density])
+                let (sine, lit) = s.polar_deg.to_radians().sin_cos();
+                s.scattered.iter().for_each(|order| {
+                    sums.add(&functions(lit, order.cosine, sine * order.along), &[order.density])
                 });
             }
             normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
         }
         normal
     };
-    Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, DIFFUSE)
+    Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, N)
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! What an ink maker asks: hiding power, Kubelka–Munk coefficients, colours under her own light, the difference to her own
-//! measurement or to a target. All from the stored solves, with jackknife errors.
+//! measurement or to a target. All from the stored solves; errors hold chance, the grid and the solver's residual.
 
 use super::ink::{InkError, InkOnPaper};
 use super::on_paper::{LayerOnPaper, PolarAngle};
+use super::uncertainty::{Shift, Uncertainty, lit, lit_moved};
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::kubelka_munk::KubelkaMunk;
 use crate::appearance::paper::{Coupling, PRINT_DEG};
@@ -10,7 +11,6 @@ use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
-use std::f64::consts::PI;
 
 /// Albedo of the black backing of a draw-down card.
 pub const BLACK: f64 = 0.0;
@@ -94,15 +94,123 @@ pub struct ComparedRow {
     pub predicted: Estimate,
 }
 
-/// Lit at 45°, seen along the normal: π times the BRDF.
-struct Geometry {
+/// Lit at 45°, seen along the normal: π times the BRDF, over the paper or another backing.
+struct Question<'a> {
+    ink: &'a InkOnPaper,
+    uncertainty: &'a Uncertainty,
     light: PolarAngle,
     view: PolarAngle,
 }
 
-impl Geometry {
-    fn factor(&self, layer: &LayerOnPaper) -> f64 {
-        PI * layer.brdf(&self.light, &self.view)
+/// No error of R and T.
+const UNMOVED: Shift = [0.0; 2];
+
+impl Question<'_> {
+    /// The reflectance factor, moved by errors of R and T.
+    fn factor(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
+        lit(layer, &self.light, &self.view) + lit_moved(layer, &self.light, &self.view, by)
+    }
+
+    /// Lab with everything that is uncertain: chance, grid and residual.
+    fn swatch(
+        &self,
+        meter: &Colorimeter,
+        backing: &dyn Fn(&LayerOnPaper) -> LayerOnPaper,
+    ) -> Result<Swatch, InkError> {
+        let spectrum = self.ink.spectrum(|layer| self.factor(&backing(layer), UNMOVED));
+        let by_chance = meter.colour_with_error(&spectrum.values, &spectrum.replicates)?;
+        let moved = |by: Shift| -> Result<[f64; 3], InkError> {
+            let values = self.ink.layers().iter().map(|layer| self.factor(&backing(layer), by));
+            let lab = meter.colour(&values.collect::<Vec<_>>())?.lab;
+            Ok(std::array::from_fn(|i| lab[i] - by_chance.lab[i]))
+        };
+        let [grid, residual] = self.uncertainty.shifts().map(moved);
+        let lab_covariance = self.uncertainty.widen_lab(by_chance.lab_covariance, [grid?, residual?]);
+        let colour = Colour { lab_covariance, ..by_chance };
+        let [r, g, b] = colour.srgb8;
+        let hex = format!("#{r:02x}{g:02x}{b:02x}");
+        Ok(Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour })
+    }
+
+    /// Y over black divided by Y over white.
+    fn contrast_ratio(&self, meter: &Colorimeter) -> Estimate {
+        let luminance = |layers: &[LayerOnPaper], albedo: f64, by: Shift| {
+            let values: Vec<f64> = layers.iter().map(|layer| self.factor(&layer.over(albedo), by)).collect();
+            // as many values as wavelengths; a value that is no number stays one
+            meter.xyz(&values).map_or(f64::NAN, |xyz| xyz[1])
+        };
+        let ratio =
+            |layers: &[LayerOnPaper], by: Shift| luminance(layers, BLACK, by) / luminance(layers, WHITE, by);
+        let estimate = self.ink.scalar(|layers| ratio(layers, UNMOVED));
+        self.uncertainty.widen_by(estimate, |by| ratio(self.ink.layers(), by) - estimate.value)
+    }
+
+    /// K and S from the diffuse fluxes that the paper exchanges with the layer: R̄ and T̄ of the layer alone.
+    fn kubelka_munk(&self, thickness_um: f64) -> Vec<KubelkaMunkRow> {
+        let of = |layer: &LayerOnPaper, [r, t]: Shift| {
+            let (reflected, passed) = (layer.mean_reflectance_exit() + r, layer.mean_transmittance() + t);
+            KubelkaMunk::from_layer(reflected, passed, thickness_um)
+        };
+        let part = |get: fn(KubelkaMunk) -> f64| -> Vec<Estimate> {
+            let value = |layer: &LayerOnPaper, by: Shift| of(layer, by).map_or(f64::NAN, get);
+            let estimates = self.ink.spectrum(|layer| value(layer, UNMOVED)).estimates();
+            let widened = |(estimate, layer): (Estimate, &LayerOnPaper)| {
+                self.uncertainty.widen_by(estimate, |by| value(layer, by) - estimate.value)
+            };
+            estimates.into_iter().zip(self.ink.layers()).map(widened).collect()
+        };
+        let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
+        let rows = self.ink.wavelengths_nm().iter().zip(k.into_iter().zip(s));
+        let row = |(&wavelength_nm, (absorption_per_um, scattering_per_um)): (&f64, (Estimate, Estimate))| {
+            KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um }
+        };
+        rows.map(row).filter(|row| row.absorption_per_um.value.is_finite()).collect()
+    }
+
+    /// A measured spectrum beside the prediction.
+    fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> Comparison {
+        let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
+        let nm = self.ink.wavelengths_nm();
+        let row = |(i, estimate): (usize, Estimate)| {
+            let layer = &self.ink.layers()[i];
+            let moved = |by: Shift| self.factor(layer, by) - self.factor(layer, UNMOVED);
+            let predicted = self.uncertainty.widen_by(estimate, moved);
+            Some(ComparedRow { wavelength_nm: nm[i], measured: measured.at(nm[i])?, predicted })
+        };
+        let rows: Vec<ComparedRow> = predicted.estimates().into_iter().enumerate().filter_map(row).collect();
+        let square: f64 = rows.iter().map(|r| (r.measured - r.predicted.value).powi(2)).sum();
+        Comparison {
+            source: measured.source.clone(),
+            // too few shared wavelengths carry no colour; the residuals stand all the same
+            delta_e_2000: self.difference(study, measured, &rows).ok(),
+            rms: (square / rows.len().max(1) as f64).sqrt(),
+            rows,
+        }
+    }
+
+    /// ΔE₀₀ on the wavelengths that prediction and measurement share.
+    fn difference(
+        &self,
+        study: &Study,
+        measured: &MeasuredSpectrum,
+        rows: &[ComparedRow],
+    ) -> Result<Estimate, InkError> {
+        let nm = self.ink.wavelengths_nm();
+        let shared: Vec<usize> = (0..nm.len()).filter(|&i| measured.at(nm[i]).is_some()).collect();
+        let pick = |values: &[f64]| shared.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let meter = Colorimeter::under(&pick(nm), &study.judgement.viewing)?;
+        let there = meter.colour(&rows.iter().map(|r| r.measured).collect::<Vec<_>>())?;
+        let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
+        let replicates: Vec<Vec<f64>> = predicted.replicates.iter().map(|r| pick(r)).collect();
+        let here = meter.colour_with_error(&pick(&predicted.values), &replicates)?;
+        let moved = |by: Shift| -> Result<[f64; 3], InkError> {
+            let values: Vec<f64> = self.ink.layers().iter().map(|layer| self.factor(layer, by)).collect();
+            let lab = meter.colour(&pick(&values))?.lab;
+            Ok(std::array::from_fn(|i| lab[i] - here.lab[i]))
+        };
+        let [grid, residual] = self.uncertainty.shifts().map(moved);
+        let lab_covariance = self.uncertainty.widen_lab(here.lab_covariance, [grid?, residual?]);
+        Ok(distance(&Colour { lab_covariance, ..here }, there.lab))
     }
 }
 
@@ -110,87 +218,31 @@ impl Geometry {
 ///
 /// # Errors
 /// Wavelengths that cannot carry a colour.
-pub fn ink_maker(study: &Study, ink: &InkOnPaper) -> Result<InkMaker, InkError> {
+pub(super) fn ink_maker(
+    study: &Study,
+    ink: &InkOnPaper,
+    uncertainty: &Uncertainty,
+) -> Result<InkMaker, InkError> {
     let Judgement { viewing, target_lab, measured } = &study.judgement;
-    let geometry = Geometry { light: ink.at(PRINT_DEG)?, view: ink.at(0.0)? };
+    let question = Question { ink, uncertainty, light: ink.at(PRINT_DEG)?, view: ink.at(0.0)? };
     let meter = Colorimeter::under(ink.wavelengths_nm(), viewing)?;
-    let over = |albedo: f64| swatch(ink, &meter, &|layer| geometry.factor(&layer.over(albedo)));
-    let luminance = |layers: &[LayerOnPaper], albedo: f64| {
-        let values: Vec<f64> = layers.iter().map(|layer| geometry.factor(&layer.over(albedo))).collect();
-        // as many values as wavelengths; a value that is no number stays one
-        meter.xyz(&values).map_or(f64::NAN, |xyz| xyz[1])
-    };
-    let print = swatch(ink, &meter, &|layer| geometry.factor(layer))?;
+    let print = question.swatch(&meter, &|layer| *layer)?;
     Ok(InkMaker {
         conditions: viewing.name(),
-        over_black: over(BLACK)?,
-        over_white: over(WHITE)?,
-        contrast_ratio: ink.scalar(|layers| luminance(layers, BLACK) / luminance(layers, WHITE)),
+        over_black: question.swatch(&meter, &|layer| layer.over(BLACK))?,
+        over_white: question.swatch(&meter, &|layer| layer.over(WHITE))?,
+        contrast_ratio: question.contrast_ratio(&meter),
         kubelka_munk: match study.paper.coupling {
-            Coupling::Gap => kubelka_munk(ink, study.layer.thickness_um),
+            Coupling::Gap => question.kubelka_munk(study.layer.thickness_um),
             Coupling::OpticalContact { .. } => Vec::new(),
         },
         target: target_lab.map(|lab| Target { lab, delta_e_2000: distance(&print.colour, lab) }),
-        measured: measured.as_ref().map(|m| compare(ink, &geometry, study, m)),
+        measured: measured.as_ref().map(|m| question.compare(study, m)),
         print,
     })
-}
-
-fn swatch(
-    ink: &InkOnPaper,
-    meter: &Colorimeter,
-    of: &dyn Fn(&LayerOnPaper) -> f64,
-) -> Result<Swatch, InkError> {
-    let spectrum = ink.spectrum(of);
-    let colour = meter.colour_with_error(&spectrum.values, &spectrum.replicates)?;
-    let [r, g, b] = colour.srgb8;
-    let hex = format!("#{r:02x}{g:02x}{b:02x}");
-    Ok(Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour })
-}
-
-/// K and S from the diffuse fluxes that the paper exchanges with the layer: R̄ and T̄ of the layer alone.
-fn kubelka_munk(ink: &InkOnPaper, thickness_um: f64) -> Vec<KubelkaMunkRow> {
-    let of = |layer: &LayerOnPaper| {
-        KubelkaMunk::from_layer(layer.mean_reflectance_exit(), layer.mean_transmittance(), thickness_um)
-    };
-    let part =
-        |get: fn(KubelkaMunk) -> f64| ink.spectrum(|layer| of(layer).map_or(f64::NAN, get)).estimates();
-    let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
-    let rows = ink.wavelengths_nm().iter().zip(k.into_iter().zip(s));
-    let row = |(&wavelength_nm, (absorption_per_um, scattering_per_um)): (&f64, (Estimate, Estimate))| {
-        KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um }
-    };
-    rows.map(row).filter(|row| row.absorption_per_um.value.is_finite()).collect()
 }
 
 /// ΔE₀₀ to a colour that is exact.
 fn distance(colour: &Colour, lab: [f64; 3]) -> Estimate {
     colour.delta_e_2000(&Colour { lab, lab_covariance: Some([[0.0; 3]; 3]), ..*colour })
-}
-
-fn compare(ink: &InkOnPaper, geometry: &Geometry, study: &Study, measured: &MeasuredSpectrum) -> Comparison {
-    let predicted = ink.spectrum(|layer| geometry.factor(layer));
-    let (estimates, nm) = (predicted.estimates(), ink.wavelengths_nm());
-    let shared: Vec<usize> = (0..nm.len()).filter(|&i| measured.at(nm[i]).is_some()).collect();
-    let row = |&i: &usize| {
-        let (wavelength_nm, predicted) = (nm[i], estimates[i]);
-        Some(ComparedRow { wavelength_nm, measured: measured.at(wavelength_nm)?, predicted })
-    };
-    let rows: Vec<ComparedRow> = shared.iter().filter_map(row).collect();
-    let square: f64 = rows.iter().map(|r| (r.measured - r.predicted.value).powi(2)).sum();
-    let pick = |values: &[f64]| shared.iter().map(|&i| values[i]).collect::<Vec<f64>>();
-    let difference = || -> Result<Estimate, InkError> {
-        let meter = Colorimeter::under(&pick(nm), &study.judgement.viewing)?;
-        let replicates: Vec<Vec<f64>> = predicted.replicates.iter().map(|r| pick(r)).collect();
-        let here = meter.colour_with_error(&pick(&predicted.values), &replicates)?;
-        let there = meter.colour(&rows.iter().map(|r| r.measured).collect::<Vec<_>>())?;
-        Ok(distance(&here, there.lab))
-    };
-    Comparison {
-        source: measured.source.clone(),
-        // too few shared wavelengths carry no colour; the residuals stand all the same
-        delta_e_2000: difference().ok(),
-        rms: (square / rows.len().max(1) as f64).sqrt(),
-        rows,
-    }
 }

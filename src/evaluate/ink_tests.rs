@@ -3,6 +3,7 @@
 use super::*;
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::evaluate::film::Profile;
+use crate::evaluate::samples::Scattered;
 use crate::material::spectra::{Spectrum, molecular_mixture};
 use num_complex::Complex64;
 
@@ -63,6 +64,35 @@ fn taken(nm: f64, mu: f64) -> [f64; 2] {
     [mu * (0.05 + 0.1 * band) * (1.3 - 0.6 * mu), mu * (0.02 + 0.03 * band)]
 }
 
+/// Orders all around, brighter forward: f = 0.01 + 0.02 s − 0.01 s (μ + μ') + 0.005 (2 s² − sin²θ sin²θ'), s = sin θ sin θ' cos Δφ.
+fn scattered(polar_deg: f64) -> Vec<Scattered> {
+    let (sine, lit) = polar_deg.to_radians().sin_cos();
+    let around = |cosine: f64| (0..7).map(move |k| (cosine, (0.3 + 0.9 * f64::from(k)).cos()));
+    let order = |(cosine, azimuth): (f64, f64)| {
+        let along = (1.0 - cosine * cosine).sqrt() * azimuth;
+        let (s, squares) = (sine * along, sine * sine * (1.0 - cosine * cosine));
+        let density = 0.01 + 0.02 * s - 0.01 * s * (lit + cosine) + 0.005 * (2.0 * s * s - squares);
+        Scattered { cosine, along, density }
+    };
+    [0.95, 0.8, 0.5, 0.2].into_iter().flat_map(around).map(order).collect()
+}
+
+/// A renderer sees that the layer scatters forward, as it was made; what colours are made of is the mean over the azimuth.
+#[test]
+fn the_brdf_depends_on_the_azimuth_as_the_orders_do() {
+    let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 5, noise: 0.0 };
+    let (ink, _) = made.ink(6, 5);
+    let layer = &ink.layers()[7];
+    for (lit, seen, cosine) in [(0.7, 0.6, 1.0), (0.7, 0.6, -1.0), (0.3, 0.8, 0.2), (1.0, 0.4, 1.0)] {
+        let squares = (1.0f64 - lit * lit) * (1.0 - seen * seen);
+        let s = squares.sqrt() * cosine;
+        let want = 0.02 * s - 0.01 * s * (lit + seen) + 0.005 * (2.0 * s * s - squares);
+        // the orders are exactly of the fit's form; its ridge and the penalty on bends over the wavelength remain
+        let got = layer.azimuthal_brdf(lit, seen, cosine);
+        assert!((got - want).abs() < 1e-6, "{lit} {seen} {cosine}: {got} {want}");
+    }
+}
+
 impl MadeUp<'_> {
     fn solved(&self, nm: f64, polar_deg: f64, error: f64) -> Solved {
         let film = self.films.at(nm).reflectance_transmittance(polar_deg);
@@ -75,7 +105,7 @@ impl MadeUp<'_> {
             transmittance: t,
             specular_transmittance: film[1] - 2.0 * lost,
             absorptance: 1.0 - r - t,
-            scattered: vec![[0.9, 0.01], [0.5, 0.01]],
+            scattered: scattered(polar_deg),
         }
     }
 

@@ -10,6 +10,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 pub const BENDS: usize = 2;
 /// Symmetric functions of both cosines that the diffuse BRDF has.
 pub const DIFFUSE: usize = 6;
+/// Functions of the azimuth between both planes that it has besides.
+pub const AZIMUTHAL: usize = 4;
 /// Nodes of the integrals of fitted curves, which are polynomials of degree 5.
 const CURVE_NODES: usize = 6;
 
@@ -49,6 +51,8 @@ pub struct Curve {
     pub bends: [[f64; BENDS]; 3],
     /// Coefficients of the layer's own diffuse BRDF, 1/sr.
     pub diffuse: [f64; DIFFUSE],
+    /// Coefficients of its dependence on the azimuth, 1/sr.
+    pub azimuthal: [f64; AZIMUTHAL],
 }
 
 /// A viewing or illumination angle with the film's R and T there.
@@ -159,6 +163,14 @@ impl LayerOnPaper {
         functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
     }
 
+    /// What the azimuth between the planes of illumination and viewing adds to [`LayerOnPaper::diffuse_brdf_at`]; its mean over
+    /// the azimuth is 0. `cosine` is that of the azimuth, 1 forward.
+    pub fn azimuthal_brdf(&self, illumination: f64, viewing: f64, cosine: f64) -> f64 {
+        let sines = ((1.0 - illumination * illumination) * (1.0 - viewing * viewing)).max(0.0).sqrt();
+        let functions = azimuthal(illumination, viewing, sines * cosine);
+        functions.iter().zip(&self.curve.azimuthal).map(|(f, c)| f * c).sum()
+    }
+
     /// Diffuse f(i, o), 1/sr, azimuthal mean: layer's own plus paper. Symmetric in i and o.
     pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
         let through = self.transmittance(illumination) * self.transmittance(viewing);
@@ -235,6 +247,13 @@ pub fn anchor_shares(mu: f64) -> ([f64; 2], [f64; BENDS]) {
 pub fn symmetric(x: f64, y: f64) -> [f64; DIFFUSE] {
     let (sum, product) = (x + y, x * y);
     [1.0, sum, product, x * x + y * y, product * sum, product * product]
+}
+
+/// Functions of both cosines and of s = sin θ_i sin θ_o cos Δφ without a mean over Δφ, that do not change when the directions are
+/// exchanged: cos Δφ with its first bends, and cos 2Δφ. The powers of the sines keep f smooth at the normal.
+pub fn azimuthal(x: f64, y: f64, s: f64) -> [f64; AZIMUTHAL] {
+    let sines_squared = (1.0 - x * x) * (1.0 - y * y);
+    [s, s * (x + y), s * x * y, 2.0 * s * s - sines_squared]
 }
 
 #[cfg(test)]

@@ -17,8 +17,19 @@ pub struct Solved {
     pub specular_transmittance: f64,
     /// A, from the field inside the layer.
     pub absorptance: f64,
-    /// Reflected orders but the specular one: cosine of the polar angle, and BRDF as the density e Lx Ly/λ², 1/sr.
-    pub scattered: Vec<[f64; 2]>,
+    /// Reflected orders but the specular one.
+    pub scattered: Vec<Scattered>,
+}
+
+/// One reflected order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scattered {
+    /// Cosine of its polar angle.
+    pub cosine: f64,
+    /// Its direction cosine along the plane of incidence, positive forward: sin θ cos Δφ.
+    pub along: f64,
+    /// BRDF as the density e Lx Ly/λ², 1/sr.
+    pub density: f64,
 }
 
 impl From<&FarField> for Solved {
@@ -27,6 +38,8 @@ impl From<&FarField> for Solved {
         let density = field.period_um[0] * field.period_um[1] / field.incidence.wavelength_um.powi(2);
         let diffuse = field.orders.iter().filter(|o| o.reflected_propagates && (o.m, o.n) != (0, 0));
         let cosine = |[x, y]: [f64; 2]| (1.0 - x * x - y * y).max(0.0).sqrt();
+        let azimuth = field.incidence.azimuth_deg.to_radians();
+        let forward = [azimuth.cos(), azimuth.sin()];
         Self {
             polar_deg: field.incidence.polar_deg,
             reflectance: field.reflectance,
@@ -34,7 +47,13 @@ impl From<&FarField> for Solved {
             transmittance: field.transmittance,
             specular_transmittance: specular.transmitted_efficiency,
             absorptance: field.absorptance,
-            scattered: diffuse.map(|o| [cosine(o.direction), density * o.reflected_efficiency]).collect(),
+            scattered: diffuse
+                .map(|o| Scattered {
+                    cosine: cosine(o.direction),
+                    along: o.direction[0] * forward[0] + o.direction[1] * forward[1],
+                    density: density * o.reflected_efficiency,
+                })
+                .collect(),
         }
     }
 }

@@ -58,7 +58,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
         colours,
         no_colour,
-        ink_maker: seen.ink.as_ref().ok().and_then(|ink| ink_maker(study, ink).ok()),
+        ink_maker: seen.ink.as_ref().ok().and_then(|ink| ink_maker(study, ink, &uncertainty).ok()),
         spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         study,

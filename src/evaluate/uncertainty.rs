@@ -27,7 +27,7 @@ pub(super) struct Uncertainty {
 }
 
 /// Errors of R and T.
-type Shift = [f64; 2];
+pub(super) type Shift = [f64; 2];
 /// A quantity of the layer on paper that errors of R and T move.
 type Moved<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 
@@ -40,6 +40,24 @@ impl Uncertainty {
 
     fn residual(&self) -> f64 {
         if self.residual > ROUNDING { self.residual } else { 0.0 }
+    }
+
+    /// Errors of R and T that all realisations share: the grid's, the residual's. Each moves everything at once.
+    pub fn shifts(&self) -> [Shift; 2] {
+        [[self.grid.reflectance, self.grid.transmittance], [self.residual(); 2]]
+    }
+
+    /// As [`Uncertainty::widen`], for a quantity that shared errors of R and T move by so much.
+    pub fn widen_by(&self, estimate: Estimate, moved: impl Fn(Shift) -> f64) -> Estimate {
+        self.widen(estimate, self.shifts().map(moved).iter().fold(0.0, |sum: f64, x| sum.hypot(*x)))
+    }
+
+    /// Covariance of Lab by chance with what shared errors move Lab by.
+    pub fn widen_lab(&self, chance: Option<[[f64; 3]; 3]>, moved: [[f64; 3]; 2]) -> Option<[[f64; 3]; 3]> {
+        let none = (self.certain && moved != [[0.0; 3]; 2]).then_some([[0.0; 3]; 3]);
+        let shared = |i: usize, j: usize| moved.iter().map(|by| by[i] * by[j]).sum::<f64>();
+        let sum = |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + shared(i, j)));
+        chance.or(none).map(sum)
     }
 
     /// Adds a shared error; unknown chance leaves the whole unknown.
@@ -63,12 +81,8 @@ impl Uncertainty {
             let plain = ink.colour_of_mean(&quantity)?;
             Ok(std::array::from_fn(|i| shifted.lab[i] - plain.lab[i]))
         };
-        let grid = shift([self.grid.reflectance, self.grid.transmittance])?;
-        let residual = shift([self.residual(); 2])?;
-        let none = (self.certain && grid != [0.0; 3]).then_some([[0.0; 3]; 3]);
-        let chance = colour.lab_covariance.or(none);
-        let outer = |i: usize, j: usize| grid[i] * grid[j] + residual[i] * residual[j];
-        let sum = |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + outer(i, j)));
+        let [grid, residual] = self.shifts().map(shift);
+        let [grid, residual] = [grid?, residual?];
         let budget = Budget {
             chance_and_cell: colour.lab_covariance.map(spread),
             angles: ink.angle_covariance(solved, &quantity)?.map(spread),
@@ -76,7 +90,8 @@ impl Uncertainty {
             grid: length(grid),
             residual: length(residual),
         };
-        Ok((Colour { lab_covariance: chance.map(sum), ..colour }, budget.apart()))
+        let lab_covariance = self.widen_lab(colour.lab_covariance, [grid, residual]);
+        Ok((Colour { lab_covariance, ..colour }, budget.apart()))
     }
 }
 

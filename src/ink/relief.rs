@@ -5,14 +5,22 @@
 //! grains stand out of it, the binder sinks: its level is found from the conservation of its volume.
 
 use super::error::PackError;
+use crate::numerics::allowed::Allowed;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Depths and lengths of a relief; a depth stays below the layer's thickness.
+const LENGTH_UM: Allowed = Allowed::between(0.0, f64::MAX, "µm");
+/// How far a surface follows the grains.
+const FOLLOW: Allowed = Allowed::between(0.0, 1.0, "");
+
 /// What is asked of the binder's surface.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReliefRequest {
     /// By how much the levelled dry ink is thinner than the layer of grains, H: the volume fractions refer to
     /// the dry volume, area × (H − depth).
+    #[schemars(transform = LENGTH_UM.mark(), example = 0.15)]
     pub depth_um: f64,
     /// The surface's shape.
     #[serde(default)]
@@ -20,7 +28,7 @@ pub struct ReliefRequest {
 }
 
 /// The shape of the surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ReliefRule {
     /// One level everywhere.
@@ -30,8 +38,10 @@ pub enum ReliefRule {
     /// of standard deviation `smoothing_um`: surface tension levels what is shorter. Never above the layer.
     Following {
         /// How far the surface follows the grains: 0 (flat) to 1.
+        #[schemars(transform = FOLLOW.mark(), example = 0.5)]
         follow: f64,
         /// Standard deviation of the smoothing, µm, at least 0.
+        #[schemars(transform = LENGTH_UM.mark(), example = 0.1)]
         smoothing_um: f64,
     },
 }
@@ -52,10 +62,10 @@ impl ReliefRequest {
             return Err(PackError::input("relief.depth_um", self.depth_um, allowed, "lower the depth"));
         }
         let ReliefRule::Following { follow, smoothing_um } = self.rule else { return Ok(()) };
-        if !(0.0..=1.0).contains(&follow) {
+        if !FOLLOW.holds(follow) {
             return Err(PackError::input("relief.rule.follow", follow, "0 (flat) to 1", "lower it"));
         }
-        if !(smoothing_um.is_finite() && smoothing_um >= 0.0) {
+        if !LENGTH_UM.holds(smoothing_um) {
             let field = "relief.rule.smoothing_um";
             return Err(PackError::input(
                 field,

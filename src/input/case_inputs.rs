@@ -1,7 +1,10 @@
 //! The keys of a case, as written.
 
 use super::fault::Faults;
+use super::limits;
+use crate::numerics::written::Alias;
 use crate::wave::Side;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use thiserror::Error;
 
@@ -9,13 +12,16 @@ use thiserror::Error;
 ///
 /// `n_in` (also `n_below`) is the half-space z < 0, the incident side, `n_out` (also `n_above`) the one beyond z > H, each
 /// a number or [re, im].
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = Alias::new("L", "Lx"), transform = Alias::new("n_in", "n_below"), transform = Alias::new("n_out", "n_above"))]
 pub struct CaseInputs {
     /// Vacuum wavelength, µm.
+    #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 0.55)]
     pub wavelength: f64,
     /// Polar angle from the normal, degrees.
     #[serde(default)]
+    #[schemars(transform = limits::POLAR_DEG.mark())]
     pub sigma_deg: f64,
     /// Azimuth from the x axis, degrees.
     #[serde(default)]
@@ -28,6 +34,7 @@ pub struct CaseInputs {
     pub period_y: Option<f64>,
     /// Thickness, µm; of the layers listed unless told.
     #[serde(rename = "H")]
+    #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 1.0)]
     pub thickness: Option<f64>,
     /// Index of the half-space z < 0.
     #[serde(rename = "n_in", alias = "n_below")]
@@ -58,7 +65,7 @@ pub struct CaseInputs {
 }
 
 /// A refractive index: a number, or [re, im].
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "an index: a number or [re, im]")]
 pub enum IndexInput {
     /// Transparent.
@@ -78,7 +85,7 @@ impl IndexInput {
 }
 
 /// Lateral periods in µm: one for both axes, or a pair.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "a period in µm: a number or [Lx, Ly]")]
 pub enum PeriodInput {
     /// The same along x and y.
@@ -104,19 +111,20 @@ impl CaseInputs {
 }
 
 /// A sphere.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereInput {
     /// Centre (x, y, z), µm.
     pub center: [f64; 3],
     /// Radius, µm.
+    #[schemars(transform = limits::ABOVE_ZERO.mark())]
     pub radius: f64,
     /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
 /// A circular cylinder along y.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderInput {
     /// Centre along x, µm.
@@ -124,26 +132,29 @@ pub struct CylinderInput {
     /// Centre along z, µm.
     pub z: f64,
     /// Radius, µm.
+    #[schemars(transform = limits::ABOVE_ZERO.mark())]
     pub radius: f64,
     /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
 /// A homogeneous film.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LayerInput {
     /// Thickness, µm.
+    #[schemars(transform = limits::NOT_NEGATIVE.mark())]
     pub thickness: f64,
     /// Index as [re, im].
     pub eta: [f64; 2],
 }
 
 /// A film with bars.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SublayerInput {
     /// Thickness, µm.
+    #[schemars(transform = limits::NOT_NEGATIVE.mark())]
     pub thickness: f64,
     /// Index between the bars as [re, im].
     pub eta_background: [f64; 2],
@@ -153,7 +164,7 @@ pub struct SublayerInput {
 }
 
 /// A bar along y.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BarInput {
     /// Begins at x, µm.

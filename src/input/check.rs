@@ -13,15 +13,16 @@ use super::file::{
     LayerTable, LightTable, OutputTable, ResolutionTable, SamplingName, SolverTable, StudyFile,
 };
 use super::forms::ThicknessWritten;
+use super::limits;
+use super::limits::LONGEST_LIST;
 use super::study::{Layer, Output, Study, WantedResolution};
 use super::variation::{CellRule, LightRule, THICKNESS_CUT, Variation};
+use crate::numerics::allowed::Whole;
 use crate::solve::Goal;
 use std::path::Path;
 
 /// Wavelengths unless told, nm: from, to, step.
 const VISIBLE: [f64; 3] = [400.0, 700.0, 20.0];
-/// More wavelengths or angles than this are a slip of the pen.
-const LONGEST_LIST: usize = 10_000;
 /// Packings of varied cells unless told.
 const VARIED_CELLS: usize = 24;
 /// Packings unless told where a bar is the aim.
@@ -118,15 +119,20 @@ fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
         }
     };
     let field = if light.wavelengths_nm.is_some() { "light.wavelengths_nm" } else { "light.from_nm" };
-    let allowed = Allowed::between(100.0, 10_000.0, "nm");
-    check_list(field, &list, allowed, "give vacuum wavelengths in nm, 400 to 700 for the visible", faults);
+    check_list(
+        field,
+        &list,
+        limits::WAVELENGTH_NM,
+        "give vacuum wavelengths in nm, 400 to 700 for the visible",
+        faults,
+    );
     list
 }
 
 fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f64> {
     let before = faults.0.len();
-    faults.number("light.step_nm", step, Allowed::above(0.0, 1e4, "nm"), "20 is usual");
-    faults.number("light.from_nm", from, Allowed::between(100.0, 1e4, "nm"), "400 is usual");
+    faults.number("light.step_nm", step, limits::STEP_NM, "20 is usual");
+    faults.number("light.from_nm", from, limits::WAVELENGTH_NM, "400 is usual");
     if !(to >= from && to <= 1e4) {
         let allowed = format!("from from_nm = {from} to 10000 nm");
         faults.push(Fault::new("light.to_nm", to, allowed, "700 is usual"));
@@ -169,19 +175,17 @@ fn layer(
     folder: &Path,
     faults: &mut Faults,
 ) -> Layer {
-    let allowed = Allowed::above(0.0, 1000.0, "µm");
     let ThicknessWritten { mean, std } = table.thickness_um;
-    faults.number("layer.thickness_um", mean, allowed, "a printed layer is about 1 µm thick");
+    faults.number("layer.thickness_um", mean, limits::THICKNESS_UM, "a printed layer is about 1 µm thick");
     if mean > 0.0 {
         let allowed = Allowed::between(0.0, mean / (THICKNESS_CUT + 1.0), "µm");
         let remedy =
             "a tenth of the mean is usual; at most a quarter of it keeps every layer thicker than nothing";
         faults.number("layer.thickness_um.std", std, allowed, remedy);
     }
-    let allowed = Allowed::between(0.1, 10.0, "");
     let remedy = "give the real refractive index, 1 for air";
-    faults.number("layer.index_above", table.index_above, allowed, remedy);
-    faults.number("layer.index_below", table.index_below, allowed, remedy);
+    faults.number("layer.index_above", table.index_above, limits::INDEX, remedy);
+    faults.number("layer.index_below", table.index_below, limits::INDEX, remedy);
     Layer {
         period_um,
         thickness_um: mean,
@@ -208,7 +212,7 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
     };
     let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
     for period in written.0 {
-        faults.number("layer.period_um", period, Allowed::above(0.0, 1000.0, "µm"), remedy);
+        faults.number("layer.period_um", period, limits::PERIOD_UM, remedy);
     }
     written.0
 }
@@ -229,7 +233,7 @@ fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Faults) -
     let range = light.wavelengths_nm.is_none() && light.sampling == SamplingName::Shifted && last > 0;
     if let Some(count) = light.per_realisation {
         let remedy = "10 to 16 is usual; it needs a range of wavelengths";
-        whole("light.per_realisation", count, 2..=LONGEST_LIST, remedy, faults);
+        whole("light.per_realisation", count, limits::PER_REALISATION, remedy, faults);
         if !range {
             let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
             faults.push(Fault::new("light.per_realisation", count, allowed, "give a range, or leave it out"));
@@ -257,11 +261,11 @@ fn resolution(table: &ResolutionTable, faults: &mut Faults) -> WantedResolution 
         (accuracy, None, None) => {
             let accuracy = accuracy.unwrap_or(1e-2);
             let remedy = "1e-2 for pictures, 1e-3 for numbers to publish";
-            faults.number("resolution.accuracy", accuracy, Allowed::between(1e-6, 0.3, ""), remedy);
+            faults.number("resolution.accuracy", accuracy, limits::ACCURACY, remedy);
             WantedResolution::Accuracy { amplitude: accuracy, scheme }
         }
         (None, Some(points_per_um), Some(planes_per_um)) => {
-            let allowed = Allowed::between(2.0, 400.0, "per µm");
+            let allowed = limits::PER_UM;
             faults.number("resolution.points_per_um", points_per_um, allowed, "12 to 16 is usual");
             faults.number("resolution.planes_per_um", planes_per_um, allowed, "20 to 40 is usual");
             WantedResolution::Grid { points_per_um, planes_per_um, scheme }
@@ -286,18 +290,30 @@ fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults)
         WantedResolution::Grid { .. } => Goal::default().tolerance,
     });
     let remedy = "leave it out: a hundredth of resolution.accuracy is ample";
-    faults.number("solver.tolerance", tolerance, Allowed::between(1e-13, 1e-2, ""), remedy);
-    whole("solver.max_applications", table.max_applications, 1..=1_000_000, "2000 is usual", faults);
+    faults.number("solver.tolerance", tolerance, limits::TOLERANCE, remedy);
+    whole("solver.max_applications", table.max_applications, limits::APPLICATIONS, "2000 is usual", faults);
     Goal { tolerance, max_applications: table.max_applications }
 }
 
 fn counts(file: &StudyFile, faults: &mut Faults) {
     if let Some(target) = file.run.target_delta_e {
         let remedy = "0.3 is hard to see; a hundredth of that needs 10 000 times the cells";
-        faults.number("run.target_delta_e", target, Allowed::between(1e-3, 100.0, ""), remedy);
+        faults.number("run.target_delta_e", target, limits::TARGET_DELTA_E, remedy);
     }
-    whole("run.realisations", realisations(file), 1..=100_000, "24 small cells are a fair start", faults);
-    whole("output.picture_pixels", file.output.picture_pixels, 16..=8192, "360 is usual", faults);
+    whole(
+        "run.realisations",
+        realisations(file),
+        limits::REALISATIONS,
+        "24 small cells are a fair start",
+        faults,
+    );
+    whole(
+        "output.picture_pixels",
+        file.output.picture_pixels,
+        limits::PICTURE_PIXELS,
+        "360 is usual",
+        faults,
+    );
 }
 
 fn output(table: &OutputTable) -> Output {
@@ -305,15 +321,8 @@ fn output(table: &OutputTable) -> Output {
     Output { folder, picture_pixels, mirrored_sky }
 }
 
-fn whole(
-    field: &str,
-    value: usize,
-    allowed: std::ops::RangeInclusive<usize>,
-    remedy: &str,
-    faults: &mut Faults,
-) {
-    if !allowed.contains(&value) {
-        let range = format!("whole numbers from {} to {}", allowed.start(), allowed.end());
-        faults.push(Fault::new(field, value, range, remedy));
+fn whole(field: &str, value: usize, allowed: Whole, remedy: &str, faults: &mut Faults) {
+    if !allowed.holds(value) {
+        faults.push(Fault::new(field, value, allowed.to_string(), remedy));
     }
 }

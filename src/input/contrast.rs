@@ -2,11 +2,12 @@
 
 use crate::material::spectra::molecular_mixture;
 use num_complex::Complex64;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Part of the contrast in η² that is kept. The other part takes its mean over the layer everywhere, so that the mean
 /// medium is the same in all three (P1 conclusion 4 asks which fluctuations make large grains pale).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContrastPart {
     /// As the materials are.

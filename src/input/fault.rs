@@ -1,5 +1,6 @@
 //! What can be wrong with a study, said so that it can be put right.
 
+pub use crate::numerics::allowed::Allowed;
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -75,53 +76,6 @@ pub enum StudyError {
 
 fn list(faults: &[Fault]) -> String {
     faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("; ")
-}
-
-/// An allowed range of a number, with its unit, that can say itself in words.
-#[derive(Clone, Copy, Debug)]
-pub struct Allowed {
-    low: f64,
-    low_is_open: bool,
-    high: f64,
-    high_is_open: bool,
-    unit: &'static str,
-}
-
-impl Allowed {
-    /// low ≤ value ≤ high.
-    pub fn between(low: f64, high: f64, unit: &'static str) -> Self {
-        Self { low, low_is_open: false, high, high_is_open: false, unit }
-    }
-
-    /// low < value ≤ high.
-    pub fn above(low: f64, high: f64, unit: &'static str) -> Self {
-        Self { low_is_open: true, ..Self::between(low, high, unit) }
-    }
-
-    /// low ≤ value < high.
-    pub fn below(low: f64, high: f64, unit: &'static str) -> Self {
-        Self { high_is_open: true, ..Self::between(low, high, unit) }
-    }
-
-    /// False for NaN and infinities too.
-    pub fn holds(&self, value: f64) -> bool {
-        let above = if self.low_is_open { value > self.low } else { value >= self.low };
-        let below = if self.high_is_open { value < self.high } else { value <= self.high };
-        value.is_finite() && above && below
-    }
-}
-
-impl fmt::Display for Allowed {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let low = if self.low_is_open { "greater than" } else { "from" };
-        let high = match (self.low_is_open, self.high_is_open) {
-            (true, false) => "and at most",
-            (_, true) => "to below",
-            (false, false) => "to",
-        };
-        let space = if self.unit.is_empty() || self.unit == "°" { "" } else { " " };
-        write!(f, "{low} {} {high} {}{space}{}", self.low, self.high, self.unit)
-    }
 }
 
 /// All faults in one line, each with its remedy.

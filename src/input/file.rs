@@ -19,61 +19,67 @@
 
 use super::contrast::ContrastPart;
 use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
+use super::limits;
 use super::variation::CellRule;
 use crate::appearance::paper::MirroredSky;
-use crate::appearance::viewing::Summation;
+use crate::appearance::viewing::{Summation, illuminants, observers};
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,
 };
+use crate::numerics::written::{Alias, older_place, usual, without_default};
 use crate::solve::Goal;
 use crate::wave::Scheme;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A whole study file. Tables left out take the defaults documented on their fields.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyFile {
     /// Shown as the report's heading; the file's name when left out.
+    #[schemars(example = &"Yellow ink, 30 %")]
     pub title: Option<String>,
-    /// `[layer]`
+    /// The periodic cell and what lies above and below it.
     pub layer: LayerTable,
-    /// `[[pigment]]`
+    /// The kinds of grains, one `[[pigment]]` each; without any the layer is its binder alone.
     #[serde(default, rename = "pigment")]
     pub pigments: Vec<PigmentTable>,
-    /// `[packing]`
+    /// How the grains come to their places.
     #[serde(default)]
     pub packing: PackingTable,
-    /// `[paper]`
+    /// The Lambertian substrate.
     #[serde(default)]
     pub paper: PaperTable,
-    /// `[light]`; 400 to 700 nm by 20 nm when left out.
+    /// Vacuum wavelengths; 400 to 700 nm by 20 nm when left out.
     #[serde(default)]
     pub light: LightTable,
-    /// `[angles]`
+    /// Directions of the light.
     #[serde(default)]
     pub angles: AnglesTable,
-    /// `[run]`
+    /// How many packings, and their seed.
     #[serde(default)]
     pub run: RunTable,
-    /// `[resolution]`
+    /// A wanted accuracy, 1e-2 when nothing is said, or the grid itself.
     #[serde(default)]
     pub resolution: ResolutionTable,
-    /// `[solver]`
+    /// How the wave equation is solved.
     #[serde(default)]
     pub solver: SolverTable,
-    /// `[output]`
+    /// What the results look like; no solve depends on it.
     #[serde(default)]
     pub output: OutputTable,
-    /// `[colour]`
+    /// The conditions of an ink maker's numbers, beside D65 and the 2° observer of everything else.
     #[serde(default)]
     pub colour: ColourTable,
-    /// `[compare]`
+    /// What the prediction is held against.
     #[serde(default)]
     pub compare: CompareTable,
     /// Older place of `run.seed`.
+    #[schemars(transform = older_place, example = 1)]
     pub seed: Option<u64>,
     /// Older place of `run.realisations`.
+    #[schemars(transform = older_place, example = 24)]
     pub realisations: Option<usize>,
 }
 
@@ -98,27 +104,33 @@ impl StudyFile {
 }
 
 /// `[layer]`: the periodic cell and what lies above and below it.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = Alias::new("index_above", "index_in"), transform = Alias::new("index_below", "index_out"))]
 pub struct LayerTable {
     /// Whether every realisation has a cell of its own; see [`super::variation`].
     #[serde(default)]
     pub cell: CellRule,
     /// Nominal period in x and y, µm: one number or `[x, y]`. Follows from the grains when left out and cells vary.
+    #[schemars(example = 1.6)]
     pub period_um: Option<Pair>,
     /// Thickness, µm; `{ mean, std }` where it is uneven.
+    #[schemars(example = 1.0)]
     pub thickness_um: ThicknessWritten,
     /// The medium between the grains; index 1.558 (P1 section 5) when left out.
     #[serde(default)]
+    #[schemars(transform = usual)]
     pub binder: BinderTable,
     /// Hard walls at both faces; without them grains wrap around in z as well, for packings alone.
     #[serde(default = "yes")]
     pub walls: bool,
     /// Refractive index of the half-space the light comes from.
     #[serde(default = "vacuum", alias = "index_in")]
+    #[schemars(transform = limits::INDEX.mark())]
     pub index_above: f64,
     /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
     #[serde(default = "vacuum", alias = "index_out")]
+    #[schemars(transform = limits::INDEX.mark())]
     pub index_below: f64,
     /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
     #[serde(default)]
@@ -126,20 +138,25 @@ pub struct LayerTable {
     /// A binder surface below the tops of the grains, with `index_above` between them.
     pub relief: Option<ReliefRequest>,
     /// Older place of `packing.method`.
+    #[schemars(transform = older_place, example = &"auto")]
     pub method: Option<MethodChoice>,
     /// Older place of `packing.sequential`.
+    #[schemars(transform = older_place, example = SequentialSettings::default())]
     pub sequential: Option<SequentialSettings>,
     /// Older place of `packing.relaxation`.
+    #[schemars(transform = older_place, example = RelaxationSettings::default())]
     pub relaxation: Option<RelaxationSettings>,
     /// Older place of `packing.equilibration`.
+    #[schemars(transform = older_place, example = EquilibrationSettings { sweeps: 250 })]
     pub equilibration: Option<EquilibrationSettings>,
 }
 
 /// `[layer.binder]`
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BinderTable {
     /// Its refractive index.
+    #[schemars(example = 1.558)]
     pub index: IndexWritten,
 }
 
@@ -150,23 +167,28 @@ impl Default for BinderTable {
 }
 
 /// `[[pigment]]`: one kind of grain.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentTable {
     /// What reports call it; "pigment 1" and so on when left out.
+    #[schemars(example = &"yellow")]
     pub name: Option<String>,
     /// Shape of its grains.
     #[serde(default)]
     pub shape: Shape,
     /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead. `"molecular"` is the
     /// limit of vanishing grains: nothing is packed, the pigment is dissolved in the binder.
+    #[schemars(transform = usual, example = 250)]
     pub diameter_nm: Option<Diameter>,
     /// Size distribution.
+    #[schemars(example = SizeDistribution::diameter_nm(250.0))]
     pub size: Option<SizeDistribution>,
     /// Share of the layer's volume, 0–1.
+    #[schemars(transform = limits::VOLUME_FRACTION.mark(), example = 0.3)]
     pub volume_fraction: f64,
     /// Refractive index; packings alone do without.
     #[serde(default)]
+    #[schemars(transform = without_default, transform = usual, example = std::collections::BTreeMap::from([("built_in", "yellow")]))]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
     #[serde(default)]
@@ -179,7 +201,7 @@ pub struct PigmentTable {
 }
 
 /// `[paper]`: the Lambertian substrate.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperTable {
     /// 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{ csv = "paper.csv" }` with the
@@ -196,7 +218,7 @@ impl Default for PaperTable {
 }
 
 /// How layer and paper touch; see [`crate::appearance::paper::Coupling`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CouplingName {
     /// The paper's model (P1 section 5): a thin air gap, light goes back and forth incoherently.
@@ -207,19 +229,24 @@ pub enum CouplingName {
 }
 
 /// `[light]`: vacuum wavelengths in nm, as a list or as a range.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LightTable {
     /// The list.
+    #[schemars(transform = limits::WAVELENGTHS_NM.mark(), example = [450, 550, 650])]
     pub wavelengths_nm: Option<Vec<f64>>,
     /// First of the range, nm.
+    #[schemars(transform = limits::WAVELENGTH_NM.mark(), example = 400)]
     pub from_nm: Option<f64>,
     /// Last of the range, nm.
+    #[schemars(transform = limits::WAVELENGTH_NM.mark(), example = 700)]
     pub to_nm: Option<f64>,
     /// Step of the range, nm.
+    #[schemars(transform = limits::STEP_NM.mark(), example = 20)]
     pub step_nm: Option<f64>,
     /// Wavelengths that each realisation is solved at, where a range is given: shifted between the realisations. One for each step when
     /// nothing is said.
+    #[schemars(transform = limits::PER_REALISATION.mark(), example = 15)]
     pub per_realisation: Option<usize>,
     /// Solve a range's own wavelengths in every realisation instead of shifted ones.
     #[serde(default)]
@@ -227,7 +254,7 @@ pub struct LightTable {
 }
 
 /// Which wavelengths of a range are solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SamplingName {
     /// Every realisation has its own shift of the uniform grid; spectra and colours are unbiased.
@@ -238,20 +265,24 @@ pub enum SamplingName {
 }
 
 /// `[angles]`: 0°, 45° and directions over the hemisphere (`count` in all), which paper and picture need, or a list.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AnglesTable {
     /// Directions of light for each wavelength (5 when nothing is said): 0°, 45°, and the rest stratified over the hemisphere, shifted
     /// from realisation to realisation.
+    #[schemars(transform = limits::DIRECTIONS.mark(), example = 5)]
     pub count: Option<usize>,
     /// Any angles from the normal instead. Where 0° and 45° are among them the hemisphere is solved as well, and paper, colour and
     /// picture are there; otherwise spectra and distributions alone.
+    #[schemars(transform = limits::POLARS_DEG.mark(), example = [0, 30, 45, 60])]
     pub polar_deg: Option<Vec<f64>>,
     /// Largest angle of the picture's axes (P1: 60°).
     #[serde(default = "sixty")]
+    #[schemars(transform = limits::PICTURE_MAX_DEG.mark())]
     pub picture_max_deg: f64,
     /// Azimuth of the plane of incidence, degrees from x.
     #[serde(default)]
+    #[schemars(transform = limits::AZIMUTH_DEG.mark())]
     pub azimuth_deg: f64,
 }
 
@@ -266,13 +297,15 @@ fn sixty() -> f64 {
 }
 
 /// `[run]`
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunTable {
     /// Number of independent packings to average over: 24 small varied cells, or 4 fixed ones, when nothing is said.
+    #[schemars(transform = limits::REALISATIONS.mark(), example = 24)]
     pub realisations: Option<usize>,
     /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
     /// are the most. In a sweep every variant runs all its realisations.
+    #[schemars(transform = limits::TARGET_DELTA_E.mark(), example = 0.5)]
     pub target_delta_e: Option<f64>,
     /// Seed of all random draws.
     pub seed: u64,
@@ -285,14 +318,17 @@ impl Default for RunTable {
 }
 
 /// `[resolution]`: a wanted accuracy, or the grid itself.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolutionTable {
     /// Largest wanted error of any order's complex amplitude.
+    #[schemars(transform = limits::ACCURACY.mark(), example = 1e-2)]
     pub accuracy: Option<f64>,
     /// Grid points per µm in x and y.
+    #[schemars(transform = limits::PER_UM.mark(), example = 14)]
     pub points_per_um: Option<f64>,
     /// Planes with unknowns per µm in z.
+    #[schemars(transform = limits::PER_UM.mark(), example = 30)]
     pub planes_per_um: Option<f64>,
     /// The discretisation in z.
     #[serde(default)]
@@ -300,15 +336,18 @@ pub struct ResolutionTable {
 }
 
 /// `[solver]`
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverTable {
     /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
+    #[schemars(extend("default" = "krylov"))]
     pub strategy: Strategy,
     /// Relative residual at which a solve counts as converged; a hundredth of `resolution.accuracy` when left out, 1e-6
     /// where the grid is given instead.
+    #[schemars(transform = limits::TOLERANCE.mark(), example = 1e-4)]
     pub tolerance: Option<f64>,
     /// Most operator applications of one solve.
+    #[schemars(transform = limits::APPLICATIONS.mark())]
     pub max_applications: usize,
 }
 
@@ -320,7 +359,7 @@ impl Default for SolverTable {
 }
 
 /// `[packing]`: how the grains come to their places.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PackingTable {
     /// How to pack.
@@ -330,38 +369,45 @@ pub struct PackingTable {
     /// Settings of the relaxation of overlaps.
     pub relaxation: RelaxationSettings,
     /// Monte Carlo after the packing, if asked.
+    #[schemars(example = EquilibrationSettings { sweeps: 250 })]
     pub equilibration: Option<EquilibrationSettings>,
 }
 
 /// `[colour]`: the conditions of an ink maker's numbers, beside D65 and the 2° observer of everything else.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ColourTable {
     /// `"D65"` when left out; `"D50"`, `"A"`, `"F11"`, `"LED_B3"` …
+    #[schemars(schema_with = "illuminants", example = &"D65")]
     pub illuminant: Option<String>,
     /// `"2"` when left out; `"10"`, `"2015_2"`, `"2015_10"`.
+    #[schemars(schema_with = "observers", example = &"2")]
     pub observer: Option<String>,
     /// `"plain"` when left out, or `"e308"` for the weights of ASTM E308.
     pub summation: Summation,
     /// L*, a*, b* that the print should have under these conditions, at 45:0.
+    #[schemars(inner(range(min = -300, max = 300)), example = [85, -10, 80])]
     pub target_lab: Option<[f64; 3]>,
 }
 
 /// `[compare]`: what the prediction is held against.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompareTable {
     /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17.
+    #[schemars(example = &"measured.csv")]
     pub measured: Option<String>,
 }
 
 /// `[output]`
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputTable {
     /// Folder for the results, relative to where the program runs; `out/<study name>` when left out.
+    #[schemars(example = &"out/yellow")]
     pub folder: Option<String>,
     /// Side of the picture's square, pixels.
+    #[schemars(transform = limits::PICTURE_PIXELS.mark())]
     pub picture_pixels: usize,
     /// Whether the picture's strip shows the sky that the layer mirrors.
     pub mirrored_sky: MirroredSky,

@@ -147,7 +147,7 @@ impl<'de> Deserialize<'de> for AlbedoWritten {
                 Ok(AlbedoWritten::Csv { csv })
             }
         }
-        deserializer.deserialize_struct("albedo", &["csv"], AlbedoVisitor)
+        deserializer.deserialize_any(AlbedoVisitor)
     }
 }
 

@@ -232,6 +232,10 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
+        // Derived code would take the values of a list for the keys in their order.
+        if let Node::List(_) = self.node {
+            return Err(de::Error::invalid_type(self.unexpected(), &visitor));
+        }
         self.keep_known(known);
         self.deserialize_any(visitor)
     }
@@ -338,8 +342,10 @@ struct Content<'a> {
 impl<'de> VariantAccess<'de> for Content<'_> {
     type Error = Misfit;
 
+    /// A choice without settings is written by its name.
     fn unit_variant(self) -> Result<(), Misfit> {
-        Ok(())
+        let found = said(self.reader.unexpected()).to_owned();
+        Err(Misfit::new(self.key, found, "no settings: the name alone", FORM))
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Misfit> {

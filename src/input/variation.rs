@@ -6,11 +6,12 @@
 //! [`Sequence`](crate::numerics::sequence::Sequence), together with the directions over the hemisphere and the wavelengths. Realisation r has the
 //! same draws however many there are, so that a study may be extended.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Whether realisations have cells of their own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CellRule {
     /// Area, aspect and azimuth differ from realisation to realisation: no bias from the period.

@@ -34,6 +34,33 @@ impl Estimate {
         let variance = jackknife_covariance(&columns).map(|c| c[0][0]);
         Self { value: whole, standard_error: variance.map(f64::sqrt) }
     }
+
+    /// `35.55 ± 0.56`: the error with two digits, the value as far as the error lets it speak. A lone value with `decimals` where
+    /// the error is unknown or zero; nothing for no number.
+    pub fn in_words(&self, decimals: usize) -> String {
+        if !self.value.is_finite() {
+            return String::new();
+        }
+        let error = self.standard_error.filter(|error| error.is_finite() && *error > 0.0);
+        let Some(error) = error else { return signed(self.value, decimals) };
+        let decimals = decimals_of(error);
+        format!("{} ± {error:.decimals$}", signed(self.value, decimals))
+    }
+}
+
+/// Most decimals that people are shown.
+const MOST_DECIMALS: i32 = 12;
+
+/// Decimals that leave an error two digits.
+fn decimals_of(error: f64) -> usize {
+    (1 - error.log10().floor() as i32).clamp(0, MOST_DECIMALS) as usize
+}
+
+/// With a true minus sign, and none before zero.
+fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let zero = text.chars().all(|c| "-0.".contains(c));
+    if zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
 /// Factor on a standard error of `degrees` degrees of freedom that gives a 95 % interval (Student's t); `None` without any.
@@ -96,6 +123,17 @@ mod tests {
             direct.standard_error.unwrap(),
             max_relative = 1e-14
         );
+    }
+
+    #[test]
+    fn numbers_are_rounded_to_their_error() {
+        let words = |value: f64, error: f64| Estimate { value, standard_error: Some(error) }.in_words(2);
+        assert_eq!(words(35.5520, 0.5568), "35.55 ± 0.56");
+        assert_eq!(words(-0.012345, 0.00123), "−0.0123 ± 0.0012");
+        assert_eq!(words(1234.5, 67.8), "1234 ± 68");
+        assert_eq!(words(-0.0004, 0.03), "0.000 ± 0.030");
+        assert_eq!(words(-7.0, 0.0), "−7.00");
+        assert_eq!(Estimate::unknown_error(0.12345).in_words(3), "0.123");
     }
 
     #[test]

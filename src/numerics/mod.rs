@@ -1,12 +1,14 @@
 //! Mathematics without physics: vectors and rotations, random draws, estimates with their errors, Fourier planes; and reading
-//! of what people hand in.
+//! of what people hand in, with the ranges allowed there.
 
+pub mod allowed;
 pub mod draws;
 pub mod estimate;
 pub mod files;
 pub mod fourier;
 pub mod sequence;
 pub mod vector;
+pub mod written;
 
 pub use draws::Draws;
 pub use estimate::Estimate;

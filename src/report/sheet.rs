@@ -109,7 +109,7 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
     let conditions = manifest.colours.iter().map(|note| note.conditions.clone()).collect();
     let row = |name: &str, of: &dyn Fn(&ColourNote) -> Estimate| ColourRow {
         name: name.to_owned(),
-        values: manifest.colours.iter().map(|note| with_error(of(note), 2)).collect(),
+        values: manifest.colours.iter().map(|note| of(note).in_words(2)).collect(),
     };
     let lab = |i: usize| {
         move |note: &ColourNote| Estimate {
@@ -128,10 +128,10 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
     rows.push(ColourRow { name: "sRGB".into(), values: manifest.colours.iter().map(srgb).collect() });
     let in_words = format!(
         "L* {}, a* {}, b* {}, C* {} under {}",
-        with_error(lab(0)(first), 2),
-        with_error(lab(1)(first), 2),
-        with_error(lab(2)(first), 2),
-        with_error(first.chroma, 2),
+        lab(0)(first).in_words(2),
+        lab(1)(first).in_words(2),
+        lab(2)(first).in_words(2),
+        first.chroma.in_words(2),
         first.conditions
     );
     Some(ColourBlock {
@@ -159,13 +159,4 @@ fn colour_note(manifest: &Manifest<&Study>) -> String {
         note.push_str(&line);
     }
     note
-}
-
-/// `12.3 ± 0.4`; a lone value where the error is unknown.
-fn with_error(estimate: Estimate, digits: usize) -> String {
-    let value = format!("{:.digits$}", estimate.value).replace('-', "−");
-    match estimate.standard_error {
-        Some(error) => format!("{value} ± {error:.digits$}"),
-        None => value,
-    }
 }

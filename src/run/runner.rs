@@ -29,10 +29,10 @@ pub fn run(
     run_until(study, folder, settings, watch, &|_| false)
 }
 
-/// Realisations between two looks at the bar.
-const BATCH: usize = 8;
+/// Realisations between two looks at the bar: the same for everybody, so that a study ends at the same realisation again.
+pub const BATCH: usize = 8;
 
-/// As [`run`], but ends as soon as `enough` says so, asked whenever a batch of realisations is finished.
+/// As [`run`], but ends as soon as `enough` says so, asked after every realisation but the last.
 ///
 /// # Errors
 /// As [`run`].
@@ -57,7 +57,7 @@ pub fn run_until(
     watch.begins(study, kept);
     let mut collected = Collected { resolved, realisations: Vec::new(), enough: false, damages: Vec::new() };
     for realisation in 0..study.realisations {
-        collected.enough = realisation > 0 && realisation.is_multiple_of(BATCH) && enough(&collected);
+        collected.enough = realisation > 0 && enough(&collected);
         if collected.enough || watch.stop() && !collected.realisations.is_empty() {
             break;
         }

@@ -8,12 +8,13 @@ use crate::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem
 use crate::wave::{
     Coverage, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, WaveError,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use thiserror::Error;
 
 /// Which equation is solved, and for which light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Wave {
     /// The scalar wave equation: like s light, without polarisation.

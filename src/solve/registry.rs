@@ -6,6 +6,7 @@
 
 use super::solver::{SolveError, Solver};
 use super::strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, Relaxation};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Makes a strategy with its default settings.
@@ -111,7 +112,7 @@ fn unknown(name: &str, known: String) -> SolveError {
 macro_rules! built_in {
     ($($name:literal => $variant:ident($settings:ty), $description:literal;)+) => {
         /// A built-in strategy with its settings, as a study file writes it.
-        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub enum SolverChoice {
             $(

@@ -3,13 +3,14 @@
 use super::System;
 use super::size::Size;
 use crate::wave::{Field, Mean, Problem, Resolution};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::ControlFlow;
 use thiserror::Error;
 
 /// What is asked of a solver.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Goal {
     /// Relative residual to reach.

@@ -150,6 +150,78 @@ fn pixels(picture: &InkPicture) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::appearance::colour::Colorimeter;
+    use crate::evaluate::manifest::Count;
+    use crate::sweep::load::{AxisOutline, Outline, Place};
+    use ndarray::Array2;
+
+    /// A variant with every number, noise in all digits.
+    fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> (Outcome, InkPicture) {
+        let mut draws = crate::numerics::Draws::new(seed, 0);
+        let mut number = || Estimate { value: draws.uniform(), standard_error: Some(0.01 * draws.uniform()) };
+        let mut row = |&wavelength_nm: &f64| SpectrumRow {
+            wavelength_nm,
+            polar_deg: 0.0,
+            reflectance: number(),
+            specular_reflectance: number(),
+            transmittance: number(),
+            specular_transmittance: number(),
+            absorptance: number(),
+            natural_light: Some(number()),
+            lit_at_45: Some(number()),
+        };
+        let spectra: Vec<SpectrumRow> = wavelengths_nm.iter().map(&mut row).collect();
+        let values: Vec<f64> = spectra.iter().map(|row| row.reflectance.value).collect();
+        let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
+        let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
+        let colour = crate::appearance::colour::Colour { lab_covariance: covariance, ..colour };
+        let solves = Count { asked: 24, finished: 24 };
+        let labels = vec![name.clone(), name.clone(), name.clone()];
+        let picture = InkPicture {
+            angles_deg: vec![0.0; 31],
+            strip: vec![colour; 31],
+            square: Array2::from_elem((31, 31), colour),
+        };
+        let outcome = Outcome {
+            name,
+            labels,
+            solves,
+            failures: 0,
+            reason: None,
+            realisations: 24,
+            certain: false,
+            colour: Some(colour),
+            spectra,
+        };
+        (outcome, picture)
+    }
+
+    /// The paper's study: 5 × 4 × 13 variants, 16 wavelengths, pictures of 31 × 31. *Planted*: pictures of 61 × 61 are 4.3 MB.
+    #[test]
+    fn a_page_of_260_variants_stays_below_2_megabytes() {
+        let nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
+        let axis = |name: &str, n: usize| AxisOutline {
+            name: name.into(),
+            labels: (0..n).map(|k| format!("{name} number {k}")).collect(),
+        };
+        let place = |i: usize| Place {
+            name: format!("a_rather_long_name_of_a_variant_of_the_study-{i}"),
+            place: vec![i / 52, i / 13 % 4, i % 13],
+        };
+        let outline = Outline {
+            title: "The paper's study".into(),
+            axes: vec![axis("ink", 5), axis("share", 4), axis("grains", 13)],
+            sheet: Default::default(),
+            reference: 0,
+            claims: Vec::new(),
+            variants: (0..260).map(place).collect(),
+        };
+        let all = (0..260).map(|i| finished(outline.variants[i].name.clone(), &nm, i as u64));
+        let (outcomes, pictures): (Vec<Outcome>, Vec<_>) = all.map(|(o, p)| (o, Some(p))).unzip();
+        let sweep = Sweep { outline, variants: Vec::new(), inputs: Vec::new() };
+        let bytes = page(&sweep, &outcomes, &pictures).len();
+        assert!((1_000_000..2_000_000).contains(&bytes), "{bytes} bytes");
+    }
 
     #[test]
     fn values_travel_to_a_twenty_thousandth() {

@@ -17,33 +17,36 @@
 //! where = { size = 300, share = [0.30, 0.45] }
 //! ```
 
+use super::file_schema::fields;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 /// A whole sweep file.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {
     /// Heading of the report; the file's name when left out.
     pub title: Option<String>,
     /// The study that all variants start from.
     pub base: Base,
-    /// `[[axis]]`
+    /// What varies; the last axis is the fastest.
     #[serde(default)]
     pub axis: Vec<AxisTable>,
-    /// `[[exclude]]`
+    /// Variants that are left out.
     #[serde(default)]
     pub exclude: Vec<ExcludeTable>,
-    /// `[[override]]`
+    /// Fields of some variants, set after the axes.
     #[serde(default, rename = "override")]
     pub overrides: Vec<OverrideTable>,
-    /// `[sheet]`
+    /// The axes of the contact sheets.
     #[serde(default)]
     pub sheet: SheetTable,
     /// The variant that colour differences refer to; the first one when left out.
+    #[schemars(with = "Option<Names>", example = Names::from([("share".to_owned(), "30 %".into())]))]
     pub reference: Option<Where>,
-    /// `[[conclusion]]`
+    /// Inequalities about the variants, to be judged.
     #[serde(default)]
     pub conclusion: Vec<ConclusionTable>,
 }
@@ -59,7 +62,7 @@ pub enum Base {
 }
 
 /// `[[axis]]`: a field with its values, or named cases that set several fields at once.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AxisTable {
     /// Short name for captions and conditions; the field's last part when left out.
@@ -67,6 +70,7 @@ pub struct AxisTable {
     /// Dotted field that varies.
     pub field: Option<String>,
     /// Its values.
+    #[schemars(with = "Option<Vec<serde_json::Value>>", example = [0.15, 0.3, 0.5])]
     pub values: Option<Vec<Value>>,
     /// Captions of the values.
     pub labels: Option<Vec<String>>,
@@ -86,41 +90,47 @@ pub struct AxisTable {
 }
 
 /// `[[axis.case]]`
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseTable {
     /// Label of the setting.
     pub label: String,
     /// Dotted field (in quotes) → value.
     #[serde(default)]
+    #[schemars(schema_with = "fields")]
     pub set: Table,
 }
 
 /// Axis name → label, value, or list of them. Axes that are not named match anything.
 pub type Where = BTreeMap<String, Value>;
+/// The same in JSON.
+type Names = BTreeMap<String, serde_json::Value>;
 
 /// `[[exclude]]`: variants that are left out.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExcludeTable {
     /// Which variants are left out.
     #[serde(rename = "where")]
+    #[schemars(with = "Names", example = Names::from([("share".to_owned(), "30 %".into())]))]
     pub condition: Where,
 }
 
 /// `[[override]]`: fields of some variants, set after the axes.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OverrideTable {
     /// Which variants are changed.
     #[serde(rename = "where")]
+    #[schemars(with = "Names", example = Names::from([("share".to_owned(), "30 %".into())]))]
     pub condition: Where,
     /// Dotted field → value.
+    #[schemars(schema_with = "fields")]
     pub set: Table,
 }
 
 /// `[sheet]`: the axes of the contact sheets; the others give one sheet for each of their values.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SheetTable {
     /// Axis along the sheet's rows.
@@ -130,7 +140,7 @@ pub struct SheetTable {
 }
 
 /// `[[conclusion]]`: an inequality about the variants.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConclusionTable {
     /// Short name.
@@ -144,9 +154,11 @@ pub struct ConclusionTable {
     /// For `transmittance` and `reflectance`: the inequality is to hold at every wavelength from the first to the second.
     pub range_nm: Option<[f64; 2]>,
     /// Variants whose quantity is added.
+    #[schemars(with = "Vec<Names>")]
     pub plus: Vec<Where>,
     /// Variants whose quantity is subtracted; for `delta_e` the other colour.
     #[serde(default)]
+    #[schemars(with = "Vec<Names>")]
     pub minus: Vec<Where>,
     /// Least value that confirms it.
     pub at_least: Option<f64>,
@@ -155,6 +167,7 @@ pub struct ConclusionTable {
     /// Variants along a curve: instead of the sum itself, the place on this curve that has the same value is measured,
     /// such as the diameter of the spheres that an agglomerate acts like.
     #[serde(default)]
+    #[schemars(with = "Vec<Names>")]
     pub among: Vec<Where>,
     /// The places of `among`, rising, such as their diameters in nm.
     #[serde(default)]
@@ -162,7 +175,7 @@ pub struct ConclusionTable {
 }
 
 /// What a conclusion compares.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// C* under natural light.

@@ -20,6 +20,7 @@ pub mod expand;
 mod explore;
 pub mod field;
 pub mod file;
+mod file_schema;
 pub mod folder;
 pub mod load;
 pub mod merge;

@@ -58,7 +58,7 @@ fn conclusion(judged: &Judged) -> ConclusionRow {
         id: judged.id.clone(),
         statement: judged.statement.clone(),
         inequality: judged.inequality.clone(),
-        measured: judged.measured.map_or_else(|| "–".into(), |m| with_error(m, 4)),
+        measured: judged.measured.map_or_else(|| "–".into(), |m| m.in_words(4)),
         verdict: judged.verdict.name().into(),
         remark: judged.remark.clone(),
     }
@@ -77,25 +77,13 @@ fn row(outcome: &Outcome, reference: &Outcome) -> VariantRow {
         labels: outcome.labels.clone(),
         link: (all.finished > 0).then(|| format!("variants/{}/report.html", outcome.name)),
         hex: outcome.colour.as_ref().map(|c| hex(c.srgb8)),
-        numbers: (0..6).map(|i| numbers.map_or_else(String::new, |n| with_error(n[i], 2))).collect(),
+        numbers: (0..6).map(|i| numbers.map_or_else(String::new, |n| n[i].in_words(2))).collect(),
         state,
     }
 }
 
 fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-/// `12.3 ± 0.4`; nothing for no number.
-fn with_error(estimate: Estimate, digits: usize) -> String {
-    if !estimate.value.is_finite() {
-        return String::new();
-    }
-    let value = format!("{:.digits$}", estimate.value).replace('-', "−");
-    match estimate.standard_error.filter(|&error| error > 0.0) {
-        Some(error) => format!("{value} ± {error:.digits$}"),
-        None => value,
-    }
 }
 
 /// Value and standard error for a CSV file; empty where unknown.

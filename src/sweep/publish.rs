@@ -42,7 +42,7 @@ pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, Publish
     let conclusions: Vec<Judged> = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
     let reported = Reported { outcomes, conclusions, damages: stores.database().damages() };
     let sheets = sheets(&sweep.outline);
-    let drawn = draw(&sweep.outline.title, &sheets, &pictures)?;
+    let drawn = draw(&sweep.outline.title, &sheets, &pictures, &reported.outcomes)?;
     for (i, png) in drawn.iter().enumerate() {
         folder.write(&sheet_name(i, drawn.len()), png)?;
     }
@@ -99,11 +99,12 @@ fn draw(
     title: &str,
     sheets: &[Sheet],
     pictures: &[Option<InkPicture>],
+    outcomes: &[Outcome],
 ) -> Result<Vec<Vec<u8>>, PublishError> {
     let scratch = tempfile::tempdir()?;
     let path = scratch.path().join("sheet.png");
     let one = |sheet: &Sheet| -> Result<Vec<u8>, PublishError> {
-        let sheet = sheet.contact_sheet(title, pictures);
+        let sheet = sheet.contact_sheet(title, pictures, outcomes);
         let write = || -> Result<(), FigureError> {
             sheet.render(&SHEET_STYLE)?.write_png(&path, &[("Title", sheet.title.as_str())])
         };

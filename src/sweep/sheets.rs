@@ -1,6 +1,7 @@
 //! Contact sheets: two axes in rows and columns, one sheet for each place on the others.
 
 use super::load::Outline;
+use super::outcome::Outcome;
 use crate::appearance::picture::InkPicture;
 use crate::draw::contact_sheet::ContactSheet;
 
@@ -76,12 +77,16 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
 }
 
 impl Sheet {
-    /// The sheet with its pictures.
-    pub fn contact_sheet(&self, title: &str, pictures: &[Option<InkPicture>]) -> ContactSheet {
+    /// The sheet with its pictures, and where there is none the reason.
+    pub fn contact_sheet(
+        &self,
+        title: &str,
+        pictures: &[Option<InkPicture>],
+        outcomes: &[Outcome],
+    ) -> ContactSheet {
         let title =
             if self.caption.is_empty() { title.to_owned() } else { format!("{title}: {}", self.caption) };
-        let places = (0..self.rows.len()).flat_map(|r| (0..self.columns.len()).map(move |c| [r, c]));
-        let left_out = places.filter(|&[r, c]| self.variants[r][c].is_none()).collect();
+        let reason = |v: &Option<usize>| why_blank(v.map(|v| &outcomes[v]));
         let picture = |v: &Option<usize>| v.and_then(|v| pictures[v].clone());
         ContactSheet {
             title,
@@ -89,8 +94,21 @@ impl Sheet {
             rows: self.rows.clone(),
             column_axis: self.column_axis.clone(),
             columns: self.columns.clone(),
-            left_out,
+            blanks: self.variants.iter().map(|row| row.iter().map(reason).collect()).collect(),
             pictures: self.variants.iter().map(|row| row.iter().map(picture).collect()).collect(),
         }
+    }
+}
+
+/// Why a place of a sheet has no picture.
+fn why_blank(outcome: Option<&Outcome>) -> String {
+    match outcome {
+        None => "left out of the sweep".into(),
+        Some(o) if o.failures > 0 && o.colour.is_none() => {
+            o.short_reason().unwrap_or_else(|| format!("{} failed", o.failures))
+        }
+        Some(o) if o.solves.finished == 0 => "not solved yet".into(),
+        Some(o) if o.realisations == 0 => format!("{} of {} solves", o.solves.finished, o.solves.asked),
+        Some(_) => "angles without paper".into(),
     }
 }

@@ -127,7 +127,7 @@ mod tests {
         file.resolutions.truncate(1);
         file.repeats = 1;
         let registry = registry().expect("a new name");
-        let comparison = file.run(&registry, examples, &mut Silent, |_| ()).expect("compared");
+        let comparison = file.run(&registry, &mut Silent, |_| ()).expect("compared");
         for pair in comparison.rows.chunks(2) {
             let [krylov, own] = [&pair[0], &pair[1]].map(|r| r.error.expect("both converge"));
             assert!(

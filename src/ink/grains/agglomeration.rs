@@ -2,25 +2,34 @@
 
 use crate::ink::{PackError, Sphere};
 use crate::numerics::Draws;
+use crate::numerics::allowed::{Allowed, Each, Whole};
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Share of grains that stick together.
+const DEGREE: Allowed = Allowed::between(0.0, 1.0, "");
+/// Grains of one agglomerate.
+const GRAINS: Whole = Whole::between(2, 500);
+
 /// Which grains stick together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Agglomeration {
     /// Share of the pigment's grains (by number) that sit in agglomerates, 0 to 1.
+    #[schemars(transform = DEGREE.mark(), example = 0.8)]
     pub degree: f64,
     /// How many grains stick together.
+    #[schemars(example = 5)]
     pub grains: GrainCount,
 }
 
 /// Number of grains in one agglomerate. A last, incomplete agglomerate keeps the grains that are left.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum GrainCount {
     /// `grains = 5`
-    Constant(usize),
+    Constant(#[schemars(transform = GRAINS.mark())] usize),
     /// `grains = { from = 2, to = 6 }`: each number equally likely.
     Uniform(Range),
     /// `grains = { values = [2, 3, 8], weights = [5, 3, 1] }`
@@ -28,33 +37,38 @@ pub enum GrainCount {
 }
 
 /// Whole numbers from `from` to `to`, both included.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "GrainRange")]
 pub struct Range {
     /// Smallest number of grains, at least 2.
+    #[schemars(transform = GRAINS.mark(), example = 2)]
     pub from: usize,
     /// Largest number of grains, at most 500.
+    #[schemars(transform = GRAINS.mark(), example = 6)]
     pub to: usize,
 }
 
 /// Numbers of grains with the frequencies of agglomerates of each.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CountList {
     /// Numbers of grains, 2 to 500 each.
+    #[schemars(transform = Each { entry: GRAINS, most: 500 }, example = [2, 3, 8])]
     pub values: Vec<usize>,
     /// Frequency of each number, at least 0; any common factor will do.
+    #[schemars(inner(range(min = 0)), example = [5, 3, 1])]
     pub weights: Vec<f64>,
 }
 
 impl Agglomeration {
     /// What is wrong with the numbers, if anything: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
-        if !(0.0..=1.0).contains(&self.degree) {
+        if !DEGREE.holds(self.degree) {
             return Some(("agglomeration.degree", self.degree.to_string(), "0 to 1"));
         }
         let allowed = "2 to 500 grains; weights of at least 0, one per value, with a sum above 0";
-        let fits = |n: usize| (2..=500).contains(&n);
+        let fits = |n: usize| GRAINS.holds(n);
         let sound = match &self.grains {
             GrainCount::Constant(n) => fits(*n),
             GrainCount::Uniform(r) => fits(r.from) && fits(r.to) && r.from <= r.to,

@@ -2,8 +2,14 @@
 
 use super::name_or_table;
 use crate::numerics::Draws;
+use crate::numerics::allowed::Allowed;
 use crate::numerics::vector::{Rotation, V3, add, cross, dot, scale, unit};
+use crate::numerics::written::also_by_name;
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
+
+/// κ of the Watson distribution.
+const STRENGTH: Allowed = Allowed::between(0.0, f64::MAX, "");
 
 /// The aligning field on the axes u of a pigment's grains. A finite `strength` κ asks for the Watson
 /// distribution exp(± κ (u·n)²) (+ along a direction, − in a plane); without it the start is perfectly aligned.
@@ -12,8 +18,9 @@ use serde::{Deserialize, Deserializer, Serialize};
 /// the Boltzmann weight of the Monte Carlo moves. The torque acts only while the pigment's order falls short of
 /// the distribution's, and ramps down, so that it does not prevent convergence. Contacts turn grains away again, so the packing reports the
 /// tensor that was achieved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
+#[schemars(deny_unknown_fields, transform = also_by_name)]
 pub enum Orientation {
     /// Isotropic, no field.
     #[default]
@@ -21,18 +28,22 @@ pub enum Orientation {
     /// Axes in the plane of the layer.
     InPlane {
         /// κ of the Watson distribution, at least 0; perfect alignment without it.
+        #[schemars(transform = STRENGTH.mark(), example = 8.0)]
         strength: Option<f64>,
     },
     /// Axes along z.
     Perpendicular {
         /// κ of the Watson distribution, at least 0; perfect alignment without it.
+        #[schemars(transform = STRENGTH.mark(), example = 8.0)]
         strength: Option<f64>,
     },
     /// Axes along any direction.
     Along {
         /// Direction of alignment, of any length above 0; z points from the incident to the exit side.
+        #[schemars(example = [0.0, 0.0, 1.0])]
         direction: [f64; 3],
         /// κ of the Watson distribution, at least 0; perfect alignment without it.
+        #[schemars(transform = STRENGTH.mark(), example = 8.0)]
         strength: Option<f64>,
     },
 }
@@ -74,7 +85,7 @@ impl Orientation {
             Self::InPlane { strength } | Self::Perpendicular { strength } => (strength, [0.0, 0.0, 1.0]),
             Self::Along { direction, strength } => (strength, direction),
         };
-        if strength.is_some_and(|k| !(k.is_finite() && k >= 0.0)) {
+        if strength.is_some_and(|k| !STRENGTH.holds(k)) {
             return Some(("orientation.strength", format!("{strength:?}"), "finite, 0 or above"));
         }
         let length = dot(direction, direction);

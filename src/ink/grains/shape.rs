@@ -2,14 +2,27 @@
 
 use super::volume::{Volume, union_volume};
 use crate::ink::Sphere;
+use crate::numerics::allowed::{Allowed, Whole};
 use crate::numerics::vector::{V3, add, norm, scale, sub, unit};
+use crate::numerics::written::also_by_name;
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::f64::consts::PI;
 
+/// Length of a grain in radii; 2 is a sphere.
+const LENGTH_IN_RADII: Allowed = Allowed::above(2.0, 100.0, "");
+/// Radius of a rice grain's ends in radii.
+const TIP_IN_RADII: Allowed = Allowed::above(0.0, 1.0, "");
+/// Length of an ellipsoid over its width; 1 is a sphere.
+const ASPECT_RATIO: Allowed = Allowed::above(1.0, 20.0, "");
+/// Spheres on the axis of a grain.
+const SPHERES: Whole = Whole::between(2, 200);
+
 /// The shape of a grain; lengths are in radii R of its thickest sphere. In a file either the bare name
 /// (`shape = "cylinder"`) or a table (`shape = { kind = "cylinder", length_in_radii = 8.0, spheres = 7 }`).
-#[derive(Clone, Debug, PartialEq, Serialize, Default)]
+#[derive(Clone, Debug, PartialEq, Serialize, Default, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
+#[schemars(deny_unknown_fields, transform = also_by_name)]
 pub enum Shape {
     /// One sphere.
     #[default]
@@ -17,29 +30,37 @@ pub enum Shape {
     /// Equal spheres at equal spacing; `length_in_radii` counts the round ends. P1 section 5: length 6 R.
     Cylinder {
         /// Tip-to-tip length over R, above 2.
+        #[schemars(transform = LENGTH_IN_RADII.mark(), default = "six")]
         length_in_radii: f64,
         /// Number of spheres on the axis, 2 to 200.
+        #[schemars(transform = SPHERES.mark(), default = "five")]
         spheres: usize,
     },
     /// P1 Fig. 1: radii fall from R in the middle to `tip_in_radii` R at the ends along a parabola.
     RiceGrain {
         /// Tip-to-tip length over R, above 2.
+        #[schemars(transform = LENGTH_IN_RADII.mark(), default = "six")]
         length_in_radii: f64,
         /// Radius of the end spheres over R, above 0 up to 1.
+        #[schemars(transform = TIP_IN_RADII.mark(), default = "half")]
         tip_in_radii: f64,
         /// Number of spheres on the axis, 2 to 200.
+        #[schemars(transform = SPHERES.mark(), default = "seven")]
         spheres: usize,
     },
     /// Spheres inscribed in a prolate ellipsoid of semi-axes R and `aspect_ratio` R, tips included.
     Ellipsoid {
         /// Length over width, above 1.
+        #[schemars(transform = ASPECT_RATIO.mark(), default = "two")]
         aspect_ratio: f64,
         /// Number of spheres on the axis, 2 to 200.
+        #[schemars(transform = SPHERES.mark(), default = "nine")]
         spheres: usize,
     },
     /// Any rigid cluster: rows of x, y, z, radius in a common unit; the size then scales it.
     Cluster {
         /// x, y, z, radius of each sphere, 1 to 1000 of them.
+        #[schemars(length(min = 1, max = 1000), example = [[0.0, 0.0, 0.0, 1.0], [1.5, 0.0, 0.0, 1.0]])]
         spheres: Vec<[f64; 4]>,
     },
 }
@@ -144,20 +165,19 @@ impl Shape {
     /// What is wrong with the numbers, if anything: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         let bad = |field, value: f64, allowed| Some((field, value.to_string(), allowed));
-        let count = |n: usize| {
-            (!(2..=200).contains(&n)).then(|| ("shape.spheres", n.to_string(), "2 to 200 spheres"))
-        };
+        let count =
+            |n: usize| (!SPHERES.holds(n)).then(|| ("shape.spheres", n.to_string(), "2 to 200 spheres"));
         match *self {
             Self::Sphere => None,
             Self::Cylinder { length_in_radii: l, .. } | Self::RiceGrain { length_in_radii: l, .. }
-                if !(l > 2.0 && l <= 100.0) =>
+                if !LENGTH_IN_RADII.holds(l) =>
             {
                 bad("shape.length_in_radii", l, "above 2 (a sphere) up to 100")
             }
-            Self::RiceGrain { tip_in_radii: t, .. } if !(t > 0.0 && t <= 1.0) => {
+            Self::RiceGrain { tip_in_radii: t, .. } if !TIP_IN_RADII.holds(t) => {
                 bad("shape.tip_in_radii", t, "above 0 up to 1")
             }
-            Self::Ellipsoid { aspect_ratio: a, .. } if !(a > 1.0 && a <= 20.0) => {
+            Self::Ellipsoid { aspect_ratio: a, .. } if !ASPECT_RATIO.holds(a) => {
                 bad("shape.aspect_ratio", a, "above 1 (a sphere) up to 20")
             }
             Self::Cylinder { spheres, .. }

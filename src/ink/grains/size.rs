@@ -2,10 +2,23 @@
 
 use super::shape::Template;
 use crate::numerics::Draws;
+use crate::numerics::allowed::{Allowed, Each};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// A size of grains.
+const SIZE_NM: Allowed = Allowed::above(0.0, f64::MAX, "nm");
+/// Sizes of grains.
+const SIZES_NM: Each<Allowed> = Each { entry: SIZE_NM, most: usize::MAX >> 12 };
+/// Deviation of sizes.
+const SPREAD_NM: Allowed = Allowed::between(0.0, f64::MAX, "nm");
+/// Deviation of ln(size).
+const SIGMA: Allowed = Allowed::between(0.0, 2.0, "");
+/// Cut of a law in its deviations.
+const CUT: Allowed = Allowed::above(0.0, 10.0, "");
+
 /// Which length of the grain a size means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
     /// Diameter of the sphere of equal **union** volume (P1 section 5 calls it the effective diameter).
@@ -18,12 +31,13 @@ pub enum Measure {
 }
 
 /// How the sizes of a pigment's grains are distributed, by number. `of` says which length is meant.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SizeDistribution {
     /// One size for all grains.
     Constant {
         /// The size, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 250)]
         value_nm: f64,
         /// The length that is meant.
         #[serde(default)]
@@ -32,11 +46,14 @@ pub enum SizeDistribution {
     /// Normal, cut at ± `cut_at_sigmas` (3 unless told) standard deviations.
     Normal {
         /// Mean size, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 250)]
         mean_nm: f64,
         /// Standard deviation before the cut, nm.
+        #[schemars(transform = SPREAD_NM.mark(), example = 30)]
         standard_deviation_nm: f64,
         /// Cut in standard deviations, above 0 up to 10.
         #[serde(default = "three")]
+        #[schemars(transform = CUT.mark())]
         cut_at_sigmas: f64,
         /// The length that is meant.
         #[serde(default)]
@@ -45,11 +62,14 @@ pub enum SizeDistribution {
     /// ln(size) normal around ln(median) with deviation `sigma`, cut at ± `cut_at_sigmas` (3 unless told).
     LogNormal {
         /// Median size, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 250)]
         median_nm: f64,
         /// Standard deviation of ln(size) before the cut, 0 to 2.
+        #[schemars(transform = SIGMA.mark(), example = 0.2)]
         sigma: f64,
         /// Cut in standard deviations of ln(size), above 0 up to 10.
         #[serde(default = "three")]
+        #[schemars(transform = CUT.mark())]
         cut_at_sigmas: f64,
         /// The length that is meant.
         #[serde(default)]
@@ -58,9 +78,11 @@ pub enum SizeDistribution {
     /// The listed sizes, drawn with the given weights (equal unless told).
     List {
         /// The sizes, nm.
+        #[schemars(transform = SIZES_NM.mark(), example = [200, 300])]
         values_nm: Vec<f64>,
         /// Frequency of each size by number, at least 0; any common factor will do.
         #[serde(default)]
+        #[schemars(inner(range(min = 0)), example = [1, 2])]
         weights: Vec<f64>,
         /// The length that is meant.
         #[serde(default)]
@@ -90,25 +112,23 @@ impl SizeDistribution {
 
     /// What is wrong with the numbers, if anything: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
-        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let positive = |x: f64| SIZE_NM.holds(x);
         match self {
             Self::Constant { value_nm: v, .. } if !positive(*v) => {
                 Some(("size.value_nm", v.to_string(), "a finite size above 0"))
             }
             Self::Normal { cut_at_sigmas: c, .. } | Self::LogNormal { cut_at_sigmas: c, .. }
-                if !(*c > 0.0 && *c <= 10.0) =>
+                if !CUT.holds(*c) =>
             {
                 Some(("size.cut_at_sigmas", c.to_string(), "above 0 up to 10"))
             }
             Self::Normal { mean_nm, standard_deviation_nm: s, cut_at_sigmas, .. }
-                if !(positive(*mean_nm) && *s >= 0.0 && mean_nm - cut_at_sigmas * s > 0.0) =>
+                if !(positive(*mean_nm) && SPREAD_NM.holds(*s) && mean_nm - cut_at_sigmas * s > 0.0) =>
             {
                 let found = format!("mean {mean_nm}, deviation {s}, cut at {cut_at_sigmas} sigmas");
                 Some(("size", found, "mean − cut × deviation above 0: a normal law has mass at zero"))
             }
-            Self::LogNormal { median_nm, sigma, .. }
-                if !(positive(*median_nm) && (0.0..=2.0).contains(sigma)) =>
-            {
+            Self::LogNormal { median_nm, sigma, .. } if !(positive(*median_nm) && SIGMA.holds(*sigma)) => {
                 let found = format!("median {median_nm}, sigma {sigma}");
                 Some(("size", found, "a median above 0 and sigma from 0 to 2"))
             }

@@ -6,6 +6,8 @@ use crate::ink::grains::orientation::Orientation;
 use crate::ink::grains::shape::Shape;
 use crate::ink::grains::size::SizeDistribution;
 use crate::ink::relief::ReliefRequest;
+use crate::numerics::allowed::Allowed;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A packing to be made; see [`super::pack`]. All lengths as their names say.
@@ -97,7 +99,7 @@ impl PigmentGrains {
 }
 
 /// How whole grains meet a volume share.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ShareRule {
     /// The number of grains whose volume comes nearest; the remainder is stated.
@@ -108,7 +110,7 @@ pub enum ShareRule {
 }
 
 /// The method to use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MethodChoice {
     /// Sequential addition up to [`AUTO_LIMIT`] of the volume open to grains, relaxation above.
@@ -124,7 +126,7 @@ pub enum MethodChoice {
 pub const AUTO_LIMIT: f64 = 0.22;
 
 /// Limits of random sequential addition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SequentialSettings {
     /// Attempts for one grain before the packing counts as blocked.
@@ -137,25 +139,48 @@ impl Default for SequentialSettings {
     }
 }
 
+/// Part of an overlap that a sphere gives way.
+const STEP: Allowed = Allowed::between(0.01, 1.0, "");
+/// Largest displacement in a step.
+const STEP_LIMIT_RADII: Allowed = Allowed::between(0.001, 1.0, "");
+/// Distance before contact at which forces act.
+const INFLATION: Allowed = Allowed::between(1e-6, 0.05, "");
+/// Batches of grains.
+const BATCHES: Allowed = Allowed::between(1.0, 1000.0, "");
+/// Steps of a relaxation.
+const MAX_STEPS: Allowed = Allowed::between(1.0, 1e9, "");
+/// Viscosities.
+const VISCOSITY: Allowed = Allowed::between(0.1, 100.0, "");
+/// Turn in a step.
+const ALIGNING_DEG: Allowed = Allowed::between(0.0, 20.0, "°");
+
 /// Relaxation of overlaps (P1 section 3), first-order dynamics μ v = F, J ω = M with Euler steps.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RelaxationSettings {
     /// Part of an overlap that each of two free spheres gives way in one step: time step × stiffness / μ.
+    #[schemars(transform = STEP.mark())]
     pub step: f64,
     /// Largest displacement of a sphere in one step, in radii (P1: 0.2).
+    #[schemars(transform = STEP_LIMIT_RADII.mark())]
     pub step_limit_radii: f64,
     /// Forces already act at this relative distance before contact.
+    #[schemars(transform = INFLATION.mark())]
     pub inflation: f64,
     /// Grains are added in this many equal batches, each relaxed before the next.
+    #[schemars(transform = BATCHES.mark())]
     pub batches: usize,
     /// Most steps before the relaxation is given up.
+    #[schemars(transform = MAX_STEPS.mark())]
     pub max_steps: u64,
     /// Viscosity of translation, μ, relative to the time scale of `step`.
+    #[schemars(transform = VISCOSITY.mark())]
     pub translational_viscosity: f64,
     /// Viscosity of rotation, J, relative to μ times the square of the grain's longest arm.
+    #[schemars(transform = VISCOSITY.mark())]
     pub rotational_viscosity: f64,
     /// Aligning torque at the start of a batch: degrees per step of a freely turning grain at 45° to the field.
+    #[schemars(transform = ALIGNING_DEG.mark())]
     pub aligning_deg_per_step: f64,
     /// Steps over which that torque ramps down to zero.
     pub aligning_steps: u64,
@@ -178,10 +203,11 @@ impl Default for RelaxationSettings {
 }
 
 /// Hard-body Monte Carlo after the packing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EquilibrationSettings {
     /// One sweep tries one move per grain. Spheres at 30 % need about 200, at 50 % about 2500.
+    #[schemars(example = 250)]
     pub sweeps: u64,
 }
 
@@ -239,19 +265,19 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
 impl RelaxationSettings {
     fn check(&self) -> Result<(), PackError> {
         let ranges = [
-            ("relaxation.step", self.step, 0.01, 1.0),
-            ("relaxation.step_limit_radii", self.step_limit_radii, 0.001, 1.0),
-            ("relaxation.inflation", self.inflation, 1e-6, 0.05),
-            ("relaxation.batches", self.batches as f64, 1.0, 1000.0),
-            ("relaxation.max_steps", self.max_steps as f64, 1.0, 1e9),
-            ("relaxation.translational_viscosity", self.translational_viscosity, 0.1, 100.0),
-            ("relaxation.rotational_viscosity", self.rotational_viscosity, 0.1, 100.0),
-            ("relaxation.aligning_deg_per_step", self.aligning_deg_per_step, 0.0, 20.0),
+            ("relaxation.step", self.step, STEP),
+            ("relaxation.step_limit_radii", self.step_limit_radii, STEP_LIMIT_RADII),
+            ("relaxation.inflation", self.inflation, INFLATION),
+            ("relaxation.batches", self.batches as f64, BATCHES),
+            ("relaxation.max_steps", self.max_steps as f64, MAX_STEPS),
+            ("relaxation.translational_viscosity", self.translational_viscosity, VISCOSITY),
+            ("relaxation.rotational_viscosity", self.rotational_viscosity, VISCOSITY),
+            ("relaxation.aligning_deg_per_step", self.aligning_deg_per_step, ALIGNING_DEG),
         ];
-        match ranges.into_iter().find(|(_, v, low, high)| !(low..=high).contains(&v)) {
+        match ranges.into_iter().find(|(_, value, allowed)| !allowed.holds(*value)) {
             None => Ok(()),
-            Some((field, v, low, high)) => {
-                Err(PackError::input(field, v, format!("{low} to {high}"), "leave it out for the default"))
+            Some((field, value, allowed)) => {
+                Err(PackError::input(field, value, allowed.to_string(), "leave it out for the default"))
             }
         }
     }

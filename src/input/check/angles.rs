@@ -3,8 +3,9 @@
 use super::check_list;
 use crate::appearance::paper::Coupling;
 use crate::appearance::paper::PRINT_DEG;
-use crate::input::fault::{Allowed, Fault, Faults};
+use crate::input::fault::{Fault, Faults};
 use crate::input::file::{AnglesTable, StudyFile};
+use crate::input::limits;
 use crate::input::study::Angles;
 
 /// Directions unless told: three strata besides 0° and 45°.
@@ -14,14 +15,13 @@ const EXACT: usize = 2;
 
 pub(crate) fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angles {
     let table = &file.angles;
-    let allowed = Allowed::between(-360.0, 360.0, "°");
-    faults.number("angles.azimuth_deg", table.azimuth_deg, allowed, "0 is the x direction");
+    faults.number("angles.azimuth_deg", table.azimuth_deg, limits::AZIMUTH_DEG, "0 is the x direction");
     let remedy = "60 is usual";
-    faults.number("angles.picture_max_deg", table.picture_max_deg, Allowed::above(0.0, 89.0, "°"), remedy);
+    faults.number("angles.picture_max_deg", table.picture_max_deg, limits::PICTURE_MAX_DEG, remedy);
     match (&table.polar_deg, table.count) {
         (Some(list), None) => {
             let remedy = "give angles from the normal; 89 is nearly grazing";
-            check_list("angles.polar_deg", list, Allowed::below(0.0, 90.0, "°"), remedy, faults);
+            check_list("angles.polar_deg", list, limits::POLAR_DEG, remedy, faults);
             listed(file, list.clone(), coupling)
         }
         (None, count) => {
@@ -30,7 +30,7 @@ pub(crate) fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) 
             super::whole(
                 "angles.count",
                 count,
-                EXACT + 1..=64,
+                limits::DIRECTIONS,
                 "5 is usual; 0° and 45° are always among them",
                 faults,
             );

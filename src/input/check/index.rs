@@ -1,7 +1,8 @@
 //! Refractive indices: from a number, a built-in spectrum or the user's table to one value per wavelength.
 
-use crate::input::fault::{Allowed, Fault, Faults};
+use crate::input::fault::{Fault, Faults};
 use crate::input::forms::IndexWritten;
+use crate::input::limits;
 use crate::input::study::Material;
 use crate::material::spectra::{Spectrum, SpectrumError, Synthetic};
 use num_complex::Complex64;
@@ -70,9 +71,9 @@ fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Fau
 fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum> {
     let before = faults.0.len();
     let remedy = "give the real part of the refractive index, 1.3 to 2.7 for pigments and binders";
-    faults.number(&format!("{field}.n"), n, Allowed::between(0.1, 10.0, ""), remedy);
+    faults.number(&format!("{field}.n"), n, limits::INDEX, remedy);
     let remedy = "absorption is a positive k here (time factor exp(-iωt)): change the sign";
-    faults.number(&format!("{field}.k"), k, Allowed::between(0.0, 10.0, ""), remedy);
+    faults.number(&format!("{field}.k"), k, limits::ABSORPTION, remedy);
     if faults.0.len() > before { None } else { Spectrum::constant(n, k).ok() }
 }
 

@@ -1,9 +1,10 @@
 //! The paper: its albedo as a number, a list or a table, and how it touches the layer.
 
 use crate::appearance::paper::{Albedo, Coupling};
-use crate::input::fault::{Allowed, Fault, Faults};
+use crate::input::fault::{Fault, Faults};
 use crate::input::file::{CouplingName, StudyFile};
 use crate::input::forms::AlbedoWritten;
+use crate::input::limits;
 use crate::input::study::Paper;
 use crate::numerics::files;
 use serde::Deserialize;
@@ -18,7 +19,7 @@ pub(crate) fn paper(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, fau
     };
     let (source, albedo) = match &file.paper.albedo {
         AlbedoWritten::Constant(value) => {
-            faults.number("paper.albedo", *value, Allowed::between(0.0, 1.0, ""), REMEDY);
+            faults.number("paper.albedo", *value, limits::ALBEDO, REMEDY);
             (value.to_string(), Albedo::Constant(*value))
         }
         AlbedoWritten::Rows(rows) => {

@@ -2,17 +2,15 @@
 
 use super::index;
 use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
-use crate::input::fault::{Allowed, Fault, Faults};
+use crate::input::fault::{Fault, Faults};
 use crate::input::file::{LayerTable, PigmentTable, StudyFile};
 use crate::input::forms::Diameter;
+use crate::input::limits;
 use crate::input::study::{Dissolved, Material, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
 use crate::material::spectra::molecular_mixture;
 use num_complex::Complex64;
 use std::path::Path;
-
-/// Concentration that no random packing exceeds; thin layers reach less and say so when packed.
-const HIGHEST_FRACTION: f64 = 0.64;
 
 pub(crate) fn pigments(
     file: &StudyFile,
@@ -171,9 +169,8 @@ const LONGEST: f64 = 3.2;
 const PERIOD_STEP_UM: f64 = 0.1;
 
 fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
-    let allowed = Allowed::above(0.0, HIGHEST_FRACTION, "");
     let remedy = "a share of the layer's volume, such as 0.3 for 30 %";
-    faults.number(&of(i, "volume_fraction"), table.volume_fraction, allowed, remedy);
+    faults.number(&of(i, "volume_fraction"), table.volume_fraction, limits::VOLUME_FRACTION, remedy);
 }
 
 fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution {
@@ -247,8 +244,8 @@ fn names(file: &StudyFile, faults: &mut Faults) {
 
 fn total_fraction(file: &StudyFile, faults: &mut Faults) {
     let total: f64 = file.pigments.iter().map(|pigment| pigment.volume_fraction).sum();
-    if file.pigments.len() > 1 && total > HIGHEST_FRACTION {
-        let allowed = format!("a sum of at most {HIGHEST_FRACTION} over all pigments");
+    if file.pigments.len() > 1 && !limits::VOLUME_FRACTION.holds(total) {
+        let allowed = format!("a sum {} over all pigments", limits::VOLUME_FRACTION);
         let found = format!("{total} in all");
         let remedy = "lower the volume fractions";
         faults.push(Fault::new(of(file.pigments.len() - 1, "volume_fraction"), found, allowed, remedy));

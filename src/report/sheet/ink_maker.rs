@@ -1,6 +1,5 @@
 //! The page's part for ink makers.
 
-use super::with_error;
 use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
 use crate::evaluate::ink_maker::{Comparison, InkMaker, Swatch};
@@ -15,7 +14,7 @@ pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
     let mut rows = vec![
         row(
             "contrast ratio",
-            with_error(maker.contrast_ratio, 3),
+            maker.contrast_ratio.in_words(3),
             "Y over black divided by Y over white of albedo 0.8, both at 45:0 (ISO 6504-3): 1 hides everything".into(),
         ),
         row("over black", lab(&maker.over_black), format!("L*, a*, b* at 45:0, {}", maker.conditions)),
@@ -26,12 +25,12 @@ pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
         let [l, a, b] = target.lab;
         rows.push(row(
             "ΔE₀₀ to the target",
-            with_error(target.delta_e_2000, 2),
+            target.delta_e_2000.in_words(2),
             format!("L* {l}, a* {a}, b* {b}"),
         ));
     }
     if let Some(measured) = &maker.measured {
-        let value = measured.delta_e_2000.map_or_else(|| "–".to_owned(), |e| with_error(e, 2));
+        let value = measured.delta_e_2000.map_or_else(|| "–".to_owned(), |e| e.in_words(2));
         let meaning = format!("{}; root mean square of the residuals {:.4}", measured.source, measured.rms);
         rows.push(row("ΔE₀₀ to the measurement", value, meaning));
     }
@@ -52,7 +51,7 @@ fn lab(swatch: &Swatch) -> String {
         value: swatch.colour.lab[i],
         standard_error: swatch.lab_standard_error.map(|errors| errors[i]),
     };
-    [0, 1, 2].map(|i| with_error(part(i), 2)).join(", ")
+    [0, 1, 2].map(|i| part(i).in_words(2)).join(", ")
 }
 
 /// K and S, and a measurement with its residuals.

@@ -5,10 +5,11 @@ use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, ratio_of_terms};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::Field;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Terms are added until they are small; stops early when they grow.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Born {
     /// Steps over which the ratio of successive terms is averaged (geometric mean).

@@ -14,10 +14,11 @@ use crate::wave::operator::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Settings with the defaults that were fastest on packed ink cells.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ConvergentBorn {
     /// Largest |V| over ε: below 1.

@@ -15,12 +15,13 @@ use faer::{ColRef, Mat, Side};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::AddAssign;
 
 /// When and how far guided modes are treated.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GuidedModes {
     /// Modes with |eigenvalue| below this multiple of k0² count as near-null; 0 switches the correction off.

@@ -15,10 +15,11 @@ use crate::wave::Field;
 use crate::wave::operator::scattering::Scatter;
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Restarted GMRES; memory: the basis (at most `restart` vectors) and 4 vectors of 16 bytes per unknown.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gmres {
     /// Basis vectors kept before a restart.

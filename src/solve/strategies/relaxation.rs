@@ -18,11 +18,12 @@ use faer::{Col, Mat};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Settings; the defaults converge on every reference case with a real mean.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Relaxation {
     /// τ times the largest |V|.

@@ -2,10 +2,11 @@
 
 use super::element::Element;
 use crate::wave::{Scene, WaveError};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The discretisation in z (all share the exact boundary conditions of P2 (3.4)).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
     /// Exact difference scheme, contrast at the nodes with tent moments.

@@ -1,0 +1,28 @@
+//! The command that was typed, ready to be typed again.
+
+/// The whole command line, quoted for a shell where that is needed.
+pub fn this_command() -> String {
+    std::env::args().map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
+}
+
+/// In single quotes, unless every character is harmless.
+fn quoted(word: &str) -> String {
+    let harmless = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(harmless) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn a_shell_reads_the_same_words() {
+        assert_eq!(quoted("--output=out/yellow"), "--output=out/yellow");
+        assert_eq!(quoted("my ink.toml"), "'my ink.toml'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+}

@@ -1,0 +1,134 @@
+//! What strategies are compared on: a study's first packing at one wavelength and direction, or an explicit case.
+
+use super::error::CompareError;
+use crate::ink::pack;
+use crate::input::case::Case;
+use crate::input::check::check;
+use crate::input::fault::{Fault, StudyError};
+use crate::input::file::StudyFile;
+use crate::input::forms::{IndexWritten, Pair};
+use crate::input::load::read_file;
+use crate::input::read::read;
+use crate::input::study::Study;
+use crate::input::variation::CellRule;
+use crate::wave::{Incidence, Scene};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// The study of a comparison, as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum StudyWritten {
+    /// Its file, relative to the comparison.
+    File(PathBuf),
+    /// The study itself.
+    Table(toml::Table),
+}
+
+impl JsonSchema for StudyWritten {
+    fn schema_name() -> Cow<'static, str> {
+        "StudyOrFile".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let file = "A study file, relative to this one.";
+        let study = generator.subschema_for::<StudyFile>();
+        json_schema!({ "anyOf": [{ "description": file, "type": "string" }, study] })
+    }
+}
+
+/// A study, and the light that strategies are compared at.
+#[derive(Clone, Debug)]
+pub(super) struct Packed {
+    file: StudyFile,
+    folder: PathBuf,
+    /// The middle one of the study's when not given, nm.
+    wavelength_nm: Option<f64>,
+    /// The first of the study's when not given.
+    polar_deg: Option<f64>,
+}
+
+impl Packed {
+    /// A study as written in a comparison of `folder`.
+    pub fn read(written: &StudyWritten, folder: &Path) -> Result<Packed, CompareError> {
+        let (file, folder) = match written {
+            StudyWritten::File(path) => {
+                let path = folder.join(path);
+                let file = read_file(&path)?.1;
+                (file, path.parent().map_or_else(PathBuf::new, Path::to_owned))
+            }
+            StudyWritten::Table(table) => {
+                (read(table.clone().into()).map_err(|faults| inside(faults, folder))?, folder.to_owned())
+            }
+        };
+        Ok(Packed::of(file, folder))
+    }
+
+    /// A study file whose tables are looked for in `folder`.
+    pub fn of(file: StudyFile, folder: PathBuf) -> Packed {
+        Packed { file, folder, wavelength_nm: None, polar_deg: None }
+    }
+
+    /// The same under another light, where one is given.
+    pub fn lit(self, wavelength_nm: Option<f64>, polar_deg: Option<f64>) -> Packed {
+        Packed { wavelength_nm, polar_deg, ..self }
+    }
+
+    /// The same in a square cell of that period and with that index of the first pigment.
+    pub fn varied(&self, period_um: f64, [n, kappa]: [f64; 2]) -> Result<Packed, CompareError> {
+        let mut other = self.clone();
+        other.file.layer.cell = CellRule::Fixed;
+        other.file.layer.period_um = Some(Pair([period_um; 2]));
+        let Some(pigment) = other.file.pigments.first_mut() else {
+            return Err(CompareError::Field {
+                field: "study.pigment",
+                found: "none".into(),
+                allowed: "at least one pigment, whose index the matrix varies".into(),
+                remedy: "add a [[study.pigment]]",
+            });
+        };
+        pigment.index = IndexWritten { n: Some(n), k: Some(kappa), ..IndexWritten::default() };
+        Ok(other)
+    }
+
+    /// Packs the first realisation.
+    ///
+    /// # Errors
+    /// Faults of the study, a wavelength outside its range, no packing.
+    pub fn case(&self) -> Result<Case, CompareError> {
+        let study =
+            check(&self.file, &self.folder, "study").map_err(|faults| inside(faults, &self.folder))?;
+        let scene = Scene::from_packing(&pack(&study.packing_request(0), &mut ())?);
+        let incidence = self.incidence(&study)?;
+        let media = study.media(incidence.wavelength_um);
+        scene.check(&media)?;
+        incidence.check()?;
+        Ok(Case { scene, media, incidence })
+    }
+
+    fn incidence(&self, study: &Study) -> Result<Incidence, CompareError> {
+        let all = &study.wavelengths_nm;
+        let nm = self.wavelength_nm.unwrap_or(all[all.len() / 2]);
+        let (low, high) = (all[0], all[all.len() - 1]);
+        if !(low..=high).contains(&nm) {
+            return Err(CompareError::Field {
+                field: "wavelength_nm",
+                found: nm.to_string(),
+                allowed: format!("{low} to {high} nm, the study's range"),
+                remedy: "widen the study's [light], or leave the wavelength out",
+            });
+        }
+        let first = study.points(0)[0].incidence;
+        let polar_deg = self.polar_deg.unwrap_or(first.polar_deg);
+        Ok(Incidence { wavelength_um: 1e-3 * nm, polar_deg, ..first })
+    }
+}
+
+/// Faults of a study, seen from the comparison that holds it.
+fn inside(faults: Vec<Fault>, path: &Path) -> StudyError {
+    let named = |fault: Fault| Fault { field: format!("study.{}", fault.field), ..fault };
+    let faults = faults.into_iter().map(named).collect();
+    StudyError::Values { path: path.to_owned(), text: String::new(), faults }
+}

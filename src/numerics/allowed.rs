@@ -1,0 +1,134 @@
+//! Allowed ranges of numbers, each written once: checks refuse by them, messages say them, schemas of files carry them.
+
+use schemars::Schema;
+use schemars::transform::Transform;
+use std::fmt;
+
+/// An allowed range of a number, with its unit, that can say itself in words.
+#[derive(Clone, Copy, Debug)]
+pub struct Allowed {
+    low: f64,
+    low_is_open: bool,
+    high: f64,
+    high_is_open: bool,
+    unit: &'static str,
+}
+
+impl Allowed {
+    /// low ≤ value ≤ high.
+    pub const fn between(low: f64, high: f64, unit: &'static str) -> Self {
+        Self { low, low_is_open: false, high, high_is_open: false, unit }
+    }
+
+    /// low < value ≤ high.
+    pub const fn above(low: f64, high: f64, unit: &'static str) -> Self {
+        Self { low, low_is_open: true, high, high_is_open: false, unit }
+    }
+
+    /// low ≤ value < high.
+    pub const fn below(low: f64, high: f64, unit: &'static str) -> Self {
+        Self { low, low_is_open: false, high, high_is_open: true, unit }
+    }
+
+    /// Marks a field of a file: its schema carries the range.
+    pub const fn mark(self) -> Self {
+        self
+    }
+
+    /// False for NaN and infinities too.
+    pub fn holds(&self, value: f64) -> bool {
+        let above = if self.low_is_open { value > self.low } else { value >= self.low };
+        let below = if self.high_is_open { value < self.high } else { value <= self.high };
+        value.is_finite() && above && below
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let low = if self.low_is_open { "greater than" } else { "from" };
+        let high = match (self.low_is_open, self.high_is_open) {
+            (true, false) => "and at most",
+            (_, true) => "to below",
+            (false, false) => "to",
+        };
+        let space = if self.unit.is_empty() || self.unit == "°" { "" } else { " " };
+        write!(f, "{low} {} {high} {}{space}{}", self.low, self.high, self.unit)
+    }
+}
+
+/// The range in a schema, which has no place for units.
+impl Transform for Allowed {
+    fn transform(&mut self, schema: &mut Schema) {
+        let low = if self.low_is_open { "exclusiveMinimum" } else { "minimum" };
+        let high = if self.high_is_open { "exclusiveMaximum" } else { "maximum" };
+        schema.insert(low.into(), self.low.into());
+        if self.high < f64::MAX {
+            schema.insert(high.into(), self.high.into());
+        }
+    }
+}
+
+/// An allowed range of a whole number, both ends included.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole {
+    /// The least.
+    pub low: usize,
+    /// The largest.
+    pub high: usize,
+}
+
+impl Whole {
+    /// low ≤ value ≤ high.
+    pub const fn between(low: usize, high: usize) -> Self {
+        Self { low, high }
+    }
+
+    /// Marks a field of a file: its schema carries the range.
+    pub const fn mark(self) -> Self {
+        self
+    }
+
+    /// Whether a value is allowed.
+    pub fn holds(&self, value: usize) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
+impl fmt::Display for Whole {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "whole numbers from {} to {}", self.low, self.high)
+    }
+}
+
+impl Transform for Whole {
+    fn transform(&mut self, schema: &mut Schema) {
+        schema.insert("minimum".into(), self.low.into());
+        schema.insert("maximum".into(), self.high.into());
+    }
+}
+
+/// A list of 1 to `most` entries, each of them allowed.
+#[derive(Clone, Copy, Debug)]
+pub struct Each<T> {
+    /// What each entry must be.
+    pub entry: T,
+    /// Most entries.
+    pub most: usize,
+}
+
+impl<T: Copy> Each<T> {
+    /// Marks a field of a file: its schema carries the range.
+    pub const fn mark(self) -> Self {
+        self
+    }
+}
+
+impl<T: Transform> Transform for Each<T> {
+    fn transform(&mut self, schema: &mut Schema) {
+        schema.insert("minItems".into(), 1.into());
+        schema.insert("maxItems".into(), self.most.into());
+        if let Some(items) = schema.get_mut("items").and_then(|items| items.try_into().ok()) {
+            self.entry.transform(items);
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! The kinds of input files and their schemas.
+
+use super::tidy::{tidy, without_null};
+use crate::compare::experiment::ComparisonFile;
+use crate::input::case_inputs::CaseInputs;
+use crate::input::file::StudyFile;
+use crate::sweep::file::SweepFile;
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema, json_schema};
+use serde_json::Value;
+
+/// A kind of input file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Document {
+    /// One ink: for `run`, `pack`, `sweep` (as its base) and `compare`.
+    Study,
+    /// Many variants of a study, for `sweep`.
+    Sweep,
+    /// Strategies side by side, for `compare`.
+    Compare,
+    /// One explicit geometry, for `solve` and `compare`.
+    Case,
+}
+
+impl Document {
+    /// All kinds.
+    pub const ALL: [Document; 4] = [Document::Study, Document::Sweep, Document::Compare, Document::Case];
+
+    /// Its name on the command line and of its file in `schema/`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Document::Study => "study",
+            Document::Sweep => "sweep",
+            Document::Compare => "compare",
+            Document::Case => "case",
+        }
+    }
+
+    /// Its JSON Schema (draft 7, which most editors know).
+    pub fn schema(self) -> Value {
+        match self {
+            Document::Study => toml_schema::<StudyFile>("Study of inkwave"),
+            Document::Sweep => toml_schema::<SweepFile>("Sweep of inkwave"),
+            Document::Compare => toml_schema::<ComparisonFile>("Comparison of inkwave"),
+            Document::Case => case_schema(),
+        }
+    }
+}
+
+fn root<T: JsonSchema>(title: &str) -> Schema {
+    let mut schema = SchemaSettings::draft07().into_generator().into_root_schema_for::<T>();
+    schema.insert("title".into(), title.into());
+    tidy(&mut schema);
+    schema
+}
+
+/// TOML has no null.
+fn toml_schema<T: JsonSchema>(title: &str) -> Value {
+    let mut schema = root::<T>(title);
+    without_null(&mut schema);
+    schema.into()
+}
+
+/// The inputs themselves, or an object that holds them as `inputs`, as reference cases do.
+fn case_schema() -> Value {
+    let mut inputs = root::<CaseInputs>("Case of inkwave");
+    let mut take = |key: &str| inputs.remove(key).unwrap_or_default();
+    let [schema, title, mut definitions] = ["$schema", "title", "definitions"].map(&mut take);
+    definitions["Case"] = inputs.into();
+    let inputs = json_schema!({ "$ref": "#/definitions/Case" });
+    json_schema!({
+        "$schema": schema,
+        "title": title,
+        "anyOf": [
+            { "type": "object", "properties": { "inputs": inputs }, "required": ["inputs"] },
+            inputs,
+        ],
+        "definitions": definitions,
+    })
+    .into()
+}

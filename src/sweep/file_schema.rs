@@ -1,0 +1,50 @@
+//! What the schema of a sweep says beyond its types: its base is a study that the axes may complete, and axes set fields
+//! of a study.
+
+use super::file::Base;
+use crate::input::file::StudyFile;
+use schemars::generate::SchemaSettings;
+use schemars::transform::transform_subschemas;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde_json::Value;
+use std::borrow::Cow;
+
+impl JsonSchema for Base {
+    fn schema_name() -> Cow<'static, str> {
+        "Base".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let mut study = study();
+        unfinished(&mut study);
+        study.insert("description".into(), "The study itself; what an axis sets may be left out.".into());
+        let file = "A study file, relative to the sweep file.";
+        json_schema!({ "anyOf": [{ "description": file, "type": "string" }, study] })
+    }
+}
+
+/// A whole study without references to definitions.
+fn study() -> Schema {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    let mut schema = settings.into_generator().into_root_schema_for::<StudyFile>();
+    ["$schema", "title"].iter().for_each(|key| drop(schema.remove(*key)));
+    schema
+}
+
+/// No key must be there any more, but those that tell the forms of a value apart or exclude each other.
+fn unfinished(schema: &mut Schema) {
+    if ["anyOf", "oneOf", "not"].iter().any(|key| schema.get(*key).is_some()) {
+        return;
+    }
+    schema.remove("required");
+    transform_subschemas(&mut unfinished, schema);
+}
+
+/// Dotted fields of a study with their values.
+pub(super) fn fields(_: &mut SchemaGenerator) -> Schema {
+    let study = study();
+    let tables = study.get("properties").and_then(Value::as_object);
+    let names: Vec<&str> = tables.into_iter().flat_map(|all| all.keys().map(String::as_str)).collect();
+    let pattern = format!("^({})([.\\[].*)?$", names.join("|"));
+    json_schema!({ "type": "object", "propertyNames": { "pattern": pattern } })
+}

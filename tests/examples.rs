@@ -1,0 +1,169 @@
+//! Every example through every command that it makes sense for, as far as each command goes without solving: plans, packings of one
+//! realisation, and for what a command cannot do a reason.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::Mutex;
+
+/// Kind of an example, from its first line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Study,
+    Sweep,
+    Compare,
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
+}
+
+fn examples() -> Vec<(String, Kind)> {
+    let files = std::fs::read_dir(folder()).expect("examples");
+    let names = files.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
+    let mut all: Vec<_> =
+        names.filter(|name| name.ends_with(".toml")).map(|name| (name.clone(), kind(&name))).collect();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+fn kind(name: &str) -> Kind {
+    let text = std::fs::read_to_string(folder().join(name)).expect("readable");
+    let line = text.lines().find(|line| line.starts_with("#:schema")).expect("a line #:schema");
+    match line.rsplit('/').next() {
+        Some("study.json") => Kind::Study,
+        Some("sweep.json") => Kind::Sweep,
+        Some("compare.json") => Kind::Compare,
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+fn inkwave(args: &[&str], here: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_inkwave")).args(args).current_dir(here).output().expect("started")
+}
+
+/// What a command says about an example, with smaller cells where they are large: success, or the error.
+fn outcome(command: &[&str], name: &str) -> Result<String, String> {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let text = std::fs::read_to_string(folder().join(name)).expect("readable");
+    let small = text
+        .replace("period_um = [10.0, 10.0]", "period_um = 1.5")
+        .replace("period_um = [6.0, 6.0]", "period_um = 1.6");
+    std::fs::write(scratch.path().join(name), small).expect("written");
+    if name != "yellow.toml" {
+        std::fs::copy(folder().join("yellow.toml"), scratch.path().join("yellow.toml")).expect("copied");
+    }
+    let mut args = vec![command[0], name];
+    args.extend(&command[1..]);
+    let output = inkwave(&args, scratch.path());
+    let [out, error] =
+        [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+    if output.status.success() { Ok(out) } else { Err(error) }
+}
+
+/// The layers without walls are for packings alone.
+fn is_for_packings(name: &str) -> bool {
+    std::fs::read_to_string(folder().join(name)).expect("readable").contains("walls = false")
+}
+
+fn pack(name: &str) -> Result<String, String> {
+    outcome(&["pack", "--realisations", "1", "--output", "packed"], name)
+}
+
+/// Commands that take the example.
+fn taken(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>)> {
+    match kind {
+        Kind::Study if is_for_packings(name) => vec![("pack", pack(name))],
+        Kind::Study => vec![
+            ("run", outcome(&["run", "--plan"], name)),
+            ("pack", pack(name)),
+            ("compare", outcome(&["compare", "--plan"], name)),
+        ],
+        Kind::Sweep => vec![("sweep", outcome(&["sweep", "--plan"], name))],
+        Kind::Compare => vec![("compare", outcome(&["compare", "--plan"], name))],
+    }
+}
+
+/// Commands that refuse it, and a word of the reason.
+fn refused(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>, &'static str)> {
+    match kind {
+        Kind::Study if is_for_packings(name) => vec![
+            ("run", outcome(&["run", "--plan"], name), "walls"),
+            ("compare", outcome(&["compare", "--plan"], name), "walls"),
+        ],
+        Kind::Study => vec![("sweep", outcome(&["sweep", "--plan"], name), "base")],
+        Kind::Sweep => vec![("run", outcome(&["run", "--plan"], name), "layer")],
+        Kind::Compare => vec![("run", outcome(&["run", "--plan"], name), "layer")],
+    }
+}
+
+#[test]
+fn every_example_goes_through_every_command_it_is_for() {
+    let all = examples();
+    for kind in [Kind::Study, Kind::Sweep, Kind::Compare] {
+        assert!(all.iter().filter(|example| example.1 == kind).count() >= 3, "{kind:?}");
+    }
+    let wrong = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for half in all.chunks(all.len().div_ceil(2)) {
+            let wrong = &wrong;
+            scope.spawn(move || {
+                for (name, kind) in half {
+                    for (command, said) in taken(name, *kind) {
+                        if let Err(error) = said {
+                            wrong.lock().expect("no panic").push(format!("{command} {name}: {error}"));
+                        }
+                    }
+                    for (command, said, word) in refused(name, *kind) {
+                        if !said.as_ref().is_err_and(|error| error.contains(word)) {
+                            wrong
+                                .lock()
+                                .expect("no panic")
+                                .push(format!("{command} {name} should tell of {word}: {said:?}"));
+                        }
+                    }
+                }
+            });
+        }
+    });
+    let wrong = wrong.into_inner().expect("no panic");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A comparison that names a study file and one that holds the same study have the same rows, and so has the short form from before.
+#[test]
+fn a_study_is_the_same_wherever_it_is_written() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let study = "layer = { cell = 'fixed', period_um = 0.5, thickness_um = 0.4 }\n\
+        [[pigment]]\ndiameter_nm = 200\nvolume_fraction = 0.1\nindex = 1.4\n\
+        [light]\nwavelengths_nm = [500, 600]\n[angles]\npolar_deg = [0]\n[run]\nseed = 3\n";
+    let inner = study.replace("layer =", "study.layer =").replace("[[pigment]]", "[[study.pigment]]");
+    let inner = inner
+        .replace("[light]", "[study.light]")
+        .replace("[angles]", "[study.angles]")
+        .replace("[run]", "[study.run]");
+    let short = "layer = { period_um = 0.5, thickness_um = 0.4, diameter_nm = 200, volume_fraction = 0.1, \
+        pigment = [1.4, 0.0], binder = [1.558, 0.0], wavelength_um = 0.6, seed = 3 }\n";
+    let lists = "strategies = ['krylov', 'born']\nresolutions = [{ points = 5, cells = 4 }]\nrepeats = 1\n";
+    let mut tables = Vec::new();
+    for (name, text) in [
+        ("study.toml", study.to_owned()),
+        ("by-name.toml", format!("{lists}study = 'study.toml'\n")),
+        ("inside.toml", format!("{lists}{inner}")),
+        ("short.toml", format!("{lists}{short}")),
+    ] {
+        std::fs::write(scratch.path().join(name), text).expect("written");
+        if name == "study.toml" {
+            continue;
+        }
+        let output = inkwave(&["compare", name, "--output", name.trim_end_matches(".toml")], scratch.path());
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        let table = scratch.path().join(name.trim_end_matches(".toml")).join("comparison.csv");
+        let mut rows = csv::Reader::from_path(table).expect("a table");
+        let column =
+            rows.headers().expect("a header").iter().position(|name| name == "error").expect("errors");
+        let errors: Vec<String> = rows.records().map(|row| row.expect("a row")[column].to_owned()).collect();
+        assert!(errors.len() == 4 && errors.iter().all(|error| error.parse::<f64>().is_ok()), "{errors:?}");
+        tables.push(errors);
+    }
+    assert!(tables.windows(2).all(|pair| pair[0] == pair[1]), "{tables:?}");
+}

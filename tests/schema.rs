@@ -1,0 +1,358 @@
+//! The schemas say what the readers say: examples and reference cases fit, slips do not, and a value that the schema refuses is
+//! refused by the program, wherever it stands.
+
+use inkwave::compare::experiment::ComparisonFile;
+use inkwave::input::case::Case;
+use inkwave::input::case_inputs::CaseInputs;
+use inkwave::input::check::{check, check_packing};
+use inkwave::input::fault::Fault;
+use inkwave::input::file::StudyFile;
+use inkwave::input::read::read;
+use inkwave::input::tree::{Node, parse_toml};
+use inkwave::schema::{Document, annotated};
+use inkwave::solve::Registry;
+use inkwave::sweep::file::SweepFile;
+use inkwave::sweep::load::load;
+use jsonschema::Validator;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn validator(document: Document) -> Validator {
+    jsonschema::validator_for(&document.schema()).expect("a schema of draft 7")
+}
+
+/// Every TOML file of `examples`, with the kind that its first line names.
+fn examples() -> Vec<(PathBuf, Document, Value)> {
+    let files = std::fs::read_dir(root().join("examples")).expect("examples");
+    let files = files.map(|entry| entry.expect("an entry").path());
+    files.filter(|path| path.extension().is_some_and(|e| e == "toml")).map(example).collect()
+}
+
+fn example(path: PathBuf) -> (PathBuf, Document, Value) {
+    let text = std::fs::read_to_string(&path).expect("readable");
+    let line = text.lines().find(|line| line.starts_with("#:schema")).expect("a line #:schema");
+    let kind = |kind: &Document| line == format!("#:schema ../schema/{}.json", kind.name());
+    let document = Document::ALL.into_iter().find(kind).expect("a known schema");
+    let value = as_json(&text);
+    (path, document, value)
+}
+
+fn as_json(text: &str) -> Value {
+    serde_json::to_value(parse_toml(text).expect("TOML")).expect("no dates and no NaN")
+}
+
+fn reference_cases() -> Vec<Value> {
+    let text = std::fs::read_to_string(root().join("validation/data/waves.json")).expect("readable");
+    let file: Value = serde_json::from_str(&text).expect("JSON");
+    file["cases"].as_array().expect("cases").iter().map(|case| case["inputs"].clone()).collect()
+}
+
+/// Whether the keys and the kinds of values are those of the types; ranges are judged later.
+fn is_read(document: Document, value: &Value) -> bool {
+    let node = || Node::from(value.clone());
+    match document {
+        Document::Study => read::<StudyFile>(node()).is_ok(),
+        Document::Sweep => read::<SweepFile>(node()).is_ok(),
+        Document::Compare => read::<ComparisonFile>(node()).is_ok(),
+        Document::Case => read::<CaseInputs>(node().get("inputs").cloned().unwrap_or(node())).is_ok(),
+    }
+}
+
+/// What the program finds wrong with a study that is run.
+fn faults(value: &Value) -> Vec<Fault> {
+    let file: StudyFile = match read(Node::from(value.clone())) {
+        Ok(file) => file,
+        Err(faults) => return faults,
+    };
+    let judge = if file.layer.walls { check } else { check_packing };
+    judge(&file, &root().join("examples"), "study").err().unwrap_or_default()
+}
+
+fn refused(document: Document, value: &Value) -> bool {
+    match document {
+        Document::Study => !faults(value).is_empty(),
+        Document::Case => !is_read(document, value) || Case::parse(&value.to_string(), false).is_err(),
+        Document::Sweep => !is_read(document, value) || !in_a_file(value, |path| load(path).is_ok()),
+        Document::Compare => !is_read(document, value) || !in_a_file(value, is_planned),
+    }
+}
+
+fn is_planned(path: &Path) -> bool {
+    ComparisonFile::read(path).and_then(|file| file.plan(&Registry::default())).is_ok()
+}
+
+/// What `judge` finds of a document in a file, beside the study that examples name.
+fn in_a_file(document: &Value, judge: impl Fn(&Path) -> bool) -> bool {
+    let folder = tempfile::tempdir().expect("a folder");
+    let base = root().join("examples/yellow.toml");
+    std::fs::copy(base, folder.path().join("yellow.toml")).expect("copied");
+    let path = folder.path().join("document.toml");
+    std::fs::write(&path, toml::to_string(document).expect("TOML")).expect("written");
+    judge(&path)
+}
+
+#[test]
+fn the_committed_schemas_are_what_the_program_prints() {
+    for document in Document::ALL {
+        let name = document.name();
+        let text = std::fs::read_to_string(root().join(format!("schema/{name}.json"))).expect("committed");
+        let committed: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(committed, document.schema(), "inkwave schema {name} > schema/{name}.json");
+    }
+}
+
+#[test]
+fn the_annotated_file_is_what_the_program_prints_and_names_every_key() {
+    let text = std::fs::read_to_string(root().join("examples/every-key.toml")).expect("committed");
+    let printed = annotated(Document::Study);
+    assert_eq!(text.trim_end(), printed.trim_end(), "inkwave schema --annotated > examples/every-key.toml");
+    assert_eq!(faults(&as_json(&text)), []);
+    let mut keys = BTreeSet::new();
+    all_keys(&Document::Study.schema(), &mut keys);
+    assert!(keys.len() > 70, "{}", keys.len());
+    let words: BTreeSet<&str> =
+        text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).filter(|w| !w.is_empty()).collect();
+    let missing: Vec<&String> = keys.iter().filter(|key| !words.contains(key.as_str())).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+fn all_keys(schema: &Value, keys: &mut BTreeSet<String>) {
+    match schema {
+        Value::Object(table) => {
+            let own = table.get("properties").and_then(Value::as_object).into_iter().flatten();
+            keys.extend(own.map(|(key, _)| key.clone()));
+            table.values().for_each(|value| all_keys(value, keys));
+        }
+        Value::Array(items) => items.iter().for_each(|value| all_keys(value, keys)),
+        _ => {}
+    }
+}
+
+/// A key behind a `#` is good as it stands there: written into its table, it is read, and the schema takes it.
+#[test]
+fn keys_behind_a_hash_are_good_as_they_stand() {
+    let text = annotated(Document::Study);
+    let good = validator(Document::Study);
+    let (mut header, mut count) = (String::new(), 0);
+    for line in text.lines() {
+        if let Some(table) = line.trim_start_matches("# ").strip_prefix('[') {
+            header = if line.starts_with('#') { String::new() } else { format!("[{table}") };
+        }
+        let Some(entry) = line.strip_prefix("# ").filter(|entry| is_entry(entry)) else { continue };
+        if header.is_empty() {
+            continue;
+        }
+        let must = match header.as_str() {
+            "[[pigment]]" => "volume_fraction = 0.1",
+            "[layer]" => "thickness_um = 1.0",
+            _ => "",
+        };
+        let layer = if header == "[layer]" { "" } else { "[layer]\nthickness_um = 1.0" };
+        let value = as_json(&format!("{layer}\n{header}\n{must}\n{entry}"));
+        assert!(good.is_valid(&value) && is_read(Document::Study, &value), "{header} {entry}");
+        count += 1;
+    }
+    assert!(count >= 25, "{count} keys");
+}
+
+fn is_entry(line: &str) -> bool {
+    let key = line.split(" = ").next().filter(|_| line.contains(" = ")).unwrap_or_default();
+    !key.is_empty() && key.chars().all(|c| c.is_ascii_lowercase() || c == '_' || c.is_ascii_digit())
+}
+
+#[test]
+fn every_example_and_every_reference_case_fits() {
+    let all = examples();
+    assert!(all.len() >= 15, "{} examples", all.len());
+    for (path, document, value) in all {
+        let good = validator(document);
+        let errors: Vec<String> =
+            good.iter_errors(&value).map(|e| format!("{}: {e}", e.instance_path())).collect();
+        assert!(errors.is_empty(), "{}: {errors:?}", path.display());
+        assert!(is_read(document, &value), "{}", path.display());
+    }
+    let good = validator(Document::Case);
+    for inputs in
+        reference_cases().into_iter().filter(|inputs| Case::parse(&inputs.to_string(), false).is_ok())
+    {
+        assert!(good.is_valid(&inputs) && good.is_valid(&json!({ "inputs": inputs, "more": 1 })), "{inputs}");
+    }
+}
+
+/// The slips that people make, each refused by the schema and by the program.
+#[test]
+fn bad_files_do_not_fit() {
+    use Document::{Case, Compare, Study, Sweep};
+    let study = as_json(&std::fs::read_to_string(root().join("examples/yellow.toml")).expect("an example"));
+    let sweep = as_json("base = 'yellow.toml'\n[[axis]]\nfield = 'layer.thickness_um'\nvalues = [1, 2]");
+    let compare = as_json("study = 'yellow.toml'\nstrategies = ['krylov']");
+    let case = reference_cases().swap_remove(0);
+    let slips: [(Document, &Value, &str, Value); 28] = [
+        (Study, &study, "/layer/thicknes_um", json!(1)),
+        (Study, &study, "/layer/thickness_um", json!("1 µm")),
+        (Study, &study, "/layer/thickness_um", json!(-1)),
+        (Study, &study, "/layer/thickness_um", json!({ "mean": 1 })),
+        (Study, &study, "/layer/period_um", json!([1, 2, 3])),
+        (Study, &study, "/layer/cell", json!("hexagonal")),
+        (Study, &study, "/layer/walls", json!("yes")),
+        (Study, &study, "/layer/binder/index", json!({ "n": 1.5, "csv": "a.csv" })),
+        (Study, &study, "/pigment/0/volume_fraction", json!(30)),
+        (Study, &study, "/pigment/0/shape", json!("cube")),
+        (Study, &study, "/pigment/0/shape", json!({ "kind": "cylinder", "length_in_radii": 1 })),
+        (Study, &study, "/pigment/0/diameter_nm", json!("small")),
+        (Study, &study, "/pigment/0/index", json!({ "built_in": "purple" })),
+        (Study, &study, "/pigment/0/index", json!({ "n": 1.4, "k": -0.1 })),
+        (Study, &study, "/pigment/0/orientation", json!({ "kind": "along" })),
+        (Study, &study, "/paper/albedo", json!(90)),
+        (Study, &study, "/paper/coupling", json!("glue")),
+        (Study, &study, "/light/step_nm", json!(0)),
+        (Study, &study, "/angles/count", json!(2.5)),
+        (Study, &study, "/run/realisations", json!(0)),
+        (Study, &study, "/resolution/accuracy", json!(1)),
+        (Study, &study, "/solver/strategy", json!({ "krylov": { "restart": "many" } })),
+        (Sweep, &sweep, "/axis/0/vales", json!([1])),
+        (Sweep, &sweep, "/base", json!(3)),
+        (Compare, &compare, "/schemes", json!(["kubic"])),
+        (Compare, &compare, "/goal", json!({ "tolerence": 1e-6 })),
+        (Case, &case, "/wavelength", json!("550 nm")),
+        (Case, &case, "/sigma_deg", json!(90)),
+    ];
+    for (document, good, place, value) in slips {
+        let judge = validator(document);
+        assert!(judge.is_valid(good) && !refused(document, good), "{place}: good as it was");
+        let bad = with(good, place, value);
+        assert!(!judge.is_valid(&bad), "{place} = {} fits the schema", bad.pointer(place).unwrap());
+        assert!(refused(document, &bad), "{place} = {} is taken by the program", bad.pointer(place).unwrap());
+    }
+}
+
+/// `whole` with a value put in place of another, or added.
+fn with(whole: &Value, place: &str, value: Value) -> Value {
+    let mut whole = whole.clone();
+    let (table, key) = place.rsplit_once('/').expect("a place");
+    if whole.pointer(table).is_none() {
+        whole = with(&whole, table, json!({}));
+    }
+    match whole.pointer_mut(table).expect("a table") {
+        Value::Array(items) => items[key.parse::<usize>().expect("a number")] = value,
+        table => table[key] = value,
+    }
+    whole
+}
+
+/// Values of the largest document that is changed everywhere.
+const MOST_PLACES: usize = 120;
+
+/// At every place of every example: another kind of value, an unknown key, a key left out. What the schema refuses the program
+/// refuses, and what the reader cannot read the schema does not let pass.
+#[test]
+fn schema_and_reader_agree_on_every_change() {
+    let mut changes = 0;
+    let cases = reference_cases().into_iter().map(|inputs| (PathBuf::from("a case"), Document::Case, inputs));
+    for (path, document, good) in examples().into_iter().chain(cases) {
+        let judge = validator(document);
+        // Sweeps of many variants say the same things over and over.
+        if places(&good, "").len() > MOST_PLACES || refused(document, &good) {
+            continue;
+        }
+        // What an axis sets anew may stand in a sweep's base as it likes.
+        let kept = |place: &String| document != Document::Sweep || !place.starts_with("/base");
+        for changed in every_change(&good, kept) {
+            changes += 1;
+            let (fits, is_read) = (judge.is_valid(&changed), is_read(document, &changed));
+            assert!(fits || refused(document, &changed), "{}: the program takes {changed}", path.display());
+            assert!(!fits || is_read, "{}: the schema lets pass {changed}", path.display());
+        }
+    }
+    assert!(changes > 2000, "{changes} changes");
+}
+
+fn every_change(good: &Value, kept: impl Fn(&String) -> bool) -> Vec<Value> {
+    let mut all = Vec::new();
+    for place in places(good, "").into_iter().filter(kept) {
+        let others = [
+            json!("zzz"),
+            json!(-1e9),
+            json!(1),
+            json!(true),
+            json!([]),
+            json!([[1]]),
+            json!({}),
+            json!({ "zzz": 1 }),
+        ];
+        all.extend(others.map(|other| with(good, &place, other)));
+        let Some(parent) = place.rsplit_once('/').map(|(parent, _)| parent) else { continue };
+        if good.pointer(parent).is_some_and(Value::is_object) {
+            all.push(with(good, &format!("{parent}/zzz"), json!(1)));
+            all.push(without(good, &place));
+        }
+    }
+    all
+}
+
+fn without(whole: &Value, place: &str) -> Value {
+    let mut whole = whole.clone();
+    let (table, key) = place.rsplit_once('/').expect("a place");
+    let table = whole.pointer_mut(table).and_then(Value::as_object_mut).expect("a table");
+    table.remove(&key.replace("~1", "/").replace("~0", "~"));
+    whole
+}
+
+/// JSON pointers of all values below.
+fn places(value: &Value, here: &str) -> Vec<String> {
+    let escaped = |key: &str| key.replace('~', "~0").replace('/', "~1");
+    let children: Vec<(String, &Value)> = match value {
+        Value::Object(table) => table.iter().map(|(key, child)| (escaped(key), child)).collect(),
+        Value::Array(items) => items.iter().enumerate().map(|(i, child)| (i.to_string(), child)).collect(),
+        _ => Vec::new(),
+    };
+    let below = |(key, child): (String, &Value)| {
+        let place = format!("{here}/{key}");
+        let mut all = places(child, &place);
+        all.push(place);
+        all
+    };
+    children.into_iter().flat_map(below).collect()
+}
+
+/// A number beyond its bound is refused by both, at its bound by neither for that reason.
+#[test]
+fn bounds_are_the_same() {
+    let good = with(&as_json(&annotated(Document::Study)), "/run/realisations", json!(2));
+    let judge = validator(Document::Study);
+    let ranges: [(&str, f64, f64); 9] = [
+        ("/layer/thickness_um", f64::NAN, 1000.0),
+        ("/pigment/0/volume_fraction", f64::NAN, 0.64),
+        ("/paper/albedo", 0.0, 1.0),
+        ("/angles/azimuth_deg", -360.0, 360.0),
+        ("/run/realisations", 1.0, 1e5),
+        ("/solver/max_applications", 1.0, 1e6),
+        ("/output/picture_pixels", 16.0, 8192.0),
+        ("/packing/relaxation/step", 0.01, 1.0),
+        ("/packing/relaxation/inflation", 1e-6, 0.05),
+    ];
+    for (place, low, high) in ranges {
+        let whole = good.pointer(place).is_some_and(Value::is_u64);
+        let number = |x: f64| if whole { json!(x as i64) } else { json!(x) };
+        let step = if whole { 1.0 } else { 1e-9 };
+        let field = place.trim_start_matches('/').replace("/0/", "[0].").replace('/', ".");
+        for (bound, beyond) in [(low, low - step), (high, high + step)] {
+            if bound.is_nan() {
+                continue;
+            }
+            let (at, beyond) = (with(&good, place, number(bound)), with(&good, place, number(beyond)));
+            let own = |value: &Value| faults(value).iter().any(|fault| fault.field == field);
+            assert!(judge.is_valid(&at) && !own(&at), "{place} at {bound}: {:?}", faults(&at));
+            assert!(
+                !judge.is_valid(&beyond) && own(&beyond),
+                "{place} beyond {bound}: {:?}",
+                faults(&beyond)
+            );
+        }
+    }
+}
