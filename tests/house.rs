@@ -204,28 +204,9 @@ fn folders_depend_one_way_only() {
     assert!(found.is_empty(), "against the order of src/lib.rs:\n{}", found.join("\n"));
 }
 
-/// Files whose circles are still to be opened; no other file may join one.
-const STILL_ROUND: [&str; 14] = [
-    "appearance::tristimulus",
-    "appearance::viewing",
-    "compare::experiment",
-    "compare::matrix",
-    "solve::accuracy::coverages",
-    "solve::accuracy::discretisation",
-    "solve::accuracy::search",
-    "sweep::run",
-    "sweep::run::jobs",
-    "sweep::run::news",
-    "wave::contrast::coverage",
-    "wave::layout",
-    "wave::maxwell::mean",
-    "wave::maxwell::nodes",
-];
-
 #[test]
-fn no_further_files_form_a_circle() {
-    let known = |circle: &String| circle.split(" → ").all(|file| STILL_ROUND.contains(&file));
-    let found: Vec<String> = House::new(&library()).circles().into_iter().filter(|c| !known(c)).collect();
+fn no_files_form_a_circle() {
+    let found = House::new(&library()).circles();
     assert!(found.is_empty(), "circles:\n{}", found.join("\n"));
 }
 

@@ -1,6 +1,6 @@
 //! Under which light and by which observer a colour is judged.
 
-use super::tristimulus::ColourError;
+use super::error::ColourError;
 use colorimetry::illuminant::CieIlluminant;
 use colorimetry::observer::Observer;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

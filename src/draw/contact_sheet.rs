@@ -23,10 +23,12 @@ pub struct ContactSheet {
     pub blanks: Vec<Vec<String>>,
 }
 
-/// Sheet layout, pixels: space for captions, and between pictures.
+/// Sheet layout, pixels: least space for captions, and between pictures.
 pub(super) const SHEET_LEFT: usize = 150;
 pub(super) const SHEET_TOP: usize = 104;
 const SHEET_GAP: usize = 22;
+/// Width of a letter over the size of the type, at most on average.
+const LETTER: f64 = 0.6;
 
 impl ContactSheet {
     /// The sheet as a bitmap; labels of the single pictures are left out.
@@ -36,32 +38,31 @@ impl ContactSheet {
     pub fn render(&self, style: &PictureStyle) -> Result<Bitmap, FigureError> {
         self.check()?;
         let cell = [style.strip_px + style.gap_px + style.side_px + SHEET_GAP, style.side_px + SHEET_GAP];
-        let width = SHEET_LEFT + self.columns.len() * cell[0];
+        let left = self.left();
+        let width = left + self.columns.len() * cell[0];
         let mut bitmap = Bitmap::white(width, SHEET_TOP + self.rows.len() * cell[1])?;
         bitmap.text(&self.title, [SHEET_GAP as i32, 26], TITLE_PX + 4, Anchor::Left, false)?;
         self.captions(&mut bitmap, cell)?;
         for (r, row) in self.pictures.iter().enumerate() {
             for (c, picture) in row.iter().enumerate() {
-                let at = [SHEET_LEFT + c * cell[0], SHEET_TOP + r * cell[1]];
+                let at = [left + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
                     Some(picture) => picture.paint(&mut bitmap, at, style),
-                    None => self.blank(&mut bitmap, at, cell, [r, c])?,
+                    None => blank(&mut bitmap, at, cell, self.reason(r, c))?,
                 }
             }
         }
         Ok(bitmap)
     }
 
-    fn blank(
-        &self,
-        bitmap: &mut Bitmap,
-        [x, y]: [usize; 2],
-        cell: [usize; 2],
-        [r, c]: [usize; 2],
-    ) -> Result<(), FigureError> {
-        let Some(reason) = self.blanks.get(r).and_then(|row| row.get(c)) else { return Ok(()) };
-        let middle = [(x + (cell[0] - SHEET_GAP) / 2) as i32, (y + (cell[1] - SHEET_GAP) / 2) as i32];
-        bitmap.text(reason, middle, LABEL_PX, Anchor::Centre, false)
+    /// Space for the longest caption of a row.
+    fn left(&self) -> usize {
+        let longest = self.rows.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+        SHEET_LEFT.max(SHEET_GAP + (longest as f64 * LETTER * LABEL_PX as f64) as usize + 14)
+    }
+
+    fn reason(&self, row: usize, column: usize) -> &str {
+        self.blanks.get(row).and_then(|reasons| reasons.get(column)).map_or("", String::as_str)
     }
 
     fn check(&self) -> Result<(), FigureError> {
@@ -80,15 +81,54 @@ impl ContactSheet {
 
     fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), FigureError> {
         let middle = |k: usize, step: usize, from: usize| (from + k * step + (step - SHEET_GAP) / 2) as i32;
-        bitmap.text(&self.column_axis, [SHEET_LEFT as i32, 58], LABEL_PX, Anchor::Left, false)?;
+        let left = self.left();
+        bitmap.text(&self.column_axis, [left as i32, 58], LABEL_PX, Anchor::Left, false)?;
         bitmap.text(&self.row_axis, [SHEET_GAP as i32, 84], LABEL_PX, Anchor::Left, false)?;
         for (c, name) in self.columns.iter().enumerate() {
-            bitmap.text(name, [middle(c, cell[0], SHEET_LEFT), 84], LABEL_PX, Anchor::Centre, false)?;
+            bitmap.text(name, [middle(c, cell[0], left), 84], LABEL_PX, Anchor::Centre, false)?;
         }
         for (r, name) in self.rows.iter().enumerate() {
-            let at = [SHEET_LEFT as i32 - 14, middle(r, cell[1], SHEET_TOP)];
+            let at = [left as i32 - 14, middle(r, cell[1], SHEET_TOP)];
             bitmap.text(name, at, LABEL_PX, Anchor::Right, false)?;
         }
         Ok(())
+    }
+}
+
+/// Why there is no picture, in lines as wide as the place.
+fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> Result<(), FigureError> {
+    let size = LABEL_PX - 2;
+    let letters = ((cell[0] - SHEET_GAP) as f64 / (LETTER * size as f64)) as usize;
+    let lines = wrapped(reason, letters);
+    let [middle_x, middle_y] =
+        [x + (cell[0] - SHEET_GAP) / 2, y + (cell[1] - SHEET_GAP) / 2].map(|p| p as i32);
+    let step = size as i32 + 5;
+    for (k, line) in lines.iter().enumerate() {
+        let down = (2 * k as i32 - lines.len() as i32 + 1) * step / 2;
+        bitmap.text(line, [middle_x, middle_y + down], size, Anchor::Centre, false)?;
+    }
+    Ok(())
+}
+
+/// Words in lines of at most so many letters, where no word is longer.
+fn wrapped(text: &str, letters: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= letters) {
+            Some(line) => *line += &format!(" {word}"),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wrapped;
+
+    #[test]
+    fn lines_hold_whole_words() {
+        assert_eq!(wrapped("volume fraction 0.5 not reached", 16), ["volume fraction", "0.5 not reached"]);
+        assert_eq!(wrapped("unbreakable", 4), ["unbreakable"]);
     }
 }

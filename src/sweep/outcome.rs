@@ -69,6 +69,16 @@ impl Outcome {
         }
     }
 
+    /// In a few words why it has no results, if something failed.
+    pub fn short_reason(&self) -> Option<String> {
+        let reason = self.reason.as_ref()?;
+        // "realisation 1: volume fraction 0.5 not reached after 6799 steps: …" → what a glance can take.
+        let told = reason.split_once(": ").filter(|(head, _)| head.starts_with("realisation"));
+        let told = told.map_or(reason.as_str(), |(_, rest)| rest);
+        let end = [":", ";", ",", " after "].iter().filter_map(|stop| told.find(stop)).min();
+        Some(told[..end.unwrap_or(told.len())].to_owned())
+    }
+
     /// One number with its error, if it is there. An unfinished variant counts with its complete realisations.
     pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Estimate> {
         let near = |row: &&SpectrumRow| (row.wavelength_nm - wavelength_nm.unwrap_or(f64::NAN)).abs() < 1e-6;
