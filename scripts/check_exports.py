@@ -150,8 +150,9 @@ def render(mi):
 
 def check_cxf(np):
     colour_cxf = available("colour_cxf")
-    spectra = {r["wavelength_nm"]: r for r in csv.DictReader(open(FOLDER / "spectra.csv"))}
-    known = {float(nm): float(r["lit_at_45"]) for nm, r in spectra.items() if r["lit_at_45"]}
+    # one row for each wavelength and angle; the print's columns stand in one of them
+    rows = csv.DictReader(open(FOLDER / "spectra.csv"))
+    known = {float(r["wavelength_nm"]): float(r["lit_at_45"]) for r in rows if r["lit_at_45"]}
     if colour_cxf:
         cxf = colour_cxf.read_cxf_from_file(EXPORT / "spectra.cxf")
         first = cxf.resources.object_collection.object_value[0].color_values.choice[0]

@@ -242,9 +242,12 @@ fn a_sweep_has_its_golden_numbers() {
             }
         }
     }
-    let conclusions = std::fs::read_to_string(out.join("conclusions.csv")).expect("conclusions");
-    let measured = conclusions.lines().nth(1).expect("one conclusion").split(',').collect::<Vec<_>>();
-    let value = measured.iter().filter_map(|cell| cell.parse::<f64>().ok()).next();
-    ledger.number("conclusion", value, want["conclusion"].as_f64());
+    let mut conclusions = csv::Reader::from_path(out.join("conclusions.csv")).expect("conclusions");
+    let measured: Vec<csv::StringRecord> = conclusions.records().map(|row| row.expect("a row")).collect();
+    let wanted = want["conclusions"].as_array().expect("conclusions");
+    assert_eq!(measured.len(), wanted.len());
+    for (row, want) in measured.iter().zip(wanted) {
+        ledger.number(&row[2], row[3].parse().ok(), want.as_f64());
+    }
     ledger.close("sweep");
 }

@@ -14,7 +14,12 @@ fn read(path: impl AsRef<Path>) -> String {
 
 #[test]
 fn generated_pages_are_as_they_were_generated() {
-    for page in ["reports/latest/report.md", "reports/latest/mutations.md", "reports/benchmarks/README.md"] {
+    for page in [
+        "reports/latest/report.md",
+        "reports/latest/mutations.md",
+        "reports/benchmarks/README.md",
+        "reports/comparison/README.md",
+    ] {
         seal::check(&read(page)).unwrap_or_else(|broken| panic!("{page}: {broken}"));
     }
 }

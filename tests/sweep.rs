@@ -99,6 +99,30 @@ fn a_variant_that_fails_is_recorded_and_tried_again_when_asked() {
     assert!(said(&run(&["--retry-failed"])).contains("no result"), "{}", said(&run(&["--retry-failed"])));
 }
 
+/// Sequential addition that may try no more than 7000 times for a grain gets stuck in one of seven realisations, after the four that
+/// the grid is chosen on; the six others count.
+#[test]
+fn a_packing_that_fails_costs_its_own_realisation_alone() {
+    let tight = TINY
+        .replace("period_um = 0.8\nthickness_um = 0.5", "period_um = 0.6\nthickness_um = 0.4")
+        .replace("diameter_nm = 200", "diameter_nm = 180")
+        .replace("volume_fraction = 0.15", "volume_fraction = 0.28")
+        .replace("realisations = 2\nseed = 7", "realisations = 7\nseed = 3")
+        .replace("step_nm = 100", "step_nm = 150")
+        .replace("points_per_um = 20", "points_per_um = 12");
+    let packing = "[base.packing]\nmethod = \"sequential_addition\"\nsequential.attempts_per_grain = 7000\n";
+    let axes = "[[axis]]\nname = \"paper\"\nfield = \"paper.albedo\"\nvalues = [0.9, 0.5]\n";
+    let base = tight.split("[[axis]]").next().expect("a base");
+    let place = Place::new(&format!("{base}{packing}{axes}"));
+    let run =
+        || inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("out")]).output().unwrap();
+    let told = said(&run());
+    assert!(told.contains("realisation 6: volume fraction"), "{told}");
+    let table = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
+    // variant, paper, solves, finished, failures, realisations
+    assert!(table.contains("0.9,0.9,63,54,1,6,") && table.contains("0.5,0.5,63,54,1,6,"), "{table}");
+}
+
 #[test]
 fn a_plan_counts_what_is_shared_and_computes_nothing_for_good() {
     let place = Place::new(TINY);

@@ -680,7 +680,7 @@ SKY = lambda p: p.sky(0.0)
 PRINT = lambda p: PI * p.brdf(45.0, 0.0)
 # what errors of R and T do to both: each pass through the layer counts
 SKY_MOVED = lambda p, e: e[0] + p.g() * (p.total(0.0, 1) + p.mean_t) * e[1]
-PRINT_MOVED = lambda p, e: e[0] + p.g() * (p.total(45.0, 1) + p.total(0.0, 1)) * e[1]
+PRINT_MOVED = lambda p, e, albedo=None: e[0] + p.g(albedo) * (p.total(45.0, 1) + p.total(0.0, 1)) * e[1]
 
 
 class Ink:
@@ -752,10 +752,7 @@ class Ink:
             return [x - y for x, y in zip(there, colour["lab"])]
 
         shifts = [shift(grid), shift([residual] * 2)]
-        base = chance
-        if base is None and self.study.certain and any(shifts[0]):
-            base = [[0.0] * 3 for _ in range(3)]
-        whole = base and [[base[i][j] + sum(s[i] * s[j] for s in shifts) for j in range(3)] for i in range(3)]
+        whole = self.widened(chance, shifts)
         spread = lambda c: math.sqrt(max(0.0, c[0][0] + c[1][1] + c[2][2]))
         angles = self.angle_covariance(quantity)
         angles = angles and spread(angles)
@@ -780,38 +777,53 @@ class Ink:
             },
         }
 
-    def maker(self):
-        """What an ink maker asks, at 45:0 from the output wavelengths."""
+    def maker(self, shifts):
+        """What an ink maker asks, at 45:0 from the output wavelengths; `shifts` are the grid's and the residual's errors of R and T."""
         meter, target = Meter(self.outputs), self.study.file.get("colour", {}).get("target_lab")
-        factor = lambda albedo: self.spectrum(lambda p: PI * p.brdf(45.0, 0.0, albedo))
 
-        def swatch(values):
+        def factor(albedo, by=(0.0, 0.0)):
+            lit = lambda p: PI * p.brdf(45.0, 0.0, albedo) + PRINT_MOVED(p, by, albedo)
+            return self.spectrum(lit)
+
+        def swatch(albedo):
+            values = factor(albedo)
             each = [meter.colour(meter.xyz([v[k] for v in values])) for k in range(len(values[0]))]
             chance = covariance([c["lab"] for c in each[1:]]) if len(each) > 1 else None
-            return each[0] | {"lab_covariance": chance}
+            there = [lab(meter.xyz([v[0] for v in factor(albedo, by)]), meter.white) for by in shifts]
+            moved = [[x - y for x, y in zip(one, each[0]["lab"])] for one in there]
+            return each[0] | {"lab_covariance": self.widened(chance, moved)}
 
-        dark, light = factor(0.0), factor(0.8)
-        luminance = lambda values, k: meter.xyz([v[k] for v in values])[1]
-        ratios = [luminance(dark, k) / luminance(light, k) for k in range(len(dark[0]))]
-        mine = swatch(factor(None))
-        found = {"print": mine, "over_black": swatch(dark), "over_white": swatch(light)}
-        found["contrast_ratio"] = [ratios[0], jackknife(ratios[1:])]
+        def estimate(values, moved):
+            return widened(self.study, values, math.hypot(*(x - values[0] for x in moved)))
+
+        mine = swatch(None)
+        found = {"print": mine, "over_black": swatch(0.0), "over_white": swatch(0.8)}
+        ratio = lambda k, by: meter.xyz([v[k] for v in factor(0.0, by)])[1] / meter.xyz([v[k] for v in factor(0.8, by)])[1]
+        ratios = [ratio(k, (0.0, 0.0)) for k in range(len(self.at))]
+        found["contrast_ratio"] = estimate(ratios, [ratio(0, by) for by in shifts])
         if target:
             step = lambda i, h: [x + (h if k == i else 0.0) for k, x in enumerate(mine["lab"])]
             gradient = [(ciede2000(step(i, 1e-3), target) - ciede2000(step(i, -1e-3), target)) / 2e-3 for i in range(3)]
             error = mine["lab_covariance"] and math.sqrt(quadratic(mine["lab_covariance"], gradient))
             found["target"] = [ciede2000(mine["lab"], target), error]
         if not self.study.contact:
-            found["kubelka_munk"] = [
-                [nm, *(x for c in range(2) for x in (row[0][c], jackknife([v[c] for v in row[1:]])))]
-                for nm, row in zip(self.outputs, self.spectrum(lambda p: self.kubelka_munk(p)))
-            ]
+            found["kubelka_munk"] = []
+            for nm, row in zip(self.outputs, self.spectrum(self.kubelka_munk)):
+                there = [self.kubelka_munk(self.at[0][nm], by) for by in shifts]
+                parts = [estimate([v[c] for v in row], [x[c] for x in there]) for c in range(2)]
+                found["kubelka_munk"].append([nm, *parts[0], *parts[1]])
         return found
 
-    def kubelka_munk(self, paper):
+    def widened(self, chance, moved):
+        """Chance's covariance with what shared errors do; none where one realisation leaves chance unknown."""
+        if chance is None and self.study.certain and any(x for by in moved for x in by):
+            chance = [[0.0] * 3 for _ in range(3)]
+        return chance and [[chance[i][j] + sum(by[i] * by[j] for by in moved) for j in range(3)] for i in range(3)]
+
+    def kubelka_munk(self, paper, by=(0.0, 0.0)):
         """K and S of Kubelka's solution: a = (1 + R² − T²)/2R, b² = a² − 1, b S H = arcoth((1 − a R)/b R)."""
-        t = paper.mean_t
-        r = 1 - t - paper.mean_a
+        t = paper.mean_t + by[1]
+        r = 1 - paper.mean_t - paper.mean_a + by[0]
         a = max(1.0, (1 + r * r - t * t) / (2 * r))
         b = math.sqrt(a * a - 1)
         s = (r / t if b < 1e-6 else math.atanh(b * r / (1 - a * r)) / b) / self.study.thickness_um
@@ -967,7 +979,7 @@ def derive(name):
             ink.colour("natural light", SKY, SKY_MOVED, errors, residual),
             ink.colour("45°:0°", PRINT, PRINT_MOVED, errors, residual),
         ]
-        golden["ink_maker"], golden["picture"] = ink.maker(), ink.picture()
+        golden["ink_maker"], golden["picture"] = ink.maker([errors, [residual] * 2]), ink.picture()
     write(GOLDEN / f"{name}.json", golden)
 
 
@@ -990,13 +1002,14 @@ def film_alone(study):
 def derive_sweep(name):
     """L*, a*, b*, C*, h and ΔE₀₀ to the reference of every variant of a sweep of films; the difference it draws."""
     file = tomllib.loads((GOLDEN / f"{name}.toml").read_text())
-    labs = []
+    labs, through = [], []
     for share in file["axis"][0]["values"]:
         for albedo in file["axis"][1]["values"]:
             base = json.loads(json.dumps(file["base"]))
             base["pigment"][0]["volume_fraction"], base["paper"]["albedo"] = share, albedo
             study = Study(name, base)
             ink = Ink(Layer(study, film_alone(study)))
+            through.append(ink.layer.films.at(500.0, 0.0, study.thicknesses())[1])
             labs.append(ink.meter.colour(ink.xyz(SKY))["lab"])
     # of "strong" on 0.9, the third; the first and second differ by the paper alone
     reference = labs[2]
@@ -1008,7 +1021,7 @@ def derive_sweep(name):
         }
         for lab in labs
     ]
-    write(GOLDEN / f"{name}.json", {"variants": rows, "conclusion": labs[0][0] - labs[1][0]})
+    write(GOLDEN / f"{name}.json", {"variants": rows, "conclusions": [labs[0][0] - labs[1][0], through[0] - through[2]]})
 
 
 def main():

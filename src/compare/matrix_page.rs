@@ -4,6 +4,7 @@ use super::matrix::{Cell, Matrix};
 use super::pages::ComparisonError;
 use crate::draw::log_plot::{Curve, LogPlot, Style};
 use crate::report::page::{STYLE, svg_data};
+use crate::report::seal::sealed;
 use minijinja::{Environment, context};
 use std::path::Path;
 
@@ -27,7 +28,7 @@ impl Matrix {
             save(&name, svg.as_bytes())?;
             pictures.push((name, plot.title, svg));
         }
-        save("README.md", self.markdown(&pictures).as_bytes())?;
+        save("README.md", sealed(&self.markdown(&pictures)).as_bytes())?;
         save("matrix.html", self.html(&pictures)?.as_bytes())
     }
 

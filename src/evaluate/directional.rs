@@ -89,8 +89,7 @@ impl<'a> DirectionalInk<'a> {
     pub fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
         let cosine = |deg: f64| deg.to_radians().cos();
         let (layer, lit, seen) = (&self.ink.layers()[wavelength], cosine(light_deg), cosine(view.polar_deg));
-        let own =
-            layer.diffuse_brdf_at(lit, seen) + layer.azimuthal_brdf(lit, seen, cosine(view.azimuth_deg));
+        let own = layer.directional_brdf(lit, seen, cosine(view.azimuth_deg));
         own + self.paper_brdf(wavelength, light_deg, view.polar_deg)
     }
 

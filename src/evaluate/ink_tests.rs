@@ -98,6 +98,15 @@ fn the_brdf_depends_on_the_azimuth_as_the_orders_do() {
         let got = layer.azimuthal_brdf(lit, seen, cosine);
         assert!((got - want).abs() < 1e-6, "{lit} {seen} {cosine}: {got} {want}");
     }
+    // never negative, and the mean over the azimuth is that of the colours
+    for (lit, seen) in [(0.7, 0.6), (0.2, 0.3), (0.9, 0.1)] {
+        let around = (0..36).map(|k| (10.0 * f64::from(k)).to_radians().cos());
+        let all: Vec<f64> = around.map(|cosine| layer.directional_brdf(lit, seen, cosine)).collect();
+        let mean = layer.diffuse_brdf_at(lit, seen);
+        // rounding of 36 terms
+        assert!((all.iter().sum::<f64>() / 36.0 - mean).abs() < 1e-12);
+        assert!(mean < 0.0 || all.iter().all(|f| *f > -1e-12), "{lit} {seen}: {all:?}");
+    }
 }
 
 impl MadeUp<'_> {
@@ -262,4 +271,34 @@ fn angles_that_cannot_carry_paper_are_refused() {
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[500.0] };
     let layer = LayerEnsemble::film_alone(basis, &[0.0, 30.0], false);
     assert_eq!(InkOnPaper::new(layer, &[], &inputs).unwrap_err(), InkError::AnglesMissing);
+}
+
+/// Mean over the hemisphere of what comes back over a backing: what Kubelka and Munk call the reflectance.
+fn over_backing(layer: &LayerOnPaper, around: &[PolarAngle], backing: f64) -> f64 {
+    let layer = layer.over(backing);
+    around.iter().map(|at| layer.albedo(at)).sum::<f64>() / around.len() as f64
+}
+
+/// K and S from the layer over black and over white say what it is over a grey, as exactly as its noise allows. *Planted*: the
+/// straight line between black and white, without the light that goes back and forth, is 20 bars off.
+#[test]
+fn kubelka_and_munk_predict_a_third_backing_within_its_bar() {
+    use crate::appearance::kubelka_munk::KubelkaMunk;
+    let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise: 2e-3 };
+    let (ink, _) = made.ink(24, 11);
+    // even steps of μ², of which the hemispherical mean is the plain one
+    let squares = (0..30).map(|k| (f64::from(k) + 0.5) / 30.0);
+    let around: Vec<PolarAngle> = squares.map(|u| ink.at(u.sqrt().acos().to_degrees()).unwrap()).collect();
+    let of = |layer: &LayerOnPaper| [0.0, 0.4, 0.8].map(|backing| over_backing(layer, &around, backing));
+    let predicted = ink.spectrum(|layer| {
+        let [black, _, white] = of(layer);
+        KubelkaMunk::from_backings([0.0, black], [0.8, white], 1.0).unwrap().over(0.4, 1.0)
+    });
+    let (mut worst, mut straight) = (0.0f64, 0.0f64);
+    for (estimate, layer) in predicted.estimates().iter().zip(ink.layers()) {
+        let ([black, grey, white], bar) = (of(layer), estimate.standard_error.unwrap());
+        worst = worst.max((estimate.value - grey).abs() / bar);
+        straight = straight.max((0.5 * (black + white) - grey).abs() / bar);
+    }
+    assert!(worst < 2.0 && straight > 2.0, "{worst} {straight}");
 }

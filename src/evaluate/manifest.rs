@@ -1,6 +1,7 @@
 //! `results.json`: the numbers and where they come from.
 
 use super::ink_maker::InkMaker;
+pub use super::uncertainty::Budget;
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
 use crate::store::packing_record::PackingRecord;
@@ -157,22 +158,6 @@ pub struct Certainty {
     pub mean_steps: f64,
     /// Operator applications of all solves together.
     pub operator_applications: usize,
-}
-
-/// What a colour's error is made of: root mean square distances in Lab (ΔE*ab). The squares of all parts but `wavelengths` add up to that of
-/// the standard error; the wavelengths' part is corrected for.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Budget {
-    /// Random packings, each in its own cell; `null` where one realisation leaves it unknown.
-    pub chance_and_cell: Option<f64>,
-    /// The directions over the hemisphere.
-    pub angles: Option<f64>,
-    /// What the spacing of the wavelengths would cost without the correction that the colour holds.
-    pub wavelengths: f64,
-    /// The grid.
-    pub grid: f64,
-    /// The solver's residual.
-    pub residual: f64,
 }
 
 /// A colour under named conditions.

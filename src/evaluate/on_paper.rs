@@ -192,6 +192,17 @@ impl LayerOnPaper {
         functions.iter().zip(&self.curve.azimuthal).map(|(f, c)| f * c).sum()
     }
 
+    /// The layer's own diffuse f(i, o) with its dependence on the azimuth, which is lessened where it would make f negative: so the
+    /// mean over the azimuth, and with it the albedo, stays what it is. `cosine` is that of the azimuth, 1 forward.
+    pub fn directional_brdf(&self, illumination: f64, viewing: f64, cosine: f64) -> f64 {
+        let mean = self.diffuse_brdf_at(illumination, viewing);
+        let [forward, backward] = [1.0, -1.0].map(|c| self.azimuthal_brdf(illumination, viewing, c));
+        // A cos Δφ + B cos 2Δφ is never below −|A| − |B|
+        let swing = 0.5 * ((forward - backward).abs() + (forward + backward).abs());
+        let share = if swing > mean { mean.max(0.0) / swing } else { 1.0 };
+        mean + share * self.azimuthal_brdf(illumination, viewing, cosine)
+    }
+
     /// Diffuse f(i, o), 1/sr, azimuthal mean: layer's own plus paper. Symmetric in i and o but where polarised light comes in;
     /// all light is seen, of whichever polarisation.
     pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {

@@ -4,12 +4,12 @@
 //! The grid's error and the residual's are shifts of a whole spectrum, the same in every realisation: averaging does not lessen them.
 
 use super::ink::{InkError, InkOnPaper};
-use super::manifest::Budget;
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::SolvedRealisation;
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
 use crate::solve::accuracy::grid_error::GridError;
+use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Imbalances of energy of this size are rounding.
@@ -93,6 +93,22 @@ impl Uncertainty {
         let lab_covariance = self.widen_lab(colour.lab_covariance, [grid, residual]);
         Ok((Colour { lab_covariance, ..colour }, budget.apart()))
     }
+}
+
+/// What a colour's error is made of: root mean square distances in Lab (ΔE*ab). The squares of all parts but `wavelengths` add up to that of
+/// the standard error; the wavelengths' part is corrected for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Budget {
+    /// Random packings, each in its own cell; `null` where one realisation leaves it unknown.
+    pub chance_and_cell: Option<f64>,
+    /// The directions over the hemisphere.
+    pub angles: Option<f64>,
+    /// What the spacing of the wavelengths would cost without the correction that the colour holds.
+    pub wavelengths: f64,
+    /// The grid.
+    pub grid: f64,
+    /// The solver's residual.
+    pub residual: f64,
 }
 
 impl Budget {

@@ -17,8 +17,16 @@ use std::path::{Path, PathBuf};
 /// Marks a folder whose study is not finished.
 pub const PARTIAL: &str = "PARTIAL";
 /// Files that tell of a study and must not outlive it.
-pub const RESULTS: [&str; 6] =
-    ["results.json", "report.html", "picture.png", "picture-with-axes.png", "spectra.csv", "bdf.csv"];
+pub const RESULTS: [&str; 8] = [
+    "results.json",
+    "report.html",
+    "picture.png",
+    "picture-with-axes.png",
+    "spectra.csv",
+    "bdf.csv",
+    "kubelka-munk.csv",
+    "measured.csv",
+];
 /// Folder in which older versions kept solves as JSON files.
 const OLD_POINTS: &str = "points";
 

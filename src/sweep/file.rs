@@ -17,9 +17,10 @@
 //! where = { size = 300, share = [0.30, 0.45] }
 //! ```
 
-use super::file_schema::fields;
-use schemars::JsonSchema;
+use super::file_schema::{base, fields};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
@@ -59,6 +60,16 @@ pub enum Base {
     Path(String),
     /// The study itself.
     Table(Table),
+}
+
+impl JsonSchema for Base {
+    fn schema_name() -> Cow<'static, str> {
+        "Base".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        base()
+    }
 }
 
 /// `[[axis]]`: a field with its values, or named cases that set several fields at once.

@@ -1,26 +1,19 @@
 //! What the schema of a sweep says beyond its types: its base is a study that the axes may complete, and axes set fields
 //! of a study.
 
-use super::file::Base;
 use crate::input::file::StudyFile;
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
-use std::borrow::Cow;
 
-impl JsonSchema for Base {
-    fn schema_name() -> Cow<'static, str> {
-        "Base".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let mut study = study();
-        unfinished(&mut study);
-        study.insert("description".into(), "The study itself; what an axis sets may be left out.".into());
-        let file = "A study file, relative to the sweep file.";
-        json_schema!({ "anyOf": [{ "description": file, "type": "string" }, study] })
-    }
+/// A study that the axes may complete: its file, or itself.
+pub(super) fn base() -> Schema {
+    let mut study = study();
+    unfinished(&mut study);
+    study.insert("description".into(), "The study itself; what an axis sets may be left out.".into());
+    let file = "A study file, relative to the sweep file.";
+    json_schema!({ "anyOf": [{ "description": file, "type": "string" }, study] })
 }
 
 /// A whole study without references to definitions.
