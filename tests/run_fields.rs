@@ -241,7 +241,7 @@ fn pixels(png: &[u8]) -> Vec<u8> {
 fn differences(one: &BTreeMap<&'static str, String>, other: &BTreeMap<&'static str, String>) -> Vec<String> {
     let differing = |name: &&str| one.get(name) != other.get(name);
     let names: BTreeSet<&str> =
-        one.keys().chain(other.keys()).copied().filter(|name| differing(&name)).collect();
+        one.keys().chain(other.keys()).copied().filter(|name| differing(name)).collect();
     let text = |of: &BTreeMap<&'static str, String>, name: &str| of.get(name).cloned().unwrap_or_default();
     let shown = |name: &str| {
         let (a, b) = (text(one, name), text(other, name));

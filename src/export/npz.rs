@@ -55,8 +55,8 @@ fn solves(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzErr
 
 fn orders(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzError> {
     let all: Vec<Order> = records.iter().flat_map(|r| r.far_field().orders).collect();
-    let numbers = |f: &dyn Fn(&Order) -> f64| all.iter().map(|o| f(o)).collect::<Array1<f64>>();
-    let amplitudes = |f: &dyn Fn(&Order) -> Complex64| all.iter().map(|o| f(o)).collect::<Array1<_>>();
+    let numbers = |f: &dyn Fn(&Order) -> f64| all.iter().map(f).collect::<Array1<f64>>();
+    let amplitudes = |f: &dyn Fn(&Order) -> Complex64| all.iter().map(f).collect::<Array1<_>>();
     npz.add_array("order_m", &all.iter().map(|o| o.m).collect::<Array1<i32>>())?;
     npz.add_array("order_n", &all.iter().map(|o| o.n).collect::<Array1<i32>>())?;
     npz.add_array("order_alpha", &numbers(&|o| o.direction[0]))?;

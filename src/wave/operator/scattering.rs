@@ -231,7 +231,7 @@ fn slice<'a, T>(row: &'a mut ndarray::ArrayViewMut1<T>) -> &'a mut [T] {
 /// a ← a b.
 #[multiversion(targets("x86_64+avx2"))]
 fn multiply<T: Real>(a: &mut [Complex<T>], b: &[Complex<T>]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a = *a * *b);
+    a.iter_mut().zip(b).for_each(|(a, b)| *a *= *b);
 }
 
 /// out ← w₀ a₀ + w₁ a₁.
@@ -244,13 +244,13 @@ fn between<T: Real>(out: &mut [Complex<T>], [w0, a0]: [&[Complex<T>]; 2], [w1, a
 /// out ← out + factor a.
 #[multiversion(targets("x86_64+avx2"))]
 fn add_scaled<T: Real>(out: &mut [Complex<T>], factor: T, a: &[Complex<T>]) {
-    out.iter_mut().zip(a).for_each(|(out, a)| *out = *out + a.scale(factor));
+    out.iter_mut().zip(a).for_each(|(out, a)| *out += a.scale(factor));
 }
 
 /// y ← y − w x.
 #[multiversion(targets("x86_64+avx2"))]
 fn subtract_product<T: Real>(y: &mut [Complex<T>], w: &[Complex<T>], x: &[Complex<T>]) {
-    y.iter_mut().zip(w.iter().zip(x)).for_each(|(y, (w, x))| *y = *y - w * x);
+    y.iter_mut().zip(w.iter().zip(x)).for_each(|(y, (w, x))| *y -= w * x);
 }
 
 /// first ← first + left load, last ← last + right load.
@@ -264,7 +264,7 @@ fn share_load<T: Real>(
 ) {
     let nodes = first.iter_mut().zip(left).zip(last.iter_mut().zip(right));
     nodes.zip(load).for_each(|(((first, left), (last, right)), load)| {
-        *first = *first + left * load;
-        *last = *last + right * load;
+        *first += left * load;
+        *last += right * load;
     });
 }
