@@ -89,6 +89,9 @@ const CHANGES: &[Change] = &[
     (&[("layer.binder", "{ index = { n = 1.558, k = 0.001 } }")], Spectra),
     (&[("layer.contrast", "'real'")], Spectra),
     (&[("layer.contrast", "'imaginary'")], Spectra),
+    (&[("layer.mixing", "'maxwell-garnett'"), ("pigment.1.diameter_nm", "'molecular'")], Spectra),
+    (&[("light.wave", "'s'")], Spectra),
+    (&[("light.wave", "'unpolarised'")], Spectra),
     (&[("layer.relief", "{ depth_um = 0.05 }")], Spectra),
     (
         &[(

@@ -136,6 +136,7 @@ pub struct LayerTable {
     pub index_below: f64,
     /// How `"molecular"` pigments mix with the binder: `"volume-average"` for the scalar wave and `"maxwell-garnett"` for
     /// Maxwell's equations when left out, the limits of vanishing grains of either.
+    #[schemars(example = &"volume-average")]
     pub mixing: Option<MixingRule>,
     /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
     #[serde(default)]
