@@ -64,8 +64,8 @@ impl<T: Real> Basis<T> {
         for ((re, im), (a, b)) in re.iter_mut().zip(im).zip(applied.iter().zip(image)) {
             (*re, *im) = (a.re + b.re, a.im + b.im);
         }
-        let mut column = self.dots(&w);
-        let (before, mut after) = self.subtract(&mut w, &column);
+        let mut column = self.dots(&w); // h_i = ⟨v_i, w⟩
+        let (before, mut after) = self.subtract(&mut w, &column); // w ← w − Σ h_i v_i
         if after < REORTHOGONALISE * before {
             let correction = self.dots(&w);
             (_, after) = self.subtract(&mut w, &correction);

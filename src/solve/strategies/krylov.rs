@@ -119,16 +119,18 @@ impl Run<'_> {
     /// One restart cycle: builds a basis from the residual in `work` and corrects the field.
     fn cycle<T: Real>(&mut self, operator: &dyn Scatter<T>, restart: usize) -> Result<(), SolveError> {
         let beta = norm(flat(&self.work));
+        // v_1 = r/β; M the guided modes' correction, M = 1 without one
         let (mut basis, mut small) = (Basis::<T>::new(flat(&self.work), beta), LeastSquares::new(beta));
         let (mut last, mut image) = (Array2::zeros(self.field.dim()), Array2::zeros(self.field.dim()));
         let mut verdict = Ok(());
         while basis.len() <= restart {
             let applied = last.as_slice_mut().expect("fields are contiguous");
             basis.last(applied);
-            self.correct(applied);
-            operator.scatter(last.view(), &mut image);
+            self.correct(applied); // M v_k
+            operator.scatter(last.view(), &mut image); // A⁻¹V M v_k
+            // h_ik = ⟨v_i, w⟩, v_{k+1} = (w − Σ h_ik v_i)/h_{k+1,k} with w = (1 + A⁻¹V) M v_k
             let (column, grows) = basis.expand(entries(&last), entries(&image));
-            let residual = small.add_column(column) / self.ledger.scale();
+            let residual = small.add_column(column) / self.ledger.scale(); // min ‖β e₁ − H y‖ / ‖u₀‖
             self.ledger.account.steps += 1;
             self.ledger.account.operator_applications += 1;
             verdict = self.ledger.note(residual);
@@ -142,10 +144,10 @@ impl Run<'_> {
         let correction = self.correction.as_ref().map_or(0, Correction::bytes);
         self.ledger.account.bytes = self.ledger.account.bytes.max(held + correction);
         let change = last.as_slice_mut().expect("fields are contiguous");
-        basis.combine(&small.solve(), change);
+        basis.combine(&small.solve(), change); // Σ y_k v_k
         self.correct(change);
         let changes = self.field.iter_mut().zip(change);
-        changes.for_each(|(u, c)| *u += Complex64::new(c.re.wide(), c.im.wide()));
+        changes.for_each(|(u, c)| *u += Complex64::new(c.re.wide(), c.im.wide())); // u ← u + M Σ y_k v_k
         verdict
     }
 

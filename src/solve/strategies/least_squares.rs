@@ -17,6 +17,7 @@ impl LeastSquares {
     /// Adds a Hessenberg column (its last entry the new norm) and returns the residual's norm.
     pub fn add_column(&mut self, mut column: Vec<Complex64>) -> f64 {
         for (i, &(c, s)) in self.rotations.iter().enumerate() {
+            // [h_i; h_{i+1}] ← [[c, s], [−s̄, c]] [h_i; h_{i+1}]
             let (a, b) = (column[i], column[i + 1]);
             column[i] = c * a + s * b;
             column[i + 1] = -s.conj() * a + c * b;
@@ -29,20 +30,20 @@ impl LeastSquares {
             0.0 => (0.0, Complex64::ONE),
             d => (d / length, diagonal / d * below.conj() / length),
         };
-        column[k] = c * diagonal + s * below;
+        column[k] = c * diagonal + s * below; // the rotation that sends h_{k+1,k} to zero
         self.rotations.push((c, s));
         let last = self.right[k];
         self.right[k] = c * last;
         self.right.push(-s.conj() * last);
         self.columns.push(column);
-        self.right[k + 1].norm()
+        self.right[k + 1].norm() // ‖β e₁ − H y‖: what no y reaches
     }
 
     pub fn solve(&self) -> Vec<Complex64> {
         let n = self.columns.len();
         let mut y = self.right[..n].to_vec();
         for i in (0..n).rev() {
-            y[i] /= self.columns[i][i];
+            y[i] /= self.columns[i][i]; // R y = Qᴴ β e₁ from below
             let yi = y[i];
             (0..i).for_each(|r| y[r] -= self.columns[i][r] * yi);
         }

@@ -270,9 +270,9 @@ impl<'a, T: Real> CellSum<'a, T> {
             let mut moment = 0.0;
             for EdgePoint { position, normal } in points {
                 let [x, y] = [position[0] - balls[0].center_um[0], position[1] - balls[0].center_um[1]];
-                moment += x * normal[0] + y * normal[1];
+                moment += x * normal[0] + y * normal[1]; // Gauss: 2 · area = ∮ (x n_x + y n_y) ds
                 for (pair, share) in value.as_chunks_mut::<2>().0.iter_mut().zip(&shares) {
-                    *pair = [T::of(normal[0] * share), T::of(normal[1] * share)];
+                    *pair = [T::of(normal[0] * share), T::of(normal[1] * share)]; // ψ_p(z) n dS
                 }
                 let (x, y) =
                     (transform.footprint(0, position[0] / lx), transform.footprint(1, position[1] / ly));
@@ -353,7 +353,7 @@ fn add_surfaces<T: Real>(
             let kappa = Complex::new(T::of(kx) * scale, T::of(ky) * scale);
             let place = |k: i32| k.rem_euclid(row.len() as i32) as usize;
             let sum = kappa.conj() * row[place(n)] + kappa * mirror[place(-n)].conj();
-            let value = Complex::new(-sum.im, sum.re);
+            let value = Complex::new(-sum.im, sum.re); // times i
             spectrum[index_of(m, n, builder.widest)] += value;
             spectrum[index_of(-m, -n, builder.widest)] += value.conj();
         }

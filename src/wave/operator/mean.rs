@@ -43,6 +43,7 @@ impl NodeCoefficients {
     fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
         let square = step * step;
         let scale = ikz / (square - 1.0);
+        // kz/sin(kz h) = 2ikz e/(e² − 1), −kz cot(kz h) = −ikz (e² + 1)/(e² − 1) with e = e^{ikz h}
         NodeCoefficients { off: 2.0 * step * scale, diagonal: -(square + 1.0) * scale }
     }
 }
@@ -186,8 +187,8 @@ impl MeanOperator {
         for j in 0..last {
             let (off, own) = (self.off.row(j), self.diagonal.row(j));
             for (i, pivot) in self.inverse_pivot.row_mut(j).iter_mut().enumerate() {
-                *pivot = guarded_inverse(diagonal[i] + own[i], off[i]);
-                diagonal[i] = own[i] - off[i] * off[i] * *pivot;
+                *pivot = guarded_inverse(diagonal[i] + own[i], off[i]); // 1/d_j
+                diagonal[i] = own[i] - off[i] * off[i] * *pivot; // the next one's, less o²/d_j
             }
         }
         for (i, pivot) in self.inverse_pivot.row_mut(last).iter_mut().enumerate() {
@@ -268,16 +269,16 @@ impl MeanOperator {
         let (width, cells, stride) = (y.ncols(), self.heights.len(), self.element.degree);
         let columns = s![.., first..first + width];
         let (off, pivot) = (self.off.slice(columns), self.inverse_pivot.slice(columns));
-        y.row_mut(0).zip_mut_with(&pivot.row(0), |y, p| *y *= p);
+        y.row_mut(0).zip_mut_with(&pivot.row(0), |y, p| *y *= p); // y_0 ← y_0 / d_0
         for j in 1..=cells {
             let (before, here) = y.multi_slice_mut((s![stride * (j - 1), ..], s![stride * j, ..]));
             let step = ndarray::Zip::from(here).and(before).and(off.row(j - 1)).and(pivot.row(j));
-            step.for_each(|y, &mut b, &o, &p| *y = (*y - o * b) * p);
+            step.for_each(|y, &mut b, &o, &p| *y = (*y - o * b) * p); // y_j ← (y_j − o y_{j−1}) / d_j
         }
         for j in (0..cells).rev() {
             let (here, after) = y.multi_slice_mut((s![stride * j, ..], s![stride * (j + 1), ..]));
             let step = ndarray::Zip::from(here).and(after).and(off.row(j)).and(pivot.row(j));
-            step.for_each(|y, &mut a, &o, &p| *y -= o * a * p);
+            step.for_each(|y, &mut a, &o, &p| *y -= o * a * p); // x_j = y_j − o x_{j+1} / d_j
         }
     }
 
@@ -303,11 +304,11 @@ impl MeanOperator {
             for j in 0..cells {
                 let (own, off) = (self.diagonal[[j, i]], self.off[[j, i]]);
                 let (a, b) = (u[stride * j], u[stride * (j + 1)]);
-                out[stride * j] += own * a + off * b;
-                out[stride * (j + 1)] += own * b + off * a;
+                out[stride * j] += own * a + off * b; // −o cos(kz h) u_j + o u_{j+1}
+                out[stride * (j + 1)] += own * b + off * a; // o u_j − o cos(kz h) u_{j+1}
                 for bubble in 0..stride - 1 {
                     let row = stride * j + 1 + bubble;
-                    out[row] += self.bubble(j, bubble, i) * u[row];
+                    out[row] += self.bubble(j, bubble, i) * u[row]; // (kz² h λ − 1/h) b
                 }
             }
         });

@@ -244,6 +244,7 @@ impl Problem {
 
     /// W_p of one plane over its points.
     fn contrast_weights(&self, plane: usize, sum: &mut [Complex64]) {
+        // W_p = ∫ ψ_p (k²_background − ⟨k²⟩) dz + Σ_c (k²_c − k²_background) ∫ ψ_p χ_c dz, and what folds back
         sum.fill(self.offsets[plane]);
         let fields = self.coverage.moments.iter().chain(&self.coverage.folded);
         for (moments, &contrast) in fields.zip(&self.contrasts) {

@@ -114,12 +114,12 @@ impl<T: Real> Scattering<T> {
         out: &mut [Complex<T>],
         scratch: &mut PlaneScratch<T>,
     ) {
-        self.plane_values(u, plane, out);
+        self.plane_values(u, plane, out); // û_p, from nodes and bubbles
         self.harmonics.scatter(out, &mut scratch.spectrum);
-        self.fft.inverse(scratch, &self.harmonics.rows);
-        multiply(&mut scratch.plane, row(&self.weights.view(), plane));
+        self.fft.inverse(scratch, &self.harmonics.rows); // u_p(x, y) = Σ û_p e^{i(kx x + ky y)}
+        multiply(&mut scratch.plane, row(&self.weights.view(), plane)); // W_p u_p, W_p = ∫ ψ_p (k² − ⟨k²⟩) dz
         self.fft.forward(scratch, &self.harmonics.rows);
-        self.harmonics.gather(&scratch.spectrum, out);
+        self.harmonics.gather(&scratch.spectrum, out); // y_p, harmonics of W_p u_p
     }
 
     /// Values on a plane from the unknowns: nodes as they are; inside a cell the mean solution and the bubbles.
@@ -130,6 +130,7 @@ impl<T: Real> Scattering<T> {
             return out.copy_from_slice(row(u, plane));
         }
         let [left, right] = [point, degree - point].map(|q| row_of(&self.left_share[q - 1], cell));
+        // u(t) = u_j sin(kz h (1−t))/sin(kz h) + u_{j+1} sin(kz h t)/sin(kz h) + Σ_i b_i B_i(t)
         between(out, [left, row(u, degree * cell)], [right, row(u, degree * (cell + 1))]);
         for (i, bubble) in self.bubbles.iter().enumerate() {
             add_scaled(out, bubble[point - 1], row(u, degree * cell + 1 + i));
@@ -149,6 +150,7 @@ impl<T: Real> Scattering<T> {
         blocks.into_iter().enumerate().for_each(|(b, block)| self.solve_block(block, b * BLOCK));
     }
 
+    /// x = L⁻ᵀ D⁻¹ L⁻¹ y on the nodes of a block of harmonics, l_j = o_j/d_j the coupling of node j with the next.
     fn solve_block(&self, mut y: ArrayViewMut2<Complex<T>>, first: usize) {
         let columns = first..first + y.ncols();
         let (degree, cells) = (self.degree, self.factor.nrows());
@@ -157,17 +159,18 @@ impl<T: Real> Scattering<T> {
             let (mut here, mut next) =
                 y.multi_slice_mut((s![degree * cell, ..], s![degree * (cell + 1), ..]));
             let factor = &row_of(&self.factor, cell)[columns.clone()];
-            subtract_product(slice(&mut next), factor, slice(&mut here));
+            subtract_product(slice(&mut next), factor, slice(&mut here)); // y_{j+1} ← y_{j+1} − l_j y_j
         }
         for node in (0..=cells).rev() {
             let pivot = &row_of(&self.inverse_pivot, node)[columns.clone()];
             if node == cells {
-                multiply(slice(&mut y.row_mut(degree * node)), pivot);
+                multiply(slice(&mut y.row_mut(degree * node)), pivot); // x_N = y_N / d_N
                 continue;
             }
             let (mut here, mut next) =
                 y.multi_slice_mut((s![degree * node, ..], s![degree * (node + 1), ..]));
             multiply(slice(&mut here), pivot);
+            // x_j = y_j / d_j − l_j x_{j+1}
             subtract_product(
                 slice(&mut here),
                 &row_of(&self.factor, node)[columns.clone()],
@@ -187,6 +190,7 @@ impl<T: Real> Scattering<T> {
                 s![degree * cell + point, ..],
                 s![degree * (cell + 1), ..],
             ));
+            // y_j += y_p sin(kz h (1−t))/sin(kz h), y_{j+1} += y_p sin(kz h t)/sin(kz h)
             share_load(slice(&mut first), left, slice(&mut last), right, slice(&mut load));
         }
         let mut loads = [[Complex::default(); BLOCK]; MAX_DEGREE - 1];
@@ -198,6 +202,7 @@ impl<T: Real> Scattering<T> {
         for (b, bubble) in self.bubbles.iter().enumerate() {
             let mut row = y.row_mut(degree * cell + 1 + b);
             let row = slice(&mut row);
+            // b_i = Σ_p B_i(t_p) y_p / (kz² h λ_i − 1/h)
             bubble.iter().zip(&loads).for_each(|(&x, load)| add_scaled(row, x, load));
             multiply(row, &row_of(&self.inverse_bubble, cell * (degree - 1) + b)[columns.clone()]);
         }
