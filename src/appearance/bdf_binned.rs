@@ -5,7 +5,8 @@
 //! unbiased histogram of the distribution in direction cosines. The specular order stays alone in (0, 0): a cell's next order is
 //! more than half a lattice step away.
 
-use super::bdf::{Bdf, BdfError, Lobe, LobeData, OrderMean, View, totals, view};
+use super::bdf::{Bdf, BdfError, LobeData};
+use super::bdf_orders::{Lobe, OrderMean, View, totals, view};
 use crate::numerics::estimate::Estimate;
 use crate::wave::{FarField, Incidence, Order};
 use ndarray::Array2;

@@ -9,6 +9,7 @@
 
 pub mod bdf;
 mod bdf_binned;
+mod bdf_orders;
 mod bdf_table;
 pub mod colour;
 pub mod error;

@@ -1,10 +1,12 @@
 //! Homogeneous inks (no solve) and made-up ensembles.
 
 use super::*;
-use crate::appearance::paper::{Albedo, Coupling};
+use crate::appearance::colour::Colour;
+use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::evaluate::film::Profile;
-use crate::evaluate::samples::Scattered;
-use crate::material::spectra::{Spectrum, molecular_mixture};
+use crate::evaluate::samples::{Scattered, Solved, SolvedWavelength};
+use crate::material::mixing::molecular_mixture;
+use crate::material::spectra::Spectrum;
 use crate::solve::door::Wave;
 use num_complex::Complex64;
 

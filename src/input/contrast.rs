@@ -1,6 +1,6 @@
 //! Runs that tell which part of the contrast scatters: η² with its real or its imaginary part levelled out.
 
-use crate::material::spectra::molecular_mixture;
+use crate::material::mixing::molecular_mixture;
 use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -27,7 +27,7 @@ use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,
 };
-use crate::material::spectra::MixingRule;
+use crate::material::mixing::MixingRule;
 use crate::numerics::written::{Alias, older_place, usual, without_default};
 use crate::solve::Goal;
 use crate::solve::door::Wave;

@@ -3,7 +3,7 @@
 
 use super::forms::{AlbedoWritten, Diameter, IndexWritten, Pair, Strategy, ThicknessWritten};
 use super::limits::{ABSORPTION, ALBEDO, INDEX, PERIOD_UM, THICKNESS_UM};
-use crate::material::spectra::Synthetic;
+use crate::material::synthetic::Synthetic;
 use crate::numerics::allowed::Allowed;
 use crate::solve::{Registry, SolverChoice};
 use schemars::transform::Transform;

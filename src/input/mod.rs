@@ -17,6 +17,7 @@ pub mod limits;
 pub mod load;
 pub mod locate;
 pub mod measured;
+mod misfit;
 pub mod read;
 pub mod study;
 pub mod tree;

@@ -5,14 +5,14 @@
 //! places for what was found and what is allowed, so that nobody needs to understand the English.
 
 use super::fault::Fault;
+use super::misfit::{FORM, Misfit, join, quoted, said, unknown_key};
 use super::tree::Node;
 use serde::de::value::StringDeserializer;
 use serde::de::{
-    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer, MapAccess,
+    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess,
     SeqAccess, Unexpected, VariantAccess, Visitor,
 };
 use std::cell::RefCell;
-use std::fmt;
 
 /// Reads a `T`.
 ///
@@ -28,127 +28,6 @@ pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
         Err(misfit) => faults.push(*misfit.0),
     }
     Err(faults)
-}
-
-/// A value that does not fit, in the making: its place grows while the error travels outwards.
-#[derive(Debug)]
-pub struct Misfit(Box<Fault>);
-
-/// Longest value that is shown as found, characters.
-const LONGEST_FOUND: usize = 200;
-
-impl Misfit {
-    fn new(
-        place: impl Into<String>,
-        found: impl fmt::Display,
-        allowed: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        let mut found = found.to_string();
-        if found.chars().count() > LONGEST_FOUND {
-            found = found.chars().take(LONGEST_FOUND).chain(['…']).collect();
-        }
-        Self(Box::new(Fault::new(place, found, allowed, remedy)))
-    }
-
-    /// The same, seen from outside of `place`.
-    fn inside(mut self, place: &str) -> Self {
-        let own = std::mem::take(&mut self.0.field);
-        self.0.field = join(place, &own);
-        self
-    }
-}
-
-/// `layer` and `binder.index` → `layer.binder.index`; indices keep their brackets.
-fn join(outer: &str, inner: &str) -> String {
-    match (outer, inner) {
-        ("", name) | (name, "") => name.to_owned(),
-        (outer, inner) if inner.starts_with('[') => format!("{outer}{inner}"),
-        (outer, inner) => format!("{outer}.{inner}"),
-    }
-}
-
-impl fmt::Display for Misfit {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}", self.0)
-    }
-}
-
-impl std::error::Error for Misfit {}
-
-const FORM: &str = "write the value in that form; examples/yellow.toml shows a whole study";
-
-impl de::Error for Misfit {
-    fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new("", message, "another value", FORM)
-    }
-
-    fn invalid_type(found: Unexpected, allowed: &dyn Expected) -> Self {
-        Self::new("", said(found), in_words(&allowed.to_string()), FORM)
-    }
-
-    fn invalid_value(found: Unexpected, allowed: &dyn Expected) -> Self {
-        Self::new("", said(found), in_words(&allowed.to_string()), FORM)
-    }
-
-    fn invalid_length(found: usize, allowed: &dyn Expected) -> Self {
-        Self::new("", format!("{found} entries"), allowed.to_string(), FORM)
-    }
-
-    fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> Self {
-        Self::new("", format!("`{found}`"), quoted(allowed), meant(found, allowed, "write one of these"))
-    }
-
-    fn unknown_field(found: &str, allowed: &'static [&'static str]) -> Self {
-        Self(Box::new(unknown_key("", found, allowed)))
-    }
-
-    fn missing_field(key: &'static str) -> Self {
-        let remedy = format!("add {key}; examples/yellow.toml shows a whole study");
-        Self::new(key, "nothing", "a value: it has no default", remedy)
-    }
-
-    fn duplicate_field(key: &'static str) -> Self {
-        Self::new(key, "two values", "one", "an old and a new name of the same key, or a slip: remove one")
-    }
-}
-
-/// What was found, in the words of documents rather than of Rust.
-fn said(found: Unexpected) -> String {
-    match found {
-        Unexpected::Unit => "null".into(),
-        Unexpected::Map => "a table".into(),
-        Unexpected::Seq => "a list".into(),
-        other => other.to_string(),
-    }
-}
-
-/// What Rust calls a number, in words.
-fn in_words(kind: &str) -> String {
-    match kind {
-        "f64" | "f32" => "a number".into(),
-        "u64" | "usize" | "u32" | "u16" | "u8" => "a whole number from 0".into(),
-        "i64" | "i32" | "isize" => "a whole number".into(),
-        "a boolean" => "true or false".into(),
-        other => {
-            other.strip_prefix("struct ").map_or_else(|| other.to_owned(), |name| format!("a table ({name})"))
-        }
-    }
-}
-
-fn quoted(names: &[&str]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
-
-fn unknown_key(place: &str, key: &str, known: &'static [&'static str]) -> Fault {
-    Fault::new(join(place, key), "an unknown key", quoted(known), meant(key, known, "remove it"))
-}
-
-/// The name that was probably meant, or else another remedy.
-fn meant(found: &str, known: &[&str], otherwise: &str) -> String {
-    let likeness = |name: &&&str| (1000.0 * strsim::jaro_winkler(found, name)) as u32;
-    let nearest = known.iter().max_by_key(likeness).filter(|name| likeness(name) > 800);
-    nearest.map_or_else(|| otherwise.to_owned(), |name| format!("did you mean {name}? Else {otherwise}"))
 }
 
 /// Reads one node.
@@ -369,76 +248,5 @@ impl<'de> VariantAccess<'de> for Content<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::input::tree::parse_toml;
-    use serde::Deserialize;
-
-    #[derive(Debug, Deserialize)]
-    #[serde(deny_unknown_fields)]
-    #[allow(dead_code, reason = "read only")]
-    struct Outer {
-        #[serde(rename = "new", alias = "old")]
-        renamed: Option<f64>,
-        count: Option<u64>,
-        inner: Vec<Inner>,
-        kind: Option<Kind>,
-        pair: Option<[f64; 2]>,
-    }
-
-    #[derive(Debug, Deserialize)]
-    #[serde(deny_unknown_fields)]
-    #[allow(dead_code, reason = "read only")]
-    struct Inner {
-        size: f64,
-    }
-
-    #[derive(Debug, Deserialize)]
-    #[serde(rename_all = "snake_case")]
-    #[allow(dead_code, reason = "read only")]
-    enum Kind {
-        Plain,
-        Round { radius: f64 },
-    }
-
-    fn faults(text: &str) -> Vec<Fault> {
-        read::<Outer>(parse_toml(text).unwrap().into()).map(|outer| panic!("{outer:?}")).unwrap_err()
-    }
-
-    #[test]
-    fn every_unknown_key_is_told_with_its_place_and_what_was_meant() {
-        let found =
-            faults("cuont = 1\n[[inner]]\nsize = 1\n[[inner]]\nsize = 2\nsise = 3\nx = 1\nkind.round.r = 1");
-        let fields: Vec<&str> = found.iter().map(|f| f.field.as_str()).collect();
-        assert_eq!(fields, ["cuont", "inner[1].kind", "inner[1].sise", "inner[1].x"]);
-        assert!(found[0].remedy.contains("did you mean count?"), "{:?}", found[0]);
-        assert!(found[0].allowed.contains("`new`, `old`"), "aliases are known keys: {:?}", found[0]);
-        assert_eq!(found[3].remedy, "remove it");
-    }
-
-    #[test]
-    fn values_that_do_not_fit_are_told_where_they_are() {
-        for (text, field, found, allowed) in [
-            ("count = -1\ninner = []", "count", "integer `-1`", "a whole number from 0"),
-            ("inner = [{ size = 'a' }]", "inner[0].size", "string \"a\"", "a number"),
-            ("inner = [{}]", "inner[0].size", "nothing", "a value"),
-            ("count = 1", "inner", "nothing", "a value"),
-            ("inner = []\nkind = 'plane'", "kind", "`plane`", "`plain`, `round`"),
-            ("inner = []\nkind.round = {}", "kind.round.radius", "nothing", "a value"),
-            ("inner = []\npair = [1]", "pair", "1 entries", "array of length 2"),
-            ("inner = []\npair = [1, 2, 3]", "pair", "3 entries", "2 entries"),
-            ("inner = []\nold = 1\nnew = 2", "new", "two values", "one"),
-        ] {
-            let fault = faults(text).pop().unwrap();
-            assert_eq!(fault.field, field, "{text}: {fault:?}");
-            assert!(fault.found.contains(found) && fault.allowed.contains(allowed), "{text}: {fault:?}");
-        }
-    }
-
-    #[test]
-    fn numbers_fit_where_they_can() {
-        let text = "old = 1\ncount = 3\ninner = [{ size = 2 }]\nkind = { round = { radius = 1.5 } }\npair = [1, 2.5]";
-        let outer: Outer = read(parse_toml(text).unwrap().into()).unwrap();
-        assert_eq!((outer.renamed, outer.count, outer.pair), (Some(1.0), Some(3), Some([1.0, 2.5])));
-    }
-}
+#[path = "read_tests.rs"]
+mod tests;

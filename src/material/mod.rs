@@ -2,4 +2,6 @@
 
 pub mod columns;
 pub mod dispersion;
+pub mod mixing;
 pub mod spectra;
+pub mod synthetic;

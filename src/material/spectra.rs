@@ -1,13 +1,9 @@
 //! Index of refraction against wavelength: constants, built-in synthetic pigments, a user's table.
-//!
-//! P1 fixes Re η = 1.4 for every pigment and shows Im η of red, yellow, blue and an artificial green only as a
-//! plot (Fig. 5). The built-in pigments are therefore **synthetic**: smooth sums of Gaussians made for this
-//! project (`validation/data/pigments.json`), not measured data. Measured spectra come from a CSV file.
 
 use super::columns::{Columns, ColumnsError};
 use super::dispersion::{Dispersion, DispersionError};
+use super::synthetic::{SYNTHETIC_RANGE_NM, Synthetic};
 use num_complex::Complex64;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -78,50 +74,6 @@ pub enum SpectrumError {
     /// A file that is no record of refractiveindex.info.
     #[error(transparent)]
     Record(#[from] DispersionError),
-}
-
-/// The built-in synthetic pigments (κ(λ) of `validation/data/pigments.json`, Re η = 1.4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Synthetic {
-    /// Absorbs green.
-    Red,
-    /// Absorbs blue.
-    Yellow,
-    /// Absorbs red.
-    Blue,
-    /// P1's artificial green: absorbs blue and red alike.
-    Green,
-}
-
-/// Range in which the synthetic formulas are used: that of the CIE tables.
-const SYNTHETIC_RANGE_NM: [f64; 2] = [380.0, 780.0];
-
-impl Synthetic {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Red, Self::Yellow, Self::Blue, Self::Green];
-
-    /// Name in study files: red, yellow, blue or green.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Red => "red",
-            Self::Yellow => "yellow",
-            Self::Blue => "blue",
-            Self::Green => "green",
-        }
-    }
-
-    /// κ(λ) = 0.30 (Σ a exp(−((λ − c)/s)²/2) + floor), λ in nm.
-    pub fn kappa(self, wavelength_nm: f64) -> f64 {
-        let (bands, floor): (&[[f64; 3]], f64) = match self {
-            Self::Red => (&[[0.58, 516., 30.], [0.77, 549., 21.], [0.20, 360., 45.]], 0.015),
-            Self::Yellow => (&[[0.55, 412., 34.], [0.74, 457., 23.]], 0.008),
-            Self::Blue => (&[[0.80, 618., 36.], [1.00, 705., 40.], [0.18, 345., 45.]], 0.010),
-            Self::Green => (&[[1.00, 430., 32.], [1.00, 655., 38.]], 0.008),
-        };
-        let gauss = |[a, c, s]: &[f64; 3]| a * (-((wavelength_nm - c) / s).powi(2) / 2.0).exp();
-        0.30 * (bands.iter().map(gauss).sum::<f64>() + floor)
-    }
 }
 
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
@@ -317,47 +269,6 @@ impl Table {
     }
 }
 
-/// The homogeneous index a mixture tends to as its grains shrink: η² = Σ f η² + (1 − Σ f) η_binder².
-///
-/// The scalar equation has no Maxwell Garnett term: the volume average of η² is exact for grain size → 0 (the
-/// molecular mixture of P1 section 5). `shares` are (volume fraction, index); fractions sum to at most 1.
-pub fn molecular_mixture(binder: Complex64, shares: &[(f64, Complex64)]) -> Complex64 {
-    let squared: Complex64 = shares.iter().map(|&(f, eta)| f * (eta * eta - binder * binder)).sum();
-    (binder * binder + squared).sqrt()
-}
-
-/// How pigments without grains mix with the binder: the limit of vanishing grains of a wave equation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum MixingRule {
-    /// ε = ⟨ε⟩, the limit of the scalar wave, which feels no surface charge.
-    #[default]
-    VolumeAverage,
-    /// (ε − ε_b)/(ε + 2ε_b) = Σ f_i (ε_i − ε_b)/(ε_i + 2ε_b), the limit of Maxwell's equations for separate balls (J. C.
-    /// Maxwell Garnett, Phil. Trans. R. Soc. A 203 (1904) 385): exact to the first order of f.
-    MaxwellGarnett,
-}
-
-impl MixingRule {
-    /// True for the rule of the scalar wave.
-    pub fn is_volume_average(&self) -> bool {
-        *self == Self::VolumeAverage
-    }
-
-    /// Index of a mixture of a binder with shares of other materials.
-    pub fn mix(self, binder: Complex64, shares: &[(f64, Complex64)]) -> Complex64 {
-        match self {
-            Self::VolumeAverage => molecular_mixture(binder, shares),
-            Self::MaxwellGarnett => {
-                let host = binder * binder;
-                let polarisability = |eta: Complex64| (eta * eta - host) / (eta * eta + 2.0 * host);
-                let beta: Complex64 = shares.iter().map(|&(f, eta)| f * polarisability(eta)).sum();
-                (host * (1.0 + 2.0 * beta) / (1.0 - beta)).sqrt()
-            }
-        }
-    }
-}
-
 fn check_index(field: &str, n: f64, kappa: f64) -> Result<(), SpectrumError> {
     let bad = |column, value, allowed, remedy| {
         Err(SpectrumError::BadValue { field: format!("{field}: {column}"), value, allowed, remedy })
@@ -380,20 +291,6 @@ mod tests {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(text.as_bytes()).unwrap();
         file
-    }
-
-    #[test]
-    fn synthetic_pigments_are_those_of_the_reference_table() {
-        let text = include_str!("../../validation/data/pigments.json");
-        let json: serde_json::Value = serde_json::from_str(text).unwrap();
-        for pigment in Synthetic::ALL {
-            let table = &json["pigments"][pigment.name()];
-            let column = |key: &str| -> Vec<f64> { serde_json::from_value(table[key].clone()).unwrap() };
-            for (nm, kappa) in column("l").into_iter().zip(column("kappa")) {
-                // rounding: the table has 8 significant digits
-                approx::assert_relative_eq!(pigment.kappa(nm), kappa, max_relative = 1e-7);
-            }
-        }
     }
 
     #[test]
@@ -430,28 +327,5 @@ mod tests {
         assert!(yellow.index(0.38).is_ok() && yellow.index(0.78).is_ok());
         assert!(Spectrum::synthetic("mauve").is_err());
         assert!(Spectrum::constant(1.4, -0.1).is_err() && Spectrum::constant(0.0, 0.1).is_err());
-    }
-
-    #[test]
-    fn the_molecular_mixture_keeps_its_ends() {
-        let (binder, pigment) = (Complex64::new(1.558, 0.0), Complex64::new(1.4, 0.3));
-        assert!((molecular_mixture(binder, &[(0.0, pigment)]) - binder).norm() < 1e-15);
-        assert!((molecular_mixture(binder, &[(0.4, pigment), (0.6, pigment)]) - pigment).norm() < 1e-15);
-    }
-
-    #[test]
-    fn maxwell_garnett_keeps_its_ends_and_its_bounds() {
-        let (binder, pigment) = (Complex64::from(1.5), Complex64::from(1.8));
-        let mix = |f: f64| MixingRule::MaxwellGarnett.mix(binder, &[(f, pigment)]);
-        assert!((mix(0.0) - binder).norm() < 1e-15 && (mix(1.0) - pigment).norm() < 1e-15);
-        // Hashin and Shtrikman: for balls denser than the binder it is the lower bound, below ⟨ε⟩ and above 1/⟨1/ε⟩.
-        let (host, grain) = (binder * binder, pigment * pigment);
-        let [low, high] = [1.0 / (0.7 / host + 0.3 / grain), 0.7 * host + 0.3 * grain];
-        let mixed = mix(0.3) * mix(0.3);
-        assert!(low.re < mixed.re && mixed.re < high.re, "{low} {mixed} {high}");
-        // One ball in many: ε = ε_b (1 + 3 f (ε_i − ε_b)/(ε_i + 2 ε_b)) to the first order.
-        let f = 1e-6;
-        let first = 3.0 * (grain - host) / (grain + 2.0 * host);
-        assert!(((mix(f) * mix(f) / host - 1.0) / f - first).norm() < 1e-5);
     }
 }

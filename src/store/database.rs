@@ -3,6 +3,7 @@
 //! Everybody reads all files and writes its own. So processes never wait for one another, and a file that was damaged
 //! is never written to again: what is sound in it is taken over, what is lost counts as absent.
 
+use super::aside::{DAMAGED, Interruption, ROWS, files_of, put_aside, remove, take_over};
 use super::damage::Damage;
 use super::queue::{Queue, QueueError, Task};
 use super::rows::{End, Row, Rows};
@@ -15,10 +16,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Where a folder keeps its records.
 pub const RECORDS: &str = "records";
-/// Files of records.
-const ROWS: &str = "sqlite";
-/// Files that were damaged and are being taken over.
-const DAMAGED: &str = "damaged";
 
 /// All records of a folder.
 #[derive(Debug)]
@@ -46,21 +43,6 @@ struct Own {
 struct Damages {
     found: Vec<Damage>,
     known: HashSet<String>,
-}
-
-/// What ends a copy.
-enum Interruption {
-    /// The file that is read.
-    There(rusqlite::Error),
-    /// The file that is written.
-    Here(rusqlite::Error),
-    Contradiction(Box<(Sealed, Row)>),
-}
-
-impl From<rusqlite::Error> for Interruption {
-    fn from(error: rusqlite::Error) -> Self {
-        Self::There(error)
-    }
 }
 
 impl Files {
@@ -280,7 +262,7 @@ impl Database {
         std::fs::create_dir_all(folder)?;
         let slot = Slot::first_free(folder)?;
         let path = folder.join(format!("{}.{ROWS}", slot.number()));
-        let reasons = self.put_aside(folder, &slot, files)?;
+        let reasons = put_aside(folder, &slot, &mut files.others)?;
         files.others.retain(|rows| rows.path() != path);
         let rows = Rows::create(&path).map_err(|error| failed(&path, &error))?;
         for damaged in files_of(folder, DAMAGED)? {
@@ -292,91 +274,6 @@ impl Database {
         }
         Ok(Own { rows, slot: Some(slot) })
     }
-
-    /// Renames damaged files that no other process holds; gives the new names and what is wrong.
-    fn put_aside(&self, folder: &Path, slot: &Slot, files: &mut Files) -> io::Result<Vec<(PathBuf, String)>> {
-        let mut reasons = Vec::new();
-        for path in files_of(folder, ROWS)? {
-            let number = path.file_stem().and_then(|stem| stem.to_str()?.parse().ok());
-            let Some(number) = number else { continue };
-            if number != slot.number() && Slot::is_held(folder, number) {
-                continue;
-            }
-            let trouble = match Rows::read(&path) {
-                Ok(rows) => rows.trouble(),
-                Err(error) => Some(error.to_string()),
-            };
-            let Some(reason) = trouble else { continue };
-            files.others.retain(|rows| rows.path() != path);
-            let aside = path.with_extension(DAMAGED);
-            std::fs::rename(&path, &aside)?;
-            let log = log_of(&path);
-            if log.exists() {
-                std::fs::rename(log, log_of(&aside))?;
-            }
-            remove(&path)?;
-            reasons.push((aside, reason));
-        }
-        Ok(reasons)
-    }
-}
-
-/// Copies what is sound, from both ends; gives the number of records saved.
-fn take_over(damaged: &Path, into: &Rows) -> rusqlite::Result<usize> {
-    let Ok(from) = Rows::read(damaged) else { return Ok(0) };
-    let mut saved = HashSet::new();
-    let mut keep = |row: Row| -> Result<(), Interruption> {
-        if row.sealed.check(&row.kind, &row.key).is_ok() && saved.insert((row.kind.clone(), row.key.clone()))
-        {
-            into.put(&row).map_err(Interruption::Here)?;
-        }
-        Ok(())
-    };
-    into.at_once(|| {
-        for end in [End::First, End::Last] {
-            // The damage of the file read is known already.
-            if let Err(Interruption::Here(error)) = from.scan(end, &mut keep) {
-                return Err(error);
-            }
-        }
-        Ok(())
-    })?;
-    Ok(saved.len())
-}
-
-/// Files with this extension, in the order of their numbers.
-fn files_of(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
-    let entries = match std::fs::read_dir(folder) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries?,
-    };
-    let paths = entries.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>()?;
-    let mut paths: Vec<PathBuf> =
-        paths.into_iter().filter(|path| path.extension().is_some_and(|e| e == extension)).collect();
-    paths.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
-    Ok(paths)
-}
-
-/// SQLite's log beside a file.
-fn log_of(path: &Path) -> PathBuf {
-    with_suffix(path, "-wal")
-}
-
-fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(suffix);
-    name.into()
-}
-
-/// Removes a file and what SQLite keeps beside it, as far as they are there.
-fn remove(path: &Path) -> io::Result<()> {
-    for path in [path.to_owned(), log_of(path), with_suffix(path, "-shm")] {
-        match std::fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-    }
-    Ok(())
 }
 
 fn failed(path: &Path, error: &rusqlite::Error) -> io::Error {
@@ -388,113 +285,5 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::store::damage::Fault;
-
-    fn open(folder: &tempfile::TempDir) -> Database {
-        Database::open(folder.path()).unwrap()
-    }
-
-    /// Changes a row of a worker's file behind the store's back.
-    fn tamper(folder: &tempfile::TempDir, sql: &str) {
-        let path = folder.path().join("records/1.sqlite");
-        rusqlite::Connection::open(path).unwrap().execute_batch(sql).unwrap();
-    }
-
-    fn two_records(folder: &tempfile::TempDir) {
-        let store = open(folder);
-        store.put("point", "a", vec![1; 5000]).unwrap();
-        store.put("point", "b", vec![2]).unwrap();
-    }
-
-    #[test]
-    fn workers_write_their_own_files_and_read_all() {
-        let folder = tempfile::tempdir().unwrap();
-        let (one, two) = (open(&folder), open(&folder));
-        one.put("point", "a", vec![1]).unwrap();
-        two.put("point", "b", vec![2]).unwrap();
-        assert_eq!(one.get("point", "b"), None);
-        one.refresh().unwrap();
-        two.refresh().unwrap();
-        assert_eq!((one.get("point", "b"), two.get("point", "a")), (Some(vec![2]), Some(vec![1])));
-        assert!(folder.path().join("records/2.sqlite").exists() && one.keys("point").len() == 2);
-    }
-
-    #[test]
-    fn damage_counts_as_absence_is_told_once_and_heals() {
-        let swap =
-            "update records set content = (select content from records as o where o.key != records.key)";
-        for (sql, fault) in [
-            ("update records set content = x'03' where key = 'a'", Fault::Seal),
-            ("update records set method = 0 where key = 'a'", Fault::Seal),
-            ("update records set program = 'other' where key = 'a'", Fault::Seal),
-            (swap, Fault::Seal),
-        ] {
-            let folder = tempfile::tempdir().unwrap();
-            two_records(&folder);
-            tamper(&folder, sql);
-            let store = open(&folder);
-            assert_eq!((store.get("point", "a"), store.get("point", "a")), (None, None));
-            let expected = Damage::Record { kind: "point".into(), key: "a".into(), fault };
-            assert_eq!(store.damages(), [expected], "{sql}");
-            store.put("point", "a", vec![9]).unwrap();
-            assert_eq!(open(&folder).get("point", "a"), Some(vec![9]));
-            assert_eq!(open(&folder).damages(), []);
-        }
-    }
-
-    #[test]
-    fn a_damaged_file_is_put_aside_and_what_is_sound_is_saved() {
-        let folder = tempfile::tempdir().unwrap();
-        two_records(&folder);
-        let path = folder.path().join("records/1.sqlite");
-        let whole = std::fs::read(&path).unwrap();
-        for place in (16..100).step_by(3).chain((100..whole.len()).step_by(499)) {
-            let mut damaged = whole.clone();
-            damaged[place] ^= 0x55;
-            std::fs::write(&path, damaged).unwrap();
-            let store = open(&folder);
-            store.prepare().unwrap();
-            for (key, content) in [("a", vec![1; 5000]), ("b", vec![2])] {
-                assert!(store.get("point", key).is_none_or(|found| found == content), "byte {place}");
-                store.put("point", key, content).unwrap();
-            }
-            drop(store);
-            let healed = open(&folder);
-            healed.prepare().unwrap();
-            assert!(healed.get("point", "a").is_some() && healed.damages().is_empty(), "byte {place}");
-        }
-        for length in [0, 1, 100, whole.len() / 2] {
-            std::fs::write(&path, &whole[..length]).unwrap();
-            let store = open(&folder);
-            store.prepare().unwrap();
-            assert!(
-                store.get("point", "a").is_none() && (length < 2 || !store.damages().is_empty()),
-                "{length}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_copy_takes_what_is_sound_and_stops_at_contradictions() {
-        let [one, two, into] = [(); 3].map(|()| tempfile::tempdir().unwrap());
-        two_records(&one);
-        two_records(&two);
-        tamper(&one, "update records set content = x'03' where key = 'a'");
-        let merged = open(&into);
-        let equal = |_: &str, a: &[u8], b: &[u8]| a == b;
-        for shard in [&one, &two] {
-            let from = open(shard);
-            assert_eq!(merged.adopt(&from, &[], equal).unwrap(), None);
-            assert_eq!(from.damages().len(), usize::from(std::ptr::eq(shard, &one)));
-        }
-        assert_eq!(merged.get("point", "a"), Some(vec![1; 5000]));
-        let other = tempfile::tempdir().unwrap();
-        open(&other).put("point", "c", vec![4]).unwrap();
-        open(&other).put("point", "b", vec![3]).unwrap();
-        let (here, there) = merged.adopt(&open(&other), &["point"], equal).unwrap().unwrap();
-        assert_eq!((here.content, there.key.as_str()), (vec![2], "b"));
-        assert_eq!(merged.get("point", "c"), None, "all or nothing");
-    }
-}
+#[path = "database_tests.rs"]
+mod tests;

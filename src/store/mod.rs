@@ -5,6 +5,7 @@
 //! Workers of one folder share their tasks through a [`queue`]. [`folder`] is the place for everything a run writes, known
 //! by its [`marker`]; [`safely`] is the way it is written, [`identity`] the content hash, [`build`](mod@build) the program's own name.
 
+mod aside;
 pub mod build;
 pub mod damage;
 pub mod database;

@@ -9,6 +9,7 @@ mod dilute;
 mod distribution;
 pub mod energy;
 mod furnace;
+mod intervals;
 mod layers;
 mod molecular;
 mod orders;
@@ -21,7 +22,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 20] = [
+pub const ALL: [Claim; 21] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -42,4 +43,5 @@ pub const ALL: [Claim; 20] = [
     varied_cells::CLAIM,
     vector::ACCURACY,
     vector::TENSOR,
+    intervals::CLAIM,
 ];

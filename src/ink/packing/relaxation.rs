@@ -5,6 +5,7 @@
 //! looked at; whoever is pushed joins it. A batch ends when the true overlap (ε = 0) is gone.
 
 use super::bodies::Bodies;
+use super::loads::{Found, Loads};
 use super::neighbours::Neighbours;
 use super::plan::Plan;
 use super::request::RelaxationSettings;
@@ -14,7 +15,7 @@ use super::watch::{PackProgress, PackWatch};
 use crate::ink::error::PackError;
 use crate::ink::grains::orientation::Field;
 use crate::numerics::Draws;
-use crate::numerics::vector::{Rotation, V3, add, cross, dot, norm, scale, sub};
+use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub};
 use std::ops::ControlFlow;
 
 /// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed length (the
@@ -29,14 +30,6 @@ const TANGLE_PATIENCE: u64 = 50;
 const FEW: f64 = 0.02;
 const MOST_THROWS: u64 = 100;
 const REPORT: u64 = 20;
-
-/// What one evaluation of the forces found.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Found {
-    pub energy: f64,
-    pub overlap: f64,
-    pub relative: f64,
-}
 
 /// How a relaxation ended.
 pub(crate) struct Outcome {
@@ -395,49 +388,4 @@ fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
     let region = |p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64);
     places.sort_by_cached_key(region);
     places
-}
-
-/// Forces and torques of one step, and the bodies that feel any.
-struct Loads {
-    force: Vec<V3>,
-    torque: Vec<V3>,
-    touched: Vec<bool>,
-    joined: Vec<u32>,
-    /// The squared arm that stands for J/μ; zero for single spheres.
-    inertia: Vec<f64>,
-}
-
-impl Loads {
-    fn new(inertia: Vec<f64>) -> Self {
-        let n = inertia.len();
-        let (force, torque) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-        Self { force, torque, touched: vec![false; n], joined: Vec::new(), inertia }
-    }
-
-    /// Adds a force at an arm from the centre of body b.
-    #[inline(always)]
-    fn act(&mut self, b: usize, arm: V3, force: V3) {
-        self.force[b] = add(self.force[b], force);
-        if self.inertia[b] > 0.0 {
-            self.torque[b] = add(self.torque[b], cross(arm, force));
-        }
-        self.touch(b);
-    }
-
-    #[inline(always)]
-    fn touch(&mut self, b: usize) {
-        if !self.touched[b] {
-            self.touched[b] = true;
-            self.joined.push(b as u32);
-        }
-    }
-}
-
-impl Found {
-    #[inline(always)]
-    fn hear(&mut self, energy: f64, overlap: f64, sum: f64) {
-        self.energy += energy;
-        self.overlap = self.overlap.max(overlap);
-        self.relative = self.relative.max(overlap / sum);
-    }
 }

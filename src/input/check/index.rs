@@ -4,7 +4,9 @@ use crate::input::fault::{Fault, Faults};
 use crate::input::forms::IndexWritten;
 use crate::input::limits;
 use crate::input::study::Material;
-use crate::material::spectra::{MixingRule, Spectrum, SpectrumError, Synthetic};
+use crate::material::mixing::MixingRule;
+use crate::material::spectra::{Spectrum, SpectrumError};
+use crate::material::synthetic::Synthetic;
 use num_complex::Complex64;
 use std::path::Path;
 

@@ -8,7 +8,7 @@ use crate::input::forms::Diameter;
 use crate::input::limits;
 use crate::input::study::{Dissolved, Material, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
-use crate::material::spectra::MixingRule;
+use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
 use std::path::Path;
 

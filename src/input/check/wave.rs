@@ -3,7 +3,7 @@
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
 use crate::input::study::Study;
-use crate::material::spectra::MixingRule;
+use crate::material::mixing::MixingRule;
 use crate::solve::SolverChoice;
 use crate::wave::Media;
 use num_complex::Complex64;

@@ -7,7 +7,9 @@
 //! means are uncertain by.
 
 use super::discretisation::Discretisation;
-use super::search::{AccuracyError, Task, smooth_size};
+use super::error::AccuracyError;
+use super::resolution::smooth_size;
+use super::task::Task;
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;
 use crate::wave::Resolution;

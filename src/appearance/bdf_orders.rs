@@ -1,0 +1,130 @@
+//! One order, and all orders of one side, averaged over an ensemble.
+
+use crate::numerics::estimate::{Estimate, jackknife_covariance};
+use crate::wave::{FURTHER, Order};
+use ndarray::Array2;
+use num_complex::Complex64;
+
+/// The half-space the light leaves into, seen from where it came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    /// Back to the side the light came from.
+    Reflected,
+    /// To the opposite side.
+    Transmitted,
+}
+
+/// One order on one side, averaged over the ensemble. Efficiencies are shares of the incident power.
+///
+/// `coherent` w|⟨a⟩|² and `diffuse` w(⟨|a|²⟩ − |⟨a⟩|²) are the unbiased estimates (variance over n − 1), so that they
+/// sum to the mean efficiency; one realisation cannot tell them apart (`None`). An unbiased coherent part may come
+/// out slightly negative: noise around zero. `bdf` is per steradian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrderMean {
+    /// Order along x, counted from the specular one.
+    pub m: i32,
+    /// Order along y.
+    pub n: i32,
+    /// Direction cosines (kx, ky)/k0.
+    pub direction: [f64; 2],
+    /// Mean share of the incident power.
+    pub efficiency: Estimate,
+    /// Share that survives the mean of the amplitudes.
+    pub coherent: Option<f64>,
+    /// The rest of the efficiency.
+    pub diffuse: Option<f64>,
+    /// Distribution function at the order, 1/sr.
+    pub bdf: Estimate,
+}
+
+/// Totals of one side, shares of the incident power.
+///
+/// `specular` is the whole order (0, 0), `diffuse` all others. `coherent` is the part of the specular order that
+/// survives averaging of the amplitude (unbiased, jackknife error; unknown for one realisation).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Totals {
+    /// All orders.
+    pub total: Estimate,
+    /// The order (0, 0).
+    pub specular: Estimate,
+    /// All other orders.
+    pub diffuse: Estimate,
+    /// Coherent part of the specular order.
+    pub coherent: Option<Estimate>,
+}
+
+/// One side of an order.
+#[derive(Clone, Copy)]
+pub(super) struct View {
+    pub(super) propagates: bool,
+    /// Amplitudes that do not interfere with each other.
+    amplitudes: [Complex64; 1 + FURTHER],
+    pub(super) efficiency: f64,
+}
+
+pub(super) fn view(order: &Order, lobe: Lobe) -> View {
+    let (propagates, side, efficiency) = match lobe {
+        Lobe::Reflected => (order.reflected_propagates, 0, order.reflected_efficiency),
+        Lobe::Transmitted => (order.transmitted_propagates, 1, order.transmitted_efficiency),
+    };
+    let mut amplitudes = [Complex64::ZERO; 1 + FURTHER];
+    amplitudes.iter_mut().zip(order.amplitudes()).for_each(|(own, pair)| *own = pair[side]);
+    View { propagates, amplitudes, efficiency }
+}
+
+pub(super) fn order_mean(order: &Order, column: &[View], density: f64) -> OrderMean {
+    let efficiency = Estimate::of_mean(&column.iter().map(|v| v.efficiency).collect::<Vec<_>>());
+    let coherent = coherent_efficiency(column.iter());
+    OrderMean {
+        m: order.m,
+        n: order.n,
+        direction: order.direction,
+        efficiency,
+        coherent,
+        diffuse: coherent.map(|c| efficiency.value - c),
+        bdf: Estimate {
+            value: efficiency.value * density,
+            standard_error: efficiency.standard_error.map(|s| s * density),
+        },
+    }
+}
+
+/// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), w = Σe/Σ|a|² the flux factor of the order, summed over the amplitudes that do not
+/// interfere. `None` for one sample.
+fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64> {
+    let (mut n, mut sum, mut square, mut power) = (0.0, [Complex64::ZERO; 1 + FURTHER], 0.0, 0.0);
+    for v in views {
+        n += 1.0;
+        sum.iter_mut().zip(v.amplitudes).for_each(|(sum, a)| *sum += a);
+        square += v.amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>();
+        power += v.efficiency;
+    }
+    if n < 2.0 {
+        return None;
+    }
+    let flux = if square > 0.0 { power / square } else { 0.0 };
+    let mean = sum.iter().map(|sum| (sum / n).norm_sqr()).sum::<f64>();
+    let variance = (square - n * mean) / (n - 1.0);
+    Some(flux * (mean - variance / n))
+}
+
+pub(super) fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column: &[View]) -> Totals {
+    let sums: Vec<f64> = efficiencies.outer_iter().map(|row| row.sum()).collect();
+    let mirrored: Vec<f64> = efficiencies.outer_iter().map(|row| specular.map_or(0.0, |k| row[k])).collect();
+    let scattered: Vec<f64> = sums.iter().zip(&mirrored).map(|(s, m)| s - m).collect();
+    Totals {
+        total: Estimate::of_mean(&sums),
+        specular: Estimate::of_mean(&mirrored),
+        diffuse: Estimate::of_mean(&scattered),
+        coherent: coherent_total(column),
+    }
+}
+
+/// The coherent part of the specular order; leaving one out needs three realisations for an error.
+fn coherent_total(column: &[View]) -> Option<Estimate> {
+    let others = |r: usize| column.iter().enumerate().filter(move |(s, _)| *s != r).map(|(_, v)| v);
+    let replicates: Option<Vec<[f64; 1]>> =
+        (0..column.len()).map(|r| coherent_efficiency(others(r)).map(|c| [c])).collect();
+    let variance = replicates.and_then(|r| jackknife_covariance(&r)).map(|c| c[0][0].sqrt());
+    coherent_efficiency(column.iter()).map(|value| Estimate { value, standard_error: variance })
+}

@@ -1,0 +1,84 @@
+//! What all solves of an ensemble say together: curves over the angles, fitted to the difference from the coherent film.
+
+use super::films::Films;
+use super::layer::{LayerEnsemble, Total, film_totals};
+use super::on_paper::{
+    AZIMUTHAL, Anchors, BENDS, DIFFUSE, SYMMETRIC, anchor_shares, azimuthal, diffuse_functions, symmetric,
+};
+use super::regression::{Fits, Normal, Sums};
+use super::samples::SolvedRealisation;
+
+/// Differences at 0° and 45° from a source of them.
+pub(super) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
+    let totals = [Total::Reflectance, Total::Transmittance, Total::SpecularReflectance];
+    places.map(|angle| totals.map(|total| of(angle, total)))
+}
+
+/// R, T and specular R between the anchors: what the solves in the strata differ from the film and the anchors' share.
+pub(super) fn curves(
+    layer: &LayerEnsemble,
+    anchored: [usize; 2],
+    solved: &[SolvedRealisation],
+    films: &Films,
+) -> Fits {
+    let part = |(r, realisation): (usize, &SolvedRealisation)| {
+        let mut normal = Normal::new(layer.basis.len() * BENDS, 3);
+        for (j, at) in realisation.wavelengths.iter().enumerate() {
+            let film = films.of_thickness(at.wavelength_nm, realisation.thickness_um);
+            let own = anchors(anchored, |angle, total| layer.measured(r, j, layer.column(angle, total)));
+            let mut sums = Sums::new(BENDS, 3);
+            for s in &at.strata {
+                let (between, bends) = anchor_shares(s.polar_deg.to_radians().cos());
+                let [film_r, _, film_t, ..] = film_totals(&film, s.polar_deg);
+                let values =
+                    [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
+                let rest: [f64; 3] =
+                    std::array::from_fn(|q| values[q] - between[0] * own[0][q] - between[1] * own[1][q]);
+                sums.add(&bends, &rest);
+            }
+            normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
+        }
+        normal
+    };
+    Fits::new(&solved.iter().enumerate().map(part).collect::<Vec<_>>(), &layer.basis, BENDS)
+}
+
+/// Functions of a sample: cosines of light and order, and sin θ_i sin θ_o cos Δφ.
+type Functions<const N: usize> = dyn Fn(f64, f64, f64) -> [f64; N];
+
+pub(super) fn mean_functions(lit: f64, seen: f64, _: f64) -> [f64; SYMMETRIC] {
+    symmetric(lit, seen)
+}
+
+pub(super) fn polarised_functions(lit: f64, seen: f64, _: f64) -> [f64; DIFFUSE] {
+    diffuse_functions(lit, seen)
+}
+
+pub(super) fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
+    let (mean, directional) = (symmetric(lit, seen), azimuthal(lit, seen, s));
+    std::array::from_fn(|k| if k < SYMMETRIC { mean[k] } else { directional[k - SYMMETRIC] })
+}
+
+/// The layer's own diffuse BRDF, from all orders of all solves from the incident side: its mean over the azimuth, which colours
+/// need, or with its dependence on it, which a renderer needs.
+pub(super) fn diffuse<const N: usize>(
+    layer: &LayerEnsemble,
+    solved: &[SolvedRealisation],
+    functions: &Functions<N>,
+) -> Fits {
+    let part = |realisation: &SolvedRealisation| {
+        let mut normal = Normal::new(layer.basis.len() * N, 1);
+        for at in &realisation.wavelengths {
+            let mut sums = Sums::new(N, 1);
+            for s in at.exact.iter().chain(&at.strata) {
+                let (sine, lit) = s.polar_deg.to_radians().sin_cos();
+                s.scattered.iter().for_each(|order| {
+                    sums.add(&functions(lit, order.cosine, sine * order.along), &[order.density])
+                });
+            }
+            normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
+        }
+        normal
+    };
+    Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, N)
+}

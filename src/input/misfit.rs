@@ -1,0 +1,126 @@
+//! A value that does not fit its type, as serde tells it, in our own words.
+
+use super::fault::Fault;
+use serde::de::{self, Expected, Unexpected};
+use std::fmt;
+
+/// A value that does not fit, in the making: its place grows while the error travels outwards.
+#[derive(Debug)]
+pub struct Misfit(pub(super) Box<Fault>);
+
+/// Longest value that is shown as found, characters.
+const LONGEST_FOUND: usize = 200;
+
+impl Misfit {
+    pub(super) fn new(
+        place: impl Into<String>,
+        found: impl fmt::Display,
+        allowed: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        let mut found = found.to_string();
+        if found.chars().count() > LONGEST_FOUND {
+            found = found.chars().take(LONGEST_FOUND).chain(['…']).collect();
+        }
+        Self(Box::new(Fault::new(place, found, allowed, remedy)))
+    }
+
+    /// The same, seen from outside of `place`.
+    pub(super) fn inside(mut self, place: &str) -> Self {
+        let own = std::mem::take(&mut self.0.field);
+        self.0.field = join(place, &own);
+        self
+    }
+}
+
+/// `layer` and `binder.index` → `layer.binder.index`; indices keep their brackets.
+pub(super) fn join(outer: &str, inner: &str) -> String {
+    match (outer, inner) {
+        ("", name) | (name, "") => name.to_owned(),
+        (outer, inner) if inner.starts_with('[') => format!("{outer}{inner}"),
+        (outer, inner) => format!("{outer}.{inner}"),
+    }
+}
+
+impl fmt::Display for Misfit {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+impl std::error::Error for Misfit {}
+
+pub(super) const FORM: &str = "write the value in that form; examples/yellow.toml shows a whole study";
+
+impl de::Error for Misfit {
+    fn custom<T: fmt::Display>(message: T) -> Self {
+        Self::new("", message, "another value", FORM)
+    }
+
+    fn invalid_type(found: Unexpected, allowed: &dyn Expected) -> Self {
+        Self::new("", said(found), in_words(&allowed.to_string()), FORM)
+    }
+
+    fn invalid_value(found: Unexpected, allowed: &dyn Expected) -> Self {
+        Self::new("", said(found), in_words(&allowed.to_string()), FORM)
+    }
+
+    fn invalid_length(found: usize, allowed: &dyn Expected) -> Self {
+        Self::new("", format!("{found} entries"), allowed.to_string(), FORM)
+    }
+
+    fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> Self {
+        Self::new("", format!("`{found}`"), quoted(allowed), meant(found, allowed, "write one of these"))
+    }
+
+    fn unknown_field(found: &str, allowed: &'static [&'static str]) -> Self {
+        Self(Box::new(unknown_key("", found, allowed)))
+    }
+
+    fn missing_field(key: &'static str) -> Self {
+        let remedy = format!("add {key}; examples/yellow.toml shows a whole study");
+        Self::new(key, "nothing", "a value: it has no default", remedy)
+    }
+
+    fn duplicate_field(key: &'static str) -> Self {
+        Self::new(key, "two values", "one", "an old and a new name of the same key, or a slip: remove one")
+    }
+}
+
+/// What was found, in the words of documents rather than of Rust.
+pub(super) fn said(found: Unexpected) -> String {
+    match found {
+        Unexpected::Unit => "null".into(),
+        Unexpected::Map => "a table".into(),
+        Unexpected::Seq => "a list".into(),
+        other => other.to_string(),
+    }
+}
+
+/// What Rust calls a number, in words.
+fn in_words(kind: &str) -> String {
+    match kind {
+        "f64" | "f32" => "a number".into(),
+        "u64" | "usize" | "u32" | "u16" | "u8" => "a whole number from 0".into(),
+        "i64" | "i32" | "isize" => "a whole number".into(),
+        "a boolean" => "true or false".into(),
+        other => {
+            other.strip_prefix("struct ").map_or_else(|| other.to_owned(), |name| format!("a table ({name})"))
+        }
+    }
+}
+
+pub(super) fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+pub(super) fn unknown_key(place: &str, key: &str, known: &'static [&'static str]) -> Fault {
+    Fault::new(join(place, key), "an unknown key", quoted(known), meant(key, known, "remove it"))
+}
+
+/// The name that was probably meant, or else another remedy.
+fn meant(found: &str, known: &[&str], otherwise: &str) -> String {
+    let likeness = |name: &&&str| (1000.0 * strsim::jaro_winkler(found, name)) as u32;
+    let nearest = known.iter().max_by_key(likeness).filter(|name| likeness(name) > 800);
+    nearest.map_or_else(|| otherwise.to_owned(), |name| format!("did you mean {name}? Else {otherwise}"))
+}

@@ -1,0 +1,74 @@
+//! What is told of keys and values that do not fit.
+
+use super::*;
+use crate::input::tree::parse_toml;
+use serde::Deserialize;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(dead_code, reason = "read only")]
+struct Outer {
+    #[serde(rename = "new", alias = "old")]
+    renamed: Option<f64>,
+    count: Option<u64>,
+    inner: Vec<Inner>,
+    kind: Option<Kind>,
+    pair: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(dead_code, reason = "read only")]
+struct Inner {
+    size: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(dead_code, reason = "read only")]
+enum Kind {
+    Plain,
+    Round { radius: f64 },
+}
+
+fn faults(text: &str) -> Vec<Fault> {
+    read::<Outer>(parse_toml(text).unwrap().into()).map(|outer| panic!("{outer:?}")).unwrap_err()
+}
+
+#[test]
+fn every_unknown_key_is_told_with_its_place_and_what_was_meant() {
+    let found =
+        faults("cuont = 1\n[[inner]]\nsize = 1\n[[inner]]\nsize = 2\nsise = 3\nx = 1\nkind.round.r = 1");
+    let fields: Vec<&str> = found.iter().map(|f| f.field.as_str()).collect();
+    assert_eq!(fields, ["cuont", "inner[1].kind", "inner[1].sise", "inner[1].x"]);
+    assert!(found[0].remedy.contains("did you mean count?"), "{:?}", found[0]);
+    assert!(found[0].allowed.contains("`new`, `old`"), "aliases are known keys: {:?}", found[0]);
+    assert_eq!(found[3].remedy, "remove it");
+}
+
+#[test]
+fn values_that_do_not_fit_are_told_where_they_are() {
+    for (text, field, found, allowed) in [
+        ("count = -1\ninner = []", "count", "integer `-1`", "a whole number from 0"),
+        ("inner = [{ size = 'a' }]", "inner[0].size", "string \"a\"", "a number"),
+        ("inner = [{}]", "inner[0].size", "nothing", "a value"),
+        ("count = 1", "inner", "nothing", "a value"),
+        ("inner = []\nkind = 'plane'", "kind", "`plane`", "`plain`, `round`"),
+        ("inner = []\nkind.round = {}", "kind.round.radius", "nothing", "a value"),
+        ("inner = []\npair = [1]", "pair", "1 entries", "array of length 2"),
+        ("inner = []\npair = [1, 2, 3]", "pair", "3 entries", "2 entries"),
+        ("inner = []\nold = 1\nnew = 2", "new", "two values", "one"),
+    ] {
+        let fault = faults(text).pop().unwrap();
+        assert_eq!(fault.field, field, "{text}: {fault:?}");
+        assert!(fault.found.contains(found) && fault.allowed.contains(allowed), "{text}: {fault:?}");
+    }
+}
+
+#[test]
+fn numbers_fit_where_they_can() {
+    let text =
+        "old = 1\ncount = 3\ninner = [{ size = 2 }]\nkind = { round = { radius = 1.5 } }\npair = [1, 2.5]";
+    let outer: Outer = read(parse_toml(text).unwrap().into()).unwrap();
+    assert_eq!((outer.renamed, outer.count, outer.pair), (Some(1.0), Some(3), Some([1.0, 2.5])));
+}

@@ -1,0 +1,163 @@
+//! How far off a result is: differences from coarser companions.
+//!
+//! A result is compared with one that has a fifth fewer points in the plane and one that has a fifth fewer cells
+//! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
+
+use super::discretisation::Discretisation;
+use super::error::AccuracyError;
+use super::resolution::{error_share, scaled_cells, scaled_plane};
+use super::task::{Estimated, Known, Task};
+use crate::solve::solver::{SolveError, Watch};
+use crate::wave::physical::largest;
+use crate::wave::{Grid, Resolution, Shape, TotalErrors, WaveError};
+
+/// Share of points or cells that a companion keeps.
+const COMPANION: f64 = 0.8;
+/// Share of cells that a second companion keeps where nothing changes along y. Tops of such grains are whole lines: a
+/// companion with nodes on them is far more accurate than its spacing says, and its difference tells too little.
+const SECOND: f64 = 0.7;
+/// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
+const FINE: [f64; 2] = [8.0, 3.3];
+/// Amplitude error per unit of residual: trapped waves amplify it a little.
+const RESIDUAL_WEIGHT: f64 = 3.0;
+/// The two differences scatter; with this factor the estimate covers nine cases of ten.
+const SAFETY: f64 = 1.4;
+
+impl<G: Discretisation> Task<'_, G> {
+    /// Solves at one resolution and estimates the error from two companions.
+    pub fn solve_with_estimate(
+        &self,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated<G>, AccuracyError> {
+        self.estimated_from(None, resolution, watch)
+    }
+
+    pub(super) fn estimated_from(
+        &self,
+        guess: Option<Known<G>>,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated<G>, AccuracyError> {
+        let (problem, solution, seconds_setup) = self.solve_from(guess, resolution, watch)?;
+        let far_field = G::far_field(&problem, &solution);
+        let clock = std::time::Instant::now();
+        let parts = self.estimate_parts((&problem, &solution), &far_field, watch)?;
+        let error_estimate = error_estimate(parts, G::residual(&solution));
+        let errors = TotalErrors::of_amplitudes(error_estimate, G::residual(&solution));
+        Ok(Estimated {
+            far_field: G::judge(far_field, errors)?,
+            error_estimate,
+            seconds_estimate: clock.elapsed().as_secs_f64(),
+            problem,
+            solution,
+            parts,
+            seconds_setup,
+        })
+    }
+
+    /// The estimated error's parts from the plane and from z, by two companions.
+    ///
+    /// # Errors
+    /// Neither a coarser nor a finer companion has a solution.
+    pub fn estimate_parts(
+        &self,
+        known: Known<G>,
+        far: &G::FarField,
+        watch: &mut dyn Watch,
+    ) -> Result<[f64; 2], AccuracyError> {
+        let problem = known.0;
+        if !G::has_contrast(problem) {
+            return Ok([0.0; 2]);
+        }
+        let own = G::grid_of(problem).resolution;
+        // What is held of the result meanwhile: its problem, its field, and the incident wave.
+        let size = self.size(own);
+        let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
+        let scene = self.coverages.scene;
+        let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
+        let mut across = |share: f64| {
+            let cells = [share, 1.0 / share].map(|f| scaled_cells(own, f));
+            companion.compare(known, far, cells, watch)
+        };
+        let in_z = match uniform {
+            [false, true] => largest([across(COMPANION)?, across(SECOND)?]),
+            _ => across(COMPANION)?,
+        };
+        let plane = [COMPANION, 1.0 / COMPANION].map(|f| scaled_plane(own, f, uniform));
+        let in_plane = if uniform[0] { 0.0 } else { companion.compare(known, far, plane, watch)? };
+        Ok([in_plane, in_z])
+    }
+
+    /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
+    fn compare(
+        &self,
+        finer: Known<G>,
+        far: &G::FarField,
+        companions: [Resolution; 2],
+        watch: &mut dyn Watch,
+    ) -> Result<f64, AccuracyError> {
+        let own = G::grid_of(finer.0).resolution;
+        let [coarse, fine] = companions;
+        let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
+            Some(solved) => solved,
+            None => self.solve_from(Some(finer), fine, watch)?,
+        };
+        let difference = G::difference(far, &G::far_field(&problem, &solution));
+        let used = G::grid_of(&problem).resolution;
+        Ok(difference * error_share(own, used, self.orders(own)))
+    }
+
+    /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
+    ///
+    /// For grains 4 (3 for the vector wave, which folds nothing) and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
+    /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
+    /// do so in one.
+    fn orders(&self, own: Resolution) -> [i32; 2] {
+        let upright = self.coverages.scene.bodies.iter().any(|b| matches!(b.shape, Shape::BarY { .. }));
+        let sharp =
+            i32::from(self.coverages.scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
+        let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
+            .map(|l| l * self.waves_per_um());
+        let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
+        [(G::PLANE_ORDER - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
+    }
+
+    /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.
+    fn is_strong(&self) -> bool {
+        self.media.backgrounds.iter().any(|b| {
+            let k2 = b * b;
+            self.inclusions().any(|i| (i * i - k2).norm() > k2.norm())
+        })
+    }
+
+    /// Solves the coarser companion; cells too high for the wave are made only as low as they must be.
+    fn solve_coarser(
+        &self,
+        coarser: Resolution,
+        finer: Known<G>,
+        watch: &mut dyn Watch,
+    ) -> Result<Option<(G::Problem, G::Solution, f64)>, AccuracyError> {
+        let own = G::grid_of(finer.0).resolution;
+        let cells = G::cells_needed(finer.0, &Grid::new(self.coverages.scene, coarser)?);
+        let coarser = Resolution { cells, ..coarser };
+        if coarser == own || cells > own.cells {
+            return Ok(None);
+        }
+        let solved = match self.solve_from(Some(finer), coarser, watch) {
+            Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) if needed < own.cells => {
+                self.solve_from(Some(finer), Resolution { cells: needed, ..coarser }, watch)
+            }
+            other => other,
+        };
+        match solved {
+            Err(stopped @ AccuracyError::Solve(SolveError::Cancelled { .. })) => Err(stopped),
+            other => Ok(other.ok()),
+        }
+    }
+}
+
+/// Largest expected error of any amplitude, from the parts of [`Task::estimate_parts`] and the residual.
+pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
+    SAFETY * (parts[0] + parts[1]) + 1e-13 + RESIDUAL_WEIGHT * residual
+}

@@ -1,0 +1,120 @@
+//! Why a search for a grid ends without a result.
+
+use crate::solve::demand::TooLarge;
+use crate::solve::solver::{GridTrial, SolveError};
+use crate::wave::grid::MOST_POINTS;
+use crate::wave::{Resolution, Unphysical, WaveError};
+use thiserror::Error;
+
+/// Why no result of the asked accuracy exists.
+#[derive(Debug, Error)]
+pub enum AccuracyError {
+    /// The scene does not make a problem on some grid.
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    /// A solve failed or was stopped.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The result breaks a law it must obey.
+    #[error(transparent)]
+    Unphysical(#[from] Unphysical),
+    /// A solve would not fit into memory.
+    #[error(transparent)]
+    Memory(#[from] TooLarge),
+    /// The next finer grid does not fit into memory.
+    #[error(
+        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
+         and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
+         a smaller cell, or more memory (tried: {tried})"
+    )]
+    NotReached {
+        /// Amplitude error asked for.
+        asked: f64,
+        /// Estimate on the finest grid solved.
+        reached: f64,
+        /// Points along x of that grid.
+        nx: usize,
+        /// Points along y.
+        ny: usize,
+        /// Cells along z.
+        cells: usize,
+        /// Memory that the next grid would take, GB.
+        need_gb: f64,
+        /// Memory allowed, GB.
+        allowed_gb: f64,
+        /// Every grid tried, with its estimate and time.
+        tried: String,
+    },
+    /// Not even the coarsest sensible grid fits into memory.
+    #[error(
+        "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {need_gb:.2} GB of the \
+         {allowed_gb:.2} GB allowed; ask for less accuracy, a smaller cell, or more memory"
+    )]
+    TooLarge {
+        /// Amplitude error asked for.
+        asked: f64,
+        /// Points along x of the coarsest grid.
+        nx: usize,
+        /// Points along y.
+        ny: usize,
+        /// Cells along z.
+        cells: usize,
+        /// Memory it would take, GB.
+        need_gb: f64,
+        /// Memory allowed, GB.
+        allowed_gb: f64,
+    },
+    /// The error does not fall as the grid is refined.
+    #[error(
+        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} after {levels} finer and finer grids; ask for \
+         less accuracy"
+    )]
+    GivenUp {
+        /// Grids tried.
+        levels: usize,
+        /// Amplitude error asked for.
+        asked: f64,
+        /// Estimate on the finest grid solved.
+        reached: f64,
+    },
+    /// The layer measures more wavelengths than any grid resolves.
+    #[error(
+        "accuracy {asked:.1e} is not reached: already the coarsest grid would need {need:.1e} points along an axis of at \
+         most {MOST_POINTS}; check that the wavelength and all lengths are in µm"
+    )]
+    TooManyWaves {
+        /// The accuracy asked for.
+        asked: f64,
+        /// Points or cells along the longest axis.
+        need: f64,
+    },
+    /// An accuracy that makes no sense.
+    #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
+    Accuracy(f64),
+}
+
+impl AccuracyError {
+    /// True when the user stopped the search, which is no failure.
+    pub fn is_stop(&self) -> bool {
+        matches!(self, AccuracyError::Solve(SolveError::Cancelled { .. }))
+    }
+}
+
+/// Not even the first grid fits.
+pub(super) fn too_large(asked: f64, refusal: &TooLarge) -> AccuracyError {
+    let TooLarge { resolution: Resolution { nx, ny, cells, .. }, need_gb, allowed_gb } = *refusal;
+    AccuracyError::TooLarge { asked, nx, ny, cells, need_gb, allowed_gb }
+}
+
+/// The next grid does not fit; the last one solved has reached an estimate.
+pub(super) fn not_reached(
+    asked: f64,
+    (reached, last): (f64, Resolution),
+    refusal: &TooLarge,
+    tried: &[GridTrial],
+) -> AccuracyError {
+    let Resolution { nx, ny, cells, .. } = last;
+    let TooLarge { need_gb, allowed_gb, .. } = *refusal;
+    let tried = tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; ");
+    AccuracyError::NotReached { asked, reached, nx, ny, cells, need_gb, allowed_gb, tried }
+}
