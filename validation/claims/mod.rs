@@ -9,7 +9,6 @@ mod dilute;
 mod distribution;
 pub mod energy;
 mod furnace;
-mod intervals;
 mod layers;
 mod molecular;
 mod orders;
@@ -22,7 +21,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 21] = [
+pub const ALL: [Claim; 20] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -43,5 +42,4 @@ pub const ALL: [Claim; 21] = [
     varied_cells::CLAIM,
     vector::ACCURACY,
     vector::TENSOR,
-    intervals::CLAIM,
 ];
