@@ -53,7 +53,7 @@ fn join(parts: &[AtWavelength], [from, to]: [f64; 2]) -> (Verdict, Option<Estima
         _ if parts.iter().any(|part| part.refuted) => Verdict::Refuted,
         _ => Verdict::Undecided,
     };
-    let mut remark = format!("nearest to refuting it at {:.0} nm", worst.nm);
+    let mut remark = format!("measured at {:.0} nm, where it is worst", worst.nm);
     for (word, which) in [("refuted", Verdict::Refuted), ("undecided", Verdict::Undecided)] {
         let there: Vec<String> =
             parts.iter().filter(|part| part.verdict == which).map(|part| format!("{:.0}", part.nm)).collect();
