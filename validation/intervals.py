@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Keeps what claim 21 needs of its truth.
+"""Keeps what claim 24 needs of its truth.
 
     inkwave run validation/data/intervals.toml --output FOLDER
     python3 validation/intervals.py FOLDER/results.json > validation/data/intervals.json

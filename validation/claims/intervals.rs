@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 pub const CLAIM: Claim = Claim {
-    id: "21-intervals",
+    id: "24-intervals",
     statement: "95 % intervals of a small study hold the truth of L*, a*, b*, R, T, natural light and 45:0 in nine to ninety-nine cases of a hundred.",
     because: "The truth has 24 times the area in cells of 4.8 µm, 24 strata of directions and wavelengths 5 nm apart (validation/data/intervals.toml); only the seed differs between the small studies.",
     file: file!(),
