@@ -40,7 +40,7 @@ impl NodeCoefficients {
     }
 
     /// From ikz and e^{ikz h}.
-    fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
+    pub(crate) fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
         let square = step * step;
         let scale = ikz / (square - 1.0);
         NodeCoefficients { off: 2.0 * step * scale, diagonal: -(square + 1.0) * scale }
