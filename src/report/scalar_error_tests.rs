@@ -3,10 +3,13 @@ use super::*;
 /// The rows are the last measurement's, as it was published.
 #[test]
 fn the_rows_are_those_of_the_published_report() {
-    let published =
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/scalar-against-vector/differences.csv");
+    let published = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("reports/scalar-against-vector/differences.csv");
     let Ok(text) = std::fs::read_to_string(published) else { return };
-    assert!(text == DATA, "copy reports/scalar-against-vector/differences.csv to src/report/scalar_error.csv");
+    assert!(
+        text == DATA,
+        "copy reports/scalar-against-vector/differences.csv to src/report/scalar_error.csv"
+    );
 }
 
 #[test]
@@ -66,7 +69,9 @@ fn the_words_carry_the_numbers_of_their_row() {
     let yellow = &all[4];
     assert_eq!((yellow.ink.as_str(), yellow.delta_e_print), ("yellow", 3.1323));
     let words = yellow.in_words(true);
-    for part in ["yellow, κ up to 0.29, 30 % of 100 nm, 1 µm", "0.7 ± 0.1", "3.1 lit at 45°", "+0.030 ± 0.009"] {
+    for part in
+        ["yellow, κ up to 0.29, 30 % of 100 nm, 1 µm", "0.7 ± 0.1", "3.1 lit at 45°", "+0.030 ± 0.009"]
+    {
         assert!(words.contains(part), "{part}: {words}");
     }
     assert!(!yellow.in_words(false).contains("ΔE"));

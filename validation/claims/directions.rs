@@ -36,8 +36,9 @@ pub const VECTOR: Claim = Claim {
 
 const POLAR_DEG: f64 = 20.0;
 const AZIMUTH_DEG: f64 = 20.0;
-/// A remainder never is allowed to be larger, whatever the waves between the spheres: a lost factor or sign must show.
-const MOST: f64 = 0.03;
+/// A remainder never is allowed to be larger, whatever the waves between the spheres: a lost factor or sign must show. Large
+/// spheres send back a fifteenth of what they send on, and waves between them are as strong both ways.
+const MOST: [f64; 2] = [0.03, 0.25];
 
 type Vector = [f64; 3];
 /// Order (m, n), reflected, and polarisations in and out (0 in the scalar wave).
@@ -186,11 +187,8 @@ fn compare(
     let mut sums: BTreeMap<Label, (usize, Complex64, f64)> = BTreeMap::new();
     for amplitude in sides.iter().flat_map(|&side| orders(single, &mie, side)) {
         let sum = sums.entry(amplitude.label).or_default();
-        *sum = (
-            sum.0 + 1,
-            sum.1 + (amplitude.found - amplitude.expected),
-            sum.2.max(amplitude.expected.norm()),
-        );
+        *sum =
+            (sum.0 + 1, sum.1 + (amplitude.found - amplitude.expected), sum.2.max(amplitude.expected.norm()));
     }
     let lattice = sides.iter().map(|side| 3.9 / side).sum::<f64>() / sides.len() as f64;
     let incident = View::new(&mie, 1.0, 1.0).incident;
@@ -204,8 +202,8 @@ fn compare(
         findings.order_of_smallness(
             format!("{}, {name}: {} amplitudes {half}, of the largest |F|", single.id, seen().count()),
             error,
-            (lattice * twice / largest).min(MOST),
-            "waves between the spheres: F₁F₂ × 3.9/L, the static lattice sum, but never more than 3 %",
+            (lattice * twice / largest).min(MOST[usize::from(reflected)]),
+            "waves between the spheres: F₁F₂ × 3.9/L, the static lattice sum, but never more than 3 % onwards and 25 % backwards",
         );
     }
 }
