@@ -17,8 +17,10 @@ use std::path::Path;
 struct Pair {
     ink: String,
     kappa: f64,
+    contrast: f64,
     volume_fraction: f64,
     diameter_nm: f64,
+    thickness_um: f64,
     sky: Estimate,
     print: f64,
     reflectance: Estimate,
@@ -52,8 +54,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     table.write_record([
         "ink",
         "largest_kappa",
+        "contrast",
         "volume_fraction",
         "diameter_nm",
+        "thickness_um",
         "delta_e_sky",
         "delta_e_sky_standard_error",
         "delta_e_print",
@@ -65,8 +69,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     for p in &pairs {
         let numbers = [
             p.kappa,
+            p.contrast,
             p.volume_fraction,
             p.diameter_nm,
+            p.thickness_um,
             p.sky.value,
             p.sky.standard_error.unwrap_or(0.0),
             p.print,
@@ -89,6 +95,10 @@ fn pair(study: &Study, scalar: &Outcome, vector: &Outcome) -> Result<Pair, Box<d
         _ => return Err("a variant without a pigment".into()),
     };
     let lit = |o: &Outcome| normal(o).filter_map(|row| Some(row.lit_at_45?.value)).collect::<Vec<f64>>();
+    let mut contrast: f64 = 0.0;
+    for (nm, eta) in study.wavelengths_nm.iter().zip(index) {
+        contrast = contrast.max((eta.re - study.layer.binder.spectrum.index(1e-3 * nm)?.re).abs());
+    }
     let meter = Colorimeter::new(&study.wavelengths_nm)?;
     let print = [meter.colour(&lit(scalar))?, meter.colour(&lit(vector))?];
     let sky = |o: &Outcome| {
@@ -98,8 +108,10 @@ fn pair(study: &Study, scalar: &Outcome, vector: &Outcome) -> Result<Pair, Box<d
     Ok(Pair {
         ink: name.clone(),
         kappa: index.iter().map(|eta| eta.im).fold(0.0, f64::max),
+        contrast,
         volume_fraction,
         diameter_nm,
+        thickness_um: study.layer.thickness_um,
         sky: scalar.delta_e_2000(vector).ok_or("a variant without a colour")?,
         print: print[0].delta_e_2000(&print[1]).value,
         reflectance: largest(scalar, vector, |row| row.reflectance),

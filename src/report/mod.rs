@@ -4,6 +4,7 @@ pub mod cell;
 pub mod packing;
 pub mod page;
 pub mod publish;
+pub(crate) mod scalar_error;
 pub mod seal;
 pub mod sheet;
 pub mod tables;

@@ -26,9 +26,9 @@ pub struct Size {
 }
 
 /// Per point and plane of the vector wave: the contrast's tensor (complex), two tables of the mean operator's cells and
-/// four of its nodes for every two planes (complex), and seven moments a channel (real).
-const VECTOR_TENSOR: f64 = 6.0 * COMPLEX;
-const VECTOR_TABLES: f64 = 3.0 * COMPLEX;
+/// four of its nodes for every two planes (complex), both in double and in single precision, and seven moments a channel (real).
+const VECTOR_TENSOR: f64 = 9.0 * COMPLEX;
+const VECTOR_TABLES: f64 = 4.5 * COMPLEX;
 const VECTOR_MOMENTS: f64 = 7.0 * 8.0;
 
 impl Size {

@@ -98,4 +98,8 @@ impl System for Polarised<'_> {
     fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
         self.problem.scatter(u, out);
     }
+
+    fn single(&self) -> Option<&dyn Scatter<f32>> {
+        Some(self.problem.single())
+    }
 }

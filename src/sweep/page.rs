@@ -11,6 +11,7 @@ use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
 use crate::numerics::estimate::Estimate;
 use crate::report::page::{Picture, png_data, svg_data};
+use crate::report::scalar_error;
 
 /// Most spectra in one figure: colours of the palette.
 const MOST_CURVES: usize = 7;
@@ -33,6 +34,7 @@ pub(crate) fn page(
         title: outline.title.clone(),
         summary: format!("{all} variants over {} axes.", outline.axes.len()),
         partial,
+        scalar_error: scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
         sheets: sheets.iter().zip(drawn).map(picture).collect(),
         conclusions: reported.conclusions.iter().map(conclusion).collect(),
         axes: outline.axes.iter().map(|axis| axis.name.clone()).collect(),

@@ -13,6 +13,8 @@ pub struct SweepPage {
     pub summary: String,
     /// What is missing, while the sweep is not finished.
     pub partial: Option<String>,
+    /// How far the scalar wave is off, where a variant is scalar.
+    pub scalar_error: Option<String>,
     /// Contact sheets.
     pub sheets: Vec<Picture>,
     /// The conclusions.

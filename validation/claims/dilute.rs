@@ -6,6 +6,7 @@
 //! and the bound is |f| times the mean of 3.9/L.
 
 use crate::claim::{Claim, Findings, Level};
+use crate::formulas::mie::Sphere;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::{Ball, Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
 use num_complex::Complex64;
@@ -19,63 +20,83 @@ pub const CLAIM: Claim = Claim {
     measure,
 };
 
-struct Mie {
-    id: String,
-    wavelength: f64,
-    radius: f64,
-    eta: Complex64,
-    host: f64,
-    forward: Complex64,
+/// One sphere of `waves.json` with its scattering amplitudes.
+pub(super) struct Single {
+    pub id: String,
+    pub sphere: Sphere,
+    /// (cos θ, f).
+    pub amplitudes: Vec<(f64, Complex64)>,
 }
 
-fn cases() -> Vec<Mie> {
+impl Single {
+    /// f(0).
+    pub fn forward(&self) -> Complex64 {
+        self.amplitudes[0].1
+    }
+}
+
+pub(super) fn cases() -> Vec<Single> {
     let text = include_str!("../data/waves.json");
     let file: serde_json::Value = serde_json::from_str(text).expect("waves.json is JSON");
     let all = file["cases"].as_array().expect("cases").iter().filter(|c| c["kind"] == "mie_isolated_sphere");
     let pair = |v: &serde_json::Value| Complex64::new(v[0].as_f64().expect("re"), v[1].as_f64().expect("im"));
-    let read = |c: &serde_json::Value| Mie {
+    let amplitude = |row: &serde_json::Value| {
+        (row["theta_deg"].as_f64().expect("an angle").to_radians().cos(), pair(&row["f"]))
+    };
+    let read = |c: &serde_json::Value| Single {
         id: c["id"].as_str().expect("an id").into(),
-        wavelength: c["inputs"]["wavelength"].as_f64().expect("a wavelength"),
-        radius: c["inputs"]["radius"].as_f64().expect("a radius"),
-        eta: pair(&c["inputs"]["eta"]),
-        host: c["inputs"]["eta_host"].as_f64().expect("a host"),
-        forward: pair(&c["outputs"]["amplitude_f"][0]["f"]),
+        sphere: Sphere {
+            wavelength_um: c["inputs"]["wavelength"].as_f64().expect("a wavelength"),
+            radius_um: c["inputs"]["radius"].as_f64().expect("a radius"),
+            index: pair(&c["inputs"]["eta"]),
+            host: c["inputs"]["eta_host"].as_f64().expect("a host"),
+        },
+        amplitudes: c["outputs"]["amplitude_f"].as_array().expect("angles").iter().map(amplitude).collect(),
     };
     all.map(read).collect()
 }
 
-/// f(0) as the array of period `side` shows it.
-fn forward_amplitude(mie: &Mie, side: f64) -> Complex64 {
-    let height = 2.2 * mie.radius;
-    let ball = Ball { center_um: [0.5 * side, 0.5 * side, 0.5 * height], radius_um: mie.radius };
+/// A sphere in the middle of a cell of its host, with a grid that resolves it.
+pub(super) fn array(sphere: &Sphere, side: f64) -> (Scene, Media, Resolution) {
+    let height = 2.2 * sphere.radius_um;
+    let ball = Ball { center_um: [0.5 * side, 0.5 * side, 0.5 * height], radius_um: sphere.radius_um };
     let scene = Scene::layer([side; 2], height, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
-    let host = Complex64::from(mie.host);
-    let media = Media { incident: host, exit: host, backgrounds: vec![host], inclusions: vec![mie.eta] };
-    let incidence =
-        Incidence { wavelength_um: mie.wavelength, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+    let host = Complex64::from(sphere.host);
+    let media = Media { incident: host, exit: host, backgrounds: vec![host], inclusions: vec![sphere.index] };
+    let largest = sphere.index.norm().max(sphere.host);
     // Six points a wavelength, and two points a radius where the sphere is smaller than that.
-    let finest = (6.0 * mie.host.max(mie.eta.norm()) / mie.wavelength).max(2.0 / mie.radius);
+    let finest = (6.0 * largest / sphere.wavelength_um).max(2.0 / sphere.radius_um);
     let points = inkwave::solve::accuracy::smooth_size((finest * side) as usize);
-    let cells = (8.0 * height / mie.wavelength * mie.eta.norm().max(mie.host)).ceil() as usize + 2;
-    let resolution = Resolution { nx: points, ny: points, cells, scheme: Scheme::Cubic };
+    let cells = (8.0 * height / sphere.wavelength_um * largest).ceil() as usize + 2;
+    (scene, media, Resolution { nx: points, ny: points, cells, scheme: Scheme::Cubic })
+}
+
+/// f(0) as the array of period `side` shows it.
+fn forward_amplitude(sphere: &Sphere, side: f64) -> Complex64 {
+    let (scene, media, resolution) = array(sphere, side);
+    let wavelength_um = sphere.wavelength_um;
+    let incidence = Incidence { wavelength_um, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     let problem =
         Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("problem");
     let goal = Goal { tolerance: 1e-9, ..Goal::default() };
     let solution = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges");
-    let k = TAU / mie.wavelength * mie.host;
-    let transmitted = problem.far_field(&solution.field).specular().transmitted * Complex64::cis(-k * height);
+    let k = TAU / wavelength_um * sphere.host;
+    let onwards = Complex64::cis(-k * scene.thickness_um());
+    let transmitted = problem.far_field(&solution.field).specular().transmitted * onwards;
     (transmitted - 1.0) * (k * side * side) / (TAU * Complex64::I)
 }
 
 fn measure(level: Level, findings: &mut Findings) {
-    for mie in cases().into_iter().take(level.pick(2, 4)) {
-        let count = level.pick(4, 6);
-        let sides: Vec<f64> = (0..count).map(|i| (3.3 + 0.37 * i as f64) * mie.wavelength).collect();
-        let mean = sides.iter().map(|&s| forward_amplitude(&mie, s)).sum::<Complex64>() / sides.len() as f64;
-        let error = (mean - mie.forward).norm() / mie.forward.norm();
-        let lattice = mie.forward.norm() * sides.iter().map(|s| 3.9 / s).sum::<f64>() / sides.len() as f64;
+    for single in cases().into_iter().take(level.pick(2, 4)) {
+        let (count, forward) = (level.pick(4, 6), single.forward());
+        let sides: Vec<f64> =
+            (0..count).map(|i| (3.3 + 0.37 * i as f64) * single.sphere.wavelength_um).collect();
+        let mean = sides.iter().map(|&s| forward_amplitude(&single.sphere, s)).sum::<Complex64>()
+            / sides.len() as f64;
+        let error = (mean - forward).norm() / forward.norm();
+        let lattice = forward.norm() * sides.iter().map(|s| 3.9 / s).sum::<f64>() / sides.len() as f64;
         findings.order_of_smallness(
-            format!("{}: relative error of f(0)", mie.id),
+            format!("{}: relative error of f(0)", single.id),
             error,
             // Never looser than 2 %: a lost factor or sign must show with strong scatterers, too.
             lattice.min(0.02),

@@ -6,6 +6,7 @@ pub mod agreement;
 mod cell_size;
 mod colour;
 mod dilute;
+mod directions;
 mod distribution;
 pub mod energy;
 mod furnace;
@@ -17,11 +18,12 @@ mod paper;
 mod reciprocity;
 mod references;
 mod slab;
+mod small_grains;
 mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 20] = [
+pub const ALL: [Claim; 23] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -42,4 +44,7 @@ pub const ALL: [Claim; 20] = [
     varied_cells::CLAIM,
     vector::ACCURACY,
     vector::TENSOR,
+    directions::SCALAR,
+    directions::VECTOR,
+    small_grains::CLAIM,
 ];

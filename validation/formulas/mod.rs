@@ -1,3 +1,4 @@
 //! Independent formulas: closed forms that share no code with the program.
 
 pub mod films;
+pub mod mie;

@@ -8,6 +8,7 @@ use crate::ink::Method;
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
 use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
+use crate::report::scalar_error;
 use crate::solve::door::Wave;
 
 fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
@@ -233,6 +234,7 @@ pub(crate) fn limits(study: &Study) -> Vec<String> {
          sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
             .to_owned(),
     ];
+    lines.splice(1..1, scalar_error::line(study));
     if let Some(reason) = &study.angles.no_paper {
         lines.insert(0, format!("There are no paper, colour and picture here: {reason}."));
     }

@@ -11,6 +11,8 @@
 //! ∂z g: −2√3 b from sums to differences, 0 back; ∂z∂z'g − δ: −1 on sums, 12b − 1 on differences; node functions
 //! l₊ = 1 + x²b, l₋ = −(1 + x²c)/√3; their derivatives l'₊ = −2, l'₋ = −2√3 x²b.
 
+use crate::wave::Scheme;
+use crate::wave::operator::mean::{NodeCoefficients, decaying_root};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -30,20 +32,36 @@ pub struct CellFunctions {
     pub c: Complex64,
 }
 
+/// [`CellFunctions`] and the exact difference scheme's coefficients of a cell of height `h` (µm) for kz² in 1/µm²: one root and
+/// one exponential for both.
+pub fn cell_functions(kz2: Complex64, h: f64) -> (CellFunctions, NodeCoefficients) {
+    let x2 = kz2 * (h * h);
+    if x2.norm() < SERIES_B {
+        return (CellFunctions::new(x2), NodeCoefficients::new(kz2, h, Scheme::Quadratic));
+    }
+    let ikz = Complex64::I * decaying_root(kz2);
+    let step = (ikz * h).exp();
+    let x = -Complex64::I * ikz * h;
+    (CellFunctions::of_step(x2, x, step), NodeCoefficients::of_step(ikz, step))
+}
+
 impl CellFunctions {
     /// From x² = kz² h²; real x² must stay below π², where the cell resonates.
     pub fn new(x2: Complex64) -> CellFunctions {
-        let size = x2.norm();
-        if size < SERIES_B {
+        if x2.norm() < SERIES_B {
             return CellFunctions { b: series(&B, x2), c: series(&C, x2) };
         }
-        // tan y from e^{ix} with Im x ≥ 0: nothing overflows in strongly evanescent harmonics.
-        let x = crate::wave::operator::mean::decaying_root(x2);
-        let step = (Complex64::I * x).exp();
+        let x = decaying_root(x2);
+        CellFunctions::of_step(x2, x, (Complex64::I * x).exp())
+    }
+
+    /// From x and e^{ix} with Im x ≥ 0, |x²| ≥ [`SERIES_B`]: tan y from the exponential, which never overflows.
+    fn of_step(x2: Complex64, x: Complex64, step: Complex64) -> CellFunctions {
         let tangent = Complex64::I * (1.0 - step) / (1.0 + step);
-        let y = 0.5 * x;
-        let b = (tangent / y - 1.0) / x2;
-        let c = if size < SERIES_C { series(&C, x2) } else { (12.0 / x2 * (1.0 - y / tangent) - 1.0) / x2 };
+        let (y, inverse) = (0.5 * x, 1.0 / x2);
+        let b = (tangent / y - 1.0) * inverse;
+        let closed = || (12.0 * inverse * (1.0 - y / tangent) - 1.0) * inverse;
+        let c = if x2.norm() < SERIES_C { series(&C, x2) } else { closed() };
         CellFunctions { b, c }
     }
 }

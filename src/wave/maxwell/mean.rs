@@ -9,17 +9,19 @@
 //! interface. Rows of a field: component c (s, p, z) of Gauss plane q in cell j is row 6j + 3q + c; columns are
 //! harmonics. Neither kz nor q is divided by.
 
-use super::cell::CellFunctions;
+use super::cell::cell_functions;
+use super::kernels::{Constants, Loads, Moments, Tables};
 use super::nodes::{BLOCK, NodeSystem};
+use crate::numerics::fourier::Real;
+use crate::wave::operator::scattering::{SHARED, narrow};
 use crate::wave::{Field, Grid};
 use ndarray::{Array2, ArrayViewMut2, Axis};
-use num_complex::Complex64;
+use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 
 /// Rows of one cell: two Gauss planes of three components.
 pub const CELL_ROWS: usize = 6;
 
-const SQRT3: f64 = 1.732_050_807_568_877_2;
 const I: Complex64 = Complex64::I;
 
 /// A wave that enters through one face in one harmonic: node rows' right-hand sides of the TE and the TM problem.
@@ -42,46 +44,17 @@ pub struct Faces {
     pub magnetic: [Vec<Complex64>; 2],
 }
 
-/// The mean operator A, factorised.
-pub struct VectorMean {
+/// The mean operator A, factorised; in single precision beside double for strategies that measure the true residual.
+pub struct VectorMean<T: Real = f64> {
     heights: Vec<f64>,
     /// k̄² of each cell.
     mean_k2: Vec<Complex64>,
     /// q of each harmonic.
-    lateral: Vec<f64>,
-    electric: NodeSystem,
-    magnetic: NodeSystem,
+    lateral: Vec<T>,
+    electric: NodeSystem<T>,
+    magnetic: NodeSystem<T>,
     /// b and c of every cell (rows) and harmonic.
-    functions: [Array2<Complex64>; 2],
-}
-
-/// One cell's constants and the tables of the harmonics in a block.
-struct CellBlock<'a> {
-    h: f64,
-    k2: Complex64,
-    inverse_k2: Complex64,
-    lateral: &'a [f64],
-    b: &'a [Complex64],
-    c: &'a [Complex64],
-}
-
-/// What a cell needs of one harmonic.
-struct Local {
-    q: f64,
-    x2: Complex64,
-    b: Complex64,
-    c: Complex64,
-    /// l₊ = 1 + x²b and −l₋ = (1 + x²c)/√3.
-    sum: Complex64,
-    difference: Complex64,
-}
-
-impl CellBlock<'_> {
-    fn local(&self, i: usize) -> Local {
-        let (q, b, c) = (self.lateral[i], self.b[i], self.c[i]);
-        let x2 = (self.k2 - q * q) * (self.h * self.h);
-        Local { q, x2, b, c, sum: 1.0 + x2 * b, difference: (1.0 + x2 * c) * (1.0 / SQRT3) }
-    }
+    functions: [Array2<Complex<T>>; 2],
 }
 
 impl VectorMean {
@@ -94,31 +67,28 @@ impl VectorMean {
         k: [Complex64; 2],
     ) -> VectorMean {
         let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
-        let kz2 = |j: usize, i: usize| mean_k2[j] - lateral[i] * lateral[i];
         let ends = |weights: [Complex64; 2]| {
             [0, 1].map(|side| kappa[side].iter().map(|kappa| I * kappa * weights[side]).collect::<Vec<_>>())
         };
         let (te, tm) = (ends([Complex64::ONE; 2]), ends(k.map(|k| 1.0 / (k * k))));
         let ones = vec![Complex64::ONE; mean_k2.len()];
         let inverse: Vec<Complex64> = mean_k2.iter().map(|k2| 1.0 / k2).collect();
-        let electric = NodeSystem::new(grid, &kz2, &ones, [&te[0], &te[1]]);
-        let magnetic = NodeSystem::new(grid, &kz2, &inverse, [&tm[0], &tm[1]]);
-        let shape = (heights.len(), lateral.len());
-        let mut functions = [Array2::zeros(shape), Array2::zeros(shape)];
-        let [b, c] = &mut functions;
-        let rows = b.outer_iter_mut().into_par_iter().zip(c.outer_iter_mut()).enumerate();
-        rows.for_each(|(j, (mut b, mut c))| {
-            for i in 0..lateral.len() {
-                let cell = CellFunctions::new(kz2(j, i) * (heights[j] * heights[j]));
-                (b[i], c[i]) = (cell.b, cell.c);
-            }
-        });
-        VectorMean { heights, mean_k2, lateral, electric, magnetic, functions }
+        let [b, c, off, own] = cell_tables(&heights, &mean_k2, &lateral);
+        let electric = NodeSystem::new([&off, &own], &ones, [&te[0], &te[1]]);
+        let magnetic = NodeSystem::new([&off, &own], &inverse, [&tm[0], &tm[1]]);
+        VectorMean { heights, mean_k2, lateral, electric, magnetic, functions: [b, c] }
     }
 
-    /// y ← A⁻¹ y: from V E per Gauss plane to moments of the field it scatters (minus the Green function).
-    pub fn solve(&self, y: &mut Field) {
-        self.sweep(y, None, &mut []);
+    /// The same in another precision.
+    pub fn narrowed<T: Real>(&self) -> VectorMean<T> {
+        VectorMean {
+            heights: self.heights.clone(),
+            mean_k2: self.mean_k2.clone(),
+            lateral: self.lateral.iter().map(|&q| T::of(q)).collect(),
+            electric: self.electric.narrowed(),
+            magnetic: self.magnetic.narrowed(),
+            functions: [0, 1].map(|k| self.functions[k].mapv(narrow)),
+        }
     }
 
     /// The wave in the mean medium that enters as `entry` says.
@@ -136,103 +106,113 @@ impl VectorMean {
         let of = |k: usize| values.iter().map(|v| v[k]).collect();
         Faces { electric: [of(0), of(1)], magnetic: [of(2), of(3)] }
     }
+}
 
-    /// One solve: loads, nodes, moments. `faces` is empty or one entry per harmonic: E_s and h on both faces.
-    fn sweep(&self, y: &mut Field, entry: Option<Entry>, faces: &mut [[Complex64; 4]]) {
-        let nodes = self.heights.len() + 1;
-        let mut parts: Vec<&mut [[Complex64; 4]]> = faces.chunks_mut(BLOCK).collect();
-        parts.resize_with(self.lateral.len().div_ceil(BLOCK), Default::default);
-        let blocks = y.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter().zip(parts).enumerate();
-        let scratch =
-            || [vec![Complex64::default(); nodes * BLOCK], vec![Complex64::default(); nodes * BLOCK]];
-        blocks.for_each_init(scratch, |[u, w], (block, (mut y, faces))| {
-            let (first, width) = (block * BLOCK, y.ncols());
-            let (u, w) = (&mut u[..nodes * width], &mut w[..nodes * width]);
-            self.loads(&y, first, u, w);
-            if let Some(e) = entry.filter(|e| (first..first + width).contains(&e.harmonic)) {
-                u[e.node * width + e.harmonic - first] += e.source[0];
-                w[e.node * width + e.harmonic - first] += e.source[1];
-            }
-            self.electric.solve(u, first, width);
-            self.magnetic.solve(w, first, width);
-            let last = (nodes - 1) * width;
-            faces.iter_mut().enumerate().for_each(|(i, f)| *f = [u[i], u[last + i], w[i], w[last + i]]);
-            self.moments(&mut y, first, u, w);
-        });
+/// b, c, and the nodes' couplings and diagonals of every cell (rows) and harmonic, from one exponential each.
+fn cell_tables(heights: &[f64], mean_k2: &[Complex64], lateral: &[f64]) -> [Array2<Complex64>; 4] {
+    let mut tables = [const { () }; 4].map(|()| Array2::zeros((heights.len(), lateral.len())));
+    let [b, c, off, own] = &mut tables;
+    let rows = (b.outer_iter_mut().into_par_iter().zip(c.outer_iter_mut()))
+        .zip(off.outer_iter_mut().into_par_iter().zip(own.outer_iter_mut()));
+    rows.enumerate().for_each(|(j, ((mut b, mut c), (mut off, mut own)))| {
+        for (i, q) in lateral.iter().enumerate() {
+            let (cell, node) = cell_functions(mean_k2[j] - q * q, heights[j]);
+            (b[i], c[i]) = (cell.b, cell.c);
+            (off[i], own[i]) = (node.off, node.diagonal);
+        }
+    });
+    tables
+}
+
+/// One block of harmonics under way: its columns of the field, of the faces, and buffers of the nodes.
+struct Block<'a, T: Real> {
+    y: ArrayViewMut2<'a, Complex<T>>,
+    first: usize,
+    faces: &'a mut [[Complex<T>; 4]],
+}
+
+impl<T: Real> VectorMean<T> {
+    /// y ← A⁻¹ y: from V E per Gauss plane to moments of the field it scatters (minus the Green function).
+    pub fn solve(&self, y: &mut Array2<Complex<T>>) {
+        self.sweep(y, None, &mut []);
     }
 
-    fn cell(&self, j: usize, first: usize, width: usize) -> CellBlock<'_> {
+    /// One solve: loads, nodes, moments. `faces` is empty or one entry per harmonic: E_s and h on both faces.
+    fn sweep(&self, y: &mut Array2<Complex<T>>, entry: Option<Entry>, faces: &mut [[Complex<T>; 4]]) {
+        let shared = y.len() >= SHARED;
+        let mut parts: Vec<&mut [[Complex<T>; 4]]> = faces.chunks_mut(BLOCK).collect();
+        parts.resize_with(self.lateral.len().div_ceil(BLOCK), Default::default);
+        let length = (self.heights.len() + 1) * BLOCK;
+        let buffers = || [vec![Complex::<T>::default(); length], vec![Complex::default(); length]];
+        let blocks = y.axis_chunks_iter_mut(Axis(1), BLOCK);
+        let block = |(b, (y, faces))| Block { y, first: b * BLOCK, faces };
+        if shared {
+            let blocks = blocks.into_par_iter().zip(parts).enumerate().map(block);
+            return blocks.for_each_init(buffers, |buffers, block| self.solve_block(block, entry, buffers));
+        }
+        let mut buffers = buffers();
+        blocks
+            .into_iter()
+            .zip(parts)
+            .enumerate()
+            .map(block)
+            .for_each(|block| self.solve_block(block, entry, &mut buffers));
+    }
+
+    fn solve_block(&self, block: Block<T>, entry: Option<Entry>, [u, w]: &mut [Vec<Complex<T>>; 2]) {
+        let Block { mut y, first, faces } = block;
+        let (nodes, width) = (self.heights.len() + 1, y.ncols());
+        let (u, w) = (&mut u[..nodes * width], &mut w[..nodes * width]);
+        self.loads(&y, first, u, w);
+        if let Some(e) = entry.filter(|e| (first..first + width).contains(&e.harmonic)) {
+            let place = e.node * width + e.harmonic - first;
+            u[place] += narrow::<T>(e.source[0]);
+            w[place] += narrow::<T>(e.source[1]);
+        }
+        self.electric.solve(u, first, width);
+        self.magnetic.solve(w, first, width);
+        let last = (nodes - 1) * width;
+        faces.iter_mut().enumerate().for_each(|(i, f)| *f = [u[i], u[last + i], w[i], w[last + i]]);
+        self.moments(&mut y, first, u, w);
+    }
+
+    fn tables(&self, j: usize, first: usize, width: usize) -> Tables<'_, T> {
         let [b, c] = [0, 1].map(|k| {
             let row = self.functions[k].row(j).to_slice().expect("rows are contiguous");
             &row[first..first + width]
         });
-        let (h, k2) = (self.heights[j], self.mean_k2[j]);
-        CellBlock { h, k2, inverse_k2: 1.0 / k2, lateral: &self.lateral[first..first + width], b, c }
+        Tables { lateral: &self.lateral[first..first + width], b, c }
     }
 
-    /// Right-hand sides of the node systems from F = V E (J = −F):
-    /// TE ±: h/4 (l₊F_s₊ ∓ …), TM: −1/(4k̄²) [q h (l₊F_z₊ …) …].
-    fn loads(&self, y: &ArrayViewMut2<Complex64>, first: usize, u: &mut [Complex64], w: &mut [Complex64]) {
+    /// Right-hand sides of the node systems from F = V E.
+    fn loads(&self, y: &ArrayViewMut2<Complex<T>>, first: usize, u: &mut [Complex<T>], w: &mut [Complex<T>]) {
         let width = y.ncols();
-        u.fill(Complex64::default());
-        w.fill(Complex64::default());
-        for j in 0..self.heights.len() {
-            let cell = self.cell(j, first, width);
-            let rows: [&[Complex64]; CELL_ROWS] = rows_of(y, j);
+        u.fill(Complex::default());
+        w.fill(Complex::default());
+        for (j, (&h, &k2)) in self.heights.iter().zip(&self.mean_k2).enumerate() {
+            let rows = std::array::from_fn(|r| {
+                y.row(CELL_ROWS * j + r).to_slice().expect("rows of a block are contiguous")
+            });
             let (u0, u1) = u[j * width..(j + 2) * width].split_at_mut(width);
             let (w0, w1) = w[j * width..(j + 2) * width].split_at_mut(width);
-            let (te, tm) = (0.25 * cell.h, -0.25 * cell.inverse_k2);
-            for i in 0..width {
-                let l = cell.local(i);
-                let [s, p, z] = [0, 1, 2].map(|c| sum_and_difference(rows[c][i], rows[c + 3][i]));
-                let (even, odd) = (te * l.sum * s[0], te * l.difference * s[1]);
-                u0[i] += even - odd;
-                u1[i] += even + odd;
-                let qh = l.q * cell.h;
-                let even = tm * (qh * l.sum * z[0] + 2.0 * SQRT3 * I * l.x2 * l.b * p[1]);
-                let odd = tm * (qh * l.difference * z[1] - 2.0 * I * p[0]);
-                w0[i] += even - odd;
-                w1[i] += even + odd;
-            }
+            let cell = Loads { constants: Constants::new(h, k2), tables: self.tables(j, first, width), rows };
+            cell.add_to(u0, u1, w0, w1);
         }
     }
 
     /// Moments of the field from node values and F, in place of F.
-    fn moments(&self, y: &mut ArrayViewMut2<Complex64>, first: usize, u: &[Complex64], w: &[Complex64]) {
+    fn moments(&self, y: &mut ArrayViewMut2<Complex<T>>, first: usize, u: &[Complex<T>], w: &[Complex<T>]) {
         let width = y.ncols();
-        for j in 0..self.heights.len() {
-            let cell = self.cell(j, first, width);
+        for (j, (&h, &k2)) in self.heights.iter().zip(&self.mean_k2).enumerate() {
             let mut part = y.slice_mut(ndarray::s![CELL_ROWS * j..CELL_ROWS * (j + 1), ..]);
             let mut rows = part.outer_iter_mut();
-            let rows: [&mut [Complex64]; CELL_ROWS] =
+            let [s0, p0, z0, s1, p1, z1] =
                 std::array::from_fn(|_| rows.next().expect("six rows").into_slice().expect("contiguous"));
             let (u0, u1) = u[j * width..(j + 2) * width].split_at(width);
             let (w0, w1) = w[j * width..(j + 2) * width].split_at(width);
-            let h2 = cell.h * cell.h;
-            let slope = 2.0 * I * cell.inverse_k2 / cell.h;
-            for i in 0..width {
-                let l = cell.local(i);
-                let [s, p, z] = [0, 1, 2].map(|c| sum_and_difference(rows[c][i], rows[c + 3][i]));
-                let (u_sum, u_step) = (u0[i] + u1[i], u1[i] - u0[i]);
-                let (w_sum, w_step) = (w0[i] + w1[i], w1[i] - w0[i]);
-                let [gb, gc] = [h2 * l.b, h2 * l.c];
-                let cross = 2.0 * SQRT3 * I * (l.q * cell.h) * l.b;
-                let q2 = l.q * l.q;
-                let e_s = [l.sum * u_sum - gb * s[0], l.difference * u_step - gc * s[1]];
-                let e_p = [
-                    -slope * w_step + cell.inverse_k2 * p[0],
-                    slope * (SQRT3 * l.x2 * l.b) * w_sum
-                        + cell.inverse_k2 * (cross * z[0] + (1.0 - 12.0 * l.b) * p[1]),
-                ];
-                let e_z = [
-                    cell.inverse_k2 * (-l.q * l.sum * w_sum + (1.0 - q2 * gb) * z[0] - cross * p[1]),
-                    cell.inverse_k2 * (-l.q * l.difference * w_step + (1.0 - q2 * gc) * z[1]),
-                ];
-                for (c, [sum, difference]) in [e_s, e_p, e_z].into_iter().enumerate() {
-                    rows[c][i] = 0.5 * (sum - difference);
-                    rows[c + 3][i] = 0.5 * (sum + difference);
-                }
-            }
+            let constants = Constants::new(h, k2);
+            let cell = Moments { constants, tables: self.tables(j, first, width), nodes: [u0, u1, w0, w1] };
+            cell.write(s0, p0, z0, s1, p1, z1);
         }
     }
 
@@ -244,14 +224,6 @@ impl VectorMean {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let functions: usize = self.functions.iter().map(|f| f.len()).sum();
-        functions * size_of::<Complex64>() + self.electric.bytes() + self.magnetic.bytes()
+        functions * size_of::<Complex<T>>() + self.electric.bytes() + self.magnetic.bytes()
     }
-}
-
-fn sum_and_difference(first: Complex64, second: Complex64) -> [Complex64; 2] {
-    [first + second, second - first]
-}
-
-fn rows_of<'a>(y: &'a ArrayViewMut2<Complex64>, cell: usize) -> [&'a [Complex64]; CELL_ROWS] {
-    std::array::from_fn(|r| y.row(CELL_ROWS * cell + r).to_slice().expect("rows of a block are contiguous"))
 }

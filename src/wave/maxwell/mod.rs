@@ -8,11 +8,13 @@
 pub mod cell;
 pub mod contrast;
 pub mod far_field;
+mod kernels;
 pub mod mean;
 pub mod moments;
 mod nodes;
 mod power;
 pub mod problem;
+pub mod scattering;
 pub mod sources;
 
 pub use contrast::Averaging;

@@ -1,79 +1,98 @@
 //! The tridiagonal systems of all harmonics between the nodes: TE for E_s, TM for h with each cell over its k̄².
 
-use crate::wave::operator::mean::{NodeCoefficients, guarded_inverse};
-use crate::wave::{Grid, Scheme};
-use ndarray::{Array2, Axis};
-use num_complex::Complex64;
-use rayon::prelude::*;
+use crate::numerics::fourier::Real;
+use crate::wave::operator::mean::guarded_inverse;
+use crate::wave::operator::scattering::narrow;
+use multiversion::multiversion;
+use ndarray::Array2;
+use num_complex::{Complex, Complex64};
 
 /// Harmonics treated together by one thread.
 pub(super) const BLOCK: usize = 64;
 
 /// Factors of one tridiagonal matrix per harmonic: rows are cells or nodes, columns harmonics.
-pub(super) struct NodeSystem {
+pub(super) struct NodeSystem<T: Real> {
     /// Coupling of a cell's two nodes.
-    off: Array2<Complex64>,
+    off: Array2<Complex<T>>,
     /// 1/pivot of each node.
-    inverse_pivot: Array2<Complex64>,
+    inverse_pivot: Array2<Complex<T>>,
 }
 
-impl NodeSystem {
-    /// Factorises the exact difference scheme of every harmonic; a cell's row entries are multiplied by `weights`,
-    /// and `ends` are added to the first and last diagonal entry.
+impl NodeSystem<f64> {
+    /// Factorises the exact difference scheme of every harmonic from the cells' couplings and shares of the nodes' diagonals
+    /// (cells × harmonics); a cell's entries are multiplied by `weights`, and `ends` are added to the first and last diagonal entry.
     pub fn new(
-        grid: &Grid,
-        kz2: &(dyn Fn(usize, usize) -> Complex64 + Sync),
+        [off, own]: [&Array2<Complex64>; 2],
         weights: &[Complex64],
         ends: [&[Complex64]; 2],
-    ) -> NodeSystem {
-        let (cells, harmonics) = (grid.cells(), ends[0].len());
-        let (mut off, mut inverse_pivot) =
-            (Array2::zeros((cells, harmonics)), Array2::zeros((cells + 1, harmonics)));
-        let columns = off.axis_iter_mut(Axis(1)).into_par_iter().zip(inverse_pivot.axis_iter_mut(Axis(1)));
-        columns.enumerate().with_min_len(BLOCK).for_each(|(i, (mut off, mut pivots))| {
-            let mut diagonal = ends[0][i];
-            for j in 0..cells {
-                let cell = NodeCoefficients::new(kz2(j, i), grid.height_um(j), Scheme::Quadratic);
-                let (coupling, own) = (cell.off * weights[j], cell.diagonal * weights[j]);
-                let inverse = guarded_inverse(diagonal + own, coupling);
-                (off[j], pivots[j]) = (coupling, inverse);
-                diagonal = own - coupling * coupling * inverse;
+    ) -> NodeSystem<f64> {
+        let (cells, harmonics) = off.dim();
+        let mut off = off.clone();
+        let mut inverse_pivot = Array2::zeros((cells + 1, harmonics));
+        let mut diagonal = ends[0].to_vec();
+        for j in 0..cells {
+            off.row_mut(j).iter_mut().for_each(|o| *o *= weights[j]);
+            for (i, pivot) in inverse_pivot.row_mut(j).iter_mut().enumerate() {
+                let (coupling, own) = (off[[j, i]], own[[j, i]] * weights[j]);
+                *pivot = guarded_inverse(diagonal[i] + own, coupling);
+                diagonal[i] = own - coupling * coupling * *pivot;
             }
-            pivots[cells] = guarded_inverse(diagonal + ends[1][i], off[cells - 1]);
-        });
+        }
+        for (i, pivot) in inverse_pivot.row_mut(cells).iter_mut().enumerate() {
+            *pivot = guarded_inverse(diagonal[i] + ends[1][i], off[[cells - 1, i]]);
+        }
         NodeSystem { off, inverse_pivot }
     }
 
+    /// The same in another precision.
+    pub fn narrowed<T: Real>(&self) -> NodeSystem<T> {
+        NodeSystem { off: self.off.mapv(narrow), inverse_pivot: self.inverse_pivot.mapv(narrow) }
+    }
+}
+
+impl<T: Real> NodeSystem<T> {
     /// Solves in place for the harmonics from `first`; `nodes` holds `width` of them for one node after the other.
-    pub fn solve(&self, nodes: &mut [Complex64], first: usize, width: usize) {
+    pub fn solve(&self, nodes: &mut [Complex<T>], first: usize, width: usize) {
         let cells = self.off.nrows();
-        let part = |table: &Array2<Complex64>, row: usize| {
+        let part = |table: &Array2<Complex<T>>, row: usize| {
             let from = row * table.ncols() + first;
             from..from + width
         };
         let (off, pivot) = (slice(&self.off), slice(&self.inverse_pivot));
         let start = &pivot[part(&self.inverse_pivot, 0)];
-        nodes[..width].iter_mut().zip(start).for_each(|(y, p)| *y *= p);
+        nodes[..width].iter_mut().zip(start).for_each(|(y, p)| *y *= *p);
         for j in 1..=cells {
             let (before, here) = nodes[(j - 1) * width..(j + 1) * width].split_at_mut(width);
-            let factors = off[part(&self.off, j - 1)].iter().zip(&pivot[part(&self.inverse_pivot, j)]);
-            let rows = here.iter_mut().zip(before.iter()).zip(factors);
-            rows.for_each(|((y, b), (o, p))| *y = (*y - o * b) * p);
+            let [off, pivot] = [&off[part(&self.off, j - 1)], &pivot[part(&self.inverse_pivot, j)]];
+            forward(here, before, off, pivot);
         }
         for j in (0..cells).rev() {
             let (here, after) = nodes[j * width..(j + 2) * width].split_at_mut(width);
-            let factors = off[part(&self.off, j)].iter().zip(&pivot[part(&self.inverse_pivot, j)]);
-            let rows = here.iter_mut().zip(after.iter()).zip(factors);
-            rows.for_each(|((y, a), (o, p))| *y -= o * a * p);
+            let [off, pivot] = [&off[part(&self.off, j)], &pivot[part(&self.inverse_pivot, j)]];
+            backward(here, after, off, pivot);
         }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        (self.off.len() + self.inverse_pivot.len()) * size_of::<Complex64>()
+        (self.off.len() + self.inverse_pivot.len()) * size_of::<Complex<T>>()
     }
 }
 
-fn slice(table: &Array2<Complex64>) -> &[Complex64] {
+/// y ← (y − o b) p.
+#[multiversion(targets("x86_64+avx2"))]
+fn forward<T: Real>(y: &mut [Complex<T>], b: &[Complex<T>], off: &[Complex<T>], pivot: &[Complex<T>]) {
+    let rows = y.iter_mut().zip(b).zip(off.iter().zip(pivot));
+    rows.for_each(|((y, b), (o, p))| *y = (*y - o * b) * p);
+}
+
+/// y ← y − o p a.
+#[multiversion(targets("x86_64+avx2"))]
+fn backward<T: Real>(y: &mut [Complex<T>], a: &[Complex<T>], off: &[Complex<T>], pivot: &[Complex<T>]) {
+    let rows = y.iter_mut().zip(a).zip(off.iter().zip(pivot));
+    rows.for_each(|((y, a), (o, p))| *y -= o * a * p);
+}
+
+fn slice<T>(table: &Array2<T>) -> &[T] {
     table.as_slice().expect("tables are contiguous")
 }

@@ -1,19 +1,20 @@
 //! The discrete vector problem e + A⁻¹V e = e₀: mean solve, contrast product, incident waves of both polarisations.
 
-use super::contrast::{Averaging, Symmetric, tensors};
+use super::contrast::{Averaging, tensors};
 use super::mean::{CELL_ROWS, Entry, Faces, VectorMean};
 use super::moments::NormalMoments;
-use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
+use super::scattering::VectorScattering;
+use crate::numerics::fourier::{Harmonics, PlaneFft};
 use crate::wave::bloch::BlochVector;
 use crate::wave::operator::mean::decaying_root;
 use crate::wave::operator::problem::{cells_needed, check_phase, mean_wavenumbers};
+use crate::wave::operator::scattering::Scatter;
 use crate::wave::{Field, Grid, Incidence, Mean, Media, Side, WaveError};
-use ndarray::{ArrayView2, Axis};
+use ndarray::ArrayView2;
 use num_complex::Complex64;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// State of linear polarisation of a plane wave: s has E along s = ẑ × p̂, p has H along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -39,20 +40,16 @@ pub struct VectorProblem {
     /// Indices of all media.
     pub media: Media,
     /// Harmonics in use.
-    pub harmonics: Harmonics,
-    /// The mean operator A.
-    pub mean: VectorMean,
+    pub harmonics: Arc<Harmonics>,
     /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
     pub kappa: [Vec<Complex64>; 2],
     /// Wavenumbers of the half-spaces, 1/µm.
     pub k: [Complex64; 2],
     /// Lateral wavevectors of every harmonic, 1/µm.
     pub lateral: Vec<[f64; 2]>,
-    /// p̂ of every harmonic.
-    directions: Vec<[f64; 2]>,
-    fft: PlaneFft,
-    /// V of every Gauss plane; empty where it vanishes.
-    contrast: Vec<Vec<Symmetric>>,
+    /// A⁻¹V.
+    double: VectorScattering<f64>,
+    single: OnceLock<VectorScattering<f32>>,
     incident: usize,
 }
 
@@ -79,7 +76,7 @@ impl VectorProblem {
         incidence.check()?;
         check_metals(moments, media)?;
         let (grid, layout) = (&moments.grid, moments.layout());
-        let harmonics = Harmonics::new(grid.resolution.nx, grid.resolution.ny);
+        let harmonics = Arc::new(Harmonics::new(grid.resolution.nx, grid.resolution.ny));
         let k0 = TAU / incidence.wavelength_um;
         let bloch = BlochVector::new(&layout, media, incidence)?;
         bloch.check_orders(&layout, media, k0)?;
@@ -96,19 +93,19 @@ impl VectorProblem {
         let contrast = tensors(moments, media, k0, &mean_k2, averaging)?;
         let mean = VectorMean::new(grid, mean_k2, q, [&kappa[0], &kappa[1]], k);
         let fft = PlaneFft::new(grid.resolution.nx, grid.resolution.ny);
+        let double = VectorScattering::new(mean, harmonics.clone(), directions, fft, &contrast);
         let (moments, incidence, media) = (moments.clone(), *incidence, media.clone());
+        let single = OnceLock::new();
         Ok(VectorProblem {
             moments,
             incidence,
             media,
             harmonics,
-            mean,
             kappa,
             k,
             lateral,
-            directions,
-            fft,
-            contrast,
+            double,
+            single,
             incident,
         })
     }
@@ -125,7 +122,7 @@ impl VectorProblem {
 
     /// False for layered media whose mean is exact: nothing is left to iterate on.
     pub fn has_contrast(&self) -> bool {
-        self.contrast.iter().any(|plane| !plane.is_empty())
+        self.double.has_contrast()
     }
 
     /// Compact index of the harmonic that the incident wave is, and with it the specular order.
@@ -145,18 +142,17 @@ impl VectorProblem {
 
     /// p̂ of every harmonic, the incident azimuth's where the wavevector has no lateral part.
     pub fn directions(&self) -> &[[f64; 2]] {
-        &self.directions
+        self.double.directions()
     }
 
     /// Cells of another grid that [`VectorProblem::new`] would accept: its own, or as many as the wave needs.
     pub fn cells_needed(&self, other: &Grid) -> usize {
-        cells_needed(&self.moments.grid, self.mean.mean_k2(), other)
+        cells_needed(&self.moments.grid, self.double.mean.mean_k2(), other)
     }
 
     /// Bytes held: tables, tensors and geometry, without solver vectors.
     pub fn bytes(&self) -> usize {
-        let tensors: usize = self.contrast.iter().map(|plane| size_of_val(plane.as_slice())).sum();
-        self.mean.bytes() + tensors + self.moments.bytes()
+        self.moments.bytes() + self.double.bytes() + self.single.get().map_or(0, VectorScattering::bytes)
     }
 
     /// Right-hand sides of the entry face's nodes: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k, over k²).
@@ -174,112 +170,42 @@ impl VectorProblem {
 
     /// e₀, the wave of one polarisation in the mean medium.
     pub fn background_wave(&self, polarisation: Polarisation) -> Field {
-        self.mean.background(self.entry(polarisation))
+        self.double.mean.background(self.entry(polarisation))
     }
 
     /// out ← A⁻¹ V e: one operator application.
     pub fn scatter(&self, e: ArrayView2<Complex64>, out: &mut Field) {
-        self.contrast_product(e, out);
-        self.mean.solve(out);
+        self.double.scatter(e, out);
     }
 
-    /// out ← V e: three inverse and three forward transforms a plane.
-    fn contrast_product(&self, e: ArrayView2<Complex64>, out: &mut Field) {
-        let planes = out.axis_chunks_iter_mut(Axis(0), 3).into_par_iter().enumerate();
-        planes.for_each_init(
-            || PlaneWork::new(self),
-            |work, (plane, mut out)| {
-                if self.contrast[plane].is_empty() {
-                    return out.fill(Complex64::default());
-                }
-                let rows: [&[Complex64]; 3] =
-                    std::array::from_fn(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
-                work.to_points(self, rows);
-                work.multiply(&self.contrast[plane]);
-                work.to_harmonics(self);
-                for (c, mut row) in out.outer_iter_mut().enumerate() {
-                    row.as_slice_mut().expect("rows are contiguous").copy_from_slice(&work.compact[c]);
-                }
-            },
-        );
+    /// The same in single precision, its tables made when first asked for.
+    pub fn single(&self) -> &VectorScattering<f32> {
+        let resolution = self.moments.grid.resolution;
+        self.single.get_or_init(|| self.double.narrowed(PlaneFft::new(resolution.nx, resolution.ny)))
     }
 
     /// E_s and h of every harmonic on both faces, from a solution's moments.
     pub(super) fn faces(&self, e: &Field, polarisation: Polarisation) -> Faces {
         let mut loads = Field::zeros(self.shape());
         if self.has_contrast() {
-            self.contrast_product(e.view(), &mut loads);
+            self.double.contrast_product(e.view(), &mut loads);
             // The scattered wave is −A⁻¹ V e.
             loads.par_mapv_inplace(|z| -z);
         }
-        self.mean.faces(&mut loads, Some(self.entry(polarisation)))
+        self.double.mean.faces(&mut loads, Some(self.entry(polarisation)))
     }
 
     /// Σ h w_q Im⟨E†VE⟩/κ: the share of the incident flux absorbed where the index differs from the mean. With a real
     /// mean this is all absorption, and R + T + A = 1 to the residual.
     pub fn excess_absorptance(&self, e: &Field) -> f64 {
         let mut product = Field::zeros(self.shape());
-        self.contrast_product(e.view(), &mut product);
+        self.double.contrast_product(e.view(), &mut product);
         let weight = |row: usize| 0.5 * self.moments.grid.height_um(row / CELL_ROWS);
         let rows = e.outer_iter().zip(product.outer_iter()).enumerate();
         let sum: f64 = rows
             .map(|(r, (e, v))| weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>())
             .sum();
         sum / self.incident_kappa()
-    }
-}
-
-/// Buffers of one thread: three components of one plane.
-struct PlaneWork {
-    scratch: [PlaneScratch; 3],
-    compact: [Vec<Complex64>; 3],
-}
-
-impl PlaneWork {
-    fn new(problem: &VectorProblem) -> PlaneWork {
-        let zeros = || vec![Complex64::default(); problem.harmonics.len()];
-        PlaneWork {
-            scratch: [problem.fft.scratch(), problem.fft.scratch(), problem.fft.scratch()],
-            compact: [zeros(), zeros(), zeros()],
-        }
-    }
-
-    /// s, p, z harmonics → x, y, z at the points.
-    fn to_points(&mut self, problem: &VectorProblem, [s, p, z]: [&[Complex64]; 3]) {
-        for (i, [px, py]) in problem.directions.iter().enumerate() {
-            self.compact[0][i] = p[i] * px - s[i] * py;
-            self.compact[1][i] = p[i] * py + s[i] * px;
-        }
-        let spectra: [&[Complex64]; 3] = [&self.compact[0], &self.compact[1], z];
-        for (scratch, spectrum) in self.scratch.iter_mut().zip(spectra) {
-            problem.harmonics.scatter(spectrum, &mut scratch.spectrum);
-            problem.fft.inverse(scratch, &problem.harmonics.rows);
-        }
-    }
-
-    /// E ← V E at every point.
-    fn multiply(&mut self, tensors: &[Symmetric]) {
-        let [x, y, z] = &mut self.scratch;
-        let points = x.plane.iter_mut().zip(&mut y.plane).zip(&mut z.plane).zip(tensors);
-        for (((x, y), z), [xx, xy, yy, xz, yz, zz]) in points {
-            let e = [*x, *y, *z];
-            *x = xx * e[0] + xy * e[1] + xz * e[2];
-            *y = xy * e[0] + yy * e[1] + yz * e[2];
-            *z = xz * e[0] + yz * e[1] + zz * e[2];
-        }
-    }
-
-    /// x, y, z at the points → s, p, z harmonics in `compact`.
-    fn to_harmonics(&mut self, problem: &VectorProblem) {
-        for (scratch, compact) in self.scratch.iter_mut().zip(&mut self.compact) {
-            problem.fft.forward(scratch, &problem.harmonics.rows);
-            problem.harmonics.gather(&scratch.spectrum, compact);
-        }
-        for (i, [px, py]) in problem.directions.iter().enumerate() {
-            let (x, y) = (self.compact[0][i], self.compact[1][i]);
-            self.compact[0][i] = px * y - py * x;
-            self.compact[1][i] = px * x + py * y;
-        }
     }
 }
 

@@ -40,7 +40,7 @@ impl NodeCoefficients {
     }
 
     /// From ikz and e^{ikz h}.
-    fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
+    pub(crate) fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
         let square = step * step;
         let scale = ikz / (square - 1.0);
         // kz/sin(kz h) = 2ikz e/(e² − 1), −kz cot(kz h) = −ikz (e² + 1)/(e² − 1) with e = e^{ikz h}

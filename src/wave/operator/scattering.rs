@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Harmonics treated together by one thread: a column of some 50 planes stays in second-level cache.
 const BLOCK: usize = 192;
 /// Unknowns from which the work is shared among threads: below, waking them takes longer than a plane.
-const SHARED: usize = 40_000;
+pub(crate) const SHARED: usize = 40_000;
 
 /// Something that applies A⁻¹V.
 pub trait Scatter<T: Real>: Sync {

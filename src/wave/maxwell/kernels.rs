@@ -1,0 +1,201 @@
+//! The mean operator's arithmetic in one cell: plain loops over harmonics, written so that they vectorise.
+//!
+//! Sums and differences of the two Gauss planes carry b and c of [`super::cell`]; l₊ = 1 + x²b, −l₋ = (1 + x²c)/√3.
+
+use crate::numerics::fourier::Real;
+use crate::wave::operator::scattering::narrow;
+use multiversion::multiversion;
+use num_complex::{Complex, Complex64};
+
+/// A cell's numbers that all harmonics share.
+#[derive(Clone, Copy)]
+pub(super) struct Constants<T: Real> {
+    h: T,
+    h2: T,
+    k2: Complex<T>,
+    inverse_k2: Complex<T>,
+    /// 2i/(k̄² h).
+    slope: Complex<T>,
+    /// −1/(4k̄²).
+    magnetic: Complex<T>,
+}
+
+impl<T: Real> Constants<T> {
+    pub fn new(h: f64, k2: Complex64) -> Constants<T> {
+        Constants {
+            h: T::of(h),
+            h2: T::of(h * h),
+            k2: narrow(k2),
+            inverse_k2: narrow(1.0 / k2),
+            slope: narrow(2.0 * Complex64::I / (k2 * h)),
+            magnetic: narrow(-0.25 / k2),
+        }
+    }
+}
+
+/// A cell's tables over the harmonics of a block.
+#[derive(Clone, Copy)]
+pub(super) struct Tables<'a, T: Real> {
+    pub lateral: &'a [T],
+    pub b: &'a [Complex<T>],
+    pub c: &'a [Complex<T>],
+}
+
+/// i z.
+#[inline(always)]
+fn turned<T: Real>(z: Complex<T>) -> Complex<T> {
+    Complex::new(-z.im, z.re)
+}
+
+/// F = V E of a cell: s, p, z of the first and of the second Gauss plane.
+pub(super) struct Loads<'a, T: Real> {
+    pub constants: Constants<T>,
+    pub tables: Tables<'a, T>,
+    pub rows: [&'a [Complex<T>]; 6],
+}
+
+impl<T: Real> Loads<'_, T> {
+    /// Adds the right-hand sides of both nodes (J = −F): TE ±: h/4 (l₊F_s₊ ∓ …), TM: −1/(4k̄²) [q h (l₊F_z₊ …) …].
+    pub fn add_to(
+        &self,
+        u0: &mut [Complex<T>],
+        u1: &mut [Complex<T>],
+        w0: &mut [Complex<T>],
+        w1: &mut [Complex<T>],
+    ) {
+        add_loads(&self.constants, &self.tables, &self.rows, u0, u1, w0, w1);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn add_loads<T: Real>(
+    cell: &Constants<T>,
+    tables: &Tables<T>,
+    rows: &[&[Complex<T>]; 6],
+    u0: &mut [Complex<T>],
+    u1: &mut [Complex<T>],
+    w0: &mut [Complex<T>],
+    w1: &mut [Complex<T>],
+) {
+    let width = u0.len();
+    let (u1, w0, w1) = (&mut u1[..width], &mut w0[..width], &mut w1[..width]);
+    let [s0, p0, z0, s1, p1, z1] = rows.map(|row| &row[..width]);
+    let (lateral, b, c) = (&tables.lateral[..width], &tables.b[..width], &tables.c[..width]);
+    let Constants { h, h2, k2, magnetic, .. } = *cell;
+    let (electric, third, root12) = (T::of(0.25) * h, T::of(1.0 / 3f64.sqrt()), T::of(12f64.sqrt()));
+    let two = T::of(2.0);
+    for i in 0..width {
+        let q = lateral[i];
+        let x2 = Complex::new(k2.re - q * q, k2.im).scale(h2);
+        let x2b = x2 * b[i];
+        let x2c = x2 * c[i];
+        let sum = Complex::new(T::one() + x2b.re, x2b.im);
+        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(third);
+        let even = (sum * (s0[i] + s1[i])).scale(electric);
+        let odd = (difference * (s1[i] - s0[i])).scale(electric);
+        u0[i] += even - odd;
+        u1[i] += even + odd;
+        let qh = q * h;
+        let even = (sum * (z0[i] + z1[i])).scale(qh) + turned(x2b * (p1[i] - p0[i])).scale(root12);
+        let odd = (difference * (z1[i] - z0[i])).scale(qh) - turned(p0[i] + p1[i]).scale(two);
+        w0[i] += magnetic * (even - odd);
+        w1[i] += magnetic * (even + odd);
+    }
+}
+
+/// Node values of a cell: E_s and h at its first and second node, in the order u₀, u₁, w₀, w₁.
+pub(super) struct Moments<'a, T: Real> {
+    pub constants: Constants<T>,
+    pub tables: Tables<'a, T>,
+    pub nodes: [&'a [Complex<T>]; 4],
+}
+
+impl<T: Real> Moments<'_, T> {
+    /// Moments of the field in place of F: s, p, z of the first and of the second Gauss plane.
+    pub fn write(
+        &self,
+        s0: &mut [Complex<T>],
+        p0: &mut [Complex<T>],
+        z0: &mut [Complex<T>],
+        s1: &mut [Complex<T>],
+        p1: &mut [Complex<T>],
+        z1: &mut [Complex<T>],
+    ) {
+        across(&self.constants, &self.tables, &self.nodes, s0, s1);
+        within(&self.constants, &self.tables, &self.nodes, p0, z0, p1, z1);
+    }
+}
+
+/// TE: the component along s.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn across<T: Real>(
+    cell: &Constants<T>,
+    tables: &Tables<T>,
+    nodes: &[&[Complex<T>]; 4],
+    s0: &mut [Complex<T>],
+    s1: &mut [Complex<T>],
+) {
+    let width = s0.len();
+    let s1 = &mut s1[..width];
+    let [u0, u1] = [nodes[0], nodes[1]].map(|node| &node[..width]);
+    let (lateral, b, c) = (&tables.lateral[..width], &tables.b[..width], &tables.c[..width]);
+    let Constants { h2, k2, .. } = *cell;
+    let (third, half) = (T::of(1.0 / 3f64.sqrt()), T::of(0.5));
+    for i in 0..width {
+        let q = lateral[i];
+        let x2 = Complex::new(k2.re - q * q, k2.im).scale(h2);
+        let (x2b, x2c) = (x2 * b[i], x2 * c[i]);
+        let sum = Complex::new(T::one() + x2b.re, x2b.im);
+        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(third);
+        let even = sum * (u0[i] + u1[i]) - (b[i] * (s0[i] + s1[i])).scale(h2);
+        let odd = difference * (u1[i] - u0[i]) - (c[i] * (s1[i] - s0[i])).scale(h2);
+        s0[i] = (even - odd).scale(half);
+        s1[i] = (even + odd).scale(half);
+    }
+}
+
+/// TM: the components along p̂ and z.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn within<T: Real>(
+    cell: &Constants<T>,
+    tables: &Tables<T>,
+    nodes: &[&[Complex<T>]; 4],
+    p0: &mut [Complex<T>],
+    z0: &mut [Complex<T>],
+    p1: &mut [Complex<T>],
+    z1: &mut [Complex<T>],
+) {
+    let width = p0.len();
+    let (z0, p1, z1) = (&mut z0[..width], &mut p1[..width], &mut z1[..width]);
+    let [w0, w1] = [nodes[2], nodes[3]].map(|node| &node[..width]);
+    let (lateral, b, c) = (&tables.lateral[..width], &tables.b[..width], &tables.c[..width]);
+    let Constants { h, h2, k2, inverse_k2, slope, .. } = *cell;
+    let (third, root3, root12) = (T::of(1.0 / 3f64.sqrt()), T::of(3f64.sqrt()), T::of(12f64.sqrt()));
+    let (half, twelve) = (T::of(0.5), T::of(12.0));
+    for i in 0..width {
+        let q = lateral[i];
+        let x2 = Complex::new(k2.re - q * q, k2.im).scale(h2);
+        let (x2b, x2c) = (x2 * b[i], x2 * c[i]);
+        let sum = Complex::new(T::one() + x2b.re, x2b.im);
+        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(third);
+        let (p_even, p_odd) = (p0[i] + p1[i], p1[i] - p0[i]);
+        let (z_even, z_odd) = (z0[i] + z1[i], z1[i] - z0[i]);
+        let (w_even, w_odd) = (w0[i] + w1[i], w1[i] - w0[i]);
+        let cross = root12 * q * h;
+        let own = Complex::new(T::one() - twelve * b[i].re, -twelve * b[i].im);
+        let e_even = inverse_k2 * p_even - slope * w_odd;
+        let e_odd = slope * (x2b * w_even).scale(root3)
+            + inverse_k2 * (turned(b[i] * z_even).scale(cross) + own * p_odd);
+        p0[i] = (e_even - e_odd).scale(half);
+        p1[i] = (e_even + e_odd).scale(half);
+        let q2h2 = q * q * h2;
+        let e_even = inverse_k2
+            * (z_even
+                - (b[i] * z_even).scale(q2h2)
+                - (sum * w_even).scale(q)
+                - turned(b[i] * p_odd).scale(cross));
+        let e_odd = inverse_k2 * (z_odd - (c[i] * z_odd).scale(q2h2) - (difference * w_odd).scale(q));
+        z0[i] = (e_even - e_odd).scale(half);
+        z1[i] = (e_even + e_odd).scale(half);
+    }
+}

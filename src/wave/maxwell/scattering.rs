@@ -1,0 +1,211 @@
+//! One application of A⁻¹V, in double or in single precision: what every iterative strategy spends its time on.
+//!
+//! Per plane: s, p, z harmonics to x, y, z at the points, product with the tensor, and back; three inverse and three
+//! forward transforms. Then the mean solve per harmonic. Fields too small to share stay on one thread.
+
+use super::contrast::Symmetric;
+use super::mean::VectorMean;
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
+use crate::wave::operator::scattering::{SHARED, Scatter, narrow};
+use multiversion::multiversion;
+use ndarray::{Array2, ArrayView2, Axis};
+use num_complex::Complex;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// V of one plane: its six components (rows) over the points; no rows where it vanishes.
+type Tensors<T> = Array2<Complex<T>>;
+
+/// A⁻¹V as tables.
+pub struct VectorScattering<T: Real> {
+    pub(super) mean: VectorMean<T>,
+    harmonics: Arc<Harmonics>,
+    /// p̂ of every harmonic.
+    directions: Vec<[T; 2]>,
+    fft: PlaneFft<T>,
+    contrast: Vec<Tensors<T>>,
+    /// Buffers that wait for their next use.
+    idle: Mutex<Vec<PlaneWork<T>>>,
+}
+
+impl VectorScattering<f64> {
+    /// From the mean operator, p̂ of every harmonic, and V over the points of every Gauss plane.
+    pub fn new(
+        mean: VectorMean,
+        harmonics: Arc<Harmonics>,
+        directions: Vec<[f64; 2]>,
+        fft: PlaneFft,
+        contrast: &[Vec<Symmetric>],
+    ) -> Self {
+        let rows = |plane: &Vec<Symmetric>| {
+            let count = if plane.is_empty() { 0 } else { 6 };
+            Array2::from_shape_fn((count, plane.len()), |(component, point)| plane[point][component])
+        };
+        let contrast = contrast.par_iter().map(rows).collect();
+        VectorScattering { mean, harmonics, directions, fft, contrast, idle: Mutex::default() }
+    }
+
+    /// The same in single precision.
+    pub fn narrowed(&self, fft: PlaneFft<f32>) -> VectorScattering<f32> {
+        VectorScattering {
+            mean: self.mean.narrowed(),
+            harmonics: self.harmonics.clone(),
+            directions: self.directions.iter().map(|d| d.map(|x| x as f32)).collect(),
+            fft,
+            contrast: self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect(),
+            idle: Mutex::default(),
+        }
+    }
+
+    /// p̂ of every harmonic.
+    pub fn directions(&self) -> &[[f64; 2]] {
+        &self.directions
+    }
+}
+
+impl<T: Real> VectorScattering<T> {
+    /// False for layered media whose mean is exact.
+    pub fn has_contrast(&self) -> bool {
+        self.contrast.iter().any(|plane| !plane.is_empty())
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let tensors: usize = self.contrast.iter().map(|plane| plane.len()).sum();
+        self.mean.bytes() + tensors * size_of::<Complex<T>>()
+    }
+
+    /// out ← V e: three inverse and three forward transforms a plane.
+    pub fn contrast_product(&self, e: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>) {
+        let shared = out.len() >= SHARED;
+        let planes = out.axis_chunks_iter_mut(Axis(0), 3);
+        let product = |(plane, mut out): (usize, ndarray::ArrayViewMut2<Complex<T>>)| {
+            if self.contrast[plane].is_empty() {
+                return out.fill(Complex::default());
+            }
+            let mut work = self.take_work();
+            let rows = [0, 1, 2].map(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
+            work.to_points(self, rows);
+            work.multiply(&self.contrast[plane]);
+            work.to_harmonics(self, out.as_slice_mut().expect("rows are contiguous"));
+            self.lock().push(work);
+        };
+        if shared {
+            return planes.into_par_iter().enumerate().for_each(product);
+        }
+        planes.into_iter().enumerate().for_each(product);
+    }
+
+    fn take_work(&self) -> PlaneWork<T> {
+        let kept = self.lock().pop();
+        kept.unwrap_or_else(|| PlaneWork::new(self))
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<PlaneWork<T>>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<T: Real> Scatter<T> for VectorScattering<T> {
+    fn scatter(&self, e: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>) {
+        self.contrast_product(e, out);
+        self.mean.solve(out);
+    }
+}
+
+/// Buffers of one thread: three components of one plane.
+struct PlaneWork<T: Real> {
+    scratch: [PlaneScratch<T>; 3],
+    compact: [Vec<Complex<T>>; 2],
+}
+
+impl<T: Real> PlaneWork<T> {
+    fn new(operator: &VectorScattering<T>) -> Self {
+        let zeros = || vec![Complex::default(); operator.harmonics.len()];
+        PlaneWork { scratch: [0, 1, 2].map(|_| operator.fft.scratch()), compact: [zeros(), zeros()] }
+    }
+
+    /// s, p, z harmonics → x, y, z at the points.
+    fn to_points(&mut self, operator: &VectorScattering<T>, [s, p, z]: [&[Complex<T>]; 3]) {
+        let [x, y] = &mut self.compact;
+        rotate(&operator.directions, s, p, x, y);
+        let spectra: [&[Complex<T>]; 3] = [x, y, z];
+        for (scratch, spectrum) in self.scratch.iter_mut().zip(spectra) {
+            operator.harmonics.scatter(spectrum, &mut scratch.spectrum);
+            operator.fft.inverse(scratch, &operator.harmonics.rows);
+        }
+    }
+
+    /// E ← V E at every point.
+    fn multiply(&mut self, tensors: &Tensors<T>) {
+        let [x, y, z] = &mut self.scratch;
+        let tensors = tensors.as_slice().expect("tensors are contiguous");
+        multiply(tensors, &mut x.plane, &mut y.plane, &mut z.plane);
+    }
+
+    /// x, y, z at the points → s, p, z harmonics, one after the other in `out`.
+    fn to_harmonics(&mut self, operator: &VectorScattering<T>, out: &mut [Complex<T>]) {
+        let count = operator.harmonics.len();
+        let (plane, z) = out.split_at_mut(2 * count);
+        let [x, y] = &mut self.compact;
+        for (scratch, spectrum) in self.scratch.iter_mut().zip([&mut x[..], &mut y[..], z]) {
+            operator.fft.forward(scratch, &operator.harmonics.rows);
+            operator.harmonics.gather(&scratch.spectrum, spectrum);
+        }
+        let (s, p) = plane.split_at_mut(count);
+        rotate_back(&operator.directions, x, y, s, p);
+    }
+}
+
+/// (x, y) from (s, p): s = ẑ × p̂.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn rotate<T: Real>(
+    directions: &[[T; 2]],
+    s: &[Complex<T>],
+    p: &[Complex<T>],
+    x: &mut [Complex<T>],
+    y: &mut [Complex<T>],
+) {
+    let inputs = directions.iter().zip(s.iter().zip(p));
+    for ((x, y), (&[px, py], (s, p))) in x.iter_mut().zip(y.iter_mut()).zip(inputs) {
+        *x = p.scale(px) - s.scale(py);
+        *y = p.scale(py) + s.scale(px);
+    }
+}
+
+/// (s, p) from (x, y).
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn rotate_back<T: Real>(
+    directions: &[[T; 2]],
+    x: &[Complex<T>],
+    y: &[Complex<T>],
+    s: &mut [Complex<T>],
+    p: &mut [Complex<T>],
+) {
+    let inputs = directions.iter().zip(x.iter().zip(y));
+    for ((s, p), (&[px, py], (x, y))) in s.iter_mut().zip(p.iter_mut()).zip(inputs) {
+        *s = y.scale(px) - x.scale(py);
+        *p = x.scale(px) + y.scale(py);
+    }
+}
+
+/// E ← V E; the tensor's components xx, xy, yy, xz, yz, zz lie one after the other.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn multiply<T: Real>(
+    tensors: &[Complex<T>],
+    x: &mut [Complex<T>],
+    y: &mut [Complex<T>],
+    z: &mut [Complex<T>],
+) {
+    let points = x.len();
+    let (y, z) = (&mut y[..points], &mut z[..points]);
+    let component = |k: usize| &tensors[k * points..(k + 1) * points];
+    let (xx, xy, yy) = (component(0), component(1), component(2));
+    let (xz, yz, zz) = (component(3), component(4), component(5));
+    for i in 0..points {
+        let e = [x[i], y[i], z[i]];
+        x[i] = xx[i] * e[0] + xy[i] * e[1] + xz[i] * e[2];
+        y[i] = xy[i] * e[0] + yy[i] * e[1] + yz[i] * e[2];
+        z[i] = xz[i] * e[0] + yz[i] * e[1] + zz[i] * e[2];
+    }
+}
