@@ -93,6 +93,8 @@ pub struct InkOnPaper {
     /// The layer in the light that the paper gives back, where that is another one.
     returned: Option<(LayerEnsemble, Fits)>,
     directional: Fits,
+    /// 1/(Lx Ly), mean over the solves, 1/µm².
+    orders_per_um2: f64,
     whole: Vec<LayerOnPaper>,
     /// \[realisation left out\]\[node\]
     replicates: Vec<Vec<LayerOnPaper>>,
@@ -173,6 +175,7 @@ impl InkOnPaper {
             diffuse_width,
             returned,
             directional,
+            orders_per_um2: orders_per_um2(solved),
             whole: Vec::new(),
             replicates: Vec::new(),
         };
@@ -227,6 +230,7 @@ impl InkOnPaper {
             azimuthal: std::array::from_fn(|k| {
                 at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0)
             }),
+            order_area: self.orders_per_um2 * (1e-3 * self.nodes.wavelengths_nm[node]).powi(2),
         };
         let [mean_t, _, mean_a, _] = self.nodes.means[node];
         let film = [mean_t, mean_a];
@@ -449,6 +453,13 @@ impl InkOnPaper {
 fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
     let totals = [Total::Reflectance, Total::Transmittance, Total::SpecularReflectance];
     places.map(|angle| totals.map(|total| of(angle, total)))
+}
+
+/// Mean of 1/(Lx Ly) over all solves, 1/µm²; 0 without any.
+fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
+    let of_cell = |w: &SolvedWavelength| w.exact[0].order_area / (1e-3 * w.wavelength_nm).powi(2);
+    let all: Vec<f64> = solved.iter().flat_map(|r| &r.wavelengths).map(of_cell).collect();
+    all.iter().sum::<f64>() / all.len().max(1) as f64
 }
 
 /// Place of the wavelength nearest to `nm`.
