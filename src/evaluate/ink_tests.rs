@@ -114,6 +114,33 @@ fn the_mirror_part_is_without_the_diffuse_light_of_its_order() {
     }
 }
 
+/// T of a renderer has the mean over the hemisphere that was measured, and its values at 0° and 45° as they were.
+#[test]
+fn a_curve_that_is_bent_has_the_mean_measured() {
+    let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise: 0.01 };
+    let (ink, _) = made.ink(6, 5);
+    let squares = (0..200).map(|k| (f64::from(k) + 0.5) / 200.0);
+    let around: Vec<_> =
+        squares.map(|u| (ink.at(u.sqrt().acos().to_degrees()).unwrap(), 1.0 / 200.0)).collect();
+    let mut most: f64 = 0.0;
+    for layer in ink.layers() {
+        let lacking = layer.lacking_bends(&around);
+        let mean = |bent: f64| -> f64 {
+            let t = |(at, share): &(PolarAngle, f64)| {
+                share * (layer.transmittance(at) + bent * at.bent(&lacking))
+            };
+            around.iter().map(t).sum()
+        };
+        // rounding of 200 terms; without the bends the fit's mean
+        assert!((mean(1.0) - layer.mean_transmittance()).abs() < 1e-12);
+        most = most.max((mean(0.0) - layer.mean_transmittance()).abs());
+        assert!(
+            [0.0, PRINT_DEG].map(|deg| ink.at(deg).unwrap().bent(&lacking)).iter().all(|b| b.abs() < 1e-14)
+        );
+    }
+    assert!(most > 1e-4, "the check is empty: {most}");
+}
+
 /// A renderer sees that the layer scatters forward, as it was made; what colours are made of is the mean over the azimuth.
 #[test]
 fn the_brdf_depends_on_the_azimuth_as_the_orders_do() {
