@@ -47,6 +47,8 @@ async function explore() {
   const variants = await page.evaluate(() => data.variants.length);
   claim("explore.html holds every variant", variants === rows.length, `${variants} of ${rows.length}`);
   claim("size for 260 variants", megabytes * 260 / Math.max(variants, 1) <= 2 || megabytes <= 2 && variants >= 260, `${megabytes.toFixed(3)} MB for ${variants}`);
+  const rising = await page.evaluate(() => data.wavelengths_nm.every((nm, i, all) => i === 0 || nm > all[i - 1]));
+  claim("every wavelength stands once", rising);
   const columns = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
   let worst = 0, compared = 0;
   for (const row of rows) {

@@ -47,7 +47,8 @@ def solve(case, accuracy: float = 1e-3, **options) -> dict:
     """One solve of an explicit geometry: totals, error estimate, and the orders as arrays.
 
     `case` is a dictionary as in `inkwave solve CASE.json` (lengths in µm, angles in degrees), or the path of such a
-    file. Further options are those of the command line: `solver="born"`, `nxy=20, nz=12` instead of an accuracy.
+    file. Further options are those of the command line: `solver="born"`, `nxy=20, nz=12` instead of an accuracy,
+    `wave="vector"` (amplitudes are then `far["orders"]["R"]["s"]["p"]` and so on).
 
     >>> far = solve({"wavelength": 0.5, "H": 0.3, "eta_binder": [1.5, 0.0]})
     >>> abs(far["R_total"] + far["T_total"] + far["A_total"] - 1) < 1e-6
@@ -67,9 +68,11 @@ def solve(case, accuracy: float = 1e-3, **options) -> dict:
 
 
 def _columns(rows) -> dict:
-    """A list of objects as arrays; pairs [re, im] become complex numbers."""
+    """A list of objects as arrays; pairs [re, im] become complex numbers, objects inside dictionaries of arrays."""
     def column(name):
         values = [row[name] for row in rows]
+        if values and isinstance(values[0], dict):
+            return _columns(values)
         pairs = values and isinstance(values[0], list) and len(values[0]) == 2
         complex_pair = pairs and name not in ("direction",)
         return np.array([complex(*v) for v in values]) if complex_pair else np.array(values)
@@ -96,7 +99,7 @@ class Ink:
     results: dict
     """`results.json`: colours, certainty, the study itself."""
     spectra: dict
-    """Columns of `spectra.csv` as arrays; unknown errors are NaN."""
+    """Columns of `spectra.csv` as arrays, one row for each angle and wavelength; what is unknown is NaN."""
     far_fields: dict
     """Arrays `solve_…` of one row a solve and `order_…` of one row an order."""
 

@@ -1,43 +1,136 @@
-//! The page of a study while it runs: written anew from what is finished, so that it can be opened at any time.
+//! Pages while the work goes on: written anew from what is finished, so that they can be opened at any time.
 
+use super::progress::Progress;
 use super::say::note;
-use inkwave::input::study::Study;
+use inkwave::input::study::{Point, Study};
 use inkwave::report::publish::publish;
 use inkwave::run::runner::Collected;
+use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
-use std::cell::Cell;
+use inkwave::store::queue::Standing;
+use inkwave::sweep::Sweep;
+use inkwave::sweep::publish::Publisher;
+use std::cell::RefCell;
+use std::path::Path;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Least time between two pages.
 const PAUSE: Duration = Duration::from_secs(20);
 /// Pages take at most one part in so many of the run's time.
 const SHARE: u32 = 20;
+/// The page of a folder.
+const PAGE: &str = "report.html";
 
-/// Writes the page now and then.
+/// When the next page is due, and whether it was said that there is one.
+struct Rhythm {
+    due: Instant,
+    told: bool,
+}
+
+impl Rhythm {
+    /// A first page is due after a pause.
+    fn new() -> Self {
+        Self { due: Instant::now() + PAUSE, told: false }
+    }
+
+    /// Lets `write` write the page when it is due. That it cannot be written now is no reason to stop: the end of the run
+    /// will say so.
+    fn keep(&mut self, folder: &OutputFolder, write: impl FnOnce() -> bool) {
+        let clock = Instant::now();
+        let page = folder.path().join(PAGE);
+        if clock < self.due || is_new(&page) {
+            return;
+        }
+        let written = write();
+        self.due = Instant::now() + PAUSE.max(SHARE * clock.elapsed());
+        if written && !self.told {
+            self.told = true;
+            note(format_args!("{} shows what is finished, and is written anew now and then", page.display()));
+        }
+    }
+}
+
+/// Whether a page was written a short time ago: by another process that works on the same sweep.
+fn is_new(page: &Path) -> bool {
+    let age = page.metadata().and_then(|file| file.modified()).map(|time| time.elapsed().unwrap_or_default());
+    age.is_ok_and(|age| age < PAUSE)
+}
+
+/// The page of a study.
 pub struct LivePage<'a> {
     study: &'a Study,
     folder: &'a OutputFolder,
-    due: Cell<Instant>,
-    told: Cell<bool>,
+    rhythm: RefCell<Rhythm>,
 }
 
 impl<'a> LivePage<'a> {
     /// A first page is due after a pause.
     pub fn new(study: &'a Study, folder: &'a OutputFolder) -> Self {
-        Self { study, folder, due: Cell::new(Instant::now() + PAUSE), told: Cell::new(false) }
+        Self { study, folder, rhythm: RefCell::new(Rhythm::new()) }
     }
 
-    /// Writes the page when it is due. That it cannot be written now is no reason to stop: the end of the run will say so.
+    /// Writes the page when it is due.
     pub fn show(&self, collected: &Collected) {
-        let clock = Instant::now();
-        if clock < self.due.get() {
-            return;
-        }
-        let written = publish(self.study, collected, self.folder);
-        self.due.set(Instant::now() + PAUSE.max(SHARE * clock.elapsed()));
-        if written.is_ok() && !self.told.replace(true) {
-            let page = self.folder.path().join("report.html");
-            note(format_args!("{} shows what is finished, and is written anew now and then", page.display()));
-        }
+        let write = || publish(self.study, collected, self.folder).is_ok();
+        self.rhythm.borrow_mut().keep(self.folder, write);
+    }
+}
+
+/// Passes a sweep's progress on and writes its pages when they are due.
+pub struct LiveSweep<'a> {
+    progress: &'a Progress,
+    folder: &'a OutputFolder,
+    page: Mutex<(Rhythm, Publisher<'a>)>,
+}
+
+impl<'a> LiveSweep<'a> {
+    /// A first page is due after a pause.
+    pub fn new(sweep: &'a Sweep, folder: &'a OutputFolder, progress: &'a Progress) -> Self {
+        Self { progress, folder, page: Mutex::new((Rhythm::new(), Publisher::new(sweep))) }
+    }
+
+    /// Writes the pages when they are due, while the other threads go on.
+    fn show(&self) {
+        // another thread writes them now, or has failed at it
+        let Ok(mut page) = self.page.try_lock() else { return };
+        let (rhythm, publisher) = &mut *page;
+        rhythm.keep(self.folder, || !self.progress.stop() && publisher.publish(self.folder).is_ok());
+    }
+}
+
+impl RunWatch for LiveSweep<'_> {
+    fn stop(&self) -> bool {
+        self.progress.stop()
+    }
+
+    fn begins(&self, study: &Study, kept: usize) {
+        self.progress.begins(study, kept);
+    }
+
+    fn stage(&self, what: &str) {
+        self.progress.stage(what);
+    }
+
+    fn standing(&self, standing: &Standing) {
+        self.progress.standing(standing);
+    }
+
+    fn solving(&self, study: &Study, point: &Point) {
+        self.progress.solving(study, point);
+    }
+
+    fn kept(&self, study: &Study, solves: usize) {
+        self.progress.kept(study, solves);
+        self.show();
+    }
+
+    fn ended(&self) {
+        self.progress.ended();
+    }
+
+    fn solved(&self, study: &Study, point: &Point, failure: Option<&str>) {
+        self.progress.solved(study, point, failure);
+        self.show();
     }
 }

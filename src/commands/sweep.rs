@@ -2,12 +2,14 @@
 
 use super::again::this_command;
 use super::diagnostics::study_report;
+use super::live::LiveSweep;
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
 use super::say::say;
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::run::runner::RunSettings;
+use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Reported, publish};
@@ -83,7 +85,11 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let progress = Progress::new(StopFlag::listen());
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
     progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) });
-    let tally = runner::run(&sweep, &folder, (part, scope), settings, &progress);
+    let live = LiveSweep::new(&sweep, &folder, &progress);
+    // the parts of a divided sweep are reported once they are merged
+    let whole = shard.is_none() && scope == Scope::Solves;
+    let watch: &dyn RunWatch = if whole { &live } else { &progress };
+    let tally = runner::run(&sweep, &folder, (part, scope), settings, watch);
     progress.finish();
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);

@@ -5,9 +5,13 @@
 //! ```
 //!
 //! No mirror part, which is a delta and not a density. The layer's own part is the BRDF fitted to all orders, with its dependence on the azimuth
-//! between the planes (cos Δφ and cos 2Δφ); the light that has been in the paper does not depend on it. T is tabulated finely, fringes included.
+//! between the planes (cos Δφ and cos 2Δφ); the light that has been in the paper does not depend on it. T is tabulated finely, fringes included;
+//! its mean over the hemisphere is T̄, so that a renderer finds the albedo R + g T T̄.
 
 use super::ink::{InkError, InkOnPaper};
+use super::on_paper::{LayerOnPaper, PolarAngle};
+use crate::numerics::estimate::Estimate;
+use gauss_quad::GaussLegendre;
 use std::f64::consts::PI;
 
 /// A direction on the incident side: angle from the normal and azimuth from the plane of incidence (0: forward, where the
@@ -29,8 +33,35 @@ const NODES_DEG: [f64; 10] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.
 #[derive(Clone, Debug)]
 pub struct DirectionalInk<'a> {
     ink: &'a InkOnPaper,
-    /// \[wavelength\]\[angle\]: T, specular R, albedo, T of what the paper gives back; the last angle is grazing.
+    /// \[wavelength\]\[angle\]: T, mirror part of R, albedo, T of what the paper gives back; the last angle is grazing.
     tables: Vec<Vec<[f64; 4]>>,
+    hemisphere: Vec<(PolarAngle, f64)>,
+}
+
+/// T, mirror part of R, albedo, T of what the paper gives back; `bend` is added to T of the light whose mean is T̄.
+fn row(layer: &LayerOnPaper, at: &PolarAngle, bend: f64) -> [f64; 4] {
+    let (own, back) = (layer.transmittance(at), layer.transmittance_returned(at));
+    // polarised light comes in: T̄ is not its mean
+    let own = if own == back { own + bend } else { own };
+    let returned = layer.return_factor() * own * layer.mean_transmittance();
+    [own, layer.mirrored(at), layer.reflectance(at) + returned, back + bend]
+}
+
+/// Nodes of integrals over the hemisphere: T of films of some wavelengths to 1e-6.
+const HEMISPHERE_NODES: usize = 40;
+
+/// Angles with the weights of 2∫₀¹ f μ dμ.
+///
+/// # Errors
+/// The ink refuses an angle.
+fn hemisphere(ink: &InkOnPaper) -> Result<Vec<(PolarAngle, f64)>, InkError> {
+    let rule = GaussLegendre::new(HEMISPHERE_NODES).expect("a positive number of nodes");
+    let mut angles = Vec::with_capacity(HEMISPHERE_NODES);
+    for (x, weight) in rule.iter() {
+        let mu = 0.5 * (1.0 + x);
+        angles.push((ink.at(mu.acos().to_degrees())?, weight * mu));
+    }
+    Ok(angles)
 }
 
 impl<'a> DirectionalInk<'a> {
@@ -40,16 +71,17 @@ impl<'a> DirectionalInk<'a> {
     /// The ink refuses an angle.
     pub fn new(ink: &'a InkOnPaper) -> Result<Self, InkError> {
         let steps = (90.0 / STEP_DEG) as usize;
+        let hemisphere = hemisphere(ink)?;
         let mut tables = vec![Vec::with_capacity(steps + 1); ink.wavelengths_nm().len()];
+        let lacking: Vec<_> = ink.layers().iter().map(|layer| layer.lacking_bends(&hemisphere)).collect();
         for k in 0..steps {
             let at = ink.at(k as f64 * STEP_DEG)?;
-            for (table, layer) in tables.iter_mut().zip(ink.layers()) {
-                let [own, back] = [layer.transmittance(&at), layer.transmittance_returned(&at)];
-                table.push([own, layer.specular(&at), layer.albedo(&at), back]);
+            for ((table, layer), lacking) in tables.iter_mut().zip(ink.layers()).zip(&lacking) {
+                table.push(row(layer, &at, at.bent(lacking)));
             }
         }
         tables.iter_mut().for_each(|table| table.push([0.0, 1.0, 1.0, 0.0]));
-        Ok(Self { ink, tables })
+        Ok(Self { ink, tables, hemisphere })
     }
 
     /// The ink itself.
@@ -76,6 +108,19 @@ impl<'a> DirectionalInk<'a> {
     pub fn diffuse_albedo(&self, wavelength: usize, polar_deg: f64) -> f64 {
         let [_, specular, albedo, _] = self.tabulated(wavelength, polar_deg);
         albedo - specular
+    }
+
+    /// ∫ f cos θ_o dω at every wavelength, less the albedo without its mirror part: by how much the fits of f and of R disagree
+    /// (the light that has been in the paper is the same in both), with the jackknife error of this difference.
+    ///
+    /// # Errors
+    /// The ink refuses the angle.
+    pub fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError> {
+        let at = self.ink.at(polar_deg)?;
+        let difference = |layer: &LayerOnPaper| {
+            layer.own_albedo(&at, &self.hemisphere) - (layer.reflectance(&at) - layer.mirrored(&at))
+        };
+        Ok(self.ink.spectrum(difference).estimates())
     }
 
     /// g T(i) T(o)/π: light that has been in the paper, 1/sr.
@@ -116,7 +161,7 @@ mod tests {
             let (at, layer) = (ink.at(deg).unwrap(), &ink.layers()[7]);
             // linear between steps of a quarter of a degree
             assert!((directional.transmittance(7, deg) - layer.transmittance(&at)).abs() < 5e-5);
-            assert!((directional.specular(7, deg) - layer.specular(&at)).abs() < 5e-5);
+            assert!((directional.specular(7, deg) - layer.mirrored(&at)).abs() < 5e-5);
             let view = Direction { polar_deg: deg, azimuth_deg: 30.0 };
             assert!((directional.brdf(7, 0.0, view) - layer.brdf(&ink.at(0.0).unwrap(), &at)).abs() < 5e-5);
         }

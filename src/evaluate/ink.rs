@@ -7,7 +7,7 @@ use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
 use super::on_paper::{AZIMUTHAL, BENDS, Curve, DIFFUSE, LayerOnPaper, Nodes, PolarAngle, SYMMETRIC};
 use super::regression::Fits;
-use super::samples::SolvedRealisation;
+use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::colour::{Colorimeter, ColourError};
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
@@ -89,6 +89,8 @@ pub struct InkOnPaper {
     /// The layer in the light that the paper gives back, where that is another one.
     returned: Option<(LayerEnsemble, Fits)>,
     directional: Fits,
+    /// 1/(Lx Ly), mean over the solves, 1/µm².
+    orders_per_um2: f64,
     whole: Vec<LayerOnPaper>,
     /// \[realisation left out\]\[node\]
     replicates: Vec<Vec<LayerOnPaper>>,
@@ -169,6 +171,7 @@ impl InkOnPaper {
             diffuse_width,
             returned,
             directional,
+            orders_per_um2: orders_per_um2(solved),
             whole: Vec::new(),
             replicates: Vec::new(),
         };
@@ -223,6 +226,7 @@ impl InkOnPaper {
             azimuthal: std::array::from_fn(|k| {
                 at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0)
             }),
+            order_area: self.orders_per_um2 * (1e-3 * self.nodes.wavelengths_nm[node]).powi(2),
         };
         let [mean_t, _, mean_a, _] = self.nodes.means[node];
         let film = [mean_t, mean_a];
@@ -282,6 +286,13 @@ impl InkOnPaper {
         let replicates: Vec<f64> = self.replicates.iter().map(|r| of(r)).collect();
         Estimate::jackknife(of(&self.whole), &replicates)
     }
+}
+
+/// Mean of 1/(Lx Ly) over all solves, 1/µm²; 0 without any.
+fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
+    let of_cell = |w: &SolvedWavelength| w.exact[0].order_area / (1e-3 * w.wavelength_nm).powi(2);
+    let all: Vec<f64> = solved.iter().flat_map(|r| &r.wavelengths).map(of_cell).collect();
+    all.iter().sum::<f64>() / all.len().max(1) as f64
 }
 
 fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {

@@ -79,11 +79,68 @@ fn scattered(polar_deg: f64) -> Vec<Scattered> {
     let around = |cosine: f64| (0..7).map(move |k| (cosine, (0.3 + 0.9 * f64::from(k)).cos()));
     let order = |(cosine, azimuth): (f64, f64)| {
         let along = (1.0 - cosine * cosine).sqrt() * azimuth;
-        let (s, squares) = (sine * along, sine * sine * (1.0 - cosine * cosine));
-        let density = 0.01 + 0.02 * s - 0.01 * s * (lit + cosine) + 0.005 * (2.0 * s * s - squares);
-        Scattered { cosine, along, density }
+        Scattered { cosine, along, density: density(lit, cosine, sine * along) }
     };
     [0.95, 0.8, 0.5, 0.2].into_iter().flat_map(around).map(order).collect()
+}
+
+/// f of the made-up layer; s = sin θ sin θ' cos Δφ.
+fn density(lit: f64, seen: f64, s: f64) -> f64 {
+    let squares = (1.0 - lit * lit) * (1.0 - seen * seen);
+    0.01 + 0.02 * s - 0.01 * s * (lit + seen) + 0.005 * (2.0 * s * s - squares)
+}
+
+/// Projected solid angle of an order of the made-up cells, 2 µm².
+fn order_area(nm: f64) -> f64 {
+    (1e-3 * nm).powi(2) / 2.0
+}
+
+/// The specular order of a small cell carries diffuse light; what the print mirrors does not.
+#[test]
+fn the_mirror_part_is_without_the_diffuse_light_of_its_order() {
+    let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise: 0.0 };
+    let (ink, _) = made.ink(6, 5);
+    for (layer, &nm) in ink.layers().iter().zip(ink.wavelengths_nm()) {
+        for deg in [0.0, PRINT_DEG] {
+            let at = ink.at(deg).unwrap();
+            let want = made.films.at(nm).reflectance_transmittance(deg)[0];
+            // λ² on splines of 20 nm: the penalty on their bends
+            assert!(
+                (layer.mirrored(&at) - want).abs() < 1e-5,
+                "{nm}, {deg}°: {} {want}",
+                layer.mirrored(&at)
+            );
+            // planted: the order as it is
+            assert!(layer.specular(&at) - want > 5e-4, "the check is empty");
+        }
+    }
+}
+
+/// T of a renderer has the mean over the hemisphere that was measured, and its values at 0° and 45° as they were.
+#[test]
+fn a_curve_that_is_bent_has_the_mean_measured() {
+    let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise: 0.01 };
+    let (ink, _) = made.ink(6, 5);
+    let squares = (0..200).map(|k| (f64::from(k) + 0.5) / 200.0);
+    let around: Vec<_> =
+        squares.map(|u| (ink.at(u.sqrt().acos().to_degrees()).unwrap(), 1.0 / 200.0)).collect();
+    let mut most: f64 = 0.0;
+    for layer in ink.layers() {
+        let lacking = layer.lacking_bends(&around);
+        let mean = |bent: f64| -> f64 {
+            let t = |(at, share): &(PolarAngle, f64)| {
+                share * (layer.transmittance(at) + bent * at.bent(&lacking))
+            };
+            around.iter().map(t).sum()
+        };
+        // rounding of 200 terms; without the bends the fit's mean
+        assert!((mean(1.0) - layer.mean_transmittance()).abs() < 1e-12);
+        most = most.max((mean(0.0) - layer.mean_transmittance()).abs());
+        assert!(
+            [0.0, PRINT_DEG].map(|deg| ink.at(deg).unwrap().bent(&lacking)).iter().all(|b| b.abs() < 1e-14)
+        );
+    }
+    assert!(most > 1e-4, "the check is empty: {most}");
 }
 
 /// A renderer sees that the layer scatters forward, as it was made; what colours are made of is the mean over the azimuth.
@@ -116,10 +173,13 @@ impl MadeUp<'_> {
         let film = self.films.at(nm).reflectance_transmittance(polar_deg);
         let [lost, back] = taken(nm, polar_deg.to_radians().cos());
         let (r, t) = (film[0] + back, film[1] - lost + error);
+        let mu = polar_deg.to_radians().cos();
+        let hidden = order_area(nm) * density(mu, mu, 1.0 - mu * mu);
         Solved {
             polar_deg,
             reflectance: r,
-            specular_reflectance: film[0],
+            specular_reflectance: film[0] + hidden,
+            order_area: order_area(nm),
             transmittance: t,
             specular_transmittance: film[1] - 2.0 * lost,
             absorptance: 1.0 - r - t,

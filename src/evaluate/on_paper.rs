@@ -60,6 +60,8 @@ pub struct Curve {
     pub diffuse: [f64; DIFFUSE],
     /// Coefficients of its dependence on the azimuth, 1/sr.
     pub azimuthal: [f64; AZIMUTHAL],
+    /// Projected solid angle of an order, mean over the ensemble, sr: so much diffuse light is in the specular order as well.
+    pub order_area: f64,
 }
 
 /// A viewing or illumination angle with the film's R and T there.
@@ -75,6 +77,11 @@ pub struct PolarAngle {
 }
 
 impl PolarAngle {
+    /// The bends of a curve with these coefficients.
+    pub fn bent(&self, coefficients: &[f64; BENDS]) -> f64 {
+        self.bends.iter().zip(coefficients).map(|(b, c)| b * c).sum()
+    }
+
     /// # Errors
     /// Angles outside 0° ≤ θ < 90°.
     pub fn new(polar_deg: f64, nodes: &Nodes) -> Result<Self, PaperError> {
@@ -168,9 +175,15 @@ impl LayerOnPaper {
             + curve(&self.measured.returned, &self.curve.returned, 1, (at.between, at.bends))
     }
 
-    /// Specular part of R(θ).
+    /// Specular part of R(θ): that of the cells' specular order.
     pub fn specular(&self, at: &PolarAngle) -> f64 {
         at.film[self.node][0] + self.difference(at, 2)
+    }
+
+    /// What a print of any size mirrors of R(θ). The specular order of a cell carries diffuse light as well, as every order
+    /// does: f times the projected solid angle of an order, which is taken off.
+    pub fn mirrored(&self, at: &PolarAngle) -> f64 {
+        self.specular(at) - self.curve.order_area * self.directional_brdf(at.mu, at.mu, 1.0)
     }
 
     /// The layer's own diffuse f(i, o), 1/sr, azimuthal mean. Symmetric in i and o but where polarised light comes in.
@@ -208,6 +221,32 @@ impl LayerOnPaper {
     pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
         let through = self.transmittance(illumination) * self.transmittance_returned(viewing);
         self.diffuse_brdf(illumination, viewing) + self.return_factor() * through / PI
+    }
+
+    /// ∫ f cos θ_o dω of the layer's own diffuse f, by angles with the weights of 2∫₀¹ f μ dμ. It agrees with R less what is
+    /// mirrored as well as the fits of f and of R do.
+    pub fn own_albedo(&self, illumination: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
+        let own = |(at, share): &(PolarAngle, f64)| PI * share * self.diffuse_brdf(illumination, at);
+        hemisphere.iter().map(own).sum()
+    }
+
+    /// Coefficients of the bends that T(θ) of the returned light lacks for its mean over these angles to be T̄: T̄ is measured
+    /// solve by solve, the curve between the anchors is a fit. Of all such bends the smallest.
+    pub fn lacking_bends(&self, hemisphere: &[(PolarAngle, f64)]) -> [f64; BENDS] {
+        let mut lack = self.mean_transmittance();
+        let (mut means, mut squares) = ([0.0; BENDS], [[0.0; BENDS]; BENDS]);
+        for (at, share) in hemisphere {
+            lack -= share * self.transmittance_returned(at);
+            for (b, own) in at.bends.iter().enumerate() {
+                means[b] += share * own;
+                at.bends.iter().enumerate().for_each(|(c, other)| squares[b][c] += share * own * other);
+            }
+        }
+        // Cramer's rule: M x = m, then scaled so that the mean is what lacks
+        let [[a, b], [_, d]] = squares;
+        let x = [d * means[0] - b * means[1], a * means[1] - b * means[0]];
+        let scale = lack / (x[0] * means[0] + x[1] * means[1]);
+        x.map(|x| scale * x)
     }
 
     /// Directional–hemispherical albedo R(i) + g T(i) T̄, specular included.

@@ -17,6 +17,8 @@ pub struct Solved {
     pub specular_transmittance: f64,
     /// A, from the field inside the layer.
     pub absorptance: f64,
+    /// Projected solid angle λ²/(Lx Ly) that an order of the cell stands for, sr.
+    pub order_area: f64,
     /// Reflected orders but the specular one.
     pub scattered: Vec<Scattered>,
 }
@@ -47,6 +49,7 @@ impl From<&FarField> for Solved {
             transmittance: field.transmittance,
             specular_transmittance: specular.transmitted_efficiency,
             absorptance: field.absorptance,
+            order_area: 1.0 / density,
             scattered: diffuse
                 .map(|o| Scattered {
                     cosine: cosine(o.direction),

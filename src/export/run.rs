@@ -229,10 +229,11 @@ impl Exporter<'_> {
     fn description(&self) -> String {
         let study = self.study();
         format!(
-            "{}: ink on paper, simulated by {} (study {}). Diffuse part only: the mirror reflection is a delta, see specular.csv. Scalar waves.",
+            "{}: ink on paper, simulated by {} (study {}, wave {}). Diffuse part only: the mirror reflection is a delta, see specular.csv.",
             study.title,
             program(),
-            study.key()
+            study.key(),
+            study.wave.name()
         )
     }
 

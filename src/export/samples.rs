@@ -66,17 +66,28 @@ fn halton(mut k: usize, base: usize) -> f64 {
     value
 }
 
-/// The mirror part R_s(θ, λ) that the material leaves out, and the albedo of what it holds.
+/// The mirror part R_s(θ, λ) that the material leaves out, the albedo of what it holds as the totals R and T say it, and as
+/// its BRDF integrates, with the standard error of the difference of both.
 ///
 /// # Errors
-/// What [`DirectionalInk::specular`] refuses.
+/// What [`DirectionalInk::disagreement`] refuses.
 pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(["wavelength_nm", "polar_deg", "specular_reflectance", "albedo_without_specular"])?;
-    for (w, nm) in ink.ink().wavelengths_nm().iter().enumerate() {
-        for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
-            table.serialize((nm, deg, ink.specular(w, deg), ink.diffuse_albedo(w, deg)))?;
+    table.write_record([
+        "wavelength_nm",
+        "polar_deg",
+        "specular_reflectance",
+        "albedo_without_specular",
+        "albedo_of_brdf",
+        "difference_standard_error",
+    ])?;
+    for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
+        let disagreement = ink.disagreement(deg)?;
+        for (w, (nm, apart)) in ink.ink().wavelengths_nm().iter().zip(disagreement).enumerate() {
+            let albedo = ink.diffuse_albedo(w, deg);
+            let row = (nm, deg, ink.specular(w, deg), albedo, albedo + apart.value, apart.standard_error);
+            table.serialize(row)?;
         }
     }
     finish(table)

@@ -141,9 +141,14 @@ impl OutputFolder {
 
     /// Marks the folder partial and takes the results of earlier runs away, before the first new solve.
     pub fn begin(&self) -> Result<(), FolderError> {
-        let text = "This study is not finished. Run it again to continue where it stopped.\n";
-        self.write(PARTIAL, text.as_bytes())?;
+        self.mark_partial()?;
         RESULTS.iter().try_for_each(|name| self.remove(name))
+    }
+
+    /// Marks the folder partial and leaves what is there.
+    pub fn mark_partial(&self) -> Result<(), FolderError> {
+        let text = "This study is not finished. Run it again to continue where it stopped.\n";
+        self.write(PARTIAL, text.as_bytes())
     }
 
     /// Writes one file whole or not at all.

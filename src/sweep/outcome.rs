@@ -96,6 +96,12 @@ impl Outcome {
 }
 
 impl Outcome {
+    /// Rows of the first angle, one for each wavelength: what a curve shows.
+    pub fn at_first_angle(&self) -> &[SpectrumRow] {
+        let first = self.spectra.first().map(|row| row.polar_deg);
+        &self.spectra[..self.spectra.iter().take_while(|row| Some(row.polar_deg) == first).count()]
+    }
+
     /// ΔE₀₀ to another variant's colour; a colour in which nothing is uncertain counts as exact.
     pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
         let colour = |o: &Self| {

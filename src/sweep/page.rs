@@ -9,6 +9,7 @@ use super::sheets::Sheet;
 use super::sweep_page::{ConclusionRow, SweepPage, VariantRow};
 use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
+use crate::evaluate::manifest::Count;
 use crate::numerics::estimate::Estimate;
 use crate::report::page::{Picture, png_data, svg_data};
 use crate::report::scalar_error;
@@ -52,7 +53,13 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
     } else {
         format!(" {failures} failures are recorded; --retry-failed tries them again.")
     };
-    format!("{complete} of {all} variants are finished.{failed} Run the sweep again to continue.")
+    let solves =
+        |count: fn(&Count) -> usize| reported.outcomes.iter().map(|o| count(&o.solves)).sum::<usize>();
+    let (finished, asked) = (solves(|c| c.finished), solves(|c| c.asked));
+    format!(
+        "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A sweep that runs writes this page \
+         anew now and then; one that was stopped goes on when it is run again."
+    )
 }
 
 fn conclusion(judged: &Judged) -> ConclusionRow {
@@ -121,7 +128,7 @@ fn figure(
     outcomes: &[Outcome],
 ) -> Result<Option<Picture>, FigureError> {
     let curve = |(name, v): (&String, &Option<usize>)| {
-        let rows = &outcomes[(*v)?].spectra;
+        let rows = outcomes[(*v)?].at_first_angle();
         let x: Vec<f64> = rows.iter().map(|row| row.wavelength_nm).collect();
         let y: Vec<Estimate> = rows.iter().map(|row| row.transmittance).collect();
         (!x.is_empty()).then(|| Series::new(name, &x, &y))

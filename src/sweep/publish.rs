@@ -20,6 +20,7 @@ use crate::input::study::Study;
 use crate::report::cell;
 use crate::report::publish::{PublishError, publish_seen};
 use crate::run::runner::Stores;
+use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 
 /// Rows and columns of a picture on a contact sheet.
@@ -31,24 +32,66 @@ const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap
 /// # Errors
 /// Files that cannot be written, or records that do not belong together.
 pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, PublishError> {
-    folder.begin()?;
-    let stores = folder::stores(folder)?;
-    let (mut outcomes, mut pictures) = (Vec::new(), Vec::new());
-    for number in 0..sweep.variants.len() {
-        let (outcome, picture) = variant(sweep, number, &stores, folder)?;
-        outcomes.push(outcome);
-        pictures.push(picture);
+    Publisher::new(sweep).publish(folder)
+}
+
+/// Writes the pages of a sweep as often as is asked, such as while it runs; variants that are finished are seen once.
+#[derive(Debug)]
+pub struct Publisher<'a> {
+    sweep: &'a Sweep,
+    /// What came of the variants that are finished.
+    finished: Vec<Option<Told>>,
+}
+
+/// What came of a variant, and its picture.
+type Told = (Outcome, Option<InkPicture>);
+
+impl<'a> Publisher<'a> {
+    /// Nothing is seen yet.
+    pub fn new(sweep: &'a Sweep) -> Self {
+        Self { sweep, finished: vec![None; sweep.variants.len()] }
     }
+
+    /// Writes everything that the store allows now. A page that is there stays until the new one takes its place.
+    ///
+    /// # Errors
+    /// As [`publish`].
+    pub fn publish(&mut self, folder: &OutputFolder) -> Result<Reported, PublishError> {
+        folder.mark_partial()?;
+        let stores = folder::stores(folder)?;
+        let (mut outcomes, mut pictures) = (Vec::new(), Vec::new());
+        for (number, finished) in self.finished.iter_mut().enumerate() {
+            let (outcome, picture) = match finished {
+                Some(told) => told.clone(),
+                None => variant(self.sweep, number, &stores, folder)?,
+            };
+            if outcome.solves.finished == outcome.solves.asked {
+                *finished = Some((outcome.clone(), picture.clone()));
+            }
+            outcomes.push(outcome);
+            pictures.push(picture);
+        }
+        report(self.sweep, folder, (outcomes, &pictures), stores.database().damages())
+    }
+}
+
+/// Contact sheets, tables and pages of the whole.
+fn report(
+    sweep: &Sweep,
+    folder: &OutputFolder,
+    (outcomes, pictures): (Vec<Outcome>, &[Option<InkPicture>]),
+    damages: Vec<Damage>,
+) -> Result<Reported, PublishError> {
     let conclusions: Vec<Judged> = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
-    let reported = Reported { outcomes, conclusions, damages: stores.database().damages() };
+    let reported = Reported { outcomes, conclusions, damages };
     let sheets = sheets(&sweep.outline);
-    let drawn = draw(&sweep.outline.title, &sheets, &pictures, &reported.outcomes)?;
+    let drawn = draw(&sweep.outline.title, &sheets, pictures, &reported.outcomes)?;
     for (i, png) in drawn.iter().enumerate() {
         folder.write(&sheet_name(i, drawn.len()), png)?;
     }
     folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
     folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
-    folder.write("explore.html", explore::page(sweep, &reported.outcomes, &pictures).as_bytes())?;
+    folder.write("explore.html", explore::page(sweep, &reported.outcomes, pictures).as_bytes())?;
     let html = page::page(sweep, &reported, &sheets, &drawn)?.html()?;
     folder.write("report.html", html.as_bytes())?;
     if reported.complete() == sweep.variants.len() {

@@ -69,6 +69,7 @@ fn by_formula(film: &Film, strata: usize, r: usize) -> SolvedRealisation {
             transmittance: t,
             specular_transmittance: t,
             absorptance: 1.0 - r - t,
+            order_area: 0.0,
             scattered: Vec::new(),
         }
     };

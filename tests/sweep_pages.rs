@@ -1,0 +1,59 @@
+//! Pages of a sweep while it runs.
+
+mod sweep_support;
+
+use inkwave::input::study::{Point, Study};
+use inkwave::run::runner::RunSettings;
+use inkwave::run::watch::RunWatch;
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
+use inkwave::sweep::folder;
+use inkwave::sweep::load::load;
+use inkwave::sweep::publish::Publisher;
+use inkwave::sweep::run::{Scope, run};
+use inkwave::sweep::units::Shard;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use sweep_support::{Place, TINY, results};
+
+/// Stops after so many solves.
+struct Impatient(AtomicUsize);
+
+impl RunWatch for Impatient {
+    fn stop(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == 0
+    }
+
+    fn solved(&self, _: &Study, _: &Point, _: Option<&str>) {
+        let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
+    }
+}
+
+/// The pages of a sweep that runs: written again and again by one publisher, which sees a finished variant once, they say what is
+/// missing and end as those of a sweep that was reported once. *Planted*: variants kept before they are finished stay partial.
+#[test]
+fn pages_written_while_a_sweep_runs_say_what_is_missing_and_end_like_all_others() {
+    let place = Place::new(TINY);
+    let sweep = load(Path::new(&place.path("tiny.toml"))).unwrap();
+    let folder = OutputFolder::open(Path::new(&place.path("live")), Holds::Sweep).unwrap();
+    folder::write(&sweep, &folder).unwrap();
+    let mut publisher = Publisher::new(&sweep);
+    let settings = RunSettings { jobs: Some(1), ..RunSettings::default() };
+    let mut told = Vec::new();
+    for solves in [30, 25, 1000] {
+        let watch = Impatient(AtomicUsize::new(solves));
+        run(&sweep, &folder, (Shard::ALL, Scope::Solves), settings, &watch).unwrap();
+        let reported = publisher.publish(&folder).unwrap();
+        let page = std::fs::read_to_string(place.path("live/report.html")).unwrap();
+        let finished: usize = reported.outcomes.iter().map(|o| o.solves.finished).sum();
+        let missing = page.contains(&format!("{finished} of 144 solves"));
+        told.push((reported.complete(), missing, Path::new(&place.path("live/PARTIAL")).exists()));
+    }
+    let [(first, ..), (second, ..), last] = told[..] else { panic!("three pages") };
+    assert!(0 < second && first <= second && second < 8 && last == (8, false, false), "{told:?}");
+    assert!(told[..2].iter().all(|(_, missing, partial)| *missing && *partial), "{told:?}");
+    place.sweep("local", &[]);
+    for (local, live) in results(&place.path("local")).iter().zip(&results(&place.path("live"))) {
+        assert!(local == live, "{} differs", local.0.display());
+    }
+}
