@@ -56,10 +56,14 @@ pub(super) fn cases() -> Vec<Single> {
     all.map(read).collect()
 }
 
-/// A sphere in the middle of a cell of its host, with a grid that resolves it.
+/// Where in its cell the sphere stands, over the side: at no symmetric place, so that lateral phases show.
+pub(super) const PLACE: [f64; 2] = [0.3, 0.6];
+
+/// A sphere in a cell of its host, with a grid that resolves it.
 pub(super) fn array(sphere: &Sphere, side: f64) -> (Scene, Media, Resolution) {
     let height = 2.2 * sphere.radius_um;
-    let ball = Ball { center_um: [0.5 * side, 0.5 * side, 0.5 * height], radius_um: sphere.radius_um };
+    let ball =
+        Ball { center_um: [PLACE[0] * side, PLACE[1] * side, 0.5 * height], radius_um: sphere.radius_um };
     let scene = Scene::layer([side; 2], height, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
     let host = Complex64::from(sphere.host);
     let media = Media { incident: host, exit: host, backgrounds: vec![host], inclusions: vec![sphere.index] };

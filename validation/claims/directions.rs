@@ -5,7 +5,7 @@
 //! between the spheres: they run sideways, F₁ = max |F(sideways ← k_i)|, and are scattered once more, F₂ = max |F(k_o ← sideways)|, so
 //! they add F₁F₂ times the lattice sum of claim 9, 3.900/L, whose phase turns with L: differences are averaged over sides.
 
-use super::dilute::{Single, array, cases};
+use super::dilute::{PLACE, Single, array, cases};
 use crate::claim::{Claim, Findings, Level};
 use crate::formulas::mie::{Mie, Sphere};
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
@@ -83,10 +83,10 @@ impl View<'_> {
 
     /// F from an order's amplitude, the incident wave taken off where it is one with the order.
     fn scattered(&self, amplitude: Complex64, out: Vector, incident_too: bool) -> Complex64 {
-        let (k, middle, away) = (self.mie.k, 0.5 * self.side, 0.5 * self.height);
+        let (k, away) = (self.mie.k, 0.5 * self.height);
         let straight = Complex64::cis(k * self.incident[2] * self.height);
         let wave = if incident_too { amplitude - straight } else { amplitude };
-        let lateral = (0..2).map(|i| self.incident[i] - out[i]).sum::<f64>() * middle;
+        let lateral = (0..2).map(|i| (self.incident[i] - out[i]) * PLACE[i]).sum::<f64>() * self.side;
         let phase = k * (lateral + (self.incident[2] + out[2].abs()) * away);
         wave * Complex64::cis(-phase) * (k * out[2].abs() * self.side * self.side) / (TAU * Complex64::I)
     }
