@@ -107,6 +107,17 @@ mod tests {
     use crate::wave::Scheme;
 
     #[test]
+    fn r_and_t_keep_their_own_errors() {
+        // Two packings, two probes: means and their standard errors by hand, the larger probe counts.
+        let differences = [vec![[0.03, -0.001], [0.0, 0.0]], vec![[0.05, 0.003], [0.0, 0.004]]];
+        let GridError { reflectance, transmittance } = GridError::from_differences(&differences);
+        approx::assert_relative_eq!(reflectance, 0.04_f64.hypot(0.01), max_relative = 1e-12);
+        approx::assert_relative_eq!(transmittance, 0.002_f64.hypot(0.002), max_relative = 1e-12);
+        let single = GridError::from_differences(&differences[..1]);
+        assert_eq!((single.reflectance, single.transmittance), (0.03, 0.001));
+    }
+
+    #[test]
     fn companions_are_coarser_or_finer_and_transform_fast() {
         for n in [1, 2, 12, 25, 128, 135] {
             let own = Resolution { nx: n, ny: 1, cells: n, scheme: Scheme::default() };
