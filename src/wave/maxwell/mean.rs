@@ -110,7 +110,7 @@ impl VectorMean {
 
 /// b, c, and the nodes' couplings and diagonals of every cell (rows) and harmonic, from one exponential each.
 fn cell_tables(heights: &[f64], mean_k2: &[Complex64], lateral: &[f64]) -> [Array2<Complex64>; 4] {
-    let mut tables = [const { () }; 4].map(|()| Array2::zeros((heights.len(), lateral.len())));
+    let mut tables: [_; 4] = std::array::from_fn(|_| Array2::zeros((heights.len(), lateral.len())));
     let [b, c, off, own] = &mut tables;
     let rows = (b.outer_iter_mut().into_par_iter().zip(c.outer_iter_mut()))
         .zip(off.outer_iter_mut().into_par_iter().zip(own.outer_iter_mut()));
