@@ -1,6 +1,9 @@
 /* Reference for hard spheres in equilibrium, independent of the Rust code: 2048 spheres of diameter 1, started from
- * an FCC crystal (which melts below phi = 0.49), single-particle Metropolis moves, xorshift64 random numbers.
- * Writes g(r) in 100 shells of 0.02 from r = 1 with the standard error over ten blocks, one "g error" per line.
+ * an FCC crystal, which is melted at phi = 0.45 or below and then squeezed between moves, by as much as its nearest
+ * pair allows; single-particle Metropolis moves, xorshift64 random numbers.
+ * Writes g(r) in 100 shells of 0.02 from r = 1 with the standard error over ten blocks, one "g error" per line; to
+ * standard error what is left of the crystal after melting and at the end: |sum exp(iG.x)|^2 / N^2 of its first
+ * reflections, 1 for the crystal and 1 / N = 0.0005 for the fluid.
  * Made validation/data/hard_sphere_monte_carlo.json:
  *   cc -O3 -o mc scripts/hard_sphere_monte_carlo.c -lm && ./mc 0.45
  */
@@ -72,17 +75,60 @@ static void sweep(double step) {
     }
 }
 
+/* Cells of at least a diameter, and every sphere in its own. */
+static void sort_into_cells(void) {
+    side = (int)length;
+    memset(count, 0, sizeof count);
+    for (int n = 0; n < N; n++) enter(n, cell_of(x[n]));
+}
+
+/* Brings everything together until the nearest pair touches, or the cube has its wanted side. */
+static void squeeze(double wanted) {
+    double nearest = 4;
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < i; j++) {
+            double r2 = distance2(x[i], x[j]);
+            if (r2 < nearest) nearest = r2;
+        }
+    double factor = fmax((1 + 1e-12) / sqrt(nearest), wanted / length);
+    if (factor >= 1) return;
+    length *= factor;
+    for (int n = 0; n < N; n++)
+        for (int d = 0; d < 3; d++) x[n][d] *= factor;
+    sort_into_cells();
+}
+
+static double crystal(double a) {
+    double most = 0;
+    for (int g = 0; g < 4; g++) {
+        double re = 0, im = 0, q = 2 * M_PI / a;
+        for (int i = 0; i < N; i++) {
+            double phase = q * (x[i][0] + (g & 1 ? -1 : 1) * x[i][1] + (g & 2 ? -1 : 1) * x[i][2]);
+            re += cos(phase), im += sin(phase);
+        }
+        most = fmax(most, (re * re + im * im) / ((double)N * N));
+    }
+    return most;
+}
+
 int main(int argc, char **argv) {
     double phi = argc > 1 ? atof(argv[1]) : 0.45, step = phi > 0.4 ? 0.08 : 0.2;
-    length = cbrt(N * M_PI / (6 * phi));
-    side = (int)length;
+    double wanted = cbrt(N * M_PI / (6 * phi));
+    length = fmax(wanted, cbrt(N * M_PI / (6 * 0.45)));
     double basis[4][3] = {{0, 0, 0}, {.5, .5, 0}, {.5, 0, .5}, {0, .5, .5}}, a = length / 8;
     for (int n = 0; n < N; n++) {
         int cube = n / 4, index[3] = {cube % 8, cube / 8 % 8, cube / 64};
         for (int d = 0; d < 3; d++) x[n][d] = (index[d] + basis[n % 4][d] + 0.1) * a;
-        enter(n, cell_of(x[n]));
     }
+    sort_into_cells();
     for (int s = 0; s < MELT; s++) sweep(step);
+    while (length > wanted * (1 + 1e-9)) {
+        sweep(step);
+        squeeze(wanted);
+    }
+    a = length / 8;
+    for (int s = 0; s < MELT; s++) sweep(step);
+    fprintf(stderr, "crystal left after melting: %.5f\n", crystal(a));
     static double h[BLOCKS][SHELLS];
     for (int s = 0; s < RUN; s++) {
         sweep(step);
@@ -93,6 +139,7 @@ int main(int argc, char **argv) {
                 if (r < 3) h[s * BLOCKS / RUN][(int)(r * 50)]++;
             }
     }
+    fprintf(stderr, "crystal left at the end: %.5f\n", crystal(a));
     double snapshots = RUN / EVERY / BLOCKS, volume = length * length * length;
     for (int k = 50; k < SHELLS; k++) {
         double r = k * 0.02, shell = 4 * M_PI / 3 * (pow(r + 0.02, 3) - pow(r, 3));

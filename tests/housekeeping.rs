@@ -24,6 +24,17 @@ fn generated_pages_are_as_they_were_generated() {
     }
 }
 
+/// README's accuracy is that of the reference cases in the report beside it.
+#[test]
+fn the_accuracy_in_the_readme_is_that_of_the_references() {
+    let (readme, report) = (read("README.md"), read("reports/latest/report.md"));
+    let table =
+        readme.split("<!-- accuracy -->\n").nth(1).and_then(|rest| rest.split("<!-- /accuracy -->").next());
+    let table = table.expect("a table between its marks").trim_end();
+    let claim = report.split("\n## ").find(|section| section.starts_with("08-references")).expect("claim 8");
+    assert!(table.lines().count() > 2 && claim.contains(table), "not the table of claim 8:\n{table}");
+}
+
 /// The page of planted faults names commits of this repository, or says that it has none.
 #[test]
 fn commits_that_pages_name_are_in_the_repository() {

@@ -106,3 +106,44 @@ fn a_task_number_of_any_engine_is_heard_and_numbers_beyond_the_units_are_refused
         );
     }
 }
+
+/// One variant whose bar is reached at the first look, one that never reaches it.
+fn bars() -> String {
+    let base = TINY.split("[[axis]]").next().unwrap().replace("realisations = 2", "realisations = 20");
+    base + "[[axis]]\nname = \"bar\"\nfield = \"run.target_delta_e\"\nvalues = [50.0, 0.001]\n"
+}
+
+#[test]
+fn variants_end_at_their_wanted_bar_whoever_works() {
+    let place = Place::new(&bars());
+    place.sweep("alone", &[]);
+    let table = std::fs::read_to_string(place.path("alone/sweep.csv")).unwrap();
+    let finished = |line: &str| line.split(',').nth(5).unwrap().to_owned();
+    assert_eq!(table.lines().skip(1).map(finished).collect::<Vec<_>>(), ["8", "20"], "{table}");
+    assert_eq!(points(&place.path("alone")), 20 * 4 * 3);
+    let workers: Vec<Child> = (0..3).map(|_| start(&place, "shared")).collect();
+    for end in workers.into_iter().map(|worker| worker.wait_with_output().unwrap()) {
+        assert!(end.status.success(), "{}", said(&end));
+    }
+    for (alone, shared) in results(&place.path("alone")).iter().zip(&results(&place.path("shared"))) {
+        assert!(alone == shared, "{} differs", alone.0.display());
+    }
+    // Again, and each as a study of its own.
+    place.sweep("shared", &[]);
+    assert_eq!(points(&place.path("shared")), 20 * 4 * 3);
+    for variant in std::fs::read_dir(place.path("alone/variants")).unwrap().flatten() {
+        let own = place.path("own");
+        succeed(&["run", &variant.path().join("study.toml").display().to_string(), "--output", &own]);
+        let spectra = |folder: &str| std::fs::read(format!("{folder}/spectra.csv")).unwrap();
+        assert!(spectra(&own) == spectra(&variant.path().display().to_string()), "{variant:?}");
+        std::fs::remove_dir_all(own).unwrap();
+    }
+    let file = place.path("tiny.toml");
+    let shard =
+        inkwave(&["sweep", &file, "--shard", "1/2", "--output", &place.path("part")]).output().unwrap();
+    assert!(
+        !shard.status.success() && plain(&shard).contains("no shard sees the whole bar"),
+        "{}",
+        said(&shard)
+    );
+}

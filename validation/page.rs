@@ -180,8 +180,9 @@ pub fn splice(path: &Path, judged: &[Judged]) -> Result<(), Box<dyn Error>> {
     let columns =
         ["claim", "verdict", "tightest number", "measured", "bound", "margin"].map(String::from).to_vec();
     let verdicts = Table { title: String::new(), columns, rows: verdicts.collect() };
-    let first = judged.iter().flat_map(|j| &j.measured.findings.tables).next();
-    for (name, table) in [("verdicts", Some(&verdicts)), ("accuracy", first)] {
+    let references = judged.iter().find(|j| j.claim.id == crate::claims::references::CLAIM.id);
+    let accuracy = references.and_then(|j| j.measured.findings.tables.first());
+    for (name, table) in [("verdicts", Some(&verdicts)), ("accuracy", accuracy)] {
         let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
         let place = text.find(&open).zip(text.find(&close)).zip(table);
         let ((start, end), table) =
@@ -192,7 +193,9 @@ pub fn splice(path: &Path, judged: &[Judged]) -> Result<(), Box<dyn Error>> {
 }
 
 fn markdown(table: &Table) -> String {
-    let row = |cells: &Vec<String>| format!("| {} |\n", cells.join(" | ").replace("|Q", "\\|Q"));
+    let cell = |cell: &String| cell.replace('|', "\\|");
+    let row =
+        |cells: &Vec<String>| format!("| {} |\n", cells.iter().map(cell).collect::<Vec<_>>().join(" | "));
     let rule = format!("|{}\n", "---|".repeat(table.columns.len()));
     row(&table.columns) + &rule + &table.rows.iter().map(row).collect::<String>()
 }

@@ -70,6 +70,10 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
     let part = shard.unwrap_or(Shard::ALL);
     part.check(&sweep).map_err(|most| too_many_shards(part, most))?;
+    if let Some(variant) = sweep.variants.iter().find(|v| shard.is_some() && v.study.target_delta_e.is_some())
+    {
+        return Err(no_bars_in_shards(&variant.name));
+    }
     let path = output_path(args, shard);
     let folder = OutputFolder::open(&path, Holds::Sweep).map_err(folder_report)?;
     folder.begin().map_err(folder_report)?;
@@ -170,6 +174,15 @@ fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
     }
     println!("Grids in {}", folder.path().display());
     Ok(())
+}
+
+fn no_bars_in_shards(variant: &str) -> miette::Report {
+    let help =
+        "leave --shard out and start any number of processes in one folder, or give run.realisations alone";
+    miette!(
+        help = help,
+        "--shard: found with run.target_delta_e in variant {variant}; allowed without it, as no shard sees the whole bar"
+    )
 }
 
 fn too_many_shards(shard: Shard, most: usize) -> miette::Report {

@@ -313,7 +313,7 @@ pub struct RunTable {
     #[schemars(transform = limits::REALISATIONS.mark(), example = 24)]
     pub realisations: Option<usize>,
     /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
-    /// are the most. In a sweep every variant runs all its realisations.
+    /// are the most. In a sweep every variant ends with its own bar; processes that share a folder can do so, shards cannot.
     #[schemars(transform = limits::TARGET_DELTA_E.mark(), example = 0.5)]
     pub target_delta_e: Option<f64>,
     /// Seed of all random draws.

@@ -110,3 +110,24 @@ impl PackWatch for Stopper<'_> {
         self.go_on()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::record::tests::{account, two_orders};
+
+    /// Records of programs that had no gate are sound to the seal, so that this alone stands between them and a page.
+    #[test]
+    fn a_kept_record_that_breaks_a_law_counts_as_absent() {
+        let grid = GridError { reflectance: 1e-3, transmittance: 1e-3 };
+        let kept = |reflectance: f64, absorptance: f64| {
+            let mut far = two_orders();
+            (far.reflectance, far.absorptance) = (reflectance, absorptance);
+            far.orders[0].reflected_efficiency = reflectance;
+            is_physical(&PointRecord::new("k".into(), 0, None, &far, account()).expect("finite"), grid)
+        };
+        assert!(kept(0.05, 0.45));
+        assert!(!kept(29.6, -29.1), "light out of nothing");
+        assert!(!kept(0.6, -0.1), "an absorptance below zero");
+    }
+}

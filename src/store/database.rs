@@ -5,7 +5,7 @@
 
 use super::aside::{DAMAGED, Interruption, ROWS, files_of, put_aside, remove, take_over};
 use super::damage::Damage;
-use super::queue::{Queue, QueueError, Task};
+use super::queue::{Queue, QueueError};
 use super::rows::{End, Row, Rows};
 use super::seal::Sealed;
 use super::slot::Slot;
@@ -213,10 +213,10 @@ impl Database {
     ///
     /// # Errors
     /// Others work on something else there, or the folder cannot be written to.
-    pub fn queue(&self, name: &str, tasks: &[Task]) -> Result<Queue, QueueError> {
+    pub fn queue(&self, name: &str) -> Result<Queue, QueueError> {
         let mut files = lock(&self.files);
         match (&self.folder, &self.own(&mut files)?.slot) {
-            (Some(folder), Some(slot)) => Queue::join(folder, slot, name, tasks),
+            (Some(folder), Some(slot)) => Queue::join(folder, slot, name),
             _ => Err(QueueError::Place(io::Error::other("the store is in memory"))),
         }
     }

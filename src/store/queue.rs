@@ -87,11 +87,11 @@ pub struct Queue {
 }
 
 impl Queue {
-    /// Joins the work called `name` in `folder`, or begins it when nobody is at it.
+    /// Joins the work called `name` in `folder`, or begins it, without a task, when nobody is at it.
     ///
     /// # Errors
     /// Others work on something else there, or the queue's file cannot be used.
-    pub fn join(folder: &Path, slot: &Slot, name: &str, tasks: &[Task]) -> Result<Self, QueueError> {
+    pub fn join(folder: &Path, slot: &Slot, name: &str) -> Result<Self, QueueError> {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
         let mut connection =
             open(&folder.join(FILE)).or_else(|error| reopen(folder, slot, error)).map_err(failed)?;
@@ -100,11 +100,27 @@ impl Queue {
         match under_way(&transaction, folder).map_err(failed)? {
             Some(other) if other != name => return Err(QueueError::OtherWork { folder: folder.to_owned() }),
             Some(_) => {}
-            None => begin(&transaction, name, tasks).map_err(failed)?,
+            None => begin(&transaction, name).map_err(failed)?,
         }
         enter(&transaction, slot).map_err(failed)?;
         transaction.commit().map_err(failed)?;
         Ok(Self { folder: folder.to_owned(), worker: slot.number(), connection: Mutex::new(connection) })
+    }
+
+    /// Puts tasks into the queue under the numbers from `first` on; those that another worker has put there stay as they
+    /// are. Tasks wait for tasks of the same call ([`Task::after`] counts from 0).
+    ///
+    /// # Errors
+    /// The queue's file cannot be used.
+    pub fn enlist(&self, first: usize, tasks: &[Task]) -> Result<(), QueueError> {
+        let sql = "insert or ignore into tasks (id, cost, after) values (?1, ?2, ?3)";
+        self.turn(|transaction| {
+            let mut insert = transaction.prepare_cached(sql)?;
+            for (i, task) in tasks.iter().enumerate() {
+                insert.execute(params![first + i, task.cost, task.after.map(|after| first + after)])?;
+            }
+            Ok(())
+        })
     }
 
     /// Asks for work.
@@ -252,14 +268,9 @@ fn living(transaction: &Transaction, folder: &Path) -> rusqlite::Result<Vec<u32>
     Ok(all.into_iter().filter(lives).map(|(number, _)| number).collect())
 }
 
-fn begin(transaction: &Transaction, name: &str, tasks: &[Task]) -> rusqlite::Result<()> {
+fn begin(transaction: &Transaction, name: &str) -> rusqlite::Result<()> {
     transaction.execute_batch("delete from work; delete from workers; delete from tasks")?;
-    transaction.execute("insert into work (name) values (?1)", [name])?;
-    let mut insert = transaction.prepare("insert into tasks (id, cost, after) values (?1, ?2, ?3)")?;
-    for (id, task) in tasks.iter().enumerate() {
-        insert.execute(params![id, task.cost, task.after])?;
-    }
-    Ok(())
+    transaction.execute("insert into work (name) values (?1)", [name]).map(drop)
 }
 
 /// Signs a worker in; an earlier one at the same place is dead, and its tasks are free.
@@ -308,7 +319,8 @@ mod tests {
     fn the_costliest_comes_first_and_what_waits_later() {
         let folder = tempfile::tempdir().unwrap();
         let slot = Slot::first_free(folder.path()).unwrap();
-        let queue = Queue::join(folder.path(), &slot, "work", &tasks()).unwrap();
+        let queue = Queue::join(folder.path(), &slot, "work").unwrap();
+        queue.enlist(0, &tasks()).unwrap();
         assert_eq!(queue.claim().unwrap(), Claim::Task(0));
         assert_eq!(queue.claim().unwrap(), Claim::Task(3));
         assert_eq!(queue.claim().unwrap(), Claim::Wait);
@@ -321,15 +333,24 @@ mod tests {
         assert_eq!(queue.claim().unwrap(), Claim::Task(1));
         [1, 2, 3].iter().for_each(|&task| queue.finish(task, 1, 0).unwrap());
         assert_eq!(queue.claim().unwrap(), Claim::Finished);
+        // What is there already stays finished; what is new waits for its own.
+        queue.enlist(0, &tasks()).unwrap();
+        assert_eq!(queue.claim().unwrap(), Claim::Finished);
+        queue.enlist(100, &tasks()[..2]).unwrap();
+        assert_eq!(queue.claim().unwrap(), Claim::Task(100));
+        assert_eq!(queue.claim().unwrap(), Claim::Wait);
+        queue.finish(100, 1, 0).unwrap();
+        assert_eq!(queue.claim().unwrap(), Claim::Task(101));
     }
 
     #[test]
     fn a_dead_workers_tasks_are_taken_up_and_a_new_session_begins_anew() {
         let folder = tempfile::tempdir().unwrap();
         let (one, two) = (Slot::first_free(folder.path()).unwrap(), Slot::first_free(folder.path()).unwrap());
-        let first = Queue::join(folder.path(), &one, "work", &tasks()).unwrap();
-        let second = Queue::join(folder.path(), &two, "work", &[]).unwrap();
-        let other = Queue::join(folder.path(), &two, "other work", &[]);
+        let first = Queue::join(folder.path(), &one, "work").unwrap();
+        first.enlist(0, &tasks()).unwrap();
+        let second = Queue::join(folder.path(), &two, "work").unwrap();
+        let other = Queue::join(folder.path(), &two, "other work");
         assert!(matches!(other, Err(QueueError::OtherWork { .. })));
         assert_eq!(first.claim().unwrap(), Claim::Task(0));
         assert_eq!(second.claim().unwrap(), Claim::Task(3));
@@ -339,7 +360,8 @@ mod tests {
         assert!(second.publishes().unwrap());
         drop((second, two));
         let slot = Slot::first_free(folder.path()).unwrap();
-        let anew = Queue::join(folder.path(), &slot, "other work", &tasks()[3..]).unwrap();
+        let anew = Queue::join(folder.path(), &slot, "other work").unwrap();
+        anew.enlist(0, &tasks()[3..]).unwrap();
         assert_eq!(anew.claim().unwrap(), Claim::Task(0));
         assert_eq!(anew.standing().unwrap().tasks, 0);
     }

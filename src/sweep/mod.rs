@@ -29,6 +29,7 @@ mod page;
 pub mod plan;
 pub mod publish;
 pub mod reported;
+mod rounds;
 pub mod run;
 mod sheets;
 pub mod sweep_page;

@@ -2,6 +2,7 @@
 
 use super::file::Quantity;
 use super::load::{Sweep, Variant};
+use super::rounds::Standing;
 use crate::appearance::colour::Colour;
 use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
 use crate::evaluate::summary::NATURAL_LIGHT;
@@ -118,7 +119,16 @@ pub fn lab(colour: &Colour, i: usize) -> Estimate {
 }
 
 /// What the store has of a study, without computing anything. `None` before the first packing and grid.
+///
+/// A study that wants a bar ends with the realisation that reaches it, whatever the store has beyond.
 pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
+    let standing = Standing::of(study, stores, 0);
+    let realisations = if standing.enough { standing.border } else { study.realisations };
+    Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
+}
+
+/// What the store has of the first realisations.
+pub(super) fn collect_some(study: &Study, stores: &Stores, realisations: usize) -> Option<Collected> {
     let resolved = resolve::kept(study, &stores.grids)?;
     let realisation = |r: usize| {
         let packing = stores.packings.get(Key::of("packing", &study.packing_request(r)).as_str())?;
@@ -134,11 +144,7 @@ pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
         let failures = keyed.iter().zip(&points).filter_map(failed).collect();
         Some(Realisation { packing, points, failures })
     };
-    let realisations: Vec<Realisation> = (0..study.realisations).filter_map(realisation).collect();
-    (!realisations.is_empty()).then_some(Collected {
-        resolved,
-        realisations,
-        enough: false,
-        damages: Vec::new(),
-    })
+    let realisations: Vec<Realisation> = (0..realisations).filter_map(realisation).collect();
+    let (enough, damages) = (false, Vec::new());
+    (!realisations.is_empty()).then_some(Collected { resolved, realisations, enough, damages })
 }

@@ -11,6 +11,7 @@ mod work;
 
 use super::folder;
 use super::load::Sweep;
+use super::rounds::Rounds;
 use super::units::{Shard, Unit, units};
 use crate::run::crew::Crew;
 use crate::run::realisation::Packings;
@@ -24,7 +25,7 @@ use jobs::{Job, jobs};
 use news::News;
 use room::Room;
 use serde::Serialize;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use work::{Work, is_failure};
@@ -35,6 +36,8 @@ pub(crate) use work::stage_key;
 const WAIT: Duration = Duration::from_millis(50);
 /// Others are told of progress at most so often.
 const BETWEEN_NEWS: Duration = Duration::from_millis(500);
+/// Tasks of a round are numbered from a multiple of this: more than any round has.
+const ROUND: usize = 1 << 32;
 /// Grids come before all units.
 const GRIDS_FIRST: f64 = 1e30;
 
@@ -86,31 +89,54 @@ pub fn run(
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
     let stores = folder::stores(folder)?;
-    let mut jobs = jobs(sweep, shard);
-    jobs.retain(|job| scope == Scope::Solves || matches!(job, Job::Grids(_)));
-    let tasks: Vec<Task> = jobs.iter().map(|job| job.task(sweep)).collect();
-    let queue = stores.database().queue(name(sweep, shard, scope).as_str(), &tasks)?;
-    let crew = Crew::new(settings.jobs, jobs.len())?;
-    let room = Room::new(settings.memory, crew.workers());
-    let settings = RunSettings { jobs: Some(crew.jobs_each), ..settings };
-    let (trouble, waits) = (Mutex::new(None), AtomicUsize::new(0));
-    let (stores, queue, jobs) = (&stores, &queue, &jobs);
-    let worker = Worker { sweep, stores, queue, jobs, settings, room, watch, trouble, waits };
-    crew.work_off(|| worker.take(), |task| worker.note(worker.go(task)));
-    let waited = WAIT * worker.waits.load(Ordering::Relaxed) as u32;
-    match worker.trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(error) => Err(error),
-        None => {
-            let damages = stores.database().damages();
-            Ok(Tally { asked: solves(sweep, shard), damages, waited, ..tally(queue, watch.stop())? })
+    let queue = stores.database().queue(name(sweep, shard, scope).as_str())?;
+    let (mut rounds, mut waited) = (Rounds::new(sweep), Duration::ZERO);
+    let mut before = None;
+    while let Some((round, units)) = rounds.next(&stores) {
+        let units = &units[shard.range(units.len())];
+        // A round that has not come to its end although the queue has nothing left is no work for another turn.
+        let Some(turn) = Turn::new((round, units), scope).filter(|_| before != Some(round)) else { break };
+        let crew = Crew::new(settings.jobs, turn.jobs.len())?;
+        let room = Room::new(settings.memory, crew.workers());
+        let settings = RunSettings { jobs: Some(crew.jobs_each), ..settings };
+        let worker = Worker::new(sweep, (&stores, &queue), &turn, (settings, room), watch);
+        queue.enlist(turn.first, &turn.tasks(sweep))?;
+        crew.work_off(|| worker.take(), |task| worker.note(worker.go(task)));
+        waited += WAIT * worker.waits.load(Ordering::Relaxed) as u32;
+        before = (!worker.overtaken.load(Ordering::Relaxed)).then_some(round);
+        worker.trouble.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)?;
+        if watch.stop() || scope == Scope::Grids || !Rounds::wanted(sweep) {
+            break;
         }
+        stores.database().refresh()?;
     }
+    let damages = stores.database().damages();
+    Ok(Tally { asked: solves(sweep, shard), damages, waited, ..tally(&queue, watch.stop())? })
 }
 
 fn tally(queue: &Queue, stopped: bool) -> Result<Tally, RunError> {
     let Standing { workers, solves, failed, .. } = queue.standing()?;
     let publishes = if stopped { workers == 1 } else { queue.publishes()? };
     Ok(Tally { finished: solves - failed, failed, publishes, ..Tally::default() })
+}
+
+/// The jobs of a round, and the number of the first of their tasks.
+struct Turn {
+    first: usize,
+    jobs: Vec<Job>,
+}
+
+impl Turn {
+    /// `None` without a job.
+    fn new((round, units): (usize, &[Unit]), scope: Scope) -> Option<Self> {
+        let mut jobs = jobs(units);
+        jobs.retain(|job| scope == Scope::Solves || matches!(job, Job::Grids(_)));
+        (!jobs.is_empty()).then_some(Self { first: round * ROUND, jobs })
+    }
+
+    fn tasks(&self, sweep: &Sweep) -> Vec<Task> {
+        self.jobs.iter().map(|job| job.task(sweep)).collect()
+    }
 }
 
 /// Names the work, so that only processes with the same sweep and shard share it.
@@ -124,16 +150,29 @@ struct Worker<'a> {
     sweep: &'a Sweep,
     stores: &'a Stores,
     queue: &'a Queue,
-    jobs: &'a [Job],
+    turn: &'a Turn,
     settings: RunSettings,
     room: Room,
     watch: &'a dyn RunWatch,
     trouble: Mutex<Option<RunError>>,
     /// How often a thread found nothing to do.
     waits: AtomicUsize,
+    /// Others are in another round already.
+    overtaken: AtomicBool,
 }
 
-impl Worker<'_> {
+impl<'a> Worker<'a> {
+    fn new(
+        sweep: &'a Sweep,
+        (stores, queue): (&'a Stores, &'a Queue),
+        turn: &'a Turn,
+        (settings, room): (RunSettings, Room),
+        watch: &'a dyn RunWatch,
+    ) -> Self {
+        let (trouble, waits, overtaken) = (Mutex::new(None), AtomicUsize::new(0), AtomicBool::new(false));
+        Self { sweep, stores, queue, turn, settings, room, watch, trouble, waits, overtaken }
+    }
+
     /// The next task; `None` when there is no more, or no more shall be done.
     fn take(&self) -> Option<usize> {
         loop {
@@ -147,12 +186,21 @@ impl Worker<'_> {
                 .map_err(RunError::Store)
                 .and_then(|()| Ok(self.queue.claim()?));
             match claim {
-                Ok(Claim::Task(task)) => return Some(task),
+                Ok(Claim::Task(task)) if self.is_of_this_round(task) => return Some(task),
+                Ok(Claim::Task(task)) => {
+                    self.overtaken.store(true, Ordering::Relaxed);
+                    self.note(self.queue.give_back(task).map_err(RunError::from));
+                    return None;
+                }
                 Ok(Claim::Wait) => self.wait(),
                 Ok(Claim::Finished) => return None,
                 Err(error) => self.note(Err(error)),
             }
         }
+    }
+
+    fn is_of_this_round(&self, task: usize) -> bool {
+        (self.turn.first..self.turn.first + self.turn.jobs.len()).contains(&task)
     }
 
     fn wait(&self) {
@@ -161,7 +209,7 @@ impl Worker<'_> {
     }
 
     fn go(&self, task: usize) -> Result<(), RunError> {
-        match &self.jobs[task] {
+        match &self.turn.jobs[task - self.turn.first] {
             Job::Grids(variants) => self.grids(task, variants),
             Job::Unit(unit, _) => self.unit(task, unit),
         }
@@ -214,7 +262,7 @@ impl Worker<'_> {
         Ok(self.queue.finish(task, solves_of(self.sweep, unit), failed)?)
     }
 
-    fn work<'a>(&'a self, variant: usize, realisation: usize, watch: &'a dyn RunWatch) -> Work<'a> {
+    fn work<'b>(&'b self, variant: usize, realisation: usize, watch: &'b dyn RunWatch) -> Work<'b> {
         let variant = &self.sweep.variants[variant];
         let (name, study) = (&variant.name, &variant.study);
         Work {

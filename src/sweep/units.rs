@@ -58,14 +58,20 @@ pub fn groups(sweep: &Sweep) -> Vec<Vec<usize>> {
 
 /// All units, group by group.
 pub fn units(sweep: &Sweep) -> Vec<Unit> {
-    let realisations = |v: &usize| sweep.variants[*v].study.realisations;
+    let all: Vec<Range<usize>> = sweep.variants.iter().map(|v| 0..v.study.realisations).collect();
+    units_within(sweep, &all)
+}
+
+/// The units of some realisations of each variant, group by group.
+pub fn units_within(sweep: &Sweep, realisations: &[Range<usize>]) -> Vec<Unit> {
     let of_group = |(group, members): (usize, Vec<usize>)| {
-        let most = members.iter().map(realisations).max().unwrap_or(0);
-        (0..most).map(move |realisation| Unit {
-            group,
-            variants: members.iter().copied().filter(|v| realisations(v) > realisation).collect(),
-            realisation,
-        })
+        let first = members.iter().map(|&v| realisations[v].start).min().unwrap_or(0);
+        let end = members.iter().map(|&v| realisations[v].end).max().unwrap_or(0);
+        let unit = move |realisation| {
+            let asks = |v: &usize| realisations[*v].contains(&realisation);
+            Unit { group, variants: members.iter().copied().filter(asks).collect(), realisation }
+        };
+        (first..end).map(unit).filter(|unit| !unit.variants.is_empty())
     };
     groups(sweep).into_iter().enumerate().flat_map(of_group).collect()
 }

@@ -82,10 +82,10 @@ fn optimum(findings: &mut Findings) {
         let counts = STEPS.iter().map(applications);
         [short(kappa), short(largest_contrast(&problem))].into_iter().chain(counts).collect()
     };
-    let steps = STEPS.iter().map(|tau| format!("τ|V| = {tau}"));
+    let steps = STEPS.iter().map(|tau| format!("τ‖V‖ = {tau}"));
     findings.tables.push(Table {
         title: "Applications of relaxation to 1e-8 against its step".into(),
-        columns: ["κ of the grains", "|V|, 1/µm²"].map(String::from).into_iter().chain(steps).collect(),
+        columns: ["κ of the grains", "‖V‖, 1/µm²"].map(String::from).into_iter().chain(steps).collect(),
         rows: KAPPAS.iter().map(row).collect(),
     });
 }

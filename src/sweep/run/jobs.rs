@@ -1,7 +1,7 @@
 //! The tasks of a sweep: grids of groups, and units.
 
 use super::super::Sweep;
-use super::super::units::{Shard, Unit, units};
+use super::super::units::Unit;
 use super::{GRIDS_FIRST, solves_of};
 use crate::store::queue::Task;
 use std::collections::BTreeMap;
@@ -27,18 +27,16 @@ impl Job {
     }
 }
 
-/// The units of a shard, and before them the grids of their groups.
-pub(super) fn jobs(sweep: &Sweep, shard: Shard) -> Vec<Job> {
-    let units = units(sweep);
-    let mine = &units[shard.range(units.len())];
+/// Units, and before them the grids of their groups.
+pub(super) fn jobs(units: &[Unit]) -> Vec<Job> {
     let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for unit in mine {
+    for unit in units {
         let group = groups.entry(unit.group).or_default();
         group.extend(&unit.variants);
         group.sort_unstable();
         group.dedup();
     }
     let place = |group: usize| groups.keys().position(|&g| g == group).unwrap_or(0);
-    let of_unit: Vec<Job> = mine.iter().map(|unit| Job::Unit(unit.clone(), place(unit.group))).collect();
+    let of_unit: Vec<Job> = units.iter().map(|unit| Job::Unit(unit.clone(), place(unit.group))).collect();
     groups.into_values().map(Job::Grids).chain(of_unit).collect()
 }
