@@ -74,18 +74,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     {
         return Err(no_bars_in_shards(&variant.name));
     }
-    let path = output_path(args, shard);
-    let folder = OutputFolder::open(&path, Holds::Sweep).map_err(folder_report)?;
-    folder.begin().map_err(folder_report)?;
-    folder::write(&sweep, &folder).map_err(folder_report)?;
-    if args.retry_failed {
-        runner::forget_failures(&folder).into_diagnostic()?;
-    }
-    if let Some(from) = &args.grids {
-        let taken =
-            folder::take_grids(from, &folder).map_err(|e| miette!("--grids {}: {e}", from.display()))?;
-        eprintln!("{taken} grids taken from {}", from.display());
-    }
+    let folder = begin(&sweep, &output_path(args, shard), args)?;
     let progress = Progress::new(StopFlag::listen());
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
     progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) });
@@ -115,6 +104,22 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     }
     let reported = publish(&sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, progress.stopped(), &this_command())
+}
+
+/// The folder of the results with the sweep and what is to be taken over from elsewhere, ready for a run.
+fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputFolder> {
+    let folder = OutputFolder::open(path, Holds::Sweep).map_err(folder_report)?;
+    folder.begin().map_err(folder_report)?;
+    folder::write(sweep, &folder).map_err(folder_report)?;
+    if args.retry_failed {
+        runner::forget_failures(&folder).into_diagnostic()?;
+    }
+    if let Some(from) = &args.grids {
+        let taken =
+            folder::take_grids(from, &folder).map_err(|e| miette!("--grids {}: {e}", from.display()))?;
+        eprintln!("{taken} grids taken from {}", from.display());
+    }
+    Ok(folder)
 }
 
 /// Says where the results are; anything less than all of them is an error, so that scripts notice.

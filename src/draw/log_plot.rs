@@ -172,38 +172,49 @@ impl LogPlot {
             .map_err(failed)?;
         for (k, curve) in self.curves.iter().enumerate() {
             let colour = if curve.style == Style::Guide { RGBColor(120, 120, 120) } else { palette(k) };
-            let points: Vec<[f64; 3]> = curve.points.iter().copied().filter(|p| self.shown(p)).collect();
-            let line = points.iter().map(|p| (p[0], p[1]));
-            match curve.style {
-                Style::Data => {
-                    chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(failed)?;
-                }
-                Style::Guide => {
-                    let edge = |p: &[f64; 3], sign: f64| (p[0], p[1] + sign * p[2]);
-                    let band: Vec<_> = points
-                        .iter()
-                        .map(|p| edge(p, 1.0))
-                        .chain(points.iter().rev().map(|p| edge(p, -1.0)))
-                        .collect();
-                    chart.draw_series([Polygon::new(band, colour.mix(0.25))]).map_err(failed)?;
-                    let dashed = DashedLineSeries::new(line, DASHES.0 as u32, DASHES.1 as u32, colour.into());
-                    chart.draw_series(dashed).map_err(failed)?;
-                }
-                Style::Points => {}
-            }
-            if curve.style == Style::Points || (curve.style == Style::Data && points.len() <= MARKED) {
-                let marks = points
-                    .iter()
-                    .map(|p| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled()));
-                chart.draw_series(marks).map_err(failed)?;
-            }
-            let barred = |p: &&[f64; 3]| curve.style != Style::Guide && p[2] > 0.0;
-            let bars = points.iter().filter(barred).filter(|p| !self.log[1] || p[1] > p[2]).map(|p| {
-                PathElement::new([(p[0], p[1] - p[2]), (p[0], p[1] + p[2])], colour.stroke_width(1))
-            });
-            chart.draw_series(bars).map_err(failed)?;
+            self.draw_curve(&mut chart, k, curve, colour)?;
             self.name(&names, k, curve, colour)?;
         }
+        Ok(())
+    }
+
+    /// Line or band, markers and bars of one curve.
+    fn draw_curve<B, X, Y>(
+        &self,
+        chart: &mut ChartContext<B, Cartesian2d<X, Y>>,
+        k: usize,
+        curve: &Curve,
+        colour: RGBColor,
+    ) -> Result<(), FigureError>
+    where
+        B: DrawingBackend,
+        X: Ranged<ValueType = f64>,
+        Y: Ranged<ValueType = f64>,
+    {
+        let points: Vec<[f64; 3]> = curve.points.iter().copied().filter(|p| self.shown(p)).collect();
+        let line = points.iter().map(|p| (p[0], p[1]));
+        match curve.style {
+            Style::Data => {
+                chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(failed)?;
+            }
+            Style::Guide => {
+                chart.draw_series([Polygon::new(band(&points), colour.mix(0.25))]).map_err(failed)?;
+                let dashed = DashedLineSeries::new(line, DASHES.0 as u32, DASHES.1 as u32, colour.into());
+                chart.draw_series(dashed).map_err(failed)?;
+            }
+            Style::Points => {}
+        }
+        if curve.style == Style::Points || (curve.style == Style::Data && points.len() <= MARKED) {
+            let mark =
+                |p: &[f64; 3]| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled());
+            chart.draw_series(points.iter().map(mark)).map_err(failed)?;
+        }
+        let barred = |p: &&[f64; 3]| curve.style != Style::Guide && p[2] > 0.0;
+        let bars =
+            points.iter().filter(barred).filter(|p| !self.log[1] || p[1] > p[2]).map(|p| {
+                PathElement::new([(p[0], p[1] - p[2]), (p[0], p[1] + p[2])], colour.stroke_width(1))
+            });
+        chart.draw_series(bars).map_err(failed)?;
         Ok(())
     }
 
@@ -244,6 +255,13 @@ fn wide(low: f64, high: f64) -> std::ops::Range<f64> {
     } else {
         0.999 * decade..high
     }
+}
+
+/// Outline of a curve with its bars: along the upper ends and back along the lower ones.
+fn band(points: &[[f64; 3]]) -> Vec<(f64, f64)> {
+    let upper = points.iter().map(|p| (p[0], p[1] + p[2]));
+    let lower = points.iter().rev().map(|p| (p[0], p[1] - p[2]));
+    upper.chain(lower).collect()
 }
 
 /// Okabe–Ito, and the same greyer from the eighth curve on.

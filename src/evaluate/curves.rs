@@ -14,6 +14,27 @@ pub(super) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> A
     places.map(|angle| totals.map(|total| of(angle, total)))
 }
 
+/// Curves between the anchors, the diffuse BRDF's mean over the azimuth by `diffuse_width` functions, and the BRDF with its
+/// dependence on the azimuth; nothing without solves.
+pub(super) fn fits(
+    layer: &LayerEnsemble,
+    anchored: [usize; 2],
+    solved: &[SolvedRealisation],
+    films: &Films,
+    diffuse_width: usize,
+) -> [Fits; 3] {
+    if solved.is_empty() {
+        let widths = [(BENDS, 3), (diffuse_width, 1), (SYMMETRIC + AZIMUTHAL, 1)];
+        return widths.map(|(width, columns)| Fits::nothing(&layer.basis, width, columns));
+    }
+    let mean = match diffuse_width {
+        DIFFUSE => diffuse::<DIFFUSE>(layer, solved, &polarised_functions),
+        _ => diffuse::<SYMMETRIC>(layer, solved, &mean_functions),
+    };
+    let directional = diffuse::<{ SYMMETRIC + AZIMUTHAL }>(layer, solved, &all_functions);
+    [curves(layer, anchored, solved, films), mean, directional]
+}
+
 /// R, T and specular R between the anchors: what the solves in the strata differ from the film and the anchors' share.
 pub(super) fn curves(
     layer: &LayerEnsemble,
@@ -46,22 +67,22 @@ pub(super) fn curves(
 /// Functions of a sample: cosines of light and order, and sin θ_i sin θ_o cos Δφ.
 type Functions<const N: usize> = dyn Fn(f64, f64, f64) -> [f64; N];
 
-pub(super) fn mean_functions(lit: f64, seen: f64, _: f64) -> [f64; SYMMETRIC] {
+fn mean_functions(lit: f64, seen: f64, _: f64) -> [f64; SYMMETRIC] {
     symmetric(lit, seen)
 }
 
-pub(super) fn polarised_functions(lit: f64, seen: f64, _: f64) -> [f64; DIFFUSE] {
+fn polarised_functions(lit: f64, seen: f64, _: f64) -> [f64; DIFFUSE] {
     diffuse_functions(lit, seen)
 }
 
-pub(super) fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
+fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
     let (mean, directional) = (symmetric(lit, seen), azimuthal(lit, seen, s));
     std::array::from_fn(|k| if k < SYMMETRIC { mean[k] } else { directional[k - SYMMETRIC] })
 }
 
 /// The layer's own diffuse BRDF, from all orders of all solves from the incident side: its mean over the azimuth, which colours
 /// need, or with its dependence on it, which a renderer needs.
-pub(super) fn diffuse<const N: usize>(
+fn diffuse<const N: usize>(
     layer: &LayerEnsemble,
     solved: &[SolvedRealisation],
     functions: &Functions<N>,

@@ -2,7 +2,7 @@
 
 mod colours;
 
-use super::curves::{all_functions, curves, diffuse, mean_functions, polarised_functions};
+use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
 use super::on_paper::{AZIMUTHAL, BENDS, Curve, DIFFUSE, LayerOnPaper, Nodes, PolarAngle, SYMMETRIC};
@@ -134,26 +134,9 @@ impl InkOnPaper {
         let anchored = [normal, slanted];
         let (nodes_nm, places) = places(&layer, inputs.outputs_nm);
         let meter = Colorimeter::new(&nodes_nm[places.colours.clone()]);
-        let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
-        let albedos =
-            nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
-        let shares = nodes_nm.iter().map(|&nm| layer.basis.shares(nm)).collect();
-        let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
-        let nodes = Nodes { wavelengths_nm: nodes_nm, films, albedos, shares, means };
-        let none = |width: usize, columns: usize| Fits::nothing(&layer.basis, width, columns);
-        let polarised = returned.is_some();
-        let diffuse_width = if polarised { DIFFUSE } else { SYMMETRIC };
-        let (own_curves, diffuse, directional) = match solved {
-            [] => (none(BENDS, 3), none(diffuse_width, 1), none(SYMMETRIC + AZIMUTHAL, 1)),
-            _ => (
-                curves(&layer, anchored, solved, inputs.films),
-                match polarised {
-                    false => diffuse::<SYMMETRIC>(&layer, solved, &mean_functions),
-                    true => diffuse::<DIFFUSE>(&layer, solved, &polarised_functions),
-                },
-                diffuse::<{ SYMMETRIC + AZIMUTHAL }>(&layer, solved, &all_functions),
-            ),
-        };
+        let nodes = nodes(&layer, nodes_nm, inputs)?;
+        let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
+        let [own_curves, diffuse, directional] = fits(&layer, anchored, solved, inputs.films, diffuse_width);
         let returned = returned.map(|(layer, solved)| {
             let fits = curves(&layer, anchored, solved, &inputs.films.returned());
             (layer, fits)
@@ -293,6 +276,15 @@ fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
     let of_cell = |w: &SolvedWavelength| w.exact[0].order_area / (1e-3 * w.wavelength_nm).powi(2);
     let all: Vec<f64> = solved.iter().flat_map(|r| &r.wavelengths).map(of_cell).collect();
     all.iter().sum::<f64>() / all.len().max(1) as f64
+}
+
+/// All that is known at these wavelengths beside the solves.
+fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<Nodes, InkError> {
+    let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
+    let albedos = nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
+    let shares = nodes_nm.iter().map(|&nm| layer.basis.shares(nm)).collect();
+    let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
+    Ok(Nodes { wavelengths_nm: nodes_nm, films, albedos, shares, means })
 }
 
 fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {

@@ -1,20 +1,18 @@
 //! The layer on its paper at one wavelength: the formulas of [`crate::appearance::paper`] on fitted values.
 
+mod functions;
+
+pub use functions::{
+    AZIMUTHAL, BENDS, DIFFUSE, SYMMETRIC, anchor_shares, azimuthal, diffuse_functions, symmetric,
+};
+
 use super::films::FilmAt;
 use super::wavelengths::Shares;
 use crate::appearance::paper::{MirroredSky, PaperError, returned};
 use gauss_quad::GaussLegendre;
 use std::borrow::Cow;
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::PI;
 
-/// Functions that a curve over the angle has besides its values at 0° and 45°.
-pub const BENDS: usize = 2;
-/// Symmetric functions of both cosines that the diffuse BRDF has.
-pub const SYMMETRIC: usize = 6;
-/// With the antisymmetric ones that it has where polarised light comes in and all light is seen.
-pub const DIFFUSE: usize = 9;
-/// Functions of the azimuth between both planes that it has besides.
-pub const AZIMUTHAL: usize = 4;
 /// Nodes of the integrals of fitted curves, which are polynomials of degree 5.
 const CURVE_NODES: usize = 6;
 
@@ -314,48 +312,4 @@ fn curve(
 ) -> f64 {
     let anchored: f64 = between.iter().zip(anchors).map(|(s, a)| s * a[quantity]).sum();
     anchored + bends.iter().zip(&coefficients[quantity]).map(|(b, c)| b * c).sum::<f64>()
-}
-
-/// A curve over μ: shares of its values at 0° and 45° (Lagrange through these and zero at grazing, where every layer reflects all), and
-/// functions that vanish at all three.
-pub fn anchor_shares(mu: f64) -> ([f64; 2], [f64; BENDS]) {
-    let print = FRAC_1_SQRT_2;
-    let normal = mu * (mu - print) / (1.0 - print);
-    let slanted = mu * (1.0 - mu) / (print * (1.0 - print));
-    let bend = mu * (1.0 - mu) * (mu - print);
-    ([normal, slanted], std::array::from_fn(|b| bend * mu.powi(b as i32)))
-}
-
-/// Polynomials of both cosines, at most of the second degree in each, that do not change when they are exchanged (reciprocity).
-pub fn symmetric(x: f64, y: f64) -> [f64; SYMMETRIC] {
-    let (sum, product) = (x + y, x * y);
-    [1.0, sum, product, x * x + y * y, product * sum, product * product]
-}
-
-/// The same polynomials, and those that change their sign, of the cosines of illumination and viewing.
-pub fn diffuse_functions(lit: f64, seen: f64) -> [f64; DIFFUSE] {
-    let [one, sum, product, squares, mixed, fourth] = symmetric(lit, seen);
-    let apart = lit - seen;
-    [one, sum, product, squares, mixed, fourth, apart, apart * sum, apart * product]
-}
-
-/// Functions of both cosines and of s = sin θ_i sin θ_o cos Δφ without a mean over Δφ, that do not change when the directions are
-/// exchanged: cos Δφ with its first bends, and cos 2Δφ. The powers of the sines keep f smooth at the normal.
-pub fn azimuthal(x: f64, y: f64, s: f64) -> [f64; AZIMUTHAL] {
-    let sines_squared = (1.0 - x * x) * (1.0 - y * y);
-    [s, s * (x + y), s * x * y, 2.0 * s * s - sines_squared]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn curves_pass_through_their_anchors_and_vanish_at_grazing() {
-        let ([normal, slanted], bends) = anchor_shares(1.0);
-        assert!(normal == 1.0 && slanted == 0.0 && bends == [0.0; BENDS]);
-        let (between, bends) = anchor_shares(FRAC_1_SQRT_2);
-        assert!(between[0].abs() < 1e-15 && (between[1] - 1.0).abs() < 1e-15 && bends[0].abs() < 1e-15);
-        assert_eq!(anchor_shares(0.0), ([0.0; 2], [0.0; BENDS]));
-    }
 }

@@ -1,131 +1,32 @@
 //! `inkwave export`: from a finished study to files in the formats asked for.
 
+mod error;
+mod request;
+
+pub use error::ExportError;
+pub use request::{Format, NearField, Request};
+
 use super::mitsuba::{self, Table};
 use super::print::{Geometry, Print, PrintSpectrum, resample, uniform_grid};
 use super::provenance::{self, Described, Run, STUDY};
-use super::samples::{self, SampleError};
+use super::samples;
 use super::stored::Stored;
 use super::voxels::Voxels;
 use super::{cgats, cxf, near_field, npz, viewer};
 use crate::evaluate::directional::DirectionalInk;
-use crate::evaluate::ink::{InkError, InkOnPaper};
+use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::seen::NoInk;
 use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT, program, summarise};
-use crate::ink::PackError;
+use crate::ink::Packing;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::report::tables;
 use crate::run::point::{Stopper, pack_realisation};
 use crate::run::watch::RunWatch;
-use crate::solve::SolveError;
 use crate::store::record::PointRecord;
-use crate::wave::{Coverage, Incidence, Mean, Problem, Scene, Side, WaveError};
+use crate::wave::{Coverage, Incidence, Mean, Problem, Scene, Side};
 use std::sync::Arc;
-
-/// A format, or a group of files that belong together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Measured material for the renderer Mitsuba 3, spectral and RGB, with scenes and tables to check it by.
-    Mitsuba,
-    /// CxF3: spectra with Lab.
-    Cxf,
-    /// CGATS.17 and ArgyllCMS's dialect of it.
-    Cgats,
-    /// Far fields as NumPy arrays.
-    Npz,
-    /// Contrast, and on request the wave inside the layer, as VTK images.
-    Vti,
-    /// The first packing as a page for the browser.
-    Viewer,
-    /// RO-Crate and Data Package with the tables they describe.
-    Crate,
-}
-
-/// Light for a near field, which is computed anew: no run keeps it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NearField {
-    /// One of the study's wavelengths, nm.
-    pub wavelength_nm: f64,
-    /// Angle of incidence, degrees.
-    pub polar_deg: f64,
-}
-
-/// What to export.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// Formats, in any order.
-    pub formats: Vec<Format>,
-    /// A solve for `near-field.vti`; none unless asked.
-    pub near_field: Option<NearField>,
-    /// Date and time for the files that carry one, RFC 3339.
-    pub created: String,
-}
-
-/// Why something could not be exported.
-#[derive(Debug, thiserror::Error)]
-pub enum ExportError {
-    /// Colours and materials need the ink on its paper.
-    #[error("{format} needs the ink on its paper: {reason}")]
-    NoInk {
-        /// The format.
-        format: &'static str,
-        /// Why there is none.
-        reason: String,
-    },
-    /// The material's frame is vacuum.
-    #[error("layer.index_above is {index}; a renderer's material lies in air: allowed is 1")]
-    NotInAir {
-        /// Index of the incident side.
-        index: f64,
-    },
-    /// The wavelength is not one of the study's.
-    #[error("near field: found {found} nm; allowed is one of the study's wavelengths, {allowed} nm")]
-    Wavelength {
-        /// Asked for, nm.
-        found: f64,
-        /// The study's own, nm.
-        allowed: String,
-    },
-    /// The near field of Maxwell's equations is known as moments alone.
-    #[error(
-        "near field: light.wave is {wave}; allowed is \"scalar\": Maxwell's equations are solved for moments of E, which no volume shows yet"
-    )]
-    VectorNearField {
-        /// The study's wave.
-        wave: &'static str,
-    },
-    /// Too few wavelengths for spectra on a grid of 10 nm.
-    #[error("{format} needs at least two multiples of 10 nm inside the study's wavelengths")]
-    TooFewWavelengths {
-        /// The format.
-        format: &'static str,
-    },
-    /// The appearance refuses.
-    #[error(transparent)]
-    Ink(#[from] InkError),
-    /// A table was not made.
-    #[error(transparent)]
-    Sample(#[from] SampleError),
-    /// A table was not made.
-    #[error("cannot write a table: {0}")]
-    Csv(#[from] csv::Error),
-    /// JSON was not made.
-    #[error("cannot write JSON: {0}")]
-    Json(#[from] serde_json::Error),
-    /// The archive of arrays was not made.
-    #[error("cannot write the archive of arrays: {0}")]
-    Npz(#[from] ndarray_npy::WriteNpzError),
-    /// The packing could not be made again.
-    #[error(transparent)]
-    Packing(#[from] PackError),
-    /// The near field's problem is not valid.
-    #[error(transparent)]
-    Wave(#[from] WaveError),
-    /// The near field's solve failed.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
-}
 
 /// The files, and what a person should know about them.
 #[derive(Clone, Debug, Default)]
@@ -295,41 +196,42 @@ impl Exporter<'_> {
         let names: Vec<&str> = study.pigments.iter().map(|p| p.name.as_str()).collect();
         let asked = self.request.near_field.map(|light| light.wavelength_nm);
         let w = asked.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
-        let image = Voxels::of(&packing).image(
-            &names,
-            &study.media(1e-3 * study.wavelengths_nm[w]),
-            study.wavelengths_nm[w],
-        );
-        out.add(
-            "contrast.vti",
-            image.vti(),
-            "η² less that of the binder, and every pigment's share; lengths in µm",
-        );
-        if let Some(light) = self.request.near_field {
-            if study.wave.is_vector() {
-                return Err(ExportError::VectorNearField { wave: study.wave.name() });
-            }
-            self.watch.stage("solving for the near field");
-            let incidence = Incidence {
-                wavelength_um: 1e-3 * study.wavelengths_nm[w],
-                polar_deg: light.polar_deg,
-                azimuth_deg: study.angles.azimuth_deg,
-                from: Side::Incident,
-            };
-            let coverage = Arc::new(Coverage::new(
-                &Scene::from_packing(&packing),
-                self.stored.collected.resolved.resolution,
-            )?);
-            let problem = Problem::new(
-                &coverage,
-                &study.media(1e-3 * study.wavelengths_nm[w]),
-                &incidence,
-                Mean::default(),
-            )?;
-            let solution = study.solver.build().solve(&problem, study.goal, &mut Stopper(self.watch))?;
-            let image = near_field::image(&problem, &solution.field);
-            out.add("near-field.vti", image.vti(), "the wave inside the first packing; lengths in µm");
+        let wavelength_nm = study.wavelengths_nm[w];
+        let image = Voxels::of(&packing).image(&names, &study.media(1e-3 * wavelength_nm), wavelength_nm);
+        let about = "η² less that of the binder, and every pigment's share; lengths in µm";
+        out.add("contrast.vti", image.vti(), about);
+        match self.request.near_field {
+            Some(light) => self.near_field(&packing, wavelength_nm, light.polar_deg, out),
+            None => Ok(()),
         }
+    }
+
+    /// A solve of the packing for one of the study's wavelengths.
+    fn near_field(
+        &self,
+        packing: &Packing,
+        wavelength_nm: f64,
+        polar_deg: f64,
+        out: &mut Exported,
+    ) -> Result<(), ExportError> {
+        let study = self.study();
+        if study.wave.is_vector() {
+            return Err(ExportError::VectorNearField { wave: study.wave.name() });
+        }
+        self.watch.stage("solving for the near field");
+        let incidence = Incidence {
+            wavelength_um: 1e-3 * wavelength_nm,
+            polar_deg,
+            azimuth_deg: study.angles.azimuth_deg,
+            from: Side::Incident,
+        };
+        let resolution = self.stored.collected.resolved.resolution;
+        let coverage = Arc::new(Coverage::new(&Scene::from_packing(packing), resolution)?);
+        let media = study.media(1e-3 * wavelength_nm);
+        let problem = Problem::new(&coverage, &media, &incidence, Mean::default())?;
+        let solution = study.solver.build().solve(&problem, study.goal, &mut Stopper(self.watch))?;
+        let image = near_field::image(&problem, &solution.field);
+        out.add("near-field.vti", image.vti(), "the wave inside the first packing; lengths in µm");
         Ok(())
     }
 

@@ -1,19 +1,19 @@
 //! A study that has passed every check: the only input a run takes.
 
-use super::contrast::ContrastPart;
-use super::measured::MeasuredSpectrum;
+mod layer;
+mod wanted;
+
+pub use layer::{Dissolved, Layer, Material, Paper, Pigment};
+pub use wanted::{Angles, Judgement, Output, WantedResolution};
+
 use super::variation::{Turn, Variation, stratified_deg};
-use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
-use crate::appearance::viewing::Viewing;
-use crate::ink::{PackingRequest, PigmentGrains};
-use crate::material::mixing::MixingRule;
+use crate::ink::PackingRequest;
 use crate::material::spectra::Spectrum;
 use crate::solve::door::Wave;
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
-use crate::wave::contrast::coverage::{EXACT, error_for};
 use crate::wave::maxwell::Polarisation;
-use crate::wave::{Incidence, Media, Scheme, Side};
+use crate::wave::{Incidence, Media, Side};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -56,174 +56,6 @@ pub struct Study {
     /// Conditions and spectra that the prediction is judged by; no solve depends on them.
     #[serde(default)]
     pub judgement: Judgement,
-}
-
-/// What an ink maker holds the prediction against.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Judgement {
-    /// Light and observer.
-    pub viewing: Viewing,
-    /// L*, a*, b* wanted at 45:0.
-    pub target_lab: Option<[f64; 3]>,
-    /// A measured spectrum at 45:0.
-    pub measured: Option<MeasuredSpectrum>,
-}
-
-/// The periodic cell 0 ≤ z ≤ thickness and its surroundings.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Layer {
-    /// Lateral periods, µm.
-    pub period_um: [f64; 2],
-    /// Thickness, µm.
-    pub thickness_um: f64,
-    /// Real index of the incident side.
-    pub index_above: f64,
-    /// Real index of the exit side.
-    pub index_below: f64,
-    /// What is between the grains.
-    pub binder: Material,
-    /// Which part of the contrast scatters.
-    #[serde(default, skip_serializing_if = "ContrastPart::is_full")]
-    pub contrast: ContrastPart,
-}
-
-/// One kind of grain.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Pigment {
-    /// Name, for people.
-    pub name: String,
-    /// Shape, sizes and volume fraction of its grains.
-    pub grains: PigmentGrains,
-    /// Its refractive index.
-    pub material: Material,
-}
-
-/// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Dissolved {
-    /// Name, for people.
-    pub name: String,
-    /// Share of the layer's volume.
-    pub volume_fraction: f64,
-    /// The index at each wavelength.
-    pub material: Material,
-}
-
-/// A material by its index n + iκ at every wavelength of the study.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Material {
-    /// For people: a constant, the name of a built-in spectrum, or the path of a table.
-    pub source: String,
-    /// At the study's wavelengths.
-    pub index: Vec<Complex64>,
-    /// At any wavelength between them.
-    pub spectrum: Spectrum,
-    /// What is dissolved in it: shares of its own volume, and indices.
-    pub dissolved: Vec<(f64, Spectrum)>,
-    /// How that mixes with it.
-    #[serde(default, skip_serializing_if = "MixingRule::is_volume_average")]
-    pub mixing: MixingRule,
-}
-
-impl Material {
-    /// η at a vacuum wavelength within the study's range.
-    pub fn index_at(&self, wavelength_um: f64) -> Complex64 {
-        // the check has proven the ends of the range, and a spectrum answers between its ends
-        let of = |spectrum: &Spectrum| spectrum.index(wavelength_um).unwrap_or(Complex64::new(f64::NAN, 0.0));
-        let own = of(&self.spectrum);
-        if self.dissolved.is_empty() {
-            return own;
-        }
-        let shares: Vec<_> = self.dissolved.iter().map(|(share, spectrum)| (*share, of(spectrum))).collect();
-        self.mixing.mix(own, &shares)
-    }
-}
-
-/// The Lambertian substrate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Paper {
-    /// For people: the albedo itself, or where its table comes from.
-    pub source: String,
-    /// Share of the light that the paper returns.
-    pub albedo: Albedo,
-    /// What is between ink and paper.
-    pub coupling: Coupling,
-}
-
-/// Directions of the light.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Angles {
-    /// Polar angles that every realisation is solved at, degrees from the normal, below 90, rising.
-    pub exact_deg: Vec<f64>,
-    /// Further directions over the hemisphere of the incident side, one in each equal stratum of cos²θ; 0 where only single
-    /// angles were asked for.
-    pub strata: usize,
-    /// The same from the exit side; 0 where the layer is statistically the same from both sides.
-    pub exit_strata: usize,
-    /// Azimuth of the plane of incidence, degrees; that of a varied cell adds to it.
-    pub azimuth_deg: f64,
-    /// Largest angle of the picture's axes.
-    pub picture_max_deg: f64,
-    /// Why there are neither paper nor colour, where the angles are the reason.
-    pub no_paper: Option<String>,
-}
-
-impl Angles {
-    /// Directions that each wavelength is solved at.
-    pub fn count(&self) -> usize {
-        self.exact_deg.len() + self.strata + self.exit_strata
-    }
-}
-
-/// A wanted accuracy, or the grid itself.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WantedResolution {
-    /// Largest error of any order's amplitude.
-    Accuracy {
-        /// Largest error of a complex amplitude.
-        amplitude: f64,
-        /// Discretisation along z.
-        scheme: Scheme,
-    },
-    /// Points and planes per µm.
-    Grid {
-        /// Points along x and y, per µm.
-        points_per_um: f64,
-        /// Planes along z, per µm.
-        planes_per_um: f64,
-        /// Discretisation along z.
-        scheme: Scheme,
-    },
-}
-
-impl WantedResolution {
-    /// The discretisation in z.
-    pub fn scheme(&self) -> Scheme {
-        match *self {
-            Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
-        }
-    }
-
-    /// Relative error of the contrast's coefficients that is nothing beside the grid's: a grid of one's own choice may
-    /// be as fine as it likes.
-    pub fn coverage_error(&self) -> f64 {
-        match *self {
-            Self::Accuracy { amplitude, .. } => error_for(amplitude),
-            Self::Grid { .. } => EXACT,
-        }
-    }
-}
-
-/// What the results look like; no solve depends on it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Output {
-    /// Folder of the results, if named in the file.
-    pub folder: Option<String>,
-    /// Side of the picture's square, pixels.
-    pub picture_pixels: usize,
-    /// What the specular direction reflects.
-    pub mirrored_sky: MirroredSky,
 }
 
 /// One solve of the study.

@@ -1,6 +1,6 @@
 //! Two-dimensional transforms of planes; spectra stay transposed, and only harmonics in use are kept.
 
-use num_complex::Complex;
+use num_complex::{Complex, Complex64};
 use rustfft::num_traits::NumAssign;
 use rustfft::{Fft, FftNum, FftPlanner};
 use std::sync::Arc;
@@ -33,6 +33,11 @@ impl Real for f32 {
     fn wide(self) -> f64 {
         self.into()
     }
+}
+
+/// The same number in another precision.
+pub fn narrow<T: Real>(z: Complex64) -> Complex<T> {
+    Complex::new(T::of(z.re), T::of(z.im))
 }
 
 /// Transforms of an nx × ny plane (x runs fastest), unnormalised in both directions.

@@ -57,6 +57,22 @@ impl<'a> Ledger<'a> {
         self.account.residual
     }
 
+    /// The field to begin with, its residual noted: `start`, or u₀, which is the solution itself where there is no contrast.
+    /// Its residual vector goes to `scratch`.
+    ///
+    /// # Errors
+    /// As [`Ledger::note`].
+    pub fn first_field(&mut self, start: Option<&Field>, scratch: &mut Field) -> Result<Field, SolveError> {
+        if !self.problem.has_contrast() {
+            self.note(0.0)?;
+            return Ok(self.background.clone());
+        }
+        let field = start.cloned().unwrap_or_else(|| self.background.clone());
+        let residual = self.measure(&field, scratch);
+        self.note(residual)?;
+        Ok(field)
+    }
+
     /// Enters a residual in the history and asks the watcher whether to go on.
     ///
     /// # Errors

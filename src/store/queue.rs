@@ -4,24 +4,13 @@
 //! killed worker had taken, the others take up at once. What the queue says of finished tasks holds for one session only,
 //! from the first worker's start to the last one's end; the records themselves tell what is really there.
 
+mod tables;
+
 use super::slot::Slot;
-use rusqlite::{Connection, ErrorCode, OptionalExtension, Transaction, TransactionBehavior, params};
+use rusqlite::{Connection, Transaction, TransactionBehavior, params};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
-
-/// The queue's file among the records.
-const FILE: &str = "queue";
-/// Turns at the queue are short.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-const TABLES: &str = "
-    create table if not exists work (name text not null, publisher integer);
-    create table if not exists workers (number integer primary key, holder text not null);
-    create table if not exists tasks (id integer primary key, cost real not null, after integer,
-        worker integer, done integer not null default 0,
-        solves integer not null default 0, failed integer not null default 0);
-    create index if not exists by_cost on tasks (done, worker, cost desc, id)";
+use tables::{begin, enlist, enter, free_claims_of_the_dead, living, next, open, take, under_way};
 
 /// One piece of work.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,8 +82,7 @@ impl Queue {
     /// Others work on something else there, or the queue's file cannot be used.
     pub fn join(folder: &Path, slot: &Slot, name: &str) -> Result<Self, QueueError> {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
-        let mut connection =
-            open(&folder.join(FILE)).or_else(|error| reopen(folder, slot, error)).map_err(failed)?;
+        let mut connection = open(folder, slot).map_err(failed)?;
         let transaction =
             Transaction::new(&mut connection, TransactionBehavior::Immediate).map_err(failed)?;
         match under_way(&transaction, folder).map_err(failed)? {
@@ -113,14 +101,7 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn enlist(&self, first: usize, tasks: &[Task]) -> Result<(), QueueError> {
-        let sql = "insert or ignore into tasks (id, cost, after) values (?1, ?2, ?3)";
-        self.turn(|transaction| {
-            let mut insert = transaction.prepare_cached(sql)?;
-            for (i, task) in tasks.iter().enumerate() {
-                insert.execute(params![first + i, task.cost, task.after.map(|after| first + after)])?;
-            }
-            Ok(())
-        })
+        self.turn(|transaction| enlist(transaction, first, tasks))
     }
 
     /// Asks for work.
@@ -223,86 +204,6 @@ impl Queue {
         };
         at_it().map_err(|source| QueueError::File { folder: self.folder.clone(), source })
     }
-}
-
-fn open(path: &Path) -> rusqlite::Result<Connection> {
-    let connection = Connection::open(path)?;
-    connection.busy_timeout(PATIENCE)?;
-    let logged = connection.pragma_update(None, "journal_mode", "wal");
-    logged.or_else(|_| connection.pragma_update(None, "journal_mode", "truncate"))?;
-    // The queue is made anew after a crash of the machine.
-    connection.pragma_update(None, "synchronous", "off")?;
-    connection.execute_batch(TABLES)?;
-    Ok(connection)
-}
-
-/// A damaged queue is made anew unless others are at it.
-fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Result<Connection> {
-    let damaged =
-        matches!(error.sqlite_error_code(), Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase));
-    let others = (1..slot.number() + 64).any(|n| n != slot.number() && Slot::is_held(folder, n));
-    if others || !damaged {
-        return Err(error);
-    }
-    for suffix in ["", "-wal", "-shm"] {
-        // What cannot be removed shows when the file is opened.
-        let _ = std::fs::remove_file(folder.join(format!("{FILE}{suffix}")));
-    }
-    open(&folder.join(FILE))
-}
-
-/// The name of the work that a living worker is at.
-fn under_way(transaction: &Transaction, folder: &Path) -> rusqlite::Result<Option<String>> {
-    if living(transaction, folder)?.is_empty() {
-        return Ok(None);
-    }
-    transaction.query_row("select name from work", [], |row| row.get(0)).optional()
-}
-
-/// Workers of this session that live.
-fn living(transaction: &Transaction, folder: &Path) -> rusqlite::Result<Vec<u32>> {
-    let mut statement = transaction.prepare_cached("select number, holder from workers")?;
-    let all = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
-    let all = all.collect::<rusqlite::Result<Vec<(u32, String)>>>()?;
-    let lives = |(number, holder): &(u32, String)| Slot::is_held_by(folder, *number, holder);
-    Ok(all.into_iter().filter(lives).map(|(number, _)| number).collect())
-}
-
-fn begin(transaction: &Transaction, name: &str) -> rusqlite::Result<()> {
-    transaction.execute_batch("delete from work; delete from workers; delete from tasks")?;
-    transaction.execute("insert into work (name) values (?1)", [name]).map(drop)
-}
-
-/// Signs a worker in; an earlier one at the same place is dead, and its tasks are free.
-fn enter(transaction: &Transaction, slot: &Slot) -> rusqlite::Result<()> {
-    let free = "update tasks set worker = null, solves = 0 where worker = ?1 and not done";
-    transaction.execute(free, [slot.number()])?;
-    let sign_in = "insert or replace into workers values (?1, ?2)";
-    transaction.execute(sign_in, params![slot.number(), slot.holder()]).map(drop)
-}
-
-/// The costliest task that nobody holds and that waits for none.
-fn next(transaction: &Transaction) -> rusqlite::Result<Option<usize>> {
-    let sql = "select id from tasks where not done and worker is null
-        and (after is null or exists (select 1 from tasks as first where first.id = tasks.after and first.done))
-        order by cost desc, id limit 1";
-    transaction.prepare_cached(sql)?.query_row([], |row| row.get(0)).optional()
-}
-
-fn take(transaction: &Transaction, task: usize, worker: u32) -> rusqlite::Result<()> {
-    transaction.execute("update tasks set worker = ?2 where id = ?1", params![task, worker]).map(drop)
-}
-
-fn free_claims_of_the_dead(transaction: &Transaction, folder: &Path) -> rusqlite::Result<()> {
-    let living = living(transaction, folder)?;
-    let mut statement =
-        transaction.prepare("select distinct worker from tasks where worker is not null and not done")?;
-    let holding = statement.query_map([], |row| row.get(0))?.collect::<rusqlite::Result<Vec<u32>>>()?;
-    for dead in holding.into_iter().filter(|worker| !living.contains(worker)) {
-        let sql = "update tasks set worker = null, solves = 0 where worker = ?1 and not done";
-        transaction.execute(sql, [dead])?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -53,6 +53,23 @@ fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], fau
     };
     let (plus, minus) = (places("plus", &table.plus), places("minus", &table.minus));
     let among = places("among", &table.among);
+    check(at, table, faults);
+    Claim {
+        id: table.id.clone(),
+        statement: table.statement.clone(),
+        quantity: table.quantity,
+        wavelength_nm: table.wavelength_nm,
+        range_nm: table.range_nm,
+        plus,
+        minus,
+        at_least: table.at_least,
+        at_most: table.at_most,
+        curve: table.along.iter().copied().zip(among).collect(),
+    }
+}
+
+/// Faults of a conclusion's own numbers: wavelengths, places of a curve, bounds.
+fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
     let spectral = matches!(table.quantity, Quantity::Transmittance | Quantity::Reflectance);
     let mut wrong = |key: &str, found: &str, allowed: &str| {
         faults.push(Fault::new(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml"));
@@ -86,18 +103,6 @@ fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], fau
     }
     if table.quantity == Quantity::DeltaE && (table.plus.len(), table.minus.len()) != (1, 1) {
         wrong("plus", "other numbers of colours", "one colour in plus and one in minus");
-    }
-    Claim {
-        id: table.id.clone(),
-        statement: table.statement.clone(),
-        quantity: table.quantity,
-        wavelength_nm: table.wavelength_nm,
-        range_nm: table.range_nm,
-        plus,
-        minus,
-        at_least: table.at_least,
-        at_most: table.at_most,
-        curve: table.along.iter().copied().zip(among).collect(),
     }
 }
 

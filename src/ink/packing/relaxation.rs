@@ -4,18 +4,20 @@
 //! mirror image of the sphere. Bodies follow μ v = F, J ω = M = Σ rᵢ × Fᵢ. Only bodies on the moving list are
 //! looked at; whoever is pushed joins it. A batch ends when the true overlap (ε = 0) is gone.
 
+mod forces;
+mod steps;
+
 use super::bodies::Bodies;
 use super::loads::{Found, Loads};
 use super::neighbours::Neighbours;
 use super::plan::Plan;
 use super::request::RelaxationSettings;
-use super::sequential::{MARGIN, scatter};
+use super::sequential::scatter;
 use super::strain::strain;
 use super::watch::{PackProgress, PackWatch};
 use crate::ink::error::PackError;
-use crate::ink::grains::orientation::Field;
 use crate::numerics::Draws;
-use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub};
+use crate::numerics::vector::{V3, dot};
 use std::ops::ControlFlow;
 
 /// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed length (the
@@ -212,145 +214,6 @@ impl<'r, 'a> Relaxation<'r, 'a> {
     fn deflate(&mut self) -> bool {
         self.inflation *= 0.5;
         self.inflation >= LEAST_INFLATION
-    }
-
-    /// Forces and torques on the bodies of the moving list and on those they push.
-    fn forces(&mut self, draws: &mut Draws) -> Found {
-        let mut found = Found::default();
-        for k in 0..self.moving.len() {
-            let b = self.moving[k] as usize;
-            for s in self.bodies.first[b]..self.bodies.first[b + 1] {
-                self.wall(b, s, &mut found);
-                self.pairs(b, s, &mut found, draws);
-            }
-        }
-        found
-    }
-
-    fn pairs(&mut self, b: usize, s: usize, found: &mut Found, draws: &mut Draws) {
-        let bodies = &*self.bodies;
-        let (p, r, wider) = (bodies.at[s], bodies.radius[s], 1.0 + self.inflation);
-        let mut push = [0.0; 3];
-        let mut pushed = false;
-        for t in self.list.of(s).iter().map(|t| *t as usize) {
-            let d = bodies.cell.delta(p, bodies.at[t]);
-            let sum = r + bodies.radius[t];
-            let reach = sum * wider;
-            let d2 = dot(d, d);
-            if d2 >= reach * reach {
-                continue;
-            }
-            let other = bodies.owner[t] as usize;
-            if other < b && self.moves[other] {
-                continue; // met from the other side
-            }
-            let distance = d2.sqrt();
-            let depth = reach - distance; // L = (1 + ε)(R₁ + R₂) − distance
-            // Coincident centres have no line of action: any direction will do.
-            let away = if distance > 1e-9 * sum {
-                scale(d, depth / distance)
-            } else {
-                scale(draws.direction(), depth)
-            };
-            push = sub(push, away); // F = −L on this sphere, summed over its neighbours
-            pushed = true;
-            self.loads.act(other, bodies.arm[t], away); // +L on the other
-            found.hear(0.5 * depth * depth, sum * (1.0 + MARGIN) - distance, sum); // energy L²/2
-        }
-        if pushed {
-            self.loads.act(b, bodies.arm[s], push);
-        }
-    }
-
-    /// A wall repels like the sphere's own image behind it: L = 2 (R (1 + ε) − distance to the wall).
-    fn wall(&mut self, b: usize, s: usize, found: &mut Found) {
-        if !self.bodies.cell.walls {
-            return;
-        }
-        let (z, r, top) = (self.bodies.at[s][2], self.bodies.radius[s], self.bodies.cell.size[2]);
-        for (distance, sign) in [(z, 1.0), (top - z, -1.0)] {
-            let depth = r * (1.0 + self.inflation) - distance;
-            if depth > 0.0 {
-                self.loads.act(b, self.bodies.arm[s], [0.0, 0.0, sign * 2.0 * depth]);
-                let margin = MARGIN * (r + top);
-                found.hear(depth * depth, r + margin - distance, r);
-            }
-        }
-    }
-
-    /// One Euler step of every touched body, which then form the new moving list.
-    fn advance(&mut self) {
-        let h = self.step / self.settings.translational_viscosity;
-        let ramp = self.ramp();
-        let aligning = self.aligning(ramp);
-        let mut outrun = false;
-        for k in 0..self.loads.joined.len() {
-            let b = self.loads.joined[k] as usize;
-            self.loads.touched[b] = false;
-            let force = std::mem::take(&mut self.loads.force[b]);
-            let torque = std::mem::take(&mut self.loads.torque[b]);
-            let mut by = scale(force, h); // Δx = F Δt/μ
-            let mut turn = [0.0; 3];
-            if self.loads.inertia[b] > 0.0 {
-                // Δφ = M Δt/J, and what the aligning field adds
-                turn = add(scale(torque, h / self.loads.inertia[b]), self.alignment(b, ramp, &aligning));
-            }
-            // No point of the body moves by more than the step's limit.
-            let reach = self.plan.bodies[b].reach;
-            let length = norm(by) + norm(turn) * reach;
-            if length > self.limit[b] {
-                by = scale(by, self.limit[b] / length);
-                turn = scale(turn, self.limit[b] / length);
-            }
-            let centre = add(self.bodies.centre[b], by);
-            if turn == [0.0; 3] {
-                self.bodies.shift(b, centre);
-            } else {
-                self.bodies.put(b, centre, self.bodies.rotation[b].then(Rotation::by(turn)));
-            }
-            let range = self.bodies.first[b]..self.bodies.first[b + 1];
-            outrun |= range.into_iter().any(|s| self.list.outrun(&self.bodies.cell, s, self.bodies.at[s]));
-        }
-        self.moving.iter().for_each(|b| self.moves[*b as usize] = false);
-        self.loads.joined.iter().for_each(|b| self.moves[*b as usize] = true);
-        std::mem::swap(&mut self.moving, &mut self.loads.joined);
-        self.loads.joined.clear();
-        if outrun {
-            self.list.adapt(self.steps - self.listed, self.mean_radius);
-            self.list.remake(self.bodies, self.inflation);
-            self.listed = self.steps;
-        }
-    }
-
-    /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.
-    fn ramp(&self) -> f64 {
-        let steps = self.settings.aligning_steps as f64;
-        if steps > 0.0 { (1.0 - (self.steps - self.batch_start) as f64 / steps).max(0.0) } else { 0.0 }
-    }
-
-    /// Pigments whose order still falls short of what their field asks for.
-    fn aligning(&self, ramp: f64) -> Vec<bool> {
-        let falls_short = |(pigment, field): (usize, &Option<Field>)| {
-            let Some(field) = field.filter(|f| ramp > 0.0 && f.kappa != 0.0) else { return false };
-            let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
-            let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
-            let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));
-            n > 0.0 && field.wants_more(sum / n)
-        };
-        self.plan.fields.iter().enumerate().map(falls_short).collect()
-    }
-
-    /// The turn that the aligning field adds to a step.
-    fn alignment(&self, b: usize, ramp: f64, aligning: &[bool]) -> V3 {
-        let body = &self.plan.bodies[b];
-        match &self.plan.fields[body.pigment] {
-            Some(field) if aligning[body.pigment] => {
-                let torque = scale(field.torque(self.bodies.axes(b)), 1.0 / body.parts.len() as f64);
-                // At 45° the torque is ½.
-                scale(torque, 2.0 * ramp * self.settings.aligning_deg_per_step.to_radians())
-            }
-            _ => [0.0; 3],
-        }
     }
 
     fn report(&self, found: &Found, watch: &mut dyn PackWatch) -> Result<(), PackError> {

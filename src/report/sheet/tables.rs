@@ -2,7 +2,7 @@
 
 use super::percent;
 use crate::appearance::paper::{Coupling, MirroredSky};
-use crate::evaluate::manifest::{Budget, ColourNote, Manifest, SpectrumRow};
+use crate::evaluate::manifest::{Budget, Certainty, ColourNote, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::ink::Method;
 use crate::input::study::{Study, WantedResolution};
@@ -41,7 +41,13 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
         let meaning = "standard error of the mean transmittance over the hemisphere from the placing of the directions, at the worst wavelength";
         rows.push(meant("angles", format!("{error:.1e}"), meaning));
     }
-    rows.extend([
+    rows.extend(exactness(certainty));
+    rows
+}
+
+/// How exactly the solves themselves stand for their packings.
+fn exactness(certainty: &Certainty) -> [Meant; 4] {
+    [
         meant(
             "grid, R and T",
             format!("{:.1e}, {:.1e}", certainty.reflectance_grid_error, certainty.transmittance_grid_error),
@@ -64,8 +70,7 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
             format!("{:.1e}", certainty.largest_residual),
             format!("largest relative residual, after {:.0} steps on average", certainty.mean_steps),
         ),
-    ]);
-    rows
+    ]
 }
 
 /// Which part of the first colour's error is how large: what dominates tells what to buy.

@@ -50,15 +50,8 @@ impl Solver for ConvergentBorn {
         let problem = scalar(system, self.name())?;
         self.check()?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
-        if !problem.has_contrast() {
-            ledger.note(0.0)?;
-            let field = ledger.background.clone();
-            return Ok(ledger.finish(field));
-        }
-        let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut scratch = Field::zeros(problem.shape());
-        let first = ledger.measure(&field, &mut scratch);
-        ledger.note(first)?;
+        let mut field = ledger.first_field(start, &mut scratch)?;
         if ledger.reached() {
             return Ok(ledger.finish(field));
         }
@@ -111,7 +104,6 @@ struct Series<'a> {
     /// V'/D and step · γ at the points.
     contrast: Array2<Complex64>,
     gamma: Array2<Complex64>,
-    mass: Vec<f64>,
     /// Row of the face the light enters by, and b/D at its points.
     source: (usize, Vec<Complex64>),
     u: Array2<Complex64>,
@@ -123,8 +115,7 @@ struct Series<'a> {
 
 impl<'a> Series<'a> {
     fn new(problem: &'a Problem, settings: &ConvergentBorn, field: &Field) -> Series<'a> {
-        let mass = problem.mean.plane_mass();
-        let plain = contrasts(problem, &mass);
+        let plain = contrasts(problem);
         let largest = plain.iter().map(|v| v.norm()).fold(1e-300, f64::max);
         let shift = Complex64::new(0.0, largest / settings.scale);
         let contrast = plain.mapv(|v| v - shift);
@@ -132,11 +123,11 @@ impl<'a> Series<'a> {
         let gamma = contrast.mapv(|v| -settings.step * v / shift);
         let shifted = ShiftedMean::new(problem, shift, 1.0.into());
         let (row, b) = problem.source_at_points();
-        let source = (row, b.iter().map(|b| b / mass[row]).collect());
+        let source = (row, b.iter().map(|b| b / shifted.mass[row]).collect());
         let mut u = Array2::zeros(contrast.dim());
         problem.planes_to_points(&problem.mean.to_planes(field), &mut u);
         let (points, harmonics) = (u.clone(), Field::zeros(problem.shape()));
-        Series { problem, shifted, contrast, gamma, mass, source, u, points, harmonics }
+        Series { problem, shifted, contrast, gamma, source, u, points, harmonics }
     }
 
     fn bytes(&self) -> usize {
@@ -161,11 +152,7 @@ impl<'a> Series<'a> {
 
     /// points ← G D points, harmonic by harmonic.
     fn apply_green(&mut self) {
-        self.problem.points_to_planes(&self.points, &mut self.harmonics);
-        for (mut row, &mass) in self.harmonics.outer_iter_mut().zip(&self.mass) {
-            row.iter_mut().for_each(|z| *z *= mass); // D ·
-        }
-        self.shifted.solve(&mut self.harmonics); // G ·
+        self.shifted.solve_points(self.problem, &self.points, &mut self.harmonics); // G D ·
         self.problem.planes_to_points(&self.harmonics, &mut self.points);
     }
 

@@ -6,10 +6,9 @@
 //! operator application, and the residual that GMRES sees stays the true one (Galerkin coarse correction; V enters by
 //! its Fourier coefficients at differences of harmonics). Q couples modes of one harmonic only.
 
-use crate::numerics::fourier::Real;
+use crate::numerics::fourier::{Real, narrow};
 use crate::solve::demand::Size;
 use crate::wave::Problem;
-use crate::wave::operator::scattering::narrow;
 use faer::linalg::solvers::{DenseSolveCore, PartialPivLu, Solve};
 use faer::{ColRef, Mat, Side};
 use ndarray::Array2;

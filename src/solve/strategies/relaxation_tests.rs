@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::wave::{Ball, Body, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side};
+use faer::Mat;
+use num_complex::Complex64;
 
 const SCHEMES: [Scheme; 4] = [Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, Scheme::SecondDifference];
 
@@ -32,11 +34,12 @@ fn step_matrix(march: &mut March) -> Mat<Complex64> {
         march.state.clone()
     };
     let driven = step(march, None);
+    let mass = march.shifted.mass.clone();
     let mut matrix = Mat::zeros(n, n);
     for j in 0..n {
         let column = step(march, Some(j)) - &driven;
         for (i, z) in column.iter().enumerate() {
-            matrix[(i, j)] = z * (march.mass[i / points] / march.mass[j / points]).sqrt();
+            matrix[(i, j)] = z * (mass[i / points] / mass[j / points]).sqrt();
         }
     }
     matrix
@@ -51,7 +54,7 @@ fn norm_and_radius(problem: &Problem, tau: f64) -> [f64; 2] {
 
 /// Largest |(1 + cV)/(1 − cV)| at any point: above 1 only where Im V < 0.
 fn largest_gain(problem: &Problem, tau: f64) -> f64 {
-    let contrast = contrasts(problem, &problem.mean.plane_mass());
+    let contrast = contrasts(problem);
     let largest = contrast.iter().map(|v| v.norm()).fold(0.0, f64::max);
     let c = Complex64::new(0.0, 0.5 * tau / largest);
     contrast.iter().map(|v| ((1.0 + c * v) / (1.0 - c * v)).norm()).fold(0.0, f64::max)

@@ -23,6 +23,7 @@ const TRIAL_PERIOD_UM: f64 = 1.6;
 /// Solves are repeated until they have taken so long in all, or are so many.
 const LEAST_SECONDS: f64 = 0.5;
 const MOST_SOLVES: usize = 60;
+
 /// Cost of one variant that was tried, in core seconds a µm³.
 pub(crate) struct Trial {
     pub variant: usize,
@@ -77,16 +78,7 @@ pub(crate) fn trial(
     // Grains are packed on one core, while the others wait.
     let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
     let packing = packing * rayon::current_num_threads() as f64;
-    let (searched, resolution) = match alike {
-        Some(trial) => (None, full_resolution(trial, &study)),
-        None => {
-            let store = Store::in_memory()?;
-            let (seconds, found) = timed(|| {
-                resolve::<RunError>(&study, &store, memory::usable(), watch, |_| Ok(scene.clone()))
-            })?;
-            (Some(seconds), found.resolution)
-        }
-    };
+    let (searched, resolution) = grid_for(&study, &scene, alike, watch)?;
     let (coverage, cover) =
         timed(|| Ok(Geometry::new(study.wave, &scene, resolution, study.resolution.coverage_error())?))?;
     let solve = time_solves(&study, &cover, jobs, watch)?;
@@ -110,6 +102,22 @@ pub(crate) fn trial(
         solve: solve * each,
         resolution,
     })
+}
+
+/// A grid as fine as wanted, and the core seconds of the search for it where there was one.
+fn grid_for(
+    study: &Study,
+    scene: &Scene,
+    alike: Option<&Trial>,
+    watch: &dyn RunWatch,
+) -> Result<(Option<f64>, Resolution), RunError> {
+    if let Some(trial) = alike {
+        return Ok((None, full_resolution(trial, study)));
+    }
+    let store = Store::in_memory()?;
+    let search = || resolve::<RunError>(study, &store, memory::usable(), watch, |_| Ok(scene.clone()));
+    let (seconds, found) = timed(search)?;
+    Ok((Some(seconds), found.resolution))
 }
 
 /// Core seconds, and what was made.

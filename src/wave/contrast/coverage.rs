@@ -4,16 +4,18 @@
 //! k² differences ("channels"). Coefficients in the plane are exact and band-limited to the grid's harmonics;
 //! along z they are moments against the scheme's shape functions (numerics: W_p = ∫ ψ_p V dz).
 
-use super::cell::{CellCoefficients, CellColumns};
+mod cell_sum;
+
 pub use super::channel::Channel;
+
+use super::cell::{CellCoefficients, CellColumns};
 use super::folding::{Folding, Planes, REACH};
-use super::nufft::{Patch, SourceTransform, Spreading};
-use super::section::{self, Demands, EdgePoint, GaussRules, Sampling};
-use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
-use crate::wave::grid::element::MAX_DEGREE;
-use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Shape, WaveError};
+use super::nufft::{SourceTransform, Spreading};
+use super::section::{Demands, GaussRules, Sampling};
+use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
+use crate::wave::{Body, Grid, Layout, Resolution, Scene, Shape, WaveError};
+use cell_sum::CellSum;
 use ndarray::Array2;
-use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -202,161 +204,6 @@ impl<'a, T: Real> Builder<'a, T> {
         let mut sum = CellSum::new(self, cell);
         present.iter().for_each(|(body, range)| sum.add_body(body, *range));
         Some(sum.finish())
-    }
-}
-
-/// The running moments of one channel in one cell.
-struct CellSum<'a, T: Real> {
-    builder: &'a Builder<'a, T>,
-    cell: usize,
-    /// Surface sources on the fine grid, one grid a plane: n_x dS + i n_y dS; empty until there are any.
-    sources: Vec<Vec<Complex<T>>>,
-    /// Directly summed parts, one a plane, and the means.
-    direct: CellCoefficients<T>,
-    patch: Patch<T>,
-    points: Vec<EdgePoint>,
-}
-
-impl<'a, T: Real> CellSum<'a, T> {
-    fn new(builder: &'a Builder<'a, T>, cell: usize) -> CellSum<'a, T> {
-        let planes = builder.grid.planes_of_cell(cell).count();
-        let spectra = vec![vec![Complex::default(); builder.harmonics.len()]; planes];
-        let direct = CellCoefficients { spectra, means: vec![0.0; planes] };
-        CellSum { builder, cell, sources: Vec::new(), direct, patch: Patch::empty(), points: Vec::new() }
-    }
-
-    fn add_body(&mut self, body: &Body, range: [f64; 2]) {
-        match &body.shape {
-            Shape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
-            Shape::Above { surface, balls } => {
-                let columns = self.builder.columns(self.cell);
-                super::relief::add_vacuum(surface, balls, &columns, &mut self.direct);
-            }
-            shape => {
-                for (z, weight) in self.builder.sampling.strip_heights(shape, range) {
-                    let shares = self.shares(z, weight);
-                    match section::strip(shape, z) {
-                        Some(strip) => self.add_strip(strip, &shares),
-                        None => add_mean(&mut self.direct.means, 1.0, &shares),
-                    }
-                }
-            }
-        }
-    }
-
-    /// Values of all ψ_p at a height, times a weight.
-    fn shares(&self, z: f64, weight: f64) -> [f64; MAX_DEGREE + 1] {
-        let grid = self.builder.grid;
-        let t = (z - grid.nodes_um[self.cell]) / grid.height_um(self.cell);
-        grid.element.shape_functions(t).map(|psi| psi * weight)
-    }
-
-    /// The free surface of one ball of a union.
-    fn add_ball(&mut self, balls: &[Ball], i: usize, range: [f64; 2]) {
-        let builder = self.builder;
-        let [lx, ly] = builder.grid.period_um;
-        let (own, planes) = (&balls[i], self.direct.means.len());
-        let transform = builder.transform.as_ref().expect("a scene with balls has a transform");
-        if self.sources.is_empty() {
-            self.sources = vec![vec![Complex::default(); transform.points()]; planes];
-        }
-        let center = [own.center_um[0] / lx, own.center_um[1] / ly];
-        let (mut patch, mut points) =
-            (std::mem::replace(&mut self.patch, Patch::empty()), std::mem::take(&mut self.points));
-        transform.open(&mut patch, 2 * planes, center, [own.radius_um / lx, own.radius_um / ly]);
-        let mut value = [T::default(); 2 * (MAX_DEGREE + 1)];
-        let mut ring = |z: f64, weight: f64, points: &[EdgePoint]| {
-            let shares = self.shares(z, weight);
-            let mut moment = 0.0;
-            for EdgePoint { position, normal } in points {
-                let [x, y] = [position[0] - balls[0].center_um[0], position[1] - balls[0].center_um[1]];
-                moment += x * normal[0] + y * normal[1]; // Gauss: 2 · area = ∮ (x n_x + y n_y) ds
-                for (pair, share) in value.as_chunks_mut::<2>().0.iter_mut().zip(&shares) {
-                    *pair = [T::of(normal[0] * share), T::of(normal[1] * share)]; // ψ_p(z) n dS
-                }
-                let (x, y) =
-                    (transform.footprint(0, position[0] / lx), transform.footprint(1, position[1] / ly));
-                transform.spread(&mut patch, &x, &y, &value[..2 * planes]);
-            }
-            add_mean(&mut self.direct.means, 0.5 * moment / (lx * ly), &shares);
-        };
-        builder.sampling.rings(balls, i, range, &mut points, &mut ring);
-        transform.close(&patch, &mut self.sources);
-        (self.patch, self.points) = (patch, points);
-    }
-
-    /// (1/Lx) ∫ e^{−ikx} dx over a strip; only orders n = 0.
-    fn add_strip(&mut self, [x0, x1]: [f64; 2], shares: &[f64]) {
-        let lx = self.builder.grid.period_um[0];
-        add_mean(&mut self.direct.means, (x1 - x0) / lx, shares);
-        let turns = [x0, x1].map(|x| Complex64::cis(-TAU * x / lx));
-        let mut ends = turns;
-        let [mmax, nmax] = self.builder.widest;
-        for m in 1..=mmax {
-            let value = (ends[0] - ends[1]) / Complex64::new(0.0, TAU * m as f64);
-            for (spectrum, share) in self.direct.spectra.iter_mut().zip(shares) {
-                let add = narrowed::<T>(value * share);
-                spectrum[index_of(m as i32, 0, [mmax, nmax])] += add;
-                spectrum[index_of(-(m as i32), 0, [mmax, nmax])] += add.conj();
-            }
-            ends = [ends[0] * turns[0], ends[1] * turns[1]];
-        }
-    }
-
-    fn finish(mut self) -> CellCoefficients<T> {
-        if let Some(transform) = self.builder.transform.as_ref().filter(|_| !self.sources.is_empty()) {
-            let mut scratch = transform.scratch();
-            for (grid, spectrum) in self.sources.iter_mut().zip(&mut self.direct.spectra) {
-                std::mem::swap(grid, &mut scratch.plane);
-                transform.transform(&mut scratch);
-                add_surfaces(self.builder, transform, &scratch, spectrum);
-            }
-        }
-        for (spectrum, &mean) in self.direct.spectra.iter_mut().zip(&self.direct.means) {
-            spectrum[0] = Complex::new(T::of(mean), T::default());
-        }
-        self.direct
-    }
-}
-
-fn narrowed<T: Real>(z: Complex64) -> Complex<T> {
-    Complex::new(T::of(z.re), T::of(z.im))
-}
-
-fn add_mean(means: &mut [f64], share: f64, shares: &[f64]) {
-    means.iter_mut().zip(shares).for_each(|(mean, s)| *mean += share * s);
-}
-
-/// Compact index of order (m, n) among all |m| ≤ mmax, |n| ≤ nmax, see [`Harmonics::new`].
-fn index_of(m: i32, n: i32, [mmax, nmax]: [usize; 2]) -> usize {
-    let place = |k: i32, max: usize| k.rem_euclid(2 * max as i32 + 1) as usize;
-    place(m, mmax) * (2 * nmax + 1) + place(n, nmax)
-}
-
-/// (i/k²) (k_x N_x + k_y N_y)/(Lx Ly) from the packed transform Z = N_x + i N_y of two real fields.
-///
-/// Written as i/(2 k²) (κ̄ Z(k) + κ Z̄(−k)) with κ = k_x + i k_y; the field is real, so half of the orders are enough.
-fn add_surfaces<T: Real>(
-    builder: &Builder<T>,
-    transform: &SourceTransform<T>,
-    scratch: &PlaneScratch<T>,
-    spectrum: &mut [Complex<T>],
-) {
-    let [lx, ly] = builder.grid.period_um;
-    let [mmax, nmax] = builder.widest.map(|k| k as i32);
-    for m in 0..=mmax {
-        let (row, mirror) = (transform.row(scratch, m), transform.row(scratch, -m));
-        let kx = TAU * f64::from(m) / lx;
-        for n in if m == 0 { 1..=nmax } else { -nmax..=nmax } {
-            let ky = TAU * f64::from(n) / ly;
-            let scale = T::of(0.5 * transform.correction(m, n) / ((kx * kx + ky * ky) * lx * ly));
-            let kappa = Complex::new(T::of(kx) * scale, T::of(ky) * scale);
-            let place = |k: i32| k.rem_euclid(row.len() as i32) as usize;
-            let sum = kappa.conj() * row[place(n)] + kappa * mirror[place(-n)].conj();
-            let value = Complex::new(-sum.im, sum.re); // times i
-            spectrum[index_of(m, n, builder.widest)] += value;
-            spectrum[index_of(-m, -n, builder.widest)] += value.conj();
-        }
     }
 }
 

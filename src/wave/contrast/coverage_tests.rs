@@ -3,6 +3,7 @@
 use super::*;
 use crate::wave::{Ball, Scheme, Shape};
 use gauss_quad::GaussLegendre;
+use num_complex::Complex64;
 use std::f64::consts::PI;
 
 const PERIOD: [f64; 2] = [0.8, 1.1];

@@ -12,7 +12,7 @@
 //! l₊ = 1 + x²b, l₋ = −(1 + x²c)/√3; their derivatives l'₊ = −2, l'₋ = −2√3 x²b.
 
 use crate::wave::Scheme;
-use crate::wave::operator::mean::{NodeCoefficients, decaying_root};
+use crate::wave::operator::cell::{NodeCoefficients, decaying_root};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use std::sync::LazyLock;

@@ -2,8 +2,7 @@
 //!
 //! Sums and differences of the two Gauss planes carry b and c of [`super::cell`]; l₊ = 1 + x²b, −l₋ = (1 + x²c)/√3.
 
-use crate::numerics::fourier::Real;
-use crate::wave::operator::scattering::narrow;
+use crate::numerics::fourier::{Real, narrow};
 use multiversion::multiversion;
 use num_complex::{Complex, Complex64};
 
@@ -18,6 +17,8 @@ pub(super) struct Constants<T: Real> {
     slope: Complex<T>,
     /// −1/(4k̄²).
     magnetic: Complex<T>,
+    /// 1/√3.
+    third: T,
 }
 
 impl<T: Real> Constants<T> {
@@ -29,7 +30,18 @@ impl<T: Real> Constants<T> {
             inverse_k2: narrow(1.0 / k2),
             slope: narrow(2.0 * Complex64::I / (k2 * h)),
             magnetic: narrow(-0.25 / k2),
+            third: T::of(1.0 / 3f64.sqrt()),
         }
+    }
+
+    /// x²b, l₊ and −l₋ of a harmonic with lateral wavenumber q.
+    #[inline(always)]
+    fn node_functions(&self, q: T, b: Complex<T>, c: Complex<T>) -> [Complex<T>; 3] {
+        let x2 = Complex::new(self.k2.re - q * q, self.k2.im).scale(self.h2); // x² = (k̄² − q²) h²
+        let (x2b, x2c) = (x2 * b, x2 * c);
+        let sum = Complex::new(T::one() + x2b.re, x2b.im); // l₊ = 1 + x²b
+        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(self.third); // −l₋ = (1 + x²c)/√3
+        [x2b, sum, difference]
     }
 }
 
@@ -39,6 +51,14 @@ pub(super) struct Tables<'a, T: Real> {
     pub lateral: &'a [T],
     pub b: &'a [Complex<T>],
     pub c: &'a [Complex<T>],
+}
+
+impl<'a, T: Real> Tables<'a, T> {
+    /// All three with a length that the loops know.
+    #[inline(always)]
+    fn cut(&self, width: usize) -> (&'a [T], &'a [Complex<T>], &'a [Complex<T>]) {
+        (&self.lateral[..width], &self.b[..width], &self.c[..width])
+    }
 }
 
 /// i z.
@@ -80,25 +100,23 @@ fn add_loads<T: Real>(
     let width = u0.len();
     let (u1, w0, w1) = (&mut u1[..width], &mut w0[..width], &mut w1[..width]);
     let [s0, p0, z0, s1, p1, z1] = rows.map(|row| &row[..width]);
-    let (lateral, b, c) = (&tables.lateral[..width], &tables.b[..width], &tables.c[..width]);
-    let Constants { h, h2, k2, magnetic, .. } = *cell;
-    let (electric, third, root12) = (T::of(0.25) * h, T::of(1.0 / 3f64.sqrt()), T::of(12f64.sqrt()));
-    let two = T::of(2.0);
+    let (lateral, b, c) = tables.cut(width);
+    let cell = *cell;
+    let Constants { h, magnetic, .. } = cell;
+    let (electric, root12, two) = (T::of(0.25) * h, T::of(12f64.sqrt()), T::of(2.0));
     for i in 0..width {
         let q = lateral[i];
-        let x2 = Complex::new(k2.re - q * q, k2.im).scale(h2);
-        let x2b = x2 * b[i];
-        let x2c = x2 * c[i];
-        let sum = Complex::new(T::one() + x2b.re, x2b.im);
-        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(third);
-        let even = (sum * (s0[i] + s1[i])).scale(electric);
-        let odd = (difference * (s1[i] - s0[i])).scale(electric);
+        let [x2b, sum, difference] = cell.node_functions(q, b[i], c[i]);
+        let even = (sum * (s0[i] + s1[i])).scale(electric); // h/4 l₊ F_s₊
+        let odd = (difference * (s1[i] - s0[i])).scale(electric); // −h/4 l₋ F_s₋
         u0[i] += even - odd;
         u1[i] += even + odd;
         let qh = q * h;
+        // q h l₊ F_z₊ + i√12 x²b F_p₋
         let even = (sum * (z0[i] + z1[i])).scale(qh) + turned(x2b * (p1[i] - p0[i])).scale(root12);
+        // −q h l₋ F_z₋ − 2i F_p₊
         let odd = (difference * (z1[i] - z0[i])).scale(qh) - turned(p0[i] + p1[i]).scale(two);
-        w0[i] += magnetic * (even - odd);
+        w0[i] += magnetic * (even - odd); // over −4k̄²
         w1[i] += magnetic * (even + odd);
     }
 }
@@ -138,19 +156,15 @@ fn across<T: Real>(
     let width = s0.len();
     let s1 = &mut s1[..width];
     let [u0, u1] = [nodes[0], nodes[1]].map(|node| &node[..width]);
-    let (lateral, b, c) = (&tables.lateral[..width], &tables.b[..width], &tables.c[..width]);
-    let Constants { h2, k2, .. } = *cell;
-    let (third, half) = (T::of(1.0 / 3f64.sqrt()), T::of(0.5));
+    let (lateral, b, c) = tables.cut(width);
+    let cell = *cell;
+    let (h2, half) = (cell.h2, T::of(0.5));
     for i in 0..width {
-        let q = lateral[i];
-        let x2 = Complex::new(k2.re - q * q, k2.im).scale(h2);
-        let (x2b, x2c) = (x2 * b[i], x2 * c[i]);
-        let sum = Complex::new(T::one() + x2b.re, x2b.im);
-        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(third);
-        let even = sum * (u0[i] + u1[i]) - (b[i] * (s0[i] + s1[i])).scale(h2);
-        let odd = difference * (u1[i] - u0[i]) - (c[i] * (s1[i] - s0[i])).scale(h2);
-        s0[i] = (even - odd).scale(half);
-        s1[i] = (even + odd).scale(half);
+        let [_, sum, difference] = cell.node_functions(lateral[i], b[i], c[i]);
+        let even = sum * (u0[i] + u1[i]) - (b[i] * (s0[i] + s1[i])).scale(h2); // e_s₊ = l₊u₊ − h²b F_s₊
+        let odd = difference * (u1[i] - u0[i]) - (c[i] * (s1[i] - s0[i])).scale(h2); // e_s₋ = −l₋u₋ − h²c F_s₋
+        s0[i] = (even - odd).scale(half); // e₁ = (e₊ − e₋)/2
+        s1[i] = (even + odd).scale(half); // e₂ = (e₊ + e₋)/2
     }
 }
 
@@ -168,32 +182,34 @@ fn within<T: Real>(
     let width = p0.len();
     let (z0, p1, z1) = (&mut z0[..width], &mut p1[..width], &mut z1[..width]);
     let [w0, w1] = [nodes[2], nodes[3]].map(|node| &node[..width]);
-    let (lateral, b, c) = (&tables.lateral[..width], &tables.b[..width], &tables.c[..width]);
-    let Constants { h, h2, k2, inverse_k2, slope, .. } = *cell;
-    let (third, root3, root12) = (T::of(1.0 / 3f64.sqrt()), T::of(3f64.sqrt()), T::of(12f64.sqrt()));
+    let (lateral, b, c) = tables.cut(width);
+    let cell = *cell;
+    let Constants { h, h2, inverse_k2, slope, .. } = cell;
+    let (root3, root12) = (T::of(3f64.sqrt()), T::of(12f64.sqrt()));
     let (half, twelve) = (T::of(0.5), T::of(12.0));
     for i in 0..width {
         let q = lateral[i];
-        let x2 = Complex::new(k2.re - q * q, k2.im).scale(h2);
-        let (x2b, x2c) = (x2 * b[i], x2 * c[i]);
-        let sum = Complex::new(T::one() + x2b.re, x2b.im);
-        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(third);
+        let [x2b, sum, difference] = cell.node_functions(q, b[i], c[i]);
         let (p_even, p_odd) = (p0[i] + p1[i], p1[i] - p0[i]);
         let (z_even, z_odd) = (z0[i] + z1[i], z1[i] - z0[i]);
         let (w_even, w_odd) = (w0[i] + w1[i], w1[i] - w0[i]);
         let cross = root12 * q * h;
         let own = Complex::new(T::one() - twelve * b[i].re, -twelve * b[i].im);
+        // e_p₊ = F_p₊/k̄² − 2i/(k̄²h) w₋
         let e_even = inverse_k2 * p_even - slope * w_odd;
+        // e_p₋ = 2i√3/(k̄²h) x²b w₊ + [i√12 q h b F_z₊ + (1 − 12b) F_p₋]/k̄²
         let e_odd = slope * (x2b * w_even).scale(root3)
             + inverse_k2 * (turned(b[i] * z_even).scale(cross) + own * p_odd);
         p0[i] = (e_even - e_odd).scale(half);
         p1[i] = (e_even + e_odd).scale(half);
         let q2h2 = q * q * h2;
+        // e_z₊ = [(1 − q²h²b) F_z₊ − q l₊w₊ − i√12 q h b F_p₋]/k̄²
         let e_even = inverse_k2
             * (z_even
                 - (b[i] * z_even).scale(q2h2)
                 - (sum * w_even).scale(q)
                 - turned(b[i] * p_odd).scale(cross));
+        // e_z₋ = [(1 − q²h²c) F_z₋ + q l₋w₋]/k̄²
         let e_odd = inverse_k2 * (z_odd - (c[i] * z_odd).scale(q2h2) - (difference * w_odd).scale(q));
         z0[i] = (e_even - e_odd).scale(half);
         z1[i] = (e_even + e_odd).scale(half);

@@ -12,8 +12,9 @@
 use super::cell::cell_functions;
 use super::kernels::{Constants, Loads, Moments, Tables};
 use super::nodes::{BLOCK, NodeSystem};
-use crate::numerics::fourier::Real;
-use crate::wave::operator::scattering::{SHARED, narrow};
+use crate::numerics::fourier::{Real, narrow};
+use crate::wave::operator::scattering::row_of;
+use crate::wave::operator::sharing::SHARED;
 use crate::wave::{Field, Grid};
 use ndarray::{Array2, ArrayViewMut2, Axis};
 use num_complex::{Complex, Complex64};
@@ -177,10 +178,7 @@ impl<T: Real> VectorMean<T> {
     }
 
     fn tables(&self, j: usize, first: usize, width: usize) -> Tables<'_, T> {
-        let [b, c] = [0, 1].map(|k| {
-            let row = self.functions[k].row(j).to_slice().expect("rows are contiguous");
-            &row[first..first + width]
-        });
+        let [b, c] = [0, 1].map(|k| &row_of(&self.functions[k], j)[first..first + width]);
         Tables { lateral: &self.lateral[first..first + width], b, c }
     }
 

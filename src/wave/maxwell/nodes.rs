@@ -1,8 +1,8 @@
 //! The tridiagonal systems of all harmonics between the nodes: TE for E_s, TM for h with each cell over its k̄².
 
-use crate::numerics::fourier::Real;
+use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::mean::guarded_inverse;
-use crate::wave::operator::scattering::narrow;
+use crate::wave::operator::scattering::row_of;
 use multiversion::multiversion;
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
@@ -54,22 +54,16 @@ impl<T: Real> NodeSystem<T> {
     /// Solves in place for the harmonics from `first`; `nodes` holds `width` of them for one node after the other.
     pub fn solve(&self, nodes: &mut [Complex<T>], first: usize, width: usize) {
         let cells = self.off.nrows();
-        let part = |table: &Array2<Complex<T>>, row: usize| {
-            let from = row * table.ncols() + first;
-            from..from + width
-        };
-        let (off, pivot) = (slice(&self.off), slice(&self.inverse_pivot));
-        let start = &pivot[part(&self.inverse_pivot, 0)];
-        nodes[..width].iter_mut().zip(start).for_each(|(y, p)| *y *= *p);
+        let off = |cell: usize| &row_of(&self.off, cell)[first..first + width];
+        let pivot = |node: usize| &row_of(&self.inverse_pivot, node)[first..first + width];
+        nodes[..width].iter_mut().zip(pivot(0)).for_each(|(y, p)| *y *= *p);
         for j in 1..=cells {
             let (before, here) = nodes[(j - 1) * width..(j + 1) * width].split_at_mut(width);
-            let [off, pivot] = [&off[part(&self.off, j - 1)], &pivot[part(&self.inverse_pivot, j)]];
-            forward(here, before, off, pivot);
+            forward(here, before, off(j - 1), pivot(j));
         }
         for j in (0..cells).rev() {
             let (here, after) = nodes[j * width..(j + 2) * width].split_at_mut(width);
-            let [off, pivot] = [&off[part(&self.off, j)], &pivot[part(&self.inverse_pivot, j)]];
-            backward(here, after, off, pivot);
+            backward(here, after, off(j), pivot(j));
         }
     }
 
@@ -91,8 +85,4 @@ fn forward<T: Real>(y: &mut [Complex<T>], b: &[Complex<T>], off: &[Complex<T>], 
 fn backward<T: Real>(y: &mut [Complex<T>], a: &[Complex<T>], off: &[Complex<T>], pivot: &[Complex<T>]) {
     let rows = y.iter_mut().zip(a).zip(off.iter().zip(pivot));
     rows.for_each(|((y, a), (o, p))| *y -= o * a * p);
-}
-
-fn slice<T>(table: &Array2<T>) -> &[T] {
-    table.as_slice().expect("tables are contiguous")
 }

@@ -5,15 +5,14 @@ use super::mean::{CELL_ROWS, Entry, Faces, VectorMean};
 use super::moments::NormalMoments;
 use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
-use crate::wave::bloch::BlochVector;
-use crate::wave::operator::mean::decaying_root;
-use crate::wave::operator::problem::{cells_needed, check_phase, mean_wavenumbers};
+use crate::wave::operator::cell::decaying_root;
+use crate::wave::operator::mean_medium::cells_needed;
 use crate::wave::operator::scattering::Scatter;
+use crate::wave::operator::setting::Setting;
 use crate::wave::{Field, Grid, Incidence, Mean, Media, Side, WaveError};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
 /// State of linear polarisation of a plane wave: s has E along s = ẑ × p̂, p has H along it.
@@ -77,19 +76,13 @@ impl VectorProblem {
         check_metals(moments, media)?;
         let (grid, layout) = (&moments.grid, moments.layout());
         let harmonics = Arc::new(Harmonics::new(grid.resolution.nx, grid.resolution.ny));
-        let k0 = TAU / incidence.wavelength_um;
-        let bloch = BlochVector::new(&layout, media, incidence)?;
-        bloch.check_orders(&layout, media, k0)?;
-        let lateral: Vec<[f64; 2]> = harmonics.orders.iter().map(|&o| bloch.lateral(o)).collect();
+        let Setting { k0, lateral, incident, mean_k2 } =
+            Setting::new(&layout, &harmonics, media, incidence, mean)?;
         let q: Vec<f64> = lateral.iter().map(|[x, y]| x.hypot(*y)).collect();
         let azimuth = incidence.azimuth_deg.to_radians();
         let directions = lateral.iter().map(|&l| direction(l, k0, azimuth)).collect();
         let k = [media.incident, media.exit].map(|eta| k0 * eta);
         let kappa = k.map(|k| q.iter().map(|q| decaying_root(k * k - q * q)).collect::<Vec<_>>());
-        let mean_k2 = mean_wavenumbers(&layout, media, k0, mean);
-        let [m, n] = bloch.incident;
-        let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
-        check_phase(&layout, &mean_k2, q[incident] * q[incident])?;
         let contrast = tensors(moments, media, k0, &mean_k2, averaging)?;
         let mean = VectorMean::new(grid, mean_k2, q, [&kappa[0], &kappa[1]], k);
         let fft = PlaneFft::new(grid.resolution.nx, grid.resolution.ny);

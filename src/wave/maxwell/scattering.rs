@@ -5,13 +5,14 @@
 
 use super::contrast::Symmetric;
 use super::mean::VectorMean;
-use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
-use crate::wave::operator::scattering::{SHARED, Scatter, narrow};
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
+use crate::wave::operator::scattering::Scatter;
+use crate::wave::operator::sharing::Idle;
 use multiversion::multiversion;
 use ndarray::{Array2, ArrayView2, Axis};
 use num_complex::Complex;
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// V of one plane: its six components (rows) over the points; no rows where it vanishes.
 type Tensors<T> = Array2<Complex<T>>;
@@ -24,8 +25,7 @@ pub struct VectorScattering<T: Real> {
     directions: Vec<[T; 2]>,
     fft: PlaneFft<T>,
     contrast: Vec<Tensors<T>>,
-    /// Buffers that wait for their next use.
-    idle: Mutex<Vec<PlaneWork<T>>>,
+    idle: Idle<PlaneWork<T>>,
 }
 
 impl VectorScattering<f64> {
@@ -42,7 +42,7 @@ impl VectorScattering<f64> {
             Array2::from_shape_fn((count, plane.len()), |(component, point)| plane[point][component])
         };
         let contrast = contrast.par_iter().map(rows).collect();
-        VectorScattering { mean, harmonics, directions, fft, contrast, idle: Mutex::default() }
+        VectorScattering { mean, harmonics, directions, fft, contrast, idle: Idle::default() }
     }
 
     /// The same in single precision.
@@ -53,7 +53,7 @@ impl VectorScattering<f64> {
             directions: self.directions.iter().map(|d| d.map(|x| x as f32)).collect(),
             fft,
             contrast: self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect(),
-            idle: Mutex::default(),
+            idle: Idle::default(),
         }
     }
 
@@ -77,32 +77,16 @@ impl<T: Real> VectorScattering<T> {
 
     /// out ← V e: three inverse and three forward transforms a plane.
     pub fn contrast_product(&self, e: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>) {
-        let shared = out.len() >= SHARED;
-        let planes = out.axis_chunks_iter_mut(Axis(0), 3);
-        let product = |(plane, mut out): (usize, ndarray::ArrayViewMut2<Complex<T>>)| {
+        let new = || PlaneWork::new(self);
+        self.idle.in_chunks(out, Axis(0), 3, new, |plane, mut out, work| {
             if self.contrast[plane].is_empty() {
                 return out.fill(Complex::default());
             }
-            let mut work = self.take_work();
             let rows = [0, 1, 2].map(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
             work.to_points(self, rows);
             work.multiply(&self.contrast[plane]);
             work.to_harmonics(self, out.as_slice_mut().expect("rows are contiguous"));
-            self.lock().push(work);
-        };
-        if shared {
-            return planes.into_par_iter().enumerate().for_each(product);
-        }
-        planes.into_iter().enumerate().for_each(product);
-    }
-
-    fn take_work(&self) -> PlaneWork<T> {
-        let kept = self.lock().pop();
-        kept.unwrap_or_else(|| PlaneWork::new(self))
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<PlaneWork<T>>> {
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+        });
     }
 }
 

@@ -4,7 +4,7 @@
 //! strategies which split the operator (relaxation, convergent Born) work on both factors pointwise. One banded
 //! symmetric system per harmonic, factorised without pivoting: both uses have a definite real or imaginary part.
 
-use super::mean::NodeCoefficients;
+use super::cell::NodeCoefficients;
 use crate::wave::Problem;
 use crate::wave::grid::element::MAX_DEGREE;
 use ndarray::{Array2, Array3, Axis, s};
@@ -20,6 +20,8 @@ pub struct ShiftedMean {
     /// Rows × (degree + 1) × harmonics: 1/pivot, then L's entries 1 … degree to the left.
     factors: Array3<Complex64>,
     degree: usize,
+    /// D of every plane.
+    pub(crate) mass: Vec<f64>,
 }
 
 impl ShiftedMean {
@@ -37,7 +39,7 @@ impl ShiftedMean {
             factorise(&mut band, degree);
             out.assign(&band);
         });
-        ShiftedMean { factors, degree }
+        ShiftedMean { factors, degree, mass }
     }
 
     /// Solves in place; rows are planes, columns harmonics.
@@ -61,6 +63,20 @@ impl ShiftedMean {
                 }
             }
         });
+    }
+
+    /// planes ← (a D + b Ã)⁻¹ D f of values f at the points of all planes.
+    pub fn solve_points(
+        &self,
+        problem: &Problem,
+        points: &Array2<Complex64>,
+        planes: &mut Array2<Complex64>,
+    ) {
+        problem.points_to_planes(points, planes);
+        for (mut row, &mass) in planes.outer_iter_mut().zip(&self.mass) {
+            row.iter_mut().for_each(|z| *z *= mass); // D f
+        }
+        self.solve(planes); // (a D + b Ã)⁻¹ ·
     }
 
     /// Bytes held.

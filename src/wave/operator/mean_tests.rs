@@ -1,8 +1,9 @@
 //! The mean operator: exact on the mean medium's own solutions, symmetric, and undone by its solve.
 
 use super::*;
-use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
-use crate::wave::operator::scattering::{Scattering, narrow};
+use crate::numerics::fourier::{Harmonics, PlaneFft, Real, narrow};
+use crate::wave::operator::cell::SMALL;
+use crate::wave::operator::scattering::Scattering;
 use crate::wave::{Resolution, Scene};
 use num_complex::Complex;
 use proptest::prelude::*;

@@ -1,9 +1,13 @@
 //! The discrete problem (A + V) u = b: the mean operator A, exact in every harmonic, and the contrast V on the planes.
 
 pub mod banded;
+pub mod cell;
 pub mod mean;
+pub(in crate::wave) mod mean_medium;
 pub mod problem;
 pub mod scattering;
+pub(in crate::wave) mod setting;
+pub(in crate::wave) mod sharing;
 mod transfer;
 
 pub use problem::Problem;

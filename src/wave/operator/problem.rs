@@ -1,39 +1,25 @@
 //! The discrete problem (A + V) u = b, shared by all strategies: mean solve, contrast product, residual.
 //!
-//! Unknowns are harmonics of nodes and, of the bubbles in each cell; see [`super::mean`].
+//! Unknowns are harmonics of the nodes, and of the bubbles in each cell; see [`super::mean`].
 
-use super::mean::{MeanOperator, decaying_root};
-use super::scattering::{Scatter, Scattering, narrow};
-use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
-use crate::wave::bloch::BlochVector;
-use crate::wave::{Coverage, Grid, Incidence, Layout, Media, Scene, Side, WaveError};
+mod contrast;
+mod points;
+
+pub use super::mean_medium::Mean;
+
+use super::cell::decaying_root;
+use super::mean::MeanOperator;
+use super::mean_medium::{cells_needed, plane_offsets};
+use super::scattering::{Scatter, Scattering};
+use super::setting::Setting;
+use crate::numerics::fourier::{Harmonics, PlaneFft};
+use crate::wave::{Coverage, Grid, Incidence, Media, Scene, Side, WaveError};
 use ndarray::{Array2, ArrayView2};
-use num_complex::{Complex, Complex64};
-use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
+use num_complex::Complex64;
 use std::sync::{Arc, OnceLock};
 
 /// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
 pub type Field = Array2<Complex64>;
-
-/// Largest phase k̄h of a cell with contrast: beyond it the moments no longer resolve the wave.
-const PHASE_LIMIT: f64 = 2.9;
-
-/// How ⟨k²⟩ is chosen. It belongs to the discretisation: all strategies on one problem share it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Mean {
-    /// Averages each cell over the plane instead of the whole layer (P2, below (3.12)).
-    pub depends_on_z: bool,
-    /// Keeps the imaginary part; relaxation needs it left in the contrast (real ⟨k²⟩).
-    pub absorbing: bool,
-}
-
-impl Default for Mean {
-    fn default() -> Mean {
-        Mean { depends_on_z: true, absorbing: true }
-    }
-}
 
 /// One wave problem (A + V) u = b: immutable and shared between threads. A is the operator of the mean medium ⟨k²⟩ with the
 /// boundary conditions of P2 (3.4), V = k² − ⟨k²⟩ the contrast, u the field on the planes as harmonics.
@@ -99,29 +85,14 @@ impl Problem {
         incidence.check()?;
         let (grid, layout) = (&coverage.grid, coverage.layout());
         let harmonics = coverage.harmonics.clone();
-        let k0 = TAU / incidence.wavelength_um;
-        let bloch = BlochVector::new(&layout, media, incidence)?;
-        bloch.check_orders(&layout, media, k0)?;
-        let lateral: Vec<[f64; 2]> = harmonics.orders.iter().map(|&o| bloch.lateral(o)).collect();
+        let Setting { k0, lateral, incident, mean_k2 } =
+            Setting::new(&layout, &harmonics, media, incidence, mean)?;
         let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
         let kappa_in =
             |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
         let kappa: [Vec<Complex64>; 2] = [kappa_in(media.incident), kappa_in(media.exit)];
-        let mean_k2 = mean_wavenumbers(&layout, media, k0, mean);
-        let [m, n] = bloch.incident;
-        let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
-        check_phase(&layout, &mean_k2, lateral_k2[incident])?;
-        let points = grid.points() as f64;
-        let contrast = |c: &crate::wave::contrast::coverage::Channel| {
-            let [inclusion, background] = [media.index_of(c.material), media.backgrounds[c.background]];
-            (inclusion * inclusion - background * background) * (k0 * k0)
-        };
-        let single: Vec<Complex64> = coverage.channels.iter().map(contrast).collect();
-        let folded =
-            coverage.pairs.iter().map(|&[a, b]| single[a] * single[b] * if a == b { 1.0 } else { 2.0 });
-        let contrasts = single.iter().copied().chain(folded).map(|c| c / points);
         Ok(Problem {
-            contrasts: contrasts.collect(),
+            contrasts: contrast::strengths(coverage, media, k0),
             offsets: plane_offsets(coverage, media, k0, &mean_k2),
             mean: MeanOperator::new(grid, mean_k2, lateral_k2, [&kappa[0], &kappa[1]]),
             fft: coverage.fft.clone(),
@@ -185,13 +156,6 @@ impl Problem {
         b
     }
 
-    /// Row of the face that the light enters by, and b at its points.
-    pub fn source_at_points(&self) -> (usize, Vec<Complex64>) {
-        let (row, mut scratch) = (self.entry_row(), self.fft.scratch());
-        self.to_points(self.source().row(row).to_slice().expect("rows are contiguous"), &mut scratch);
-        (row, scratch.plane)
-    }
-
     fn entry_row(&self) -> usize {
         if self.incidence.from == Side::Incident { 0 } else { self.shape().0 - 1 }
     }
@@ -230,88 +194,9 @@ impl Problem {
         self.single.get_or_init(|| Scattering::new(&self.mean, &self.harmonics, fft(), self.weights()))
     }
 
-    /// W_p over the points of a plane, planes × points.
-    fn weights<T: Real>(&self) -> Array2<Complex<T>> {
-        let grid = &self.coverage.grid;
-        let mut weights = Array2::zeros((grid.planes(), grid.points()));
-        let mut sum = vec![Complex64::default(); grid.points()];
-        for (plane, mut row) in weights.outer_iter_mut().enumerate() {
-            self.contrast_weights(plane, &mut sum);
-            row.iter_mut().zip(&sum).for_each(|(w, &z)| *w = narrow(z));
-        }
-        weights
-    }
-
-    /// W_p of one plane over its points.
-    fn contrast_weights(&self, plane: usize, sum: &mut [Complex64]) {
-        // W_p = ∫ ψ_p (k²_background − ⟨k²⟩) dz + Σ_c (k²_c − k²_background) ∫ ψ_p χ_c dz, and what folds back
-        sum.fill(self.offsets[plane]);
-        let fields = self.coverage.moments.iter().chain(&self.coverage.folded);
-        for (moments, &contrast) in fields.zip(&self.contrasts) {
-            sum.iter_mut().zip(moments.row(plane)).for_each(|(w, &m)| *w += contrast * m);
-        }
-    }
-
     /// iκ of both half-spaces for one harmonic.
     pub fn end_conditions(&self, harmonic: usize) -> [Complex64; 2] {
         [0, 1].map(|side| Complex64::I * self.kappa[side][harmonic])
-    }
-
-    /// Fourier coefficients of W_p at (m mod nx, n mod ny).
-    pub fn contrast_spectrum(&self, plane: usize) -> Array2<Complex64> {
-        let mut scratch = self.fft.scratch();
-        scratch.plane.fill(Complex64::ONE);
-        self.multiply_contrast(plane, &mut scratch.plane);
-        let resolution = self.coverage.grid.resolution;
-        self.fft.forward(&mut scratch, std::slice::from_ref(&(0..resolution.nx)));
-        Array2::from_shape_vec((resolution.nx, resolution.ny), scratch.spectrum).expect("a full spectrum")
-    }
-
-    /// V/D at every point of a plane, so that the largest modulus is a physical k² contrast.
-    pub fn contrast_per_mass(&self, plane: usize, mass: f64) -> Vec<Complex64> {
-        let points = self.coverage.grid.points();
-        let mut values = vec![Complex64::from(points as f64 / mass); points];
-        self.multiply_contrast(plane, &mut values);
-        values
-    }
-
-    /// Harmonics of every plane → values at its points, unnormalised.
-    pub fn planes_to_points(&self, harmonics: &Field, points: &mut Array2<Complex64>) {
-        let rows = points.outer_iter_mut().into_par_iter().zip(harmonics.outer_iter());
-        rows.for_each_init(
-            || self.fft.scratch(),
-            |scratch, (mut out, row)| {
-                self.to_points(row.to_slice().expect("rows are contiguous"), scratch);
-                out.as_slice_mut().expect("rows are contiguous").copy_from_slice(&scratch.plane);
-            },
-        );
-    }
-
-    /// Values at points → harmonics of every plane (inverse of [`Problem::planes_to_points`] on the harmonics in use).
-    pub fn points_to_planes(&self, points: &Array2<Complex64>, harmonics: &mut Field) {
-        let scale = 1.0 / self.coverage.grid.points() as f64;
-        let rows = harmonics.outer_iter_mut().into_par_iter().zip(points.outer_iter());
-        rows.for_each_init(
-            || self.fft.scratch(),
-            |scratch, (mut out, row)| {
-                scratch.plane.iter_mut().zip(row).for_each(|(p, v)| *p = v * scale);
-                self.fft.forward(scratch, &self.harmonics.rows);
-                let out = out.as_slice_mut().expect("rows are contiguous");
-                self.harmonics.gather(&scratch.spectrum, out);
-            },
-        );
-    }
-
-    fn to_points(&self, harmonics: &[Complex64], scratch: &mut PlaneScratch) {
-        self.harmonics.scatter(harmonics, &mut scratch.spectrum);
-        self.fft.inverse(scratch, &self.harmonics.rows);
-    }
-
-    /// Multiplies by W_p over the points of a plane.
-    fn multiply_contrast(&self, plane: usize, values: &mut [Complex64]) {
-        let mut weights = vec![Complex64::default(); values.len()];
-        self.contrast_weights(plane, &mut weights);
-        values.iter_mut().zip(weights).for_each(|(v, w)| *v *= w);
     }
 
     /// Im⟨u, (A_interior + V) u⟩/κ₀₀, the absorbed share of the incident flux.
@@ -339,84 +224,6 @@ impl Problem {
     pub fn incident_harmonic(&self) -> usize {
         self.incident
     }
-}
-
-/// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
-pub(in crate::wave) fn mean_wavenumbers(
-    layout: &Layout,
-    media: &Media,
-    k0: f64,
-    mean: Mean,
-) -> Vec<Complex64> {
-    let grid = layout.grid;
-    let square = |eta: Complex64| eta * eta * (k0 * k0);
-    let in_cell = |j: usize| {
-        let background = square(media.backgrounds[grid.background[j]]);
-        let parts = layout.channels.iter().zip(layout.fractions);
-        let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
-        background
-            + parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[j]).sum::<Complex64>()
-    };
-    let mut values: Vec<Complex64> = (0..grid.cells()).map(in_cell).collect();
-    if !mean.depends_on_z {
-        let weighted = values.iter().enumerate().map(|(j, v)| v * grid.height_um(j)).sum::<Complex64>();
-        values.fill(weighted / grid.nodes_um[grid.cells()]);
-    }
-    if !mean.absorbing {
-        values.iter_mut().for_each(|v| v.im = 0.0);
-    }
-    values
-}
-
-/// Moments of (background − mean) k² on each plane, over the points of a plane.
-fn plane_offsets(coverage: &Coverage, media: &Media, k0: f64, mean_k2: &[Complex64]) -> Vec<Complex64> {
-    let grid = &coverage.grid;
-    let mut offsets = vec![Complex64::default(); grid.planes()];
-    for j in 0..grid.cells() {
-        let eta = media.backgrounds[grid.background[j]] * k0;
-        // A difference of rounding size is none: homogeneous layers then need no iteration at all.
-        let raw = eta * eta - mean_k2[j];
-        let shift = if raw.norm() < 1e-14 * mean_k2[j].norm() { Complex64::default() } else { raw };
-        for (plane, weight) in grid.planes_of_cell(j).zip(&grid.element.weights) {
-            offsets[plane] += shift * (grid.height_um(j) * weight / grid.points() as f64);
-        }
-    }
-    offsets
-}
-
-/// Cells of a grid `other` that the phase limit allows, from k̄² of the cells of a grid that it has allowed.
-pub(in crate::wave) fn cells_needed(own: &Grid, means: &[Complex64], other: &Grid) -> usize {
-    let phase = |j: usize| {
-        let [lo, hi] = [other.nodes_um[j], other.nodes_um[j + 1]];
-        let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
-        let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
-        (sum / (hi - lo)).sqrt().re * (hi - lo)
-    };
-    let largest = (0..other.cells()).map(phase).fold(0.0, f64::max);
-    let needed = (largest / PHASE_LIMIT * other.cells() as f64).ceil() as usize;
-    if largest > PHASE_LIMIT { needed.max(other.cells() + 1) } else { other.cells() }
-}
-
-/// Refuses cells that are too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
-pub(in crate::wave) fn check_phase(
-    layout: &Layout,
-    mean_k2: &[Complex64],
-    lateral_k2: f64,
-) -> Result<(), WaveError> {
-    let grid = layout.grid;
-    let exact = layout.channels.is_empty();
-    for (j, &k2) in mean_k2.iter().enumerate() {
-        let h = grid.height_um(j);
-        let phase = (if exact { k2 - lateral_k2 } else { k2 }).sqrt().re * h;
-        let near_pole =
-            exact && (k2 - lateral_k2).im.abs() * h < 1e-3 && phase > 1.0 && phase.sin().abs() < 1e-5;
-        let needed = (phase / PHASE_LIMIT * grid.cells() as f64).ceil() as usize;
-        if near_pole || (!exact && phase > PHASE_LIMIT) {
-            let needed = needed.max(grid.cells() + 1);
-            return Err(WaveError::CellTooHigh { cell: j, height_um: h, phase, limit: PHASE_LIMIT, needed });
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -5,18 +5,16 @@
 //! All factors are tables, the loops run over harmonics, and fields too small to share stay on one thread.
 
 use super::mean::MeanOperator;
-use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
+use super::sharing::{Idle, in_chunks};
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
 use crate::wave::grid::element::MAX_DEGREE;
 use multiversion::multiversion;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
-use num_complex::{Complex, Complex64};
-use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use num_complex::Complex;
+use std::sync::Arc;
 
 /// Harmonics treated together by one thread: a column of some 50 planes stays in second-level cache.
 const BLOCK: usize = 192;
-/// Unknowns from which the work is shared among threads: below, waking them takes longer than a plane.
-pub(crate) const SHARED: usize = 40_000;
 
 /// Something that applies A⁻¹V.
 pub trait Scatter<T: Real>: Sync {
@@ -41,8 +39,7 @@ pub struct Scattering<T: Real> {
     inverse_pivot: Array2<Complex<T>>,
     /// 1/A of each bubble: (cells · bubbles) × harmonics.
     inverse_bubble: Array2<Complex<T>>,
-    /// Buffers that wait for their next use.
-    idle: Mutex<Vec<PlaneScratch<T>>>,
+    idle: Idle<PlaneScratch<T>>,
 }
 
 impl<T: Real> Scattering<T> {
@@ -71,7 +68,7 @@ impl<T: Real> Scattering<T> {
             factor: factor.mapv(narrow),
             inverse_pivot: inverse_pivot.mapv(narrow),
             inverse_bubble,
-            idle: Mutex::default(),
+            idle: Idle::default(),
         }
     }
 
@@ -84,27 +81,10 @@ impl<T: Real> Scattering<T> {
 
     /// out ← V u as loads on planes (one inverse and one forward transform a plane).
     pub fn contrast_loads(&self, u: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>) {
-        if out.len() < SHARED {
-            let mut scratch = self.take_scratch();
-            for (plane, mut row) in out.outer_iter_mut().enumerate() {
-                self.plane_loads(&u, plane, row.as_slice_mut().expect("rows are contiguous"), &mut scratch);
-            }
-            return self.lock().push(scratch);
-        }
-        out.outer_iter_mut().into_par_iter().enumerate().for_each(|(plane, mut row)| {
-            let mut scratch = self.take_scratch();
-            self.plane_loads(&u, plane, row.as_slice_mut().expect("rows are contiguous"), &mut scratch);
-            self.lock().push(scratch);
+        let scratch = || self.fft.scratch();
+        self.idle.in_chunks(out, Axis(0), 1, scratch, |plane, mut row, scratch| {
+            self.plane_loads(&u, plane, row.as_slice_mut().expect("rows are contiguous"), scratch);
         });
-    }
-
-    fn take_scratch(&self) -> PlaneScratch<T> {
-        let kept = self.lock().pop();
-        kept.unwrap_or_else(|| self.fft.scratch())
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<PlaneScratch<T>>> {
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn plane_loads(
@@ -139,15 +119,7 @@ impl<T: Real> Scattering<T> {
 
     /// A⁻¹ applied in place to loads on planes.
     pub fn mean_solve(&self, y: &mut Array2<Complex<T>>) {
-        let shared = y.len() >= SHARED;
-        let blocks = y.axis_chunks_iter_mut(Axis(1), BLOCK);
-        if shared {
-            return blocks
-                .into_par_iter()
-                .enumerate()
-                .for_each(|(b, block)| self.solve_block(block, b * BLOCK));
-        }
-        blocks.into_iter().enumerate().for_each(|(b, block)| self.solve_block(block, b * BLOCK));
+        in_chunks(y, Axis(1), BLOCK, |b, block| self.solve_block(block, b * BLOCK));
     }
 
     /// x = L⁻ᵀ D⁻¹ L⁻¹ y on the nodes of a block of harmonics, l_j = o_j/d_j the coupling of node j with the next.
@@ -216,16 +188,12 @@ impl<T: Real> Scatter<T> for Scattering<T> {
     }
 }
 
-/// The same number in another precision.
-pub fn narrow<T: Real>(z: Complex64) -> Complex<T> {
-    Complex::new(T::of(z.re), T::of(z.im))
-}
-
 fn row<'a, T>(u: &'a ArrayView2<T>, index: usize) -> &'a [T] {
     u.row(index).to_slice().expect("rows are contiguous")
 }
 
-fn row_of<T>(u: &Array2<T>, index: usize) -> &[T] {
+/// A row of a table.
+pub(in crate::wave) fn row_of<T>(u: &Array2<T>, index: usize) -> &[T] {
     &u.as_slice().expect("tables are contiguous")[index * u.ncols()..(index + 1) * u.ncols()]
 }
 

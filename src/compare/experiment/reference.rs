@@ -1,0 +1,78 @@
+//! The geometry that is compared on, and the amplitudes that every row is held against.
+
+use super::file::{ComparisonFile, Points};
+use super::resolution;
+use crate::compare::error::CompareError;
+use crate::input::case::Case;
+use crate::numerics::files;
+use crate::run::memory;
+use crate::solve::accuracy::{AccuracyError, Task};
+use crate::solve::{Coverages, Gmres, Goal, Silent};
+use crate::wave::{FarField, Mean, Order, Physical, Scheme, TotalErrors};
+use num_complex::Complex64;
+
+/// The geometry, and the reference amplitudes if its file has them.
+pub(super) struct Subject {
+    pub case: Case,
+    known: Option<serde_json::Value>,
+}
+
+impl ComparisonFile {
+    /// Reads or packs the geometry.
+    pub(super) fn subject(&self) -> Result<Subject, CompareError> {
+        if let Some(path) = &self.case {
+            let path = self.folder().join(path);
+            let case = Case::read(&path)?;
+            let json = files::read_text(&path, files::CASE).ok().and_then(|t| serde_json::from_str(&t).ok());
+            let known =
+                json.and_then(|v: serde_json::Value| v.get("outputs").and_then(|o| o.get("orders")).cloned());
+            return Ok(Subject { case, known });
+        }
+        let packed = self.packed()?.expect("checked: a study, a case or a layer");
+        Ok(Subject { case: packed.case()?, known: None })
+    }
+
+    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and cells again.
+    pub(super) fn reference(&self, subject: &Subject) -> Result<(FarField, String), CompareError> {
+        let most = |f: fn(&Points) -> usize| self.resolutions.iter().map(f).max().unwrap_or(1);
+        let finest = Points { points: 3 * most(|p| p.points) / 2, cells: 3 * most(|p| p.cells) / 2 };
+        let resolution = resolution(&subject.case.scene, finest, Scheme::Cubic);
+        let case = &subject.case;
+        let task = Task {
+            coverages: &Coverages::of(&case.scene),
+            media: &case.media,
+            incidence: &case.incidence,
+            mean: Mean::default(),
+            scheme: Scheme::Cubic,
+            solver: &Gmres::default(),
+            goal: Goal { tolerance: 1e-9, ..Goal::default() },
+            memory: memory::usable(),
+        };
+        let (problem, solution, _) = task.solve(resolution, &mut Silent)?;
+        let errors = TotalErrors::of_totals([1.0; 2], solution.account.residual);
+        let mut far = Physical::judge(problem.far_field(&solution.field), errors)
+            .map_err(AccuracyError::Unphysical)?
+            .into_inner();
+        if let Some(known) = subject.known.as_ref().and_then(|k| k.as_array()) {
+            far.orders.retain_mut(|o| replace(o, known));
+            return Ok((far, "the case file's own amplitudes".into()));
+        }
+        let name = format!(
+            "krylov on {} × {} points and {} cubic cells",
+            resolution.nx, resolution.ny, resolution.cells
+        );
+        Ok((far, name))
+    }
+}
+
+/// Puts a reference order's amplitudes in place; false where the reference does not list it.
+fn replace(order: &mut Order, known: &[serde_json::Value]) -> bool {
+    let same = |k: &&serde_json::Value| {
+        k["m"] == order.m && (k["n"] == order.n || (k["n"].is_null() && order.n == 0))
+    };
+    let Some(found) = known.iter().find(same) else { return false };
+    let amplitude = |key: &str| Some(Complex64::new(found[key][0].as_f64()?, found[key][1].as_f64()?));
+    order.reflected = amplitude("R").unwrap_or(order.reflected);
+    order.transmitted = amplitude("T").unwrap_or(order.transmitted);
+    true
+}

@@ -1,0 +1,72 @@
+//! Why an export fails.
+
+use crate::evaluate::ink::InkError;
+use crate::export::samples::SampleError;
+use crate::ink::PackError;
+use crate::solve::SolveError;
+use crate::wave::WaveError;
+
+/// Why something could not be exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// Colours and materials need the ink on its paper.
+    #[error("{format} needs the ink on its paper: {reason}")]
+    NoInk {
+        /// The format.
+        format: &'static str,
+        /// Why there is none.
+        reason: String,
+    },
+    /// The material's frame is vacuum.
+    #[error("layer.index_above is {index}; a renderer's material lies in air: allowed is 1")]
+    NotInAir {
+        /// Index of the incident side.
+        index: f64,
+    },
+    /// The wavelength is not one of the study's.
+    #[error("near field: found {found} nm; allowed is one of the study's wavelengths, {allowed} nm")]
+    Wavelength {
+        /// Asked for, nm.
+        found: f64,
+        /// The study's own, nm.
+        allowed: String,
+    },
+    /// The near field of Maxwell's equations is known as moments alone.
+    #[error(
+        "near field: light.wave is {wave}; allowed is \"scalar\": Maxwell's equations are solved for moments of E, which no volume shows yet"
+    )]
+    VectorNearField {
+        /// The study's wave.
+        wave: &'static str,
+    },
+    /// Too few wavelengths for spectra on a grid of 10 nm.
+    #[error("{format} needs at least two multiples of 10 nm inside the study's wavelengths")]
+    TooFewWavelengths {
+        /// The format.
+        format: &'static str,
+    },
+    /// The appearance refuses.
+    #[error(transparent)]
+    Ink(#[from] InkError),
+    /// A table was not made.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+    /// A table was not made.
+    #[error("cannot write a table: {0}")]
+    Csv(#[from] csv::Error),
+    /// JSON was not made.
+    #[error("cannot write JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// The archive of arrays was not made.
+    #[error("cannot write the archive of arrays: {0}")]
+    Npz(#[from] ndarray_npy::WriteNpzError),
+    /// The packing could not be made again.
+    #[error(transparent)]
+    Packing(#[from] PackError),
+    /// The near field's problem is not valid.
+    #[error(transparent)]
+    Wave(#[from] WaveError),
+    /// The near field's solve failed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}

@@ -1,0 +1,86 @@
+//! Euler steps of the touched bodies, and the field that aligns them on the way.
+
+use super::Relaxation;
+use crate::ink::grains::orientation::Field;
+use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale};
+
+impl Relaxation<'_, '_> {
+    /// One Euler step of every touched body, which then form the new moving list.
+    pub(super) fn advance(&mut self) {
+        let h = self.step / self.settings.translational_viscosity;
+        let ramp = self.ramp();
+        let aligning = self.aligning(ramp);
+        let mut outrun = false;
+        for k in 0..self.loads.joined.len() {
+            let b = self.loads.joined[k] as usize;
+            self.loads.touched[b] = false;
+            let [by, turn] = self.motion(b, h, ramp, &aligning);
+            let centre = add(self.bodies.centre[b], by);
+            if turn == [0.0; 3] {
+                self.bodies.shift(b, centre);
+            } else {
+                self.bodies.put(b, centre, self.bodies.rotation[b].then(Rotation::by(turn)));
+            }
+            let range = self.bodies.first[b]..self.bodies.first[b + 1];
+            outrun |= range.into_iter().any(|s| self.list.outrun(&self.bodies.cell, s, self.bodies.at[s]));
+        }
+        self.moving.iter().for_each(|b| self.moves[*b as usize] = false);
+        self.loads.joined.iter().for_each(|b| self.moves[*b as usize] = true);
+        std::mem::swap(&mut self.moving, &mut self.loads.joined);
+        self.loads.joined.clear();
+        if outrun {
+            self.list.adapt(self.steps - self.listed, self.mean_radius);
+            self.list.remake(self.bodies, self.inflation);
+            self.listed = self.steps;
+        }
+    }
+
+    /// Shift and turn of a body in one step; its forces are used up.
+    fn motion(&mut self, b: usize, h: f64, ramp: f64, aligning: &[bool]) -> [V3; 2] {
+        let force = std::mem::take(&mut self.loads.force[b]);
+        let torque = std::mem::take(&mut self.loads.torque[b]);
+        let by = scale(force, h); // Δx = F Δt/μ
+        let mut turn = [0.0; 3];
+        if self.loads.inertia[b] > 0.0 {
+            // Δφ = M Δt/J, and what the aligning field adds
+            turn = add(scale(torque, h / self.loads.inertia[b]), self.alignment(b, ramp, aligning));
+        }
+        // No point of the body moves by more than the step's limit.
+        let length = norm(by) + norm(turn) * self.plan.bodies[b].reach;
+        if length > self.limit[b] {
+            return [by, turn].map(|part| scale(part, self.limit[b] / length));
+        }
+        [by, turn]
+    }
+
+    /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.
+    fn ramp(&self) -> f64 {
+        let steps = self.settings.aligning_steps as f64;
+        if steps > 0.0 { (1.0 - (self.steps - self.batch_start) as f64 / steps).max(0.0) } else { 0.0 }
+    }
+
+    /// Pigments whose order still falls short of what their field asks for.
+    fn aligning(&self, ramp: f64) -> Vec<bool> {
+        let falls_short = |(pigment, field): (usize, &Option<Field>)| {
+            let Some(field) = field.filter(|f| ramp > 0.0 && f.kappa != 0.0) else { return false };
+            let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
+            let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
+            let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));
+            n > 0.0 && field.wants_more(sum / n)
+        };
+        self.plan.fields.iter().enumerate().map(falls_short).collect()
+    }
+
+    /// The turn that the aligning field adds to a step.
+    fn alignment(&self, b: usize, ramp: f64, aligning: &[bool]) -> V3 {
+        let body = &self.plan.bodies[b];
+        match &self.plan.fields[body.pigment] {
+            Some(field) if aligning[body.pigment] => {
+                let torque = scale(field.torque(self.bodies.axes(b)), 1.0 / body.parts.len() as f64);
+                // At 45° the torque is ½.
+                scale(torque, 2.0 * ramp * self.settings.aligning_deg_per_step.to_radians())
+            }
+            _ => [0.0; 3],
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! What the light meets: the cell, its pigments, and how they are packed.
+
+use crate::ink::{
+    Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
+    SequentialSettings, Shape, ShareRule, SizeDistribution,
+};
+use crate::input::contrast::ContrastPart;
+use crate::input::forms::{Diameter, IndexWritten, Pair, ThicknessWritten};
+use crate::input::{limits, variation};
+use crate::material::mixing::MixingRule;
+use crate::numerics::written::{Alias, older_place, usual, without_default};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `[layer]`: the periodic cell and what lies above and below it.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(transform = Alias::new("index_above", "index_in"), transform = Alias::new("index_below", "index_out"))]
+pub struct LayerTable {
+    /// Whether every realisation has a cell of its own; see [`variation`].
+    #[serde(default)]
+    pub cell: variation::CellRule,
+    /// Nominal period in x and y, µm: one number or `[x, y]`. Follows from the grains when left out and cells vary.
+    #[schemars(example = 1.6)]
+    pub period_um: Option<Pair>,
+    /// Thickness, µm; `{ mean, std }` where it is uneven.
+    #[schemars(example = 1.0)]
+    pub thickness_um: ThicknessWritten,
+    /// The medium between the grains; index 1.558 (P1 section 5) when left out.
+    #[serde(default)]
+    #[schemars(transform = usual)]
+    pub binder: BinderTable,
+    /// Hard walls at both faces; without them grains wrap around in z as well, for packings alone.
+    #[serde(default = "yes")]
+    pub walls: bool,
+    /// Refractive index of the half-space the light comes from.
+    #[serde(default = "vacuum", alias = "index_in")]
+    #[schemars(transform = limits::INDEX.mark())]
+    pub index_above: f64,
+    /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
+    #[serde(default = "vacuum", alias = "index_out")]
+    #[schemars(transform = limits::INDEX.mark())]
+    pub index_below: f64,
+    /// How `"molecular"` pigments mix with the binder: `"volume-average"` for the scalar wave and `"maxwell-garnett"` for
+    /// Maxwell's equations when left out, the limits of vanishing grains of either.
+    #[schemars(example = &"volume-average")]
+    pub mixing: Option<MixingRule>,
+    /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
+    #[serde(default)]
+    pub contrast: ContrastPart,
+    /// A binder surface below the tops of the grains, with `index_above` between them.
+    pub relief: Option<ReliefRequest>,
+    /// Older place of `packing.method`.
+    #[schemars(transform = older_place, example = &"auto")]
+    pub method: Option<MethodChoice>,
+    /// Older place of `packing.sequential`.
+    #[schemars(transform = older_place, example = SequentialSettings::default())]
+    pub sequential: Option<SequentialSettings>,
+    /// Older place of `packing.relaxation`.
+    #[schemars(transform = older_place, example = RelaxationSettings::default())]
+    pub relaxation: Option<RelaxationSettings>,
+    /// Older place of `packing.equilibration`.
+    #[schemars(transform = older_place, example = EquilibrationSettings { sweeps: 250 })]
+    pub equilibration: Option<EquilibrationSettings>,
+}
+
+fn vacuum() -> f64 {
+    1.0
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// `[layer.binder]`
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BinderTable {
+    /// Its refractive index.
+    #[schemars(example = 1.558)]
+    pub index: IndexWritten,
+}
+
+impl Default for BinderTable {
+    fn default() -> Self {
+        Self { index: IndexWritten { n: Some(1.558), ..IndexWritten::default() } }
+    }
+}
+
+/// `[[pigment]]`: one kind of grain.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PigmentTable {
+    /// What reports call it; "pigment 1" and so on when left out.
+    #[schemars(example = &"yellow")]
+    pub name: Option<String>,
+    /// Shape of its grains.
+    #[serde(default)]
+    pub shape: Shape,
+    /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead. `"molecular"` is the
+    /// limit of vanishing grains: nothing is packed, the pigment is dissolved in the binder.
+    #[schemars(transform = usual, example = 250)]
+    pub diameter_nm: Option<Diameter>,
+    /// Size distribution.
+    #[schemars(example = SizeDistribution::diameter_nm(250.0))]
+    pub size: Option<SizeDistribution>,
+    /// Share of the layer's volume, 0–1.
+    #[schemars(transform = limits::VOLUME_FRACTION.mark(), example = 0.3)]
+    pub volume_fraction: f64,
+    /// Refractive index; packings alone do without.
+    #[serde(default)]
+    #[schemars(transform = without_default, transform = usual, example = std::collections::BTreeMap::from([("built_in", "yellow")]))]
+    pub index: IndexWritten,
+    /// Alignment of the grains' axes.
+    #[serde(default)]
+    pub orientation: Orientation,
+    /// Which grains stick together, if any.
+    pub agglomeration: Option<Agglomeration>,
+    /// How whole grains meet the volume fraction.
+    #[serde(default)]
+    pub share: ShareRule,
+}
+
+/// `[packing]`: how the grains come to their places.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PackingTable {
+    /// How to pack.
+    pub method: MethodChoice,
+    /// Limits of random sequential addition.
+    pub sequential: SequentialSettings,
+    /// Settings of the relaxation of overlaps.
+    pub relaxation: RelaxationSettings,
+    /// Monte Carlo after the packing, if asked.
+    #[schemars(example = EquilibrationSettings { sweeps: 250 })]
+    pub equilibration: Option<EquilibrationSettings>,
+}

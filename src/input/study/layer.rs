@@ -1,0 +1,90 @@
+//! What the light meets: the layer with its materials, and the paper.
+
+use crate::appearance::paper::{Albedo, Coupling};
+use crate::ink::PigmentGrains;
+use crate::input::contrast::ContrastPart;
+use crate::material::mixing::MixingRule;
+use crate::material::spectra::Spectrum;
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+/// The periodic cell 0 ≤ z ≤ thickness and its surroundings.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Layer {
+    /// Lateral periods, µm.
+    pub period_um: [f64; 2],
+    /// Thickness, µm.
+    pub thickness_um: f64,
+    /// Real index of the incident side.
+    pub index_above: f64,
+    /// Real index of the exit side.
+    pub index_below: f64,
+    /// What is between the grains.
+    pub binder: Material,
+    /// Which part of the contrast scatters.
+    #[serde(default, skip_serializing_if = "ContrastPart::is_full")]
+    pub contrast: ContrastPart,
+}
+
+/// One kind of grain.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Pigment {
+    /// Name, for people.
+    pub name: String,
+    /// Shape, sizes and volume fraction of its grains.
+    pub grains: PigmentGrains,
+    /// Its refractive index.
+    pub material: Material,
+}
+
+/// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Dissolved {
+    /// Name, for people.
+    pub name: String,
+    /// Share of the layer's volume.
+    pub volume_fraction: f64,
+    /// The index at each wavelength.
+    pub material: Material,
+}
+
+/// A material by its index n + iκ at every wavelength of the study.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Material {
+    /// For people: a constant, the name of a built-in spectrum, or the path of a table.
+    pub source: String,
+    /// At the study's wavelengths.
+    pub index: Vec<Complex64>,
+    /// At any wavelength between them.
+    pub spectrum: Spectrum,
+    /// What is dissolved in it: shares of its own volume, and indices.
+    pub dissolved: Vec<(f64, Spectrum)>,
+    /// How that mixes with it.
+    #[serde(default, skip_serializing_if = "MixingRule::is_volume_average")]
+    pub mixing: MixingRule,
+}
+
+impl Material {
+    /// η at a vacuum wavelength within the study's range.
+    pub fn index_at(&self, wavelength_um: f64) -> Complex64 {
+        // the check has proven the ends of the range, and a spectrum answers between its ends
+        let of = |spectrum: &Spectrum| spectrum.index(wavelength_um).unwrap_or(Complex64::new(f64::NAN, 0.0));
+        let own = of(&self.spectrum);
+        if self.dissolved.is_empty() {
+            return own;
+        }
+        let shares: Vec<_> = self.dissolved.iter().map(|(share, spectrum)| (*share, of(spectrum))).collect();
+        self.mixing.mix(own, &shares)
+    }
+}
+
+/// The Lambertian substrate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Paper {
+    /// For people: the albedo itself, or where its table comes from.
+    pub source: String,
+    /// Share of the light that the paper returns.
+    pub albedo: Albedo,
+    /// What is between ink and paper.
+    pub coupling: Coupling,
+}

@@ -1,0 +1,71 @@
+//! Why there is no index.
+
+use crate::material::columns::ColumnsError;
+use crate::material::dispersion::DispersionError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// A wavelength that a spectrum cannot answer, or a table that is not a spectrum.
+#[derive(Debug, Error)]
+pub enum SpectrumError {
+    /// A wavelength outside the table or the synthetic formula's range.
+    #[error(
+        "wavelength_nm = {value} is outside the spectrum {name}: {lo} to {hi} nm; choose wavelengths inside or extend the table"
+    )]
+    OutOfRange {
+        /// Name of the spectrum.
+        name: String,
+        /// Wavelength asked for, nm.
+        value: f64,
+        /// Shortest wavelength known, nm.
+        lo: f64,
+        /// Longest wavelength known, nm.
+        hi: f64,
+    },
+    /// A wavelength that is no positive number.
+    #[error("wavelength_nm = {value}: must be finite and greater than 0")]
+    BadWavelength {
+        /// The wavelength, nm.
+        value: f64,
+    },
+    /// A name that no built-in pigment has.
+    #[error("unknown pigment spectrum {value:?}: one of red, yellow, blue, green, or a CSV file")]
+    UnknownPigment {
+        /// The name found.
+        value: String,
+    },
+    /// A number of an index or a table that makes no sense.
+    #[error("{field} = {value}: allowed are finite values {allowed}; {remedy}")]
+    BadValue {
+        /// What it is, with its row.
+        field: String,
+        /// The number found.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+        /// What to try.
+        remedy: &'static str,
+    },
+    /// A table that cannot be interpolated.
+    #[error("{path}: {rows} rows; at least 2 are needed to interpolate, or use a constant index", path = path.display())]
+    TooFewRows {
+        /// The file, or the name of the table.
+        path: PathBuf,
+        /// Rows found.
+        rows: usize,
+    },
+    /// A file that is no table of numbers.
+    #[error(transparent)]
+    Unreadable(#[from] ColumnsError),
+    /// A table that is no spectrum.
+    #[error("{path}: {reason}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k for kappa will do)", path = path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with its columns.
+        reason: String,
+    },
+    /// A file that is no record of refractiveindex.info.
+    #[error(transparent)]
+    Record(#[from] DispersionError),
+}

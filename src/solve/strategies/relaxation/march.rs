@@ -1,0 +1,118 @@
+//! The march itself: one step of τ after the other, at the points of all planes.
+
+use super::memory::Candidate;
+use crate::solve::ledger::Ledger;
+use crate::wave::operator::banded::ShiftedMean;
+use crate::wave::{Field, Problem};
+use ndarray::Array2;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// The march at the points of all planes.
+pub(super) struct March<'a> {
+    problem: &'a Problem,
+    /// D − cÃ.
+    pub shifted: ShiftedMean,
+    /// (1 + cV/D) and 1/(1 − cV/D) at the points.
+    factors: [Array2<Complex64>; 2],
+    /// Row of the face the light enters by, and 2c b/D/(1 − cV/D) at its points.
+    source: (usize, Vec<Complex64>),
+    pub state: Array2<Complex64>,
+    harmonics: Field,
+    values: Array2<Complex64>,
+}
+
+impl<'a> March<'a> {
+    pub fn new(problem: &'a Problem, tau: f64, field: &Field) -> March<'a> {
+        let contrast = contrasts(problem);
+        let largest = contrast.iter().map(|v| v.norm()).fold(1e-300, f64::max);
+        let c = Complex64::new(0.0, 0.5 * tau / largest);
+        let factors = [contrast.mapv(|v| 1.0 + c * v), contrast.mapv(|v| 1.0 / (1.0 - c * v))];
+        let shifted = ShiftedMean::new(problem, 1.0.into(), -c);
+        let (row, b) = problem.source_at_points();
+        let weighted = b.iter().zip(factors[1].row(row)).map(|(b, f)| 2.0 * c * b / shifted.mass[row] * f);
+        let source = (row, weighted.collect());
+        let values = Array2::zeros(contrast.dim());
+        let harmonics = Field::zeros(problem.shape());
+        let mut march = March { problem, shifted, factors, source, state: values.clone(), harmonics, values };
+        march.take_up(field);
+        march
+    }
+
+    pub fn bytes(&self) -> usize {
+        let points = 4 * self.state.len() + 2 * self.harmonics.len();
+        points * size_of::<Complex64>() + self.shifted.bytes()
+    }
+
+    /// The state whose fixed point a solution u is: s = (1 + cV/D)u − cD⁻¹b at the points, with all that V scatters
+    /// beyond the harmonics.
+    fn take_up(&mut self, field: &Field) {
+        let planes = self.problem.mean.to_planes(field);
+        self.problem.planes_to_points(&planes, &mut self.state);
+        self.state *= &self.factors[0];
+        let (row, source) = &self.source;
+        // The source is kept divided by 1 − cV/D and doubled.
+        let state = self.state.row_mut(*row);
+        let terms = state.into_iter().zip(source).zip(self.factors[1].row(*row));
+        terms.for_each(|((s, b), f)| *s -= 0.5 * b / f);
+    }
+
+    /// Nodes and bubbles of the field that belongs to a state.
+    fn unknowns(&self, state: &Array2<Complex64>) -> Field {
+        let mut planes = Field::zeros(self.problem.shape());
+        self.shifted.solve_points(self.problem, state, &mut planes);
+        self.problem.mean.to_unknowns(&mut planes);
+        planes
+    }
+
+    /// The present state with its field and residual.
+    pub fn candidate(&mut self, ledger: &mut Ledger) -> Candidate {
+        let state = self.state.clone();
+        self.candidate_of(state, ledger)
+    }
+
+    pub fn candidate_of(&mut self, state: Array2<Complex64>, ledger: &mut Ledger) -> Candidate {
+        let field = self.unknowns(&state);
+        let mut residual = Field::zeros(self.problem.shape());
+        ledger.measure(&field, &mut residual);
+        Candidate { state, field, residual }
+    }
+
+    /// s ← (1 − cV/D)⁻¹ [(1 + cV/D)(2u − s) − 2c b/D] with u = (D − cÃ)⁻¹ D s: one step of τ.
+    pub fn step(&mut self) {
+        self.shifted.solve_points(self.problem, &self.state, &mut self.harmonics); // u, from (D − cÃ) u = D s
+        self.problem.planes_to_points(&self.harmonics, &mut self.values);
+        let [explicit, implicit] = &self.factors;
+        let planes = self.state.outer_iter_mut().into_par_iter().zip(self.values.outer_iter());
+        planes.enumerate().for_each(|(p, (state, values))| {
+            let step = ndarray::Zip::from(state).and(values).and(explicit.row(p)).and(implicit.row(p));
+            step.for_each(|s, &u, &e, &i| *s = (2.0 * u - *s) * e * i); // (2u − s)(1 + cV/D) / (1 − cV/D)
+        });
+        let (row, source) = &self.source;
+        self.state.row_mut(*row).iter_mut().zip(source).for_each(|(s, b)| *s -= b); // − 2c b/D / (1 − cV/D)
+    }
+
+    /// Marches a window and returns the mean of its states.
+    pub fn window(&mut self, steps: usize, ledger: &mut Ledger) -> Array2<Complex64> {
+        let mut mean = Array2::zeros(self.state.dim());
+        for _ in 0..steps {
+            self.step();
+            ledger.account.steps += 1;
+            ledger.account.operator_applications += 1;
+            mean += &self.state;
+        }
+        mean.mapv_inplace(|z: Complex64| z / steps as f64);
+        mean
+    }
+}
+
+/// V/D at the points of all planes.
+pub(crate) fn contrasts(problem: &Problem) -> Array2<Complex64> {
+    let (mass, points) = (problem.mean.plane_mass(), problem.coverage.grid.points());
+    let mut all = Array2::zeros((mass.len(), points));
+    let rows = all.outer_iter_mut().into_par_iter().enumerate();
+    rows.for_each(|(p, mut row)| {
+        row.iter_mut().zip(problem.contrast_per_mass(p, mass[p])).for_each(|(out, v)| *out = v);
+    });
+    all
+}

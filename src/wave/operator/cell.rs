@@ -1,0 +1,109 @@
+//! One cell of the mean medium for one harmonic, in closed form.
+//!
+//! In a cell of height h with kz² = k̄² − kx² − ky² the exact difference scheme (Tikhonov–Samarskii) reads
+//! o (U_{j+1} + U_{j−1}) − 2 o cos(kz h) U_j with o = kz / sin(kz h); P2 (3.5) has o = 1/h instead. Only decaying
+//! exponentials occur, so strongly evanescent harmonics cannot overflow (the slip of P2 (2.10)).
+
+use crate::wave::Scheme;
+use crate::wave::grid::element::MAX_DEGREE;
+use num_complex::Complex64;
+
+/// |kz h|² below which Taylor series replace the exponentials, which would cancel.
+pub(super) const SMALL: f64 = 2.5e-3;
+
+/// Node coefficients of one cell for one harmonic: coupling, and the cell's share of each node's diagonal.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeCoefficients {
+    /// o, the coupling of the cell's two nodes, 1/µm.
+    pub off: Complex64,
+    /// −o cos(k̄h), the cell's part of each node's diagonal, 1/µm.
+    pub diagonal: Complex64,
+}
+
+impl NodeCoefficients {
+    /// The coefficients of a cell of height `h` (µm) for k̄² = `kz2` (1/µm²).
+    pub fn new(kz2: Complex64, h: f64, scheme: Scheme) -> NodeCoefficients {
+        if scheme == Scheme::SecondDifference {
+            let off = Complex64::from(1.0 / h);
+            return NodeCoefficients { off, diagonal: 0.5 * h * kz2 - off };
+        }
+        let x2 = kz2 * (h * h);
+        if x2.norm() < SMALL {
+            let off = 1.0 / (h * sinc_series(x2));
+            return NodeCoefficients { off, diagonal: -off * cosine_series(x2) };
+        }
+        let ikz = Complex64::I * decaying_root(kz2);
+        NodeCoefficients::of_step(ikz, (ikz * h).exp())
+    }
+
+    /// From ikz and e^{ikz h}.
+    pub(crate) fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
+        let square = step * step;
+        let scale = ikz / (square - 1.0);
+        // kz/sin(kz h) = 2ikz e/(e² − 1), −kz cot(kz h) = −ikz (e² + 1)/(e² − 1) with e = e^{ikz h}
+        NodeCoefficients { off: 2.0 * step * scale, diagonal: -(square + 1.0) * scale }
+    }
+}
+
+/// One cell's coefficients for one harmonic, all from two exponentials: the nodes', and the first node's shares at the
+/// inner `points` (see [`left_share`]), which lie symmetrically.
+pub(super) fn cell_factors(
+    kz2: Complex64,
+    h: f64,
+    points: &[f64],
+    scheme: Scheme,
+) -> (NodeCoefficients, [Complex64; MAX_DEGREE]) {
+    let mut shares = [Complex64::default(); MAX_DEGREE];
+    if scheme == Scheme::SecondDifference || (kz2 * (h * h)).norm() < SMALL {
+        points.iter().zip(&mut shares).for_each(|(&t, share)| *share = left_share(kz2, h, t, scheme));
+        return (NodeCoefficients::new(kz2, h, scheme), shares);
+    }
+    let ikz = Complex64::I * decaying_root(kz2);
+    // e^{ikz h t} at the inner points: increments repeat from both ends, at most two differ.
+    let mut waves = [Complex64::ONE; MAX_DEGREE + 1];
+    let mut increments = [Complex64::ONE; MAX_DEGREE + 1];
+    let count = points.len();
+    for q in 0..=count {
+        let before = if q == 0 { 0.0 } else { points[q - 1] };
+        let here = if q == count { 1.0 } else { points[q] };
+        let mirrored = count - q;
+        increments[q] = if mirrored < q { increments[mirrored] } else { (ikz * (h * (here - before))).exp() };
+        waves[q] = increments[q] * if q == 0 { Complex64::ONE } else { waves[q - 1] };
+    }
+    let step = waves[count];
+    let scale = 1.0 / (1.0 - step * step);
+    for q in 0..count {
+        let rest = waves[count - 1 - q];
+        shares[q] = waves[q] * (1.0 - rest * rest) * scale;
+    }
+    (NodeCoefficients::of_step(ikz, step), shares)
+}
+
+/// Share of the left node in the mean medium's solution at the fraction t of a cell: sin(kz h (1−t))/sin(kz h).
+pub fn left_share(kz2: Complex64, h: f64, t: f64, scheme: Scheme) -> Complex64 {
+    let s = 1.0 - t;
+    if scheme == Scheme::SecondDifference {
+        return s.into();
+    }
+    let x2 = kz2 * (h * h);
+    if x2.norm() < SMALL {
+        return s * sinc_series(x2 * (s * s)) / sinc_series(x2);
+    }
+    let ikz = Complex64::I * decaying_root(kz2);
+    (ikz * (h * t)).exp() * (1.0 - (ikz * (2.0 * h * s)).exp()) / (1.0 - (ikz * (2.0 * h)).exp())
+}
+
+/// sin x / x from x²; the first term left out is below 1e-16 for |x| ≤ 0.05.
+fn sinc_series(x2: Complex64) -> Complex64 {
+    1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 72.0)))
+}
+
+fn cosine_series(x2: Complex64) -> Complex64 {
+    1.0 - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0 * (1.0 - x2 / 56.0)))
+}
+
+/// √z with Im ≥ 0, so that e^{i√z s} decays or stays bounded for s > 0.
+pub fn decaying_root(z: Complex64) -> Complex64 {
+    let root = z.sqrt();
+    if root.im < 0.0 { -root } else { root }
+}

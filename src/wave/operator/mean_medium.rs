@@ -1,0 +1,97 @@
+//! The mean medium ⟨k²⟩ of every cell, what the backgrounds differ from it, and the cells it allows.
+
+use crate::wave::{Coverage, Grid, Layout, Media, WaveError};
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+/// Largest phase k̄h of a cell with contrast: beyond it the moments no longer resolve the wave.
+const PHASE_LIMIT: f64 = 2.9;
+
+/// How ⟨k²⟩ is chosen. It belongs to the discretisation: all strategies on one problem share it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Mean {
+    /// Averages each cell over the plane instead of the whole layer (P2, below (3.12)).
+    pub depends_on_z: bool,
+    /// Keeps the imaginary part; relaxation needs it left in the contrast (real ⟨k²⟩).
+    pub absorbing: bool,
+}
+
+impl Default for Mean {
+    fn default() -> Mean {
+        Mean { depends_on_z: true, absorbing: true }
+    }
+}
+
+/// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
+pub(super) fn mean_wavenumbers(layout: &Layout, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
+    let grid = layout.grid;
+    let square = |eta: Complex64| eta * eta * (k0 * k0);
+    let in_cell = |j: usize| {
+        let background = square(media.backgrounds[grid.background[j]]);
+        let parts = layout.channels.iter().zip(layout.fractions);
+        let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
+        background
+            + parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[j]).sum::<Complex64>()
+    };
+    let mut values: Vec<Complex64> = (0..grid.cells()).map(in_cell).collect();
+    if !mean.depends_on_z {
+        let weighted = values.iter().enumerate().map(|(j, v)| v * grid.height_um(j)).sum::<Complex64>();
+        values.fill(weighted / grid.nodes_um[grid.cells()]);
+    }
+    if !mean.absorbing {
+        values.iter_mut().for_each(|v| v.im = 0.0);
+    }
+    values
+}
+
+/// Moments of (background − mean) k² on each plane, over the points of a plane.
+pub(super) fn plane_offsets(
+    coverage: &Coverage,
+    media: &Media,
+    k0: f64,
+    mean_k2: &[Complex64],
+) -> Vec<Complex64> {
+    let grid = &coverage.grid;
+    let mut offsets = vec![Complex64::default(); grid.planes()];
+    for j in 0..grid.cells() {
+        let eta = media.backgrounds[grid.background[j]] * k0;
+        // A difference of rounding size is none: homogeneous layers then need no iteration at all.
+        let raw = eta * eta - mean_k2[j];
+        let shift = if raw.norm() < 1e-14 * mean_k2[j].norm() { Complex64::default() } else { raw };
+        for (plane, weight) in grid.planes_of_cell(j).zip(&grid.element.weights) {
+            offsets[plane] += shift * (grid.height_um(j) * weight / grid.points() as f64);
+        }
+    }
+    offsets
+}
+
+/// Cells of a grid `other` that the phase limit allows, from k̄² of the cells of a grid that it has allowed.
+pub(in crate::wave) fn cells_needed(own: &Grid, means: &[Complex64], other: &Grid) -> usize {
+    let phase = |j: usize| {
+        let [lo, hi] = [other.nodes_um[j], other.nodes_um[j + 1]];
+        let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
+        let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
+        (sum / (hi - lo)).sqrt().re * (hi - lo)
+    };
+    let largest = (0..other.cells()).map(phase).fold(0.0, f64::max);
+    let needed = (largest / PHASE_LIMIT * other.cells() as f64).ceil() as usize;
+    if largest > PHASE_LIMIT { needed.max(other.cells() + 1) } else { other.cells() }
+}
+
+/// Refuses cells that are too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
+pub(super) fn check_phase(layout: &Layout, mean_k2: &[Complex64], lateral_k2: f64) -> Result<(), WaveError> {
+    let grid = layout.grid;
+    let exact = layout.channels.is_empty();
+    for (j, &k2) in mean_k2.iter().enumerate() {
+        let h = grid.height_um(j);
+        let phase = (if exact { k2 - lateral_k2 } else { k2 }).sqrt().re * h;
+        let near_pole =
+            exact && (k2 - lateral_k2).im.abs() * h < 1e-3 && phase > 1.0 && phase.sin().abs() < 1e-5;
+        let needed = (phase / PHASE_LIMIT * grid.cells() as f64).ceil() as usize;
+        if near_pole || (!exact && phase > PHASE_LIMIT) {
+            let needed = needed.max(grid.cells() + 1);
+            return Err(WaveError::CellTooHigh { cell: j, height_um: h, phase, limit: PHASE_LIMIT, needed });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,69 @@
+//! V as weights W_p over the points of each plane.
+
+use super::Problem;
+use crate::numerics::fourier::{Real, narrow};
+use crate::wave::contrast::coverage::Channel;
+use crate::wave::{Coverage, Media};
+use ndarray::Array2;
+use num_complex::{Complex, Complex64};
+
+/// k0²(η² − η_background²) of each channel, then the products of what each pair folds back, over the points of a plane.
+pub(super) fn strengths(coverage: &Coverage, media: &Media, k0: f64) -> Vec<Complex64> {
+    let points = coverage.grid.points() as f64;
+    let contrast = |c: &Channel| {
+        let [inclusion, background] = [media.index_of(c.material), media.backgrounds[c.background]];
+        (inclusion * inclusion - background * background) * (k0 * k0)
+    };
+    let single: Vec<Complex64> = coverage.channels.iter().map(contrast).collect();
+    let folded = coverage.pairs.iter().map(|&[a, b]| single[a] * single[b] * if a == b { 1.0 } else { 2.0 });
+    single.iter().copied().chain(folded).map(|c| c / points).collect()
+}
+
+impl Problem {
+    /// W_p over the points of a plane, planes × points.
+    pub(super) fn weights<T: Real>(&self) -> Array2<Complex<T>> {
+        let grid = &self.coverage.grid;
+        let mut weights = Array2::zeros((grid.planes(), grid.points()));
+        let mut sum = vec![Complex64::default(); grid.points()];
+        for (plane, mut row) in weights.outer_iter_mut().enumerate() {
+            self.contrast_weights(plane, &mut sum);
+            row.iter_mut().zip(&sum).for_each(|(w, &z)| *w = narrow(z));
+        }
+        weights
+    }
+
+    /// W_p of one plane over its points.
+    fn contrast_weights(&self, plane: usize, sum: &mut [Complex64]) {
+        // W_p = ∫ ψ_p (k²_background − ⟨k²⟩) dz + Σ_c (k²_c − k²_background) ∫ ψ_p χ_c dz, and what folds back
+        sum.fill(self.offsets[plane]);
+        let fields = self.coverage.moments.iter().chain(&self.coverage.folded);
+        for (moments, &contrast) in fields.zip(&self.contrasts) {
+            sum.iter_mut().zip(moments.row(plane)).for_each(|(w, &m)| *w += contrast * m);
+        }
+    }
+
+    /// Fourier coefficients of W_p at (m mod nx, n mod ny).
+    pub fn contrast_spectrum(&self, plane: usize) -> Array2<Complex64> {
+        let mut scratch = self.fft.scratch();
+        scratch.plane.fill(Complex64::ONE);
+        self.multiply_contrast(plane, &mut scratch.plane);
+        let resolution = self.coverage.grid.resolution;
+        self.fft.forward(&mut scratch, std::slice::from_ref(&(0..resolution.nx)));
+        Array2::from_shape_vec((resolution.nx, resolution.ny), scratch.spectrum).expect("a full spectrum")
+    }
+
+    /// V/D at every point of a plane, so that the largest modulus is a physical k² contrast.
+    pub fn contrast_per_mass(&self, plane: usize, mass: f64) -> Vec<Complex64> {
+        let points = self.coverage.grid.points();
+        let mut values = vec![Complex64::from(points as f64 / mass); points];
+        self.multiply_contrast(plane, &mut values);
+        values
+    }
+
+    /// Multiplies by W_p over the points of a plane.
+    fn multiply_contrast(&self, plane: usize, values: &mut [Complex64]) {
+        let mut weights = vec![Complex64::default(); values.len()];
+        self.contrast_weights(plane, &mut weights);
+        values.iter_mut().zip(weights).for_each(|(v, w)| *v *= w);
+    }
+}
