@@ -14,6 +14,9 @@ use serde::Serialize;
 use std::error::Error;
 use std::path::Path;
 
+/// The claim whose first table is README's accuracy.
+const ACCURACY: &str = "08-references";
+
 /// One line of the verdict table, and the claim's chapter.
 #[derive(Serialize)]
 struct Chapter {
@@ -180,7 +183,7 @@ pub fn splice(path: &Path, judged: &[Judged]) -> Result<(), Box<dyn Error>> {
     let columns =
         ["claim", "verdict", "tightest number", "measured", "bound", "margin"].map(String::from).to_vec();
     let verdicts = Table { title: String::new(), columns, rows: verdicts.collect() };
-    let references = judged.iter().find(|j| j.claim.id == crate::claims::references::CLAIM.id);
+    let references = judged.iter().find(|j| j.claim.id == ACCURACY);
     let accuracy = references.and_then(|j| j.measured.findings.tables.first());
     for (name, table) in [("verdicts", Some(&verdicts)), ("accuracy", accuracy)] {
         let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));

@@ -211,7 +211,9 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     let time = |cores: f64| in_words(plan.core_seconds / cores);
     say(format_args!("variants          {}", plan.variants))?;
     say(format_args!("packings          {}", plan.packings))?;
-    say(format_args!("solves            {}", plan.solves))?;
+    // A wanted bar may be reached before.
+    let bars = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
+    say(format_args!("solves            {}{}", if bars { "at most " } else { "" }, plan.solves))?;
     say(format_args!("unknowns          {} in the largest solve", plan.unknowns))?;
     say(format_args!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs))?;
     say(format_args!(

@@ -10,6 +10,7 @@ mod directions;
 mod distribution;
 pub mod energy;
 mod furnace;
+pub mod intervals;
 mod layers;
 mod molecular;
 mod orders;
@@ -23,7 +24,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 23] = [
+pub const ALL: [Claim; 24] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -47,4 +48,5 @@ pub const ALL: [Claim; 23] = [
     directions::SCALAR,
     directions::VECTOR,
     small_grains::CLAIM,
+    intervals::CLAIM,
 ];
