@@ -51,7 +51,8 @@
 //! - [`solve`]: the ways. Strategies behind one trait, [`Solver`](solve::Solver), measured by one residual; a
 //!   [`Registry`](solve::Registry) that strategies of other crates can join; [`accuracy`](solve::accuracy) searches the grid
 //!   for a wanted error.
-//! - [`appearance`]: what is seen. Orders become a [`Bdf`](appearance::bdf::Bdf), the layer lies on paper, spectra become
+//! - [`appearance`]: what is seen. Orders become a [`Bdf`](appearance::bdf::Bdf), or the lobes of a
+//!   [lit square](appearance::finite_area::FiniteArea); the layer lies on paper, spectra become
 //!   [colours](appearance::colour::Colour).
 //! - [`store`]: what is kept. Records, sealed and written in one piece, and the folders that hold them.
 //! - [`input`]: what was asked. A study file as written, checked into a [`Study`](input::study::Study); errors name field,

@@ -48,7 +48,8 @@ def solve(case, accuracy: float = 1e-3, **options) -> dict:
 
     `case` is a dictionary as in `inkwave solve CASE.json` (lengths in µm, angles in degrees), or the path of such a
     file. Further options are those of the command line: `solver="born"`, `nxy=20, nz=12` instead of an accuracy,
-    `wave="vector"` (amplitudes are then `far["orders"]["R"]["s"]["p"]` and so on).
+    `wave="vector"` (amplitudes are then `far["orders"]["R"]["s"]["p"]` and so on), `illuminated_um=10` for the light of a
+    lit square per steradian (`far["finite_area"]`), `snap=True` for a direction of the lattice (`far["snapped"]`).
 
     >>> far = solve({"wavelength": 0.5, "H": 0.3, "eta_binder": [1.5, 0.0]})
     >>> abs(far["R_total"] + far["T_total"] + far["A_total"] - 1) < 1e-6

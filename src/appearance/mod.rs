@@ -4,6 +4,8 @@
 //! errors) and the fits of [`crate::evaluate`] → [`paper`] (a Lambertian substrate behind the layer, light going back and
 //! forth) → [`colour::Colour`] and the [`picture::InkPicture`] of P1 Fig. 6.
 //!
+//! Beside the path, [`finite_area`] spreads one far field's orders into the lobes of a lit square (P2 section 4.1).
+//!
 //! The wave model is scalar: it is exact for light polarised along the layer (s) on plane layers, and all
 //! appearance derived from it is that of s-polarised light; unpolarised light is approximated by it (P1 section 1).
 
@@ -13,6 +15,7 @@ mod bdf_orders;
 mod bdf_table;
 pub mod colour;
 pub mod error;
+pub mod finite_area;
 pub mod kubelka_munk;
 pub mod paper;
 pub mod picture;

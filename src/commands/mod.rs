@@ -15,6 +15,7 @@ pub mod run;
 pub mod say;
 pub mod schema;
 pub mod solve;
+mod solve_light;
 mod solve_vector;
 pub mod stop;
 pub mod sweep;

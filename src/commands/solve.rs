@@ -1,6 +1,7 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
 use super::say::{note, say};
+use super::solve_light::LightArgs;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::run::crew::processor_seconds;
@@ -57,6 +58,8 @@ pub struct SolveArgs {
     /// Memory that one solve may take, in GB
     #[arg(long, default_value_t = 4.0)]
     memory_gb: f64,
+    #[command(flatten)]
+    light: LightArgs,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -89,24 +92,34 @@ impl From<SchemeName> for Scheme {
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> Result<()> {
     check(args)?;
-    let case = Case::read(&args.case).into_diagnostic()?;
+    let mut case = Case::read(&args.case).into_diagnostic()?;
     if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
         miette::bail!(
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
         );
     }
     warn_of_wavelength(case.incidence.wavelength_um);
+    args.light.check(&case, args.wave == WaveName::Vector)?;
+    let snapped = args.light.snap(&mut case)?;
     // A grid of one's own choice may be as fine as it likes.
     let error = match args.nz {
         Some(_) => EXACT,
         None => error_for(args.accuracy.unwrap_or(DEFAULT_ACCURACY)),
     };
-    let report = match args.wave {
-        WaveName::Scalar => report(&estimate(args, &case, &Coverages::within(&case.scene, error))?),
+    let mut report = match args.wave {
+        WaveName::Scalar => {
+            let solved = estimate(args, &case, &Coverages::within(&case.scene, error))?;
+            let mut report = report(&solved);
+            args.light.add_area(&solved.far_field, &case.media, &mut report)?;
+            report
+        }
         WaveName::Vector => {
             super::solve_vector::report(&estimate(args, &case, &Coverages::vector(&case.scene, error))?)
         }
     };
+    if let Some(snapped) = snapped {
+        report["snapped"] = snapped;
+    }
     say(format_args!("{report:#}"))?;
     Ok(())
 }

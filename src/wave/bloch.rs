@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 /// Distance from the zone's edge, in units of 2π/L, within which a vector counts as on it and stays where it is:
 /// rounding must not decide between both ends of the zone.
-const TIE: f64 = 1e-9;
+pub(super) const TIE: f64 = 1e-9;
 
 /// Bloch vector, and the harmonic that the incident wave is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,13 +65,13 @@ impl BlochVector {
 }
 
 /// The integer nearest to `x`, of two equally near ones that closer to zero: opposite waves have opposite ones.
-fn nearest_order(x: f64) -> i32 {
+pub(super) fn nearest_order(x: f64) -> i32 {
     (x.signum() * (x.abs() - 0.5 - TIE).ceil()) as i32
 }
 
 impl Incidence {
     /// (kx, ky) of the incident wave, 1/µm.
-    fn lateral_wavevector(&self, media: &Media) -> Result<[f64; 2], WaveError> {
+    pub(super) fn lateral_wavevector(&self, media: &Media) -> Result<[f64; 2], WaveError> {
         let eta = if self.from == Side::Incident { media.incident } else { media.exit };
         if eta.im != 0.0 {
             return Err(WaveError::Range {

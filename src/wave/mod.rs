@@ -16,6 +16,7 @@ mod overlap;
 pub mod packed;
 pub mod physical;
 pub mod scene;
+pub mod snapping;
 
 pub use contrast::coverage::Coverage;
 pub use error::WaveError;
@@ -26,3 +27,4 @@ pub use layout::Layout;
 pub use operator::problem::{Field, Mean, Problem};
 pub use physical::{Physical, TotalErrors, Unphysical};
 pub use scene::{Ball, Body, HeightField, Material, Media, Scene, Shape, Stratum};
+pub use snapping::Snapped;
