@@ -5,6 +5,7 @@ use super::stop::StopFlag;
 use clap::{Args, ValueEnum};
 use inkwave::export::run::{Format, NearField, Request, export};
 use inkwave::export::stored::Stored;
+use inkwave::store::marker::Marker;
 use inkwave::store::safely;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use std::path::PathBuf;
@@ -62,6 +63,11 @@ impl From<To> for Format {
 /// Reads the folder and writes the files.
 pub fn run(args: &ExportArgs) -> miette::Result<()> {
     let stored = Stored::read(&args.folder).map_err(|e| miette!(help = e.remedy(), "{e}"))?;
+    let folder = args.output.clone().unwrap_or_else(|| args.folder.join("export"));
+    if let Some(marker) = Marker::read(&folder) {
+        let help = "give a folder of its own: --output DIR; FOLDER/export when left out";
+        return Err(miette!(help = help, "{} holds {} of inkwave", folder.display(), marker.inkwave_folder));
+    }
     let progress = Progress::new(StopFlag::listen());
     let request = Request {
         formats: args.to.iter().map(|&to| to.into()).collect(),
@@ -71,7 +77,6 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
     let exported = export(&stored, &request, &progress);
     progress.finish();
     let exported = exported.into_diagnostic()?;
-    let folder = args.output.clone().unwrap_or_else(|| args.folder.join("export"));
     let cannot = || format!("cannot write to {}", folder.display());
     std::fs::create_dir_all(&folder).into_diagnostic().wrap_err_with(cannot)?;
     for file in &exported.files {

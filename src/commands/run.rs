@@ -92,6 +92,14 @@ fn tell(
         say(format_args!("{}: no colour: {reason}", study.title))?;
     }
     say(format_args!("Report: {}", report.display()))?;
+    if let (Some(target), false) = (study.target_delta_e.filter(|_| study.realisations > 1), stopped)
+        && !summary::enough(study, collected)
+    {
+        let all = study.realisations;
+        super::say::note(format_args!(
+            "the 95 % interval of a colour is still wider than run.target_delta_e = {target} after {all} realisations: raise run.realisations"
+        ));
+    }
     if published.status == Status::Complete {
         return Ok(());
     }

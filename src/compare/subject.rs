@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// The study of a comparison, as written.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a study file's path, or a table with a whole study")]
 pub enum StudyWritten {
     /// Its file, relative to the comparison.
     File(PathBuf),

@@ -16,6 +16,7 @@ use super::limits;
 use super::limits::LONGEST_LIST;
 use super::study::{Layer, Output, Study, WantedResolution};
 use super::variation::{CellRule, LightRule, THICKNESS_CUT, Variation};
+use crate::appearance::tristimulus::Colorimeter;
 use crate::numerics::allowed::Whole;
 use crate::solve::Goal;
 use std::path::Path;
@@ -43,7 +44,8 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
 }
 
 /// Tables that packings alone do not need.
-const OPTICAL: [&str; 6] = ["light", "angles", "paper", "resolution", "solver", "layer.binder"];
+const OPTICAL: [&str; 8] =
+    ["light", "angles", "paper", "resolution", "solver", "layer.binder", "colour", "compare"];
 
 /// As [`check`], for the packings alone: faults of what only the wave needs do not count.
 ///
@@ -84,6 +86,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
     // Without grains and with an even thickness all realisations are the same.
     let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
     let realisations = if alike { 1 } else { realisations(file) };
+    let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut faults);
     let study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
@@ -101,10 +104,23 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         solver: file.solver.strategy.0,
         goal,
         output: output(&file.output),
-        judgement: judgement::judgement(file, folder, &mut faults),
+        judgement,
     };
     wave::refusals(file, &study, &mut faults);
+    if faults.0.is_empty() {
+        faults.0.extend(aim(&study));
+    }
     (study, faults)
+}
+
+/// A bar as the aim of a study without a colour, which would never reach it.
+fn aim(study: &Study) -> Option<Fault> {
+    let target = study.target_delta_e?;
+    let grid = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
+    let reason = study.angles.no_paper.clone().or(grid)?;
+    let remedy = "leave it out, or take angles.count and wavelengths from 400 to 700 nm";
+    let allowed = format!("nothing where there is no colour: {reason}");
+    Some(Fault::new("run.target_delta_e", target, allowed, remedy))
 }
 
 fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
@@ -301,6 +317,15 @@ fn counts(file: &StudyFile, faults: &mut Faults) {
     if let Some(target) = file.run.target_delta_e {
         let remedy = "0.3 is hard to see; a hundredth of that needs 10 000 times the cells";
         faults.number("run.target_delta_e", target, limits::TARGET_DELTA_E, remedy);
+        if file.run.realisations == Some(1) {
+            let allowed = "2 or more with run.target_delta_e: one packing has no interval";
+            faults.push(Fault::new(
+                "run.realisations",
+                1,
+                allowed,
+                "leave it out: as many are run as it takes",
+            ));
+        }
     }
     whole(
         "run.realisations",

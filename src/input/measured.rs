@@ -1,6 +1,7 @@
 //! Spectra that someone has measured: CSV, CxF3 or CGATS.17.
 
 use crate::material::columns::{Columns, ColumnsError};
+use crate::numerics::files;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -39,6 +40,8 @@ pub enum MeasuredError {
 
 /// Reflectance factors above this are percentages.
 const LARGEST_FACTOR: f64 = 3.0;
+/// Noise of an instrument at its black; less is no reflectance factor.
+const LEAST_FACTOR: f64 = -0.1;
 const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
 
 impl MeasuredSpectrum {
@@ -47,10 +50,11 @@ impl MeasuredSpectrum {
     /// by 100.
     ///
     /// # Errors
-    /// The file cannot be read, has no spectrum, or one with wavelengths that do not rise or values that are no numbers.
+    /// The file cannot be read, has no spectrum, or one with wavelengths that do not rise or values that are no reflectance
+    /// factors.
     pub fn read(path: &Path) -> Result<Self, MeasuredError> {
         let unreadable = |source| MeasuredError::Unreadable { path: path.into(), source };
-        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
         let text = String::from_utf8_lossy(&bytes);
         let no_spectrum = |reason: String| MeasuredError::NoSpectrum { path: path.into(), reason };
         let start = text.trim_start_matches('\u{feff}').trim_start();
@@ -75,9 +79,17 @@ impl MeasuredSpectrum {
         if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
             return Err(format!("wavelengths do not rise: {} nm after {} nm", pair[1][0], pair[0][0]));
         }
-        if rows.iter().any(|row| row[1] > LARGEST_FACTOR) {
-            rows.iter_mut().for_each(|row| row[1] /= 100.0);
+        let in_percent = rows.iter().any(|row| row[1] > LARGEST_FACTOR);
+        let unit = if in_percent { 100.0 } else { 1.0 };
+        let allowed = LEAST_FACTOR..=LARGEST_FACTOR;
+        if let Some([nm, value]) = rows.iter().find(|row| !allowed.contains(&(row[1] / unit))) {
+            let white = "a perfect white has 1, or 100 in percent";
+            return Err(format!("{value} at {nm} nm is no reflectance factor; {white}"));
         }
+        if !in_percent && rows.iter().all(|row| row[1] > 1.0) {
+            return Err("all values are above 1, a perfect white; write percentages as shares of 1".into());
+        }
+        rows.iter_mut().for_each(|row| row[1] /= unit);
         Ok(Self { source, rows })
     }
 
@@ -140,6 +152,9 @@ fn from_cgats(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let fields: Vec<&str> = fields.iter().flat_map(|line| line.split_whitespace()).collect();
     let data = between("BEGIN_DATA", "END_DATA").ok_or("no BEGIN_DATA")?;
     let cells = words(data[0]);
+    if cells.len() != fields.len() {
+        return Err(format!("{} values in the first set under {} fields", cells.len(), fields.len()));
+    }
     let band = |name: &str| {
         let digits =
             name.strip_prefix("SPEC_").or(name.strip_prefix("SPECTRAL_NM")).or(name.strip_prefix("nm"))?;
@@ -205,6 +220,12 @@ mod tests {
         assert!(reason("wavelength_nm,reflectance\n410,1\n400,1\n").contains("do not rise"));
         assert!(reason("wavelength_nm,reflectance\n410,\n420,1\n").contains("no number"));
         assert!(reason("<CxF/>").contains("no ReflectanceSpectrum"));
+        assert!(reason("wavelength_nm,reflectance\n400,-0.5\n420,0.5\n").contains("-0.5 at 400 nm"));
+        assert!(reason("wavelength_nm,reflectance\n400,30000\n420,0.5\n").contains("30000 at 400 nm"));
+        assert!(reason("wavelength_nm,reflectance\n400,1.5\n420,2.5\n").contains("above 1"));
+        let short =
+            "CGATS.17\nBEGIN_DATA_FORMAT\nSPEC_400 SPEC_500\nEND_DATA_FORMAT\nBEGIN_DATA\n1\nEND_DATA\n";
+        assert!(reason(short).contains("1 values in the first set under 2 fields"));
         assert!(
             reason("CGATS.17\nBEGIN_DATA_FORMAT\nRGB_R\nEND_DATA_FORMAT\nBEGIN_DATA\n1\nEND_DATA\n")
                 .contains("SPEC_nnn")

@@ -53,8 +53,9 @@ impl std::error::Error for Misfit {}
 pub(super) const FORM: &str = "write the value in that form; examples/yellow.toml shows a whole study";
 
 impl de::Error for Misfit {
+    /// Forms written in several ways say here what they take.
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new("", message, "another value", FORM)
+        Self::new("", "a value of another form", message.to_string(), FORM)
     }
 
     fn invalid_type(found: Unexpected, allowed: &dyn Expected) -> Self {

@@ -25,7 +25,13 @@ pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
     match result {
         Ok(value) if faults.is_empty() => return Ok(value),
         Ok(_) => {}
-        Err(misfit) => faults.push(*misfit.0),
+        Err(misfit) => {
+            let mut fault = *misfit.0;
+            if fault.field.is_empty() {
+                fault.field.push_str("the whole file");
+            }
+            faults.push(fault);
+        }
     }
     Err(faults)
 }

@@ -4,6 +4,7 @@
 //! its header line; a file that mixes them is refused with an explanation, never guessed at.
 
 use crate::numerics::files;
+use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -31,6 +32,14 @@ pub enum ColumnsError {
     Empty {
         /// The file.
         path: PathBuf,
+    },
+    /// Two columns have the same name.
+    #[error("{}: column {column} is there twice; keep one of them", path.display())]
+    Twice {
+        /// The file.
+        path: PathBuf,
+        /// Name of the columns.
+        column: String,
     },
     /// A line has another number of cells than the header.
     #[error(
@@ -80,6 +89,10 @@ impl Columns {
     pub fn read(path: &Path) -> Result<Self, ColumnsError> {
         let unreadable = |source| ColumnsError::Unreadable { path: path.into(), source };
         let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
+        if bytes.contains(&0) {
+            let what = "it is no plain text (UTF-16, or a spreadsheet's own format): save it as CSV in UTF-8";
+            return Err(unreadable(io::Error::new(io::ErrorKind::InvalidData, what)));
+        }
         Self::parse(path, &String::from_utf8_lossy(&bytes))
     }
 
@@ -96,6 +109,10 @@ impl Columns {
             .from_reader(text.as_bytes());
         let broken = |error: csv::Error| ColumnsError::Broken { path: path.into(), source: error };
         let names: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
+        let earlier = |i: usize| !names[i].is_empty() && names[..i].contains(&names[i]);
+        if let Some(i) = (0..names.len()).find(|&i| earlier(i)) {
+            return Err(ColumnsError::Twice { path: path.into(), column: names[i].clone() });
+        }
         let mut rows = Vec::new();
         for record in reader.records() {
             rows.push(row(path, &names, separator, &record.map_err(broken)?)?);
@@ -173,5 +190,7 @@ mod tests {
         let message = parse("wavelength_nm;kappa\n400;much\n").unwrap_err().to_string();
         assert!(message.contains("column kappa: found \"much\""), "{message}");
         assert!(parse("# nothing\n").is_err());
+        let message = parse("wavelength_nm,n,n\n400,1.4,1.5\n").unwrap_err().to_string();
+        assert!(message.contains("column n is there twice"), "{message}");
     }
 }

@@ -228,6 +228,9 @@ fn formula(entry: &Entry, number: &str) -> Result<Source, String> {
         _ => String::new(),
     };
     let range = numbers(&text(&entry.wavelength_range), 2)?;
+    if range[0] >= range[1] {
+        return Err(format!("wavelength_range does not rise: {} to {} µm", range[0], range[1]));
+    }
     let coefficients = numbers(&text(&entry.coefficients), 1)?;
     Ok(Source::Formula { number, range_um: [range[0], range[1]], coefficients })
 }

@@ -71,7 +71,7 @@ impl Spectrum {
     }
 
     /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start with `#` are comments,
-    /// `n` defaults to 1.4 (P1).
+    /// `n` is 1.4 (P1) where there is no such column.
     ///
     /// # Errors
     /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ < 0, n ≤ 0.
@@ -87,7 +87,7 @@ impl Spectrum {
         let cell = |row: &[Option<f64>], place: usize| row[place].unwrap_or(f64::NAN);
         let sample = |row: &Vec<Option<f64>>| Sample {
             wavelength_nm: cell(row, places.wavelength),
-            n: places.n.and_then(|n| row[n]).unwrap_or(PIGMENT_N),
+            n: places.n.map_or(PIGMENT_N, |n| cell(row, n)),
             kappa: cell(row, places.kappa),
         };
         Self::tabulated(&path.display().to_string(), columns.rows.iter().map(sample).collect())
@@ -256,6 +256,7 @@ mod tests {
         assert!(message("wavelength_nm,kappa\n500,0.1\n400,0.3\n").contains("row 2: wavelength_nm = 400"));
         assert!(message("wavelength_nm,kappa\n500,NaN\n600,0.3\n").contains("kappa = NaN"));
         assert!(message("wavelength_nm,kappa,n\n500,1,0\n600,0.3,1\n").contains("n = 0"));
+        assert!(message("wavelength_nm,kappa,n\n500,1,\n600,0.3,1\n").contains("n = NaN"));
         assert!(message("wavelength_nm,kappa\n500,0.1\n").contains("1 rows"));
         assert!(message("lambda,kappa\n500,0.1\n600,0.1\n").contains("lambda"));
         assert!(Spectrum::from_csv("no/such/file.csv").unwrap_err().to_string().contains("no/such/file.csv"));

@@ -52,6 +52,9 @@ impl fmt::Display for Allowed {
             (false, false) => "to",
         };
         let space = if self.unit.is_empty() || self.unit == "°" { "" } else { " " };
+        if self.high == f64::MAX {
+            return write!(f, "finite and {low} {}{space}{}", self.low, self.unit);
+        }
         write!(f, "{low} {} {high} {}{space}{}", self.low, self.high, self.unit)
     }
 }

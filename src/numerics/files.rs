@@ -12,13 +12,17 @@ pub const TABLE: u64 = 64 << 20;
 /// Largest case, bytes: some hundred bytes for each of a million spheres.
 pub const CASE: u64 = 256 << 20;
 
-/// The text of a regular file of at most `most` bytes.
+/// The text of a regular file of at most `most` bytes, without the byte order mark that some editors put before it.
 ///
 /// # Errors
 /// The file cannot be opened or read, is no regular file, is larger, or is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String> {
-    String::from_utf8(read_bytes(path, most)?)
-        .map_err(|_| Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
+    let mut text = String::from_utf8(read_bytes(path, most)?)
+        .map_err(|_| Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))?;
+    if text.starts_with('\u{feff}') {
+        text.remove(0);
+    }
+    Ok(text)
 }
 
 /// The bytes of a regular file of at most `most` bytes. Errors: see [`read_text`].
@@ -47,6 +51,9 @@ mod tests {
         let path = folder.path().join("a.csv");
         std::fs::write(&path, "12345").unwrap();
         assert_eq!(read_text(&path, 5).unwrap(), "12345");
+        std::fs::write(&path, "\u{feff}{}").unwrap();
+        assert_eq!(read_text(&path, 5).unwrap(), "{}");
+        std::fs::write(&path, "12345").unwrap();
         assert!(read_text(&path, 4).unwrap_err().to_string().contains("larger"));
         assert!(read_text(folder.path(), 4).unwrap_err().to_string().contains("regular"));
         std::fs::write(&path, [0xff, 0xfe]).unwrap();

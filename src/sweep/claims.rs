@@ -82,12 +82,15 @@ fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
         (false, _, Some(_)) => {
             wrong("range_nm", "a range", "a range for transmittance and reflectance alone")
         }
-        (true, None, Some([from, to])) if from.is_nan() || to.is_nan() || from > to => {
+        (false, Some(_), None) => {
+            wrong("wavelength_nm", "a wavelength", "a wavelength for transmittance and reflectance alone");
+        }
+        (true, None, Some([from, to])) if !(from.is_finite() && to.is_finite() && from <= to) => {
             wrong("range_nm", &format!("[{from}, {to}]"), "the shortest wavelength and the longest");
         }
         _ => {}
     }
-    let rising = table.along.windows(2).all(|w| w[0] < w[1]);
+    let rising = table.along.iter().all(|x| x.is_finite()) && table.along.windows(2).all(|w| w[0] < w[1]);
     if table.along.len() != table.among.len() || !rising || table.along.len() == 1 {
         wrong(
             "along",
@@ -101,8 +104,40 @@ fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
     if table.at_least.is_none() && table.at_most.is_none() {
         wrong("at_least", "nothing", "a bound: at_least, at_most or both");
     }
+    for (key, bound) in [("at_least", table.at_least), ("at_most", table.at_most)] {
+        if let Some(bound) = bound.filter(|bound| !bound.is_finite()) {
+            wrong(key, &bound.to_string(), "a finite number");
+        }
+    }
+    if let (Some(low), Some(high)) = (table.at_least, table.at_most)
+        && low > high
+    {
+        wrong("at_most", &format!("{high}, below at_least = {low}"), "a number from at_least on");
+    }
+    if table.plus.is_empty() {
+        wrong("plus", "no variant", "one variant or more");
+    }
     if table.quantity == Quantity::DeltaE && (table.plus.len(), table.minus.len()) != (1, 1) {
         wrong("plus", "other numbers of colours", "one colour in plus and one in minus");
+    }
+}
+
+/// A claim about light speaks of wavelengths that its variants are seen at: `wavelengths_nm` has those of each variant.
+pub fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Faults) {
+    for (i, claim) in claims.iter().enumerate() {
+        let one = claim.wavelength_nm.map(|nm| [nm - 1e-6, nm + 1e-6]);
+        let Some([from, to]) = claim.range_nm.or(one) else { continue };
+        let dark = |v: &&usize| !wavelengths_nm[**v].iter().any(|nm| (from..=to).contains(nm));
+        let mut named = claim.plus.iter().chain(&claim.minus).chain(claim.curve.iter().map(|(_, v)| v));
+        let Some(&v) = named.find(dark) else { continue };
+        let (key, found) = match claim.wavelength_nm {
+            Some(nm) => ("wavelength_nm", nm.to_string()),
+            None => ("range_nm", format!("[{from}, {to}]")),
+        };
+        let listed: Vec<String> = wavelengths_nm[v].iter().map(f64::to_string).collect();
+        let allowed = format!("wavelengths of the study, {} nm", listed.join(", "));
+        let remedy = "name one of these, or add it to [light]";
+        faults.push(Fault::new(format!("conclusion[{i}].{key}"), found, allowed, remedy));
     }
 }
 

@@ -22,6 +22,12 @@ pub struct Draft {
 
 /// All variants in the order of the axes, the last axis fastest.
 pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults) -> Vec<Draft> {
+    for (i, axis) in axes.iter().enumerate() {
+        if axes[..i].iter().any(|earlier| earlier.name == axis.name) {
+            let (found, allowed) = (format!("{:?} twice", axis.name), "names that differ");
+            faults.push(Fault::new(format!("axis[{i}].name"), found, allowed, "give each axis its own name"));
+        }
+    }
     for (i, exclude) in file.exclude.iter().enumerate() {
         check_where(&format!("exclude[{i}].where"), &exclude.condition, axes, faults);
     }

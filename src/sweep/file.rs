@@ -54,7 +54,7 @@ pub struct SweepFile {
 
 /// The study that all variants start from.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a study file's path, or a table with a whole study")]
 pub enum Base {
     /// File of the study.
     Path(String),

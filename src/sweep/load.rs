@@ -138,6 +138,10 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     }
     let outline = outline(&file, title.clone(), &axes, &drafts, &mut faults);
     if faults.0.is_empty() {
+        let light: Vec<&[f64]> = variants.iter().map(|v| v.study.wavelengths_nm.as_slice()).collect();
+        claims::check_light(&outline.claims, &light, &mut faults);
+    }
+    if faults.0.is_empty() {
         return Ok(Sweep { outline, variants, inputs: reading.inputs });
     }
     let more = faults.0.len().saturating_sub(SHOWN_FAULTS);

@@ -54,7 +54,7 @@ impl BlochVector {
             if order > (sizes[axis] as i32 - 1) / 2 {
                 let signed = if outermost(1.0) == order { order } else { -order };
                 let mut label = [0, 0];
-                label[axis] = signed - self.incident[axis];
+                label[axis] = signed.saturating_sub(self.incident[axis]);
                 let need = 2 * order as usize + 1;
                 let [m, n] = label;
                 return Err(WaveError::GridTooCoarse { nx: sizes[0], ny: sizes[1], m, n, need });

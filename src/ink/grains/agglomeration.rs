@@ -26,7 +26,10 @@ pub struct Agglomeration {
 
 /// Number of grains in one agglomerate. A last, incomplete agglomerate keeps the grains that are left.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "a whole number, { from = …, to = … } or { values = […], weights = […] }, in whole numbers from 2"
+)]
 pub enum GrainCount {
     /// `grains = 5`
     Constant(#[schemars(transform = GRAINS.mark())] usize),

@@ -30,18 +30,24 @@ pub(crate) fn tabulate(
         faults.push(fault);
         return vacuum();
     }
-    let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
+    let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3)).collect::<Result<Vec<_>, _>>();
     // Wavelengths that are no numbers have their own fault.
-    values.collect::<Result<_, _>>().map_or_else(
-        |_| vacuum(),
-        |index| Material {
-            source: source(&spectrum),
-            index,
-            spectrum: spectrum.clone(),
-            dissolved: Vec::new(),
-            mixing: MixingRule::default(),
-        },
-    )
+    let Ok(index) = values else { return vacuum() };
+    if let Some(fault) = unsound(field, &index, wavelengths_nm) {
+        faults.push(fault);
+        return vacuum();
+    }
+    let (source, dissolved) = (source(&spectrum), Vec::new());
+    Material { source, index, spectrum, dissolved, mixing: MixingRule::default() }
+}
+
+/// An index that no passive medium has: records are taken as they come, and their formulas have poles.
+fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
+    let sound = |eta: &Complex64| eta.is_finite() && eta.re > 0.0 && eta.im >= 0.0;
+    let i = index.iter().position(|eta| !sound(eta))?;
+    let found = format!("n = {}, k = {} at {} nm", index[i].re, index[i].im, wavelengths_nm[i]);
+    let remedy = "correct the file; absorption is a positive k here (time factor exp(-iωt))";
+    Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both finite", remedy))
 }
 
 /// The spectrum's name; a transparent constant without its zero.

@@ -1,5 +1,6 @@
 //! What the prediction is held against: conditions, a target, a measured spectrum.
 
+use crate::appearance::error::ColourError;
 use crate::appearance::viewing::Viewing;
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
@@ -7,9 +8,27 @@ use crate::input::measured::{MeasuredError, MeasuredSpectrum};
 use crate::input::study::Judgement;
 use std::path::Path;
 
-pub(crate) fn judgement(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Judgement {
+pub(crate) fn judgement(
+    file: &StudyFile,
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    faults: &mut Faults,
+) -> Judgement {
     let (viewing, target_lab) = (viewing(file, faults), target(file, faults));
-    Judgement { viewing, target_lab, measured: measured(file, folder, faults) }
+    let measured = measured(file, folder, faults);
+    if let Some(measured) = &measured {
+        faults.0.extend(elsewhere(measured, wavelengths_nm));
+    }
+    Judgement { viewing, target_lab, measured }
+}
+
+/// A spectrum that answers at none of the study's wavelengths.
+fn elsewhere(measured: &MeasuredSpectrum, wavelengths_nm: &[f64]) -> Option<Fault> {
+    let [low, high] = measured.range_nm();
+    let none = !wavelengths_nm.is_empty() && wavelengths_nm.iter().all(|&nm| measured.at(nm).is_none());
+    let found = format!("{} with values from {low} to {high} nm", measured.source);
+    let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
+    none.then(|| Fault::new("compare.measured", found, allowed, "give its wavelengths in nm"))
 }
 
 fn viewing(file: &StudyFile, faults: &mut Faults) -> Viewing {
@@ -17,9 +36,13 @@ fn viewing(file: &StudyFile, faults: &mut Faults) -> Viewing {
     let or = |name: &Option<String>, default: &str| name.clone().unwrap_or_else(|| default.to_owned());
     let (illuminant, observer) = (or(&table.illuminant, "D65"), or(&table.observer, "2"));
     Viewing::new(&illuminant, &observer, table.summation).unwrap_or_else(|error| {
-        let allowed = "an illuminant such as D50, D65, A, F11 and an observer 2, 10, 2015_2 or 2015_10";
         let remedy = "write for example illuminant = \"D50\", observer = \"2\"";
-        faults.push(Fault::new("colour", error, allowed, remedy));
+        faults.push(match error {
+            ColourError::UnknownName { what, value, allowed } => {
+                Fault::new(format!("colour.{what}"), format!("{value:?}"), allowed, remedy)
+            }
+            other => Fault::new("colour", other, "an illuminant and an observer", remedy),
+        });
         Viewing::default()
     })
 }
