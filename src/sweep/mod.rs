@@ -32,6 +32,7 @@ pub mod reported;
 mod rounds;
 pub mod run;
 mod sheets;
+mod stored;
 pub mod sweep_page;
 pub mod units;
 

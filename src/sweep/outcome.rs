@@ -3,16 +3,13 @@
 use super::file::Quantity;
 use super::load::{Sweep, Variant};
 use super::rounds::Standing;
+use super::stored::collect_some;
 use crate::appearance::colour::Colour;
 use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
 use crate::evaluate::summary::NATURAL_LIGHT;
-use crate::input::study::Point;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::run::realisation::point_keys;
-use crate::run::resolve;
-use crate::run::runner::{Collected, Failure, Realisation, Stores};
-use crate::store::identity::Key;
+use crate::run::runner::{Collected, Stores};
 
 /// The numbers of a variant that tables and conclusions use.
 #[derive(Clone, Debug)]
@@ -125,26 +122,4 @@ pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
     let standing = Standing::of(study, stores, 0);
     let realisations = if standing.enough { standing.border } else { study.realisations };
     Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
-}
-
-/// What the store has of the first realisations.
-pub(super) fn collect_some(study: &Study, stores: &Stores, realisations: usize) -> Option<Collected> {
-    let resolved = resolve::kept(study, &stores.grids)?;
-    let realisation = |r: usize| {
-        let packing = stores.packings.get(Key::of("packing", &study.packing_request(r)).as_str())?;
-        let keyed = point_keys(study, &resolved, r);
-        let points: Vec<_> = keyed.iter().map(|(_, key)| stores.points.get(key.as_str())).collect();
-        let failed = |((point, key), found): (&(Point, Key), &Option<_>)| match found {
-            Some(_) => None,
-            None => {
-                let record = stores.failures.as_ref()?.get(key.as_str())?;
-                Some(Failure { point: *point, reason: record.reason })
-            }
-        };
-        let failures = keyed.iter().zip(&points).filter_map(failed).collect();
-        Some(Realisation { packing, points, failures })
-    };
-    let realisations: Vec<Realisation> = (0..realisations).filter_map(realisation).collect();
-    let (enough, damages) = (false, Vec::new());
-    (!realisations.is_empty()).then_some(Collected { resolved, realisations, enough, damages })
 }

@@ -6,8 +6,7 @@
 //! round.
 
 use super::load::{Sweep, Variant};
-use super::outcome::collect_some;
-use super::run::stage_key;
+use super::stored::{collect_some, stage_key};
 use super::units::{Unit, units, units_within};
 use crate::evaluate::summary::enough;
 use crate::input::study::Study;

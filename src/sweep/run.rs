@@ -30,8 +30,6 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use work::{Work, is_failure};
 
-pub(crate) use work::stage_key;
-
 /// A worker without work looks again after this time.
 const WAIT: Duration = Duration::from_millis(50);
 /// Others are told of progress at most so often.

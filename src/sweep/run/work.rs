@@ -1,12 +1,12 @@
 //! One realisation of one variant.
 
+use super::super::stored::stage_key;
 use super::room::Room;
 use crate::input::study::Study;
 use crate::run::realisation::{Packings, RealisationRun};
-use crate::run::resolve::{Resolved, key as grid_key, resolve};
+use crate::run::resolve::{Resolved, resolve};
 use crate::run::runner::{Realisation, RunError, RunSettings, Stores, stopped};
 use crate::run::watch::RunWatch;
-use crate::store::identity::Key;
 use crate::store::record::FailureRecord;
 use crate::wave::Scene;
 
@@ -92,13 +92,4 @@ pub(super) fn is_failure(error: &RunError) -> bool {
         error,
         RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_) | RunError::Memory(_)
     )
-}
-
-/// What a realisation's packing and grid depend on.
-pub(crate) fn stage_key(study: &Study, realisation: usize) -> Key {
-    let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-    let light = (&study.wavelengths_nm, &study.angles, indices);
-    let method = (&study.resolution, &study.solver, &study.goal);
-    let inputs = (grid_key(study), study.packing_request(realisation), light, method);
-    Key::of_wave("stage", &inputs, study.vector_wave())
 }

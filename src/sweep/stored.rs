@@ -1,0 +1,38 @@
+//! What the store has of a variant, without computing anything.
+
+use crate::input::study::{Point, Study};
+use crate::run::realisation::point_keys;
+use crate::run::resolve;
+use crate::run::runner::{Collected, Failure, Realisation, Stores};
+use crate::store::identity::Key;
+
+/// What the store has of the first realisations.
+pub(super) fn collect_some(study: &Study, stores: &Stores, realisations: usize) -> Option<Collected> {
+    let resolved = resolve::kept(study, &stores.grids)?;
+    let realisation = |r: usize| {
+        let packing = stores.packings.get(Key::of("packing", &study.packing_request(r)).as_str())?;
+        let keyed = point_keys(study, &resolved, r);
+        let points: Vec<_> = keyed.iter().map(|(_, key)| stores.points.get(key.as_str())).collect();
+        let failed = |((point, key), found): (&(Point, Key), &Option<_>)| match found {
+            Some(_) => None,
+            None => {
+                let record = stores.failures.as_ref()?.get(key.as_str())?;
+                Some(Failure { point: *point, reason: record.reason })
+            }
+        };
+        let failures = keyed.iter().zip(&points).filter_map(failed).collect();
+        Some(Realisation { packing, points, failures })
+    };
+    let realisations: Vec<Realisation> = (0..realisations).filter_map(realisation).collect();
+    let (enough, damages) = (false, Vec::new());
+    (!realisations.is_empty()).then_some(Collected { resolved, realisations, enough, damages })
+}
+
+/// What a realisation's packing and grid depend on.
+pub(super) fn stage_key(study: &Study, realisation: usize) -> Key {
+    let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
+    let light = (&study.wavelengths_nm, &study.angles, indices);
+    let method = (&study.resolution, &study.solver, &study.goal);
+    let inputs = (resolve::key(study), study.packing_request(realisation), light, method);
+    Key::of_wave("stage", &inputs, study.vector_wave())
+}
