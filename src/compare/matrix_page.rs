@@ -133,7 +133,7 @@ fn fixed(cell: &Cell) -> Vec<String> {
 
 fn cost(cell: &Cell) -> String {
     if cell.converged() {
-        return format!("{} ({:.2} s)", cell.operator_applications, cell.seconds);
+        return format!("{} ({:.3} s)", cell.operator_applications, cell.seconds);
     }
     format!("fails ({})", cell.operator_applications)
 }

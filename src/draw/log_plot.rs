@@ -149,6 +149,7 @@ impl LogPlot {
         X::CoordDescType: ValueFormatter<f64>,
         Y::CoordDescType: ValueFormatter<f64>,
     {
+        let spans = [0, 1].map(|axis| self.range(axis).map_or(0.0, |range| range.end - range.start));
         let (area, names) = root.split_horizontally(SIZE.0 as i32 - LEGEND);
         let mut chart = ChartBuilder::on(&area)
             .caption(&self.title, (FONT, 18))
@@ -165,8 +166,8 @@ impl LogPlot {
             .axis_desc_style((FONT, 15))
             .x_labels(if self.log[0] { 20 } else { 7 })
             .y_labels(if self.log[1] { 12 } else { 8 })
-            .x_label_formatter(&|v| tick(*v, self.log[0]))
-            .y_label_formatter(&|v| tick(*v, self.log[1]))
+            .x_label_formatter(&|v| tick(*v, self.log[0], spans[0]))
+            .y_label_formatter(&|v| tick(*v, self.log[1], spans[1]))
             .light_line_style(WHITE)
             .draw()
             .map_err(failed)?;
@@ -246,12 +247,15 @@ fn failed(error: impl std::fmt::Display) -> FigureError {
     FigureError::Draw(error.to_string())
 }
 
-/// A logarithmic range with two ticks at least: 1, 2 and 5 times powers of ten, drawn from the first power on.
+/// A logarithmic range with two ticks at least: 1, 2 and 5 times powers of ten, drawn from the first power on. It grows to the
+/// side where less is added.
 fn wide(low: f64, high: f64) -> std::ops::Range<f64> {
     let decade = 10f64.powf(low.log10().floor());
-    let ticks = [10.0, 20.0, 50.0, 100.0].map(|t| t * decade);
-    if ticks.iter().filter(|t| (low..=high).contains(t)).count() > 1 {
+    let second = 20.0 * decade;
+    if second <= high {
         low..high
+    } else if second / high < low / decade {
+        low..1.001 * second
     } else {
         0.999 * decade..high
     }
@@ -280,8 +284,9 @@ fn marker(k: usize) -> Vec<(i32, i32)> {
     }
 }
 
-/// A round number; on logarithmic axes 1, 2 and 5 alone.
-fn tick(v: f64, log: bool) -> String {
+/// A round number; on logarithmic axes 1, 2 and 5 alone. `span` is the length of the axis: next to it, rounding is nothing.
+fn tick(v: f64, log: bool, span: f64) -> String {
+    let v = if !log && v.abs() < 1e-9 * span { 0.0 } else { v };
     let leading = v / 10f64.powf((v.abs().log10() + 1e-9).floor());
     if log && ![1.0, 2.0, 5.0].iter().any(|l| (leading - l).abs() < 1e-6) {
         return String::new();

@@ -122,8 +122,8 @@ impl Plot {
             .y_desc(&self.y_label)
             .label_style((FONT, 14))
             .axis_desc_style((FONT, 15))
-            .x_label_formatter(&short)
-            .y_label_formatter(&short)
+            .x_label_formatter(&|v| short(*v, x1 - x0))
+            .y_label_formatter(&|v| short(*v, y1 - y0))
             .light_line_style(WHITE)
             .draw()
             .map_err(failed)?;
@@ -285,10 +285,12 @@ fn split<B: DrawingBackend>(area: &Area<B>, series: &[Series]) -> (Area<B>, Area
     area.split_horizontally(area.dim_in_pixel().0 as i32 - legend_px)
 }
 
-/// Up to three decimals, no trailing zeros.
-fn short(value: &f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
+/// Up to three decimals, more where the axis is so short that its numbers differ later; no trailing zeros.
+fn short(value: f64, span: f64) -> String {
+    let decimals = (1.0 - span.abs().log10().floor()).clamp(3.0, 12.0) as usize;
+    let text = format!("{value:.decimals$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 /// Half circles at four radii with their values, spokes every 30°.
@@ -303,7 +305,7 @@ fn polar_grid<'a, B: DrawingBackend + 'a>(
     for k in 1..=4 {
         let arc = (-90..=90).step_by(3).map(|deg| point(f64::from(deg), step * f64::from(k)));
         chart.draw_series(LineSeries::new(arc, grey)).map_err(failed)?;
-        let value = text(short(&(step * f64::from(k))), (step * (f64::from(k) - 0.12), -0.1 * step), 13);
+        let value = text(short(step * f64::from(k), step), (step * (f64::from(k) - 0.12), -0.1 * step), 13);
         chart.draw_series([value]).map_err(failed)?;
     }
     for deg in (-90..=90).step_by(30) {

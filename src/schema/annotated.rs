@@ -10,9 +10,10 @@ use serde_json::Value;
 pub fn annotated(document: Document) -> String {
     let root = document.schema();
     let name = document.name();
+    let kind = if name == "compare" { "comparison" } else { name };
     let mut page = Page { root: &root, text: String::new() };
     page.comment(&format!(
-        "Every key of a {name}, with its meaning, what is allowed and its default. Keys with a default are written with \
+        "Every key of a {kind}, with its meaning, what is allowed and its default. Keys with a default are written with \
          it; keys behind a # may be added, some of them instead of others. Made by `inkwave schema {name} --annotated`."
     ));
     page.comment(&format!(":schema ../schema/{name}.json"));

@@ -105,7 +105,8 @@ impl<'a> Ledger<'a> {
     /// [`SolveError::Diverged`] or [`SolveError::NotConverged`] with `advice`.
     pub fn judge(&self, advice: &str) -> Result<(), SolveError> {
         if !self.account.residual.is_finite() || self.account.residual > HOPELESS {
-            return Err(self.diverged(ratio_of_terms(&self.account.history, 6).unwrap_or(f64::INFINITY)));
+            let window = self.account.history.len().saturating_sub(1).min(6);
+            return Err(self.diverged(ratio_of_terms(&self.account.history, window).unwrap_or(f64::INFINITY)));
         }
         if self.exhausted() { Err(self.not_converged(advice)) } else { Ok(()) }
     }

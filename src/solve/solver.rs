@@ -124,9 +124,8 @@ pub enum SolveError {
     },
     /// The iteration moves away from the solution.
     #[error(
-        "{} diverges: successive terms grow by a factor {ratio:.3} a step (residual {:.2e} after {} steps); \
-         use solver = \"krylov\", which converges on the same problem",
-        .account.solver, .account.residual, .account.steps
+        "{} diverges: successive terms grow by a factor {ratio:.3} a step (residual {:.2e} after {} steps); {}",
+        .account.solver, .account.residual, .account.steps, instead_of(&account.solver)
     )]
     Diverged {
         /// What was done.
@@ -238,4 +237,12 @@ pub(in crate::solve) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result
             "this strategy works on field values at points, and the unknowns here are moments: use krylov"
                 .to_string(),
     })
+}
+
+/// What to try where a strategy diverges.
+fn instead_of(solver: &str) -> &'static str {
+    match solver {
+        "krylov" => "give lengths in µm and refractive indices of matter, and more points and cells",
+        _ => "use solver = \"krylov\", which converges on the same problem",
+    }
 }

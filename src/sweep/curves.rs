@@ -7,6 +7,7 @@ use super::sheets::Sheet;
 use crate::draw::plots::{Plot, Series};
 use crate::evaluate::manifest::SpectrumRow;
 use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
+use crate::input::contrast::ContrastPart;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use std::collections::BTreeMap;
@@ -130,10 +131,15 @@ impl Make {
         let mut kinds: Vec<String> = grains().map(kind).collect();
         kinds.dedup();
         let relief = if study.packing.relief.is_some() { ", relief" } else { "" };
+        let contrast = match study.layer.contrast {
+            ContrastPart::Real if size > 0.0 => ", Re η² alone",
+            ContrastPart::Imaginary if size > 0.0 => ", Im η² alone",
+            _ => "",
+        };
         Some(Self {
             share: (share * 1e6).round() as u64,
             size: (size * 1e2).round() as u64,
-            kind: kinds.join(" and ") + relief,
+            kind: kinds.join(" and ") + relief + contrast,
             pigments: names.join(" + "),
         })
     }

@@ -26,7 +26,7 @@ pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
         rows.push(row(
             "ΔE₀₀ to the target",
             target.delta_e_2000.in_words(2),
-            format!("L* {l}, a* {a}, b* {b}"),
+            format!("L* {l}, a* {a}, b* {b}").replace('-', "−"),
         ));
     }
     if let Some(measured) = &maker.measured {
@@ -96,7 +96,7 @@ fn compared(measured: &Comparison) -> Result<Vec<Figure>, FigureError> {
     ];
     let residual = of(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
     let residual = vec![Series { name: "measured less predicted".into(), points: residual }];
-    let caption = format!("At 45:0; measured: {}.", measured.source);
+    let caption = format!("At 45:0; measured: {}, linear between its rows.", measured.source);
     Ok(vec![
         figure("Measured and predicted", "share of a perfect white", both, caption.clone())?,
         figure(
