@@ -321,8 +321,14 @@ fn what_a_lit_square_cannot_show_is_said() {
     let absorber = json!({ "wavelength": 0.5, "n_above": [1.5, 0.1],
                            "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0] }] });
     let folder = Folder::new();
-    let output = inkwave(&folder.file("case.json", &absorber.to_string()), &["--illuminated-um", "20"]);
-    assert!(output.status.success() && message(&output).contains("5° apart"), "{}", message(&output));
+    let path = folder.file("case.json", &absorber.to_string());
+    for (side, remedy) in [("200", "try a smaller square"), ("20", "try --illuminated-step-deg 1")] {
+        let output = inkwave(&path, &["--illuminated-um", side]);
+        assert!(output.status.success(), "{}", message(&output));
+        let told = message(&output);
+        assert!(told.matches("5° apart").count() == 1 && told.contains(remedy), "{told}");
+    }
+    let output = inkwave(&path, &["--illuminated-um", "20"]);
     let result: Value = serde_json::from_slice(&output.stdout).expect("standard output is JSON");
     assert!(result["finite_area"]["transmitted"].is_null() && result["finite_area"]["reflected"].is_object());
 }

@@ -76,8 +76,12 @@ impl LightArgs {
     pub fn add_area(&self, far: &FarField, media: &Media, report: &mut Value) -> Result<()> {
         let Some(side) = self.illuminated_um else { return Ok(()) };
         let [polar, azimuth] = [(90.0, true), (360.0, false)].map(|(end, closed)| self.angles(end, closed));
-        let lobes = |lobe: Lobe| match FiniteArea::new(far, media, lobe, side) {
-            Ok(lit) => self.lobes(&lit, &polar, &azimuth),
+        let mut first_zero_deg = f64::INFINITY;
+        let mut side_of = |lobe: Lobe| match FiniteArea::new(far, media, lobe, side) {
+            Ok(lit) => {
+                first_zero_deg = first_zero_deg.min(lit.first_zero_deg());
+                lobes(&lit, &polar, &azimuth)
+            }
             Err(FiniteAreaError::Absorber { .. }) => Ok(Value::Null),
             Err(error) => Err(error),
         };
@@ -85,37 +89,25 @@ impl LightArgs {
             "side_um": side,
             "polar_deg": polar,
             "azimuth_deg": azimuth,
-            "reflected": lobes(Lobe::Reflected).into_diagnostic()?,
-            "transmitted": lobes(Lobe::Transmitted).into_diagnostic()?,
+            "reflected": side_of(Lobe::Reflected).into_diagnostic()?,
+            "transmitted": side_of(Lobe::Transmitted).into_diagnostic()?,
         });
+        self.warn_of_step(first_zero_deg);
         Ok(())
-    }
-
-    fn lobes(&self, lit: &FiniteArea, polar: &[f64], azimuth: &[f64]) -> Result<Value, FiniteAreaError> {
-        type Table = Result<Vec<Vec<f64>>, FiniteAreaError>;
-        let row = |lit: &FiniteArea, p: f64| azimuth.iter().map(|&a| lit.at(p, a)).collect();
-        let table = |lit: &FiniteArea| -> Table { polar.iter().map(|&p| row(lit, p)).collect() };
-        let diffuse = lit.without_specular();
-        let [per_sr, diffuse_per_sr] = [table(lit)?, table(&diffuse)?];
-        self.warn_of_step(lit.first_zero_deg());
-        Ok(json!({
-            "per_sr": per_sr,
-            "total": lit.total(),
-            "diffuse_per_sr": diffuse_per_sr,
-            "diffuse_total": diffuse.total(),
-            "first_zero_deg": lit.first_zero_deg(),
-        }))
     }
 
     /// Directions further apart than a lobe is wide miss it.
     fn warn_of_step(&self, first_zero_deg: f64) {
-        let step = self.step_deg();
-        if step > first_zero_deg {
-            note(format_args!(
-                "warning: directions are {step}° apart, and a lobe's first zero lies {first_zero_deg:.2}° from its middle: \
-                 most lobes fall between directions (the totals hold them all); try a smaller --illuminated-step-deg"
-            ));
+        let (step, finest) = (self.step_deg(), *STEPS_DEG.start());
+        if step <= first_zero_deg {
+            return;
         }
+        let finer = format!("--illuminated-step-deg {}", (first_zero_deg / finest).floor() * finest);
+        let remedy = if first_zero_deg < finest { "a smaller square" } else { &finer };
+        note(format_args!(
+            "warning: directions are {step}° apart, and a lobe's first zero lies {first_zero_deg:.2}° from its middle: most \
+             lobes fall between directions (the totals hold them all); try {remedy}"
+        ));
     }
 
     fn step_deg(&self) -> f64 {
@@ -130,4 +122,20 @@ impl LightArgs {
         let slack = if closed { 1e-9 } else { -1e-9 };
         angles.take_while(|a| *a < end + slack).map(|a| a.min(end)).collect()
     }
+}
+
+/// One side: tables over the directions, and their integrals.
+fn lobes(lit: &FiniteArea, polar: &[f64], azimuth: &[f64]) -> Result<Value, FiniteAreaError> {
+    type Table = Result<Vec<Vec<f64>>, FiniteAreaError>;
+    let row = |lit: &FiniteArea, p: f64| azimuth.iter().map(|&a| lit.at(p, a)).collect();
+    let table = |lit: &FiniteArea| -> Table { polar.iter().map(|&p| row(lit, p)).collect() };
+    let diffuse = lit.without_specular();
+    let [per_sr, diffuse_per_sr] = [table(lit)?, table(&diffuse)?];
+    Ok(json!({
+        "per_sr": per_sr,
+        "total": lit.total(),
+        "diffuse_per_sr": diffuse_per_sr,
+        "diffuse_total": diffuse.total(),
+        "first_zero_deg": lit.first_zero_deg(),
+    }))
 }
