@@ -101,8 +101,8 @@ fn measure(level: Level, findings: &mut Findings) {
     let seeds = level.pick(4, 40);
     let all: Vec<Deviations> =
         (0..seeds).into_par_iter().map(|seed| Deviations::of(&small(1001 + seed), &truth)).collect();
-    let covered = |of: fn(&Deviations) -> &[f64]| {
-        let inside = |d: &Deviations| of(d).iter().filter(|z| z.abs() <= d.factor).count();
+    let covered = |of: fn(&Deviations) -> &[f64], width: f64| {
+        let inside = |d: &Deviations| of(d).iter().filter(|z| z.abs() <= width * d.factor).count();
         let count: usize = all.iter().map(|d| of(d).len()).sum();
         all.iter().map(inside).sum::<usize>() as f64 / count as f64
     };
@@ -113,7 +113,18 @@ fn measure(level: Level, findings: &mut Findings) {
         [("L*, a*, b*", |d| &d.colours), ("R, T, natural light and 45:0 over the spectrum", |d| &d.spectra)];
     for (name, of) in kinds {
         let what = format!("share of 95 % intervals that hold the truth: {name}");
-        findings.check(what, covered(of), Bound::Within(bound), Reason::Significance, because);
+        findings.check(what, covered(of, 1.0), Bound::Within(bound), Reason::Significance, because);
+    }
+    if level == Level::Full {
+        let what = "the same of both with bars half as wide, which would be noticed".to_string();
+        let narrow = kinds.map(|(_, of)| covered(of, 0.5)).into_iter().fold(0.0, f64::max);
+        findings.check(
+            what,
+            narrow,
+            Bound::AtMost(bound[0]),
+            Reason::Significance,
+            "the power of the test above",
+        );
     }
     findings.tables.push(table(&all, &truth));
 }
