@@ -62,6 +62,7 @@ fn grazing_vectors_are_passed_over_and_ties_go_to_the_normal() {
         asked.snapped([1.0, 1.0], &media(1.0)).expect("a direction").vector
     };
     assert_eq!(vector(80.0, 0.0), [1, 0]);
+    assert_eq!(vector(80.0, 90.0), [0, 1]);
     assert_eq!(vector(80.0, 180.0), [-1, 0]);
     assert_eq!(vector(80.0, 45.0), [1, 1]);
     let half = 0.25f64.asin().to_degrees();
