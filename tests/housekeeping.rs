@@ -52,12 +52,8 @@ fn commits_that_pages_name_are_in_the_repository() {
     }
 }
 
-/// The oldest Rust is stated once in Cargo.toml, and the same in the README; no dependency asks for a newer one.
-#[test]
-fn the_oldest_rust_is_stated_and_enough_for_every_dependency() {
-    let manifest: toml::Table = read("Cargo.toml").parse().expect("TOML");
-    let stated = manifest["package"]["rust-version"].as_str().expect("a version").to_owned();
-    assert!(read("README.md").contains(&format!("Rust {stated}")), "README states Rust {stated} or newer");
+/// What cargo knows of all dependencies.
+fn metadata() -> serde_json::Value {
     let version = Command::new("rustc").arg("-vV").output().expect("rustc");
     let version = String::from_utf8_lossy(&version.stdout).into_owned();
     let host = version.lines().find_map(|line| line.strip_prefix("host: ")).expect("a host");
@@ -65,7 +61,63 @@ fn the_oldest_rust_is_stated_and_enough_for_every_dependency() {
     let arguments = ["metadata", "--format-version", "1", "--offline", "--locked", "--filter-platform", host];
     let cargo = Command::new(env!("CARGO")).current_dir(root()).args(arguments).output().expect("cargo");
     assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
-    let metadata: serde_json::Value = serde_json::from_slice(&cargo.stdout).expect("JSON");
+    serde_json::from_slice(&cargo.stdout).expect("JSON")
+}
+
+/// Licences of deny.toml, without the tool: an SPDX expression of `OR`, `AND` and brackets.
+fn is_allowed(expression: &str, allowed: &[&str]) -> bool {
+    let expression = expression.trim();
+    let parts = |word: &str| -> Vec<String> {
+        let mut parts: Vec<String> = vec![String::new()];
+        for piece in expression.split(word) {
+            let last = parts.last_mut().expect("one at least");
+            if last.matches('(').count() > last.matches(')').count() {
+                *last += &format!("{word}{piece}");
+            } else if last.is_empty() {
+                *last = piece.to_owned();
+            } else {
+                parts.push(piece.to_owned());
+            }
+        }
+        parts
+    };
+    let (any, all) = (parts(" OR "), parts(" AND "));
+    match (any.len(), all.len()) {
+        (2.., _) => any.iter().any(|part| is_allowed(part, allowed)),
+        (_, 2..) => all.iter().all(|part| is_allowed(part, allowed)),
+        _ => match expression.strip_prefix('(').and_then(|e| e.strip_suffix(')')) {
+            Some(inner) => is_allowed(inner, allowed),
+            None => allowed.contains(&expression),
+        },
+    }
+}
+
+#[test]
+fn licences_of_all_dependencies_are_allowed() {
+    let deny: toml::Table = read("deny.toml").parse().expect("TOML");
+    let allowed: Vec<&str> = deny["licenses"]["allow"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|name| name.as_str())
+        .collect();
+    assert!(
+        is_allowed("(MIT OR GPL-2.0) AND Unicode-3.0", &allowed) && !is_allowed("MIT AND GPL-2.0", &allowed)
+    );
+    assert!(is_allowed("GPL-2.0 OR (MIT AND Zlib)", &allowed) && !is_allowed("GPL-2.0", &allowed));
+    for package in metadata()["packages"].as_array().expect("packages") {
+        let licence = package["license"].as_str().unwrap_or("none").replace('/', " OR ");
+        assert!(is_allowed(&licence, &allowed), "{}: {licence}", package["name"]);
+    }
+}
+
+/// The oldest Rust is stated once in Cargo.toml, and the same in the README; no dependency asks for a newer one.
+#[test]
+fn the_oldest_rust_is_stated_and_enough_for_every_dependency() {
+    let manifest: toml::Table = read("Cargo.toml").parse().expect("TOML");
+    let stated = manifest["package"]["rust-version"].as_str().expect("a version").to_owned();
+    assert!(read("README.md").contains(&format!("Rust {stated}")), "README states Rust {stated} or newer");
+    let metadata = metadata();
     let number =
         |version: &str| version.split('.').filter_map(|n| n.parse::<u32>().ok()).take(2).collect::<Vec<_>>();
     for package in metadata["packages"].as_array().expect("packages") {

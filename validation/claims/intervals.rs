@@ -70,6 +70,9 @@ struct Deviations {
     factor: f64,
 }
 
+/// Some of a study's deviations.
+type Pick = fn(&Deviations) -> &[f64];
+
 impl Deviations {
     fn of(results: &Value, truth: &Value) -> Self {
         let apart = |[x, dx]: [f64; 2], [y, dy]: [f64; 2]| (x - y) / dx.hypot(dy);
@@ -101,7 +104,7 @@ fn measure(level: Level, findings: &mut Findings) {
     let seeds = level.pick(4, 40);
     let all: Vec<Deviations> =
         (0..seeds).into_par_iter().map(|seed| Deviations::of(&small(1001 + seed), &truth)).collect();
-    let covered = |of: fn(&Deviations) -> &[f64], width: f64| {
+    let covered = |of: Pick, width: f64| {
         let inside = |d: &Deviations| of(d).iter().filter(|z| z.abs() <= width * d.factor).count();
         let count: usize = all.iter().map(|d| of(d).len()).sum();
         all.iter().map(inside).sum::<usize>() as f64 / count as f64
@@ -109,7 +112,7 @@ fn measure(level: Level, findings: &mut Findings) {
     // Four studies say little; forty leave two per cent to chance, as what one study says of its colours belongs together.
     let bound = level.pick([0.75, 1.0], [0.90, 0.99]);
     let because = "95 % are meant; the range leaves what chance does to this many studies";
-    let kinds: [(&str, fn(&Deviations) -> &[f64]); 2] =
+    let kinds: [(&str, Pick); 2] =
         [("L*, a*, b*", |d| &d.colours), ("R, T, natural light and 45:0 over the spectrum", |d| &d.spectra)];
     for (name, of) in kinds {
         let what = format!("share of 95 % intervals that hold the truth: {name}");
