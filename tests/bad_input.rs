@@ -80,7 +80,11 @@ const SLIPS: &[Slip] = &[
         ["pigment[0].index.k", "-0.1", "from 0 to 10", "change the sign"],
     ),
     slip(K, "index = { n = nan }", ["pigment[0].index.n", "NaN", "from 0.1 to 10", "refractive index"]),
-    slip(K, "index = { k = 0.1 }", ["pigment[0].index", "mixture", "{ n = …, k = … }", "index = { n = 1.4"]),
+    slip(
+        K,
+        "index = { k = 0.1 }",
+        ["pigment[0].index", "found k alone", "{ n = …, k = … }", "index = { n = 1.4"],
+    ),
     slip(
         K,
         "index = { built_in = \"mauve\" }",
@@ -169,12 +173,22 @@ const SLIPS: &[Slip] = &[
         "wavelengths_nm = [0.45]",
         ["light.wavelengths_nm[0]", "0.45", "from 100 to 10000 nm", "in nm"],
     ),
-    slip(RANGE, "from_nm = 400", ["light", "mixture", "wavelengths_nm", "from_nm = 400"]),
+    slip(RANGE, "from_nm = 400", ["light", "found from_nm alone", "wavelengths_nm", "from_nm = 400"]),
     slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
     slip(
         "step_nm = 100",
         "step_nm = 1e-9",
         ["light.step_nm", "0.000000001", "fewer than 10000", "20 is usual"],
+    ),
+    slip(
+        "step_nm = 100",
+        "step_nm = 400",
+        ["light.step_nm", "found 400", "at most to_nm - from_nm = 300 nm", "wavelengths_nm = [550]"],
+    ),
+    slip(
+        "[light]\nfrom_nm = 400\nto_nm = 700\nstep_nm = 100",
+        "[colour]\nsummation = \"e308\"\n[light]\nwavelengths_nm = [400, 500, 700]",
+        ["colour.summation", "e308", "ASTM E308 has no weights", "from_nm, to_nm and step_nm"],
     ),
     slip("to_nm = 700", "to_nm = 300", ["light.to_nm", "300", "from_nm = 400", "700 is usual"]),
     slip("to_nm = 700", "to_nm = 900", ["pigment[0].index", "800 nm", "from 380 to 780 nm", "[light]"]),
@@ -193,7 +207,11 @@ const SLIPS: &[Slip] = &[
         "realisations = 0",
         ["run.realisations", "found 0", "from 1 to 100000", "24 small cells are a fair start"],
     ),
-    slip("points_per_um = 20\n", "", ["resolution", "mixture", "either accuracy", "accuracy = 1e-2"]),
+    slip(
+        "points_per_um = 20\n",
+        "",
+        ["resolution", "found planes_per_um alone", "either accuracy", "accuracy = 1e-2"],
+    ),
     slip(
         "points_per_um = 20",
         "points_per_um = nan",

@@ -35,6 +35,15 @@ fn the_accuracy_in_the_readme_is_that_of_the_references() {
     assert!(table.lines().count() > 2 && claim.contains(table), "not the table of claim 8:\n{table}");
 }
 
+/// README's tables of cost are those of `reports/speed`.
+#[test]
+fn the_costs_in_the_readme_are_those_measured() {
+    let checked =
+        Command::new("python3").current_dir(root()).args(["scripts/readme-tables", "--check"]).output();
+    let checked = checked.expect("python3");
+    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+}
+
 /// The page of planted faults names commits of this repository, or says that it has none.
 #[test]
 fn commits_that_pages_name_are_in_the_repository() {

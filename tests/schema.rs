@@ -14,6 +14,7 @@ use inkwave::solve::Registry;
 use inkwave::sweep::file::SweepFile;
 use inkwave::sweep::load::load;
 use jsonschema::Validator;
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -54,7 +55,7 @@ fn reference_cases() -> Vec<Value> {
 
 /// Whether the keys and the kinds of values are those of the types; ranges are judged later.
 fn is_read(document: Document, value: &Value) -> bool {
-    let node = || Node::from(value.clone());
+    let node = || Node::deserialize(value).expect("a node");
     match document {
         Document::Study => read::<StudyFile>(node()).is_ok(),
         Document::Sweep => read::<SweepFile>(node()).is_ok(),
@@ -65,7 +66,7 @@ fn is_read(document: Document, value: &Value) -> bool {
 
 /// What the program finds wrong with a study that is run.
 fn faults(value: &Value) -> Vec<Fault> {
-    let file: StudyFile = match read(Node::from(value.clone())) {
+    let file: StudyFile = match read(Node::deserialize(value).expect("a node")) {
         Ok(file) => file,
         Err(faults) => return faults,
     };

@@ -177,6 +177,17 @@ fn slips_are_told_with_field_value_range_and_remedy() {
     );
     slip("\"molecular\", 200]", "\"molecular\", 200]\nzip = \"a\"\nfrom = 3", &["axis[1].values"]);
     slip("\"molecular\", 200]", "\"atomic\", 200]", &["atomic", "molecular"]);
+    slip("pigment.yellow.volume", "pigment[[0].volume", &["axis[0].field", "is no name such as"]);
+    slip(
+        "\"15 %\"]",
+        &format!("\"{}\"]", "long ".repeat(60)),
+        &["axis: found labels", "at most 200", "shorten"],
+    );
+    slip(
+        "id = \"size\"",
+        "id = \"dark paper\"",
+        &["conclusion[1].id", "\"dark paper\" twice", "names that differ"],
+    );
     slip("period_um = 0.8", "period_um = -0.8", &["base.layer.period_um", "-0.8", "µm is usual"]);
 }
 

@@ -33,7 +33,7 @@ impl RunWatch for Impatient {
 /// missing and end as those of a sweep that was reported once. *Planted*: variants kept before they are finished stay partial.
 #[test]
 fn pages_written_while_a_sweep_runs_say_what_is_missing_and_end_like_all_others() {
-    let place = Place::new(TINY);
+    let place = Place::new(&format!("{TINY}[sheet]\nrows = \"paper\"\ncolumns = \"share\"\n"));
     let sweep = load(Path::new(&place.path("tiny.toml"))).unwrap();
     let folder = OutputFolder::open(Path::new(&place.path("live")), Holds::Sweep).unwrap();
     folder::write(&sweep, &folder).unwrap();
@@ -52,6 +52,11 @@ fn pages_written_while_a_sweep_runs_say_what_is_missing_and_end_like_all_others(
     let [(first, ..), (second, ..), last] = told[..] else { panic!("three pages") };
     assert!(0 < second && first <= second && second < 8 && last == (8, false, false), "{told:?}");
     assert!(told[..2].iter().all(|(_, missing, partial)| *missing && *partial), "{told:?}");
+    // Rows of one sheet that differ in the paper alone are two curves, not one.
+    let page = std::fs::read_to_string(place.path("live/report.html")).unwrap();
+    for curve in ["200 nm spheres, paper 0.9", "200 nm spheres, paper 0.5"] {
+        assert!(page.contains(curve), "no curve {curve}");
+    }
     place.sweep("local", &[]);
     for (local, live) in results(&place.path("local")).iter().zip(&results(&place.path("live"))) {
         assert!(local == live, "{} differs", local.0.display());

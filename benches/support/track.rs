@@ -358,7 +358,8 @@ fn page(run: &[Entry], news: &News, words: &[Word]) -> String {
         text += &format!("{}, commit {}, {}. ", first.date, first.commit, first.machine);
     }
     text += &format!("`scripts/bench-track` makes this page; the unit of all ratios is `{FLOOR}`.\n\n");
-    text += "![](costs.svg)\n![](bytes.svg)\n![](trend.svg)\n\n";
+    text += "![Time of every bench against its unknowns](costs.svg)\n![Memory of every bench against its unknowns](bytes.svg)\n";
+    text += "![Ratios to the floor, night by night](trend.svg)\n\n";
     text += "| bench | unknowns | applications | bytes per unknown | median, ms | ratio to the floor | noise |\n|---|---|---|---|---|---|---|\n";
     for e in run {
         let whole = |n: Option<usize>| n.map_or("–".into(), |n| n.to_string());

@@ -79,9 +79,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
     progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) });
     let live = LiveSweep::new(&sweep, &folder, &progress);
-    // the parts of a divided sweep are reported once they are merged
-    let whole = shard.is_none() && scope == Scope::Solves;
-    let watch: &dyn RunWatch = if whole { &live } else { &progress };
+    let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
     let tally = runner::run(&sweep, &folder, (part, scope), settings, watch);
     progress.finish();
     let tally = tally.map_err(run_report)?;
@@ -96,6 +94,10 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         return tell_grids(&folder, progress.stopped());
     }
     if shard.is_some() {
+        // The parts of a divided sweep are reported once they are merged; a page shown meanwhile ends up to date.
+        if live.has_page() {
+            publish(&sweep, &folder).into_diagnostic()?;
+        }
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
     if !tally.publishes {

@@ -3,6 +3,7 @@
 use super::subject::Packed;
 use crate::input::fault::Fault;
 use crate::input::read::read;
+use crate::input::tree::Node;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::json;
@@ -57,6 +58,8 @@ impl PackedLayer {
             "angles": { "polar_deg": [self.polar_deg], "azimuth_deg": self.azimuth_deg },
             "run": { "seed": self.seed, "realisations": 1 },
         });
-        Ok(Packed::of(read(study.into())?, PathBuf::new()))
+        // Every JSON value is a node.
+        let node = Node::deserialize(study).unwrap_or(Node::Null);
+        Ok(Packed::of(read(node)?, PathBuf::new()))
     }
 }

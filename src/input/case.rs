@@ -28,7 +28,7 @@ impl Case {
     pub fn read(path: &Path) -> Result<Case, CaseError> {
         let name = path.display().to_string();
         let text = files::read_text(path, files::CASE)
-            .map_err(|source| CaseError::Read { path: name.clone(), source })?;
+            .map_err(|cause| CaseError::Read { path: name.clone(), cause })?;
         let toml = path.extension().is_some_and(|e| e == "toml");
         Case::parse(&text, toml).map_err(|error| match error {
             CaseError::Parse { message, remedy, .. } => CaseError::Parse { path: name, message, remedy },
@@ -74,7 +74,7 @@ fn from_toml(text: &str) -> Result<CaseInputs, CaseError> {
 }
 
 fn from_json(text: &str) -> Result<CaseInputs, CaseError> {
-    inputs_of(parse_json(text).map_err(|fault| unreadable(&fault, text))?.into())
+    inputs_of(parse_json(text).map_err(|fault| unreadable(&fault, text))?)
 }
 
 /// The case itself, or what an object around it holds as `inputs`.

@@ -179,12 +179,12 @@ pub struct BarInput {
 #[derive(Debug, Error)]
 pub enum CaseError {
     /// The file cannot be read.
-    #[error("cannot read {path}: {source}; check the path and its permissions")]
+    #[error("cannot read {path}: {cause}; check the path and its permissions")]
     Read {
         /// The file.
         path: String,
         /// What the system says.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// The file is no case.
     #[error("{path} is not a case: {message}; {remedy}")]

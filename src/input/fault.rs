@@ -86,6 +86,16 @@ impl fmt::Display for Faults {
     }
 }
 
+/// The keys of a table that are there, in words.
+pub fn keys_in_words<const N: usize>(keys: [(&str, bool); N]) -> String {
+    let there: Vec<&str> = keys.into_iter().filter(|(_, is_there)| *is_there).map(|(key, _)| key).collect();
+    match there.split_last() {
+        None => "none of them".into(),
+        Some((only, [])) => format!("{only} alone"),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+    }
+}
+
 /// Collects the faults of a study while it is checked.
 #[derive(Debug, Default)]
 pub struct Faults(pub Vec<Fault>);

@@ -50,7 +50,8 @@ impl fmt::Display for Misfit {
 
 impl std::error::Error for Misfit {}
 
-pub(super) const FORM: &str = "write the value in that form; examples/yellow.toml shows a whole study";
+pub(super) const FORM: &str =
+    "write the value in that form; `inkwave schema KIND` describes every key of a file";
 
 impl de::Error for Misfit {
     /// Forms written in several ways say here what they take.
@@ -79,7 +80,7 @@ impl de::Error for Misfit {
     }
 
     fn missing_field(key: &'static str) -> Self {
-        let remedy = format!("add {key}; examples/yellow.toml shows a whole study");
+        let remedy = format!("add {key}; `inkwave schema KIND` describes every key of a file");
         Self::new(key, "nothing", "a value: it has no default", remedy)
     }
 

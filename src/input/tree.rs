@@ -1,6 +1,10 @@
 //! A document as a tree, whatever language it was written in.
 
 use crate::input::fault::StudyError;
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::collections::HashSet;
+use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
@@ -53,19 +57,69 @@ impl From<toml::Table> for Node {
     }
 }
 
-impl From<serde_json::Value> for Node {
-    fn from(value: serde_json::Value) -> Node {
-        use serde_json::Value;
-        match value {
-            Value::Null => Node::Null,
-            Value::Bool(b) => Node::Bool(b),
-            Value::Number(n) => n.as_i64().map_or(Node::Float(n.as_f64().unwrap_or(f64::NAN)), Node::Int),
-            Value::String(text) => Node::Text(text),
-            Value::Array(items) => Node::List(items.into_iter().map(Node::from).collect()),
-            Value::Object(map) => Node::Table(map.into_iter().map(|(k, v)| (k, v.into())).collect()),
-        }
+/// JSON, where a key may be there once: the parser's own tables keep the last of two and say nothing.
+impl<'de> Deserialize<'de> for Node {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(Nodes)
     }
 }
+
+struct Nodes;
+
+impl<'de> Visitor<'de> for Nodes {
+    type Value = Node;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Node, E> {
+        Ok(Node::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Node, E> {
+        Ok(Node::Bool(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Node, E> {
+        Ok(Node::Int(value))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Node, E> {
+        Ok(i64::try_from(value).map_or(Node::Float(value as f64), Node::Int))
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Node, E> {
+        Ok(Node::Float(value))
+    }
+
+    fn visit_str<E>(self, text: &str) -> Result<Node, E> {
+        Ok(Node::Text(text.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Node, A::Error> {
+        let mut list = Vec::new();
+        while let Some(item) = items.next_element()? {
+            list.push(item);
+        }
+        Ok(Node::List(list))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Node, A::Error> {
+        let mut entries: Vec<(String, Node)> = Vec::new();
+        let mut keys = HashSet::new();
+        while let Some(key) = map.next_key::<String>()? {
+            if !keys.insert(key.clone()) {
+                return Err(A::Error::custom(format!("the key {key:?} {TWICE}")));
+            }
+            entries.push((key, map.next_value()?));
+        }
+        Ok(Node::Table(entries))
+    }
+}
+
+/// What is said of a repeated key.
+const TWICE: &str = "is there twice";
 
 /// Why a text is no document: what the parser says, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,8 +169,8 @@ pub fn parse_toml(text: &str) -> Result<toml::Table, SyntaxFault> {
 /// Parses JSON.
 ///
 /// # Errors
-/// The text is no JSON; NaN and Infinity have a remedy of their own.
-pub fn parse_json(text: &str) -> Result<serde_json::Value, SyntaxFault> {
+/// The text is no JSON, or a key is there twice; NaN and Infinity have a remedy of their own.
+pub fn parse_json(text: &str) -> Result<Node, SyntaxFault> {
     serde_json::from_str(text).map_err(|error| {
         let lines = text.split_inclusive('\n').take(error.line().saturating_sub(1));
         let place = lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1);
@@ -126,6 +180,8 @@ pub fn parse_json(text: &str) -> Result<serde_json::Value, SyntaxFault> {
         let none = ["NaN", "Infinity"].iter().any(|word| text.contains(word));
         let remedy = if none {
             "JSON knows neither NaN nor Infinity: give finite numbers"
+        } else if message.ends_with(TWICE) {
+            "keep the value that you mean"
         } else {
             "correct the JSON here, or write TOML in a file that ends in .toml"
         };

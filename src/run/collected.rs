@@ -102,6 +102,15 @@ pub enum RunError {
     Stopped,
 }
 
+impl RunError {
+    /// True when the grains of one realisation found no room, which says nothing of the others.
+    pub(crate) fn has_no_room(&self) -> bool {
+        let no_room =
+            |source: &PackError| matches!(source, PackError::Blocked { .. } | PackError::NotReached { .. });
+        matches!(self, Self::Packing { source, .. } if no_room(source))
+    }
+}
+
 impl Collected {
     /// Solves that are there.
     pub fn finished(&self) -> usize {

@@ -24,13 +24,14 @@ pub(crate) struct Packings<'a> {
     watch: &'a dyn RunWatch,
     first: Option<Packing>,
     latest: Option<(usize, Packing)>,
-    /// Of the realisation, grid and error that were last asked for: inks that share a packing share it too.
-    geometry: Option<((usize, Resolution, f64, bool), Geometry)>,
+    /// For scalar and for vector waves, of the realisation, grid and error that were last asked for: inks that share a packing
+    /// share it too, and so do their waves that take turns.
+    geometries: [Option<((usize, Resolution, f64), Geometry)>; 2],
 }
 
 impl<'a> Packings<'a> {
     pub fn new(study: &'a Study, watch: &'a dyn RunWatch) -> Self {
-        Self { study, watch, first: None, latest: None, geometry: None }
+        Self { study, watch, first: None, latest: None, geometries: [None, None] }
     }
 
     pub fn get(&mut self, realisation: usize) -> Result<Packing, RunError> {
@@ -57,14 +58,16 @@ impl<'a> Packings<'a> {
         resolution: Resolution,
         error: f64,
     ) -> Result<Geometry, RunError> {
-        let asked = (realisation, resolution, error, wave.is_vector());
-        if let Some((_, geometry)) = self.geometry.as_ref().filter(|(kept, _)| *kept == asked) {
+        let (asked, place) = ((realisation, resolution, error), usize::from(wave.is_vector()));
+        if let Some((_, geometry)) = self.geometries[place].as_ref().filter(|(kept, _)| *kept == asked) {
             return Ok(geometry.clone());
         }
-        self.geometry = None;
+        // Of another realisation neither is of use any more.
+        self.geometries.iter_mut().for_each(|kept| _ = kept.take_if(|((r, ..), _)| *r != realisation));
+        self.geometries[place] = None;
         let scene = Scene::from_packing(&self.get(realisation)?);
         let geometry = Geometry::new(wave, &scene, resolution, error)?;
-        self.geometry = Some((asked, geometry.clone()));
+        self.geometries[place] = Some((asked, geometry.clone()));
         Ok(geometry)
     }
 }

@@ -1,9 +1,10 @@
 //! The grid of a study: as asked, or chosen for the accuracy that was asked; with its error in either case.
 //!
-//! Three probes on the first packing stand for the whole study: the shortest wavelength at the smallest and
+//! Three probes on the first packing that comes about stand for the whole study: the shortest wavelength at the smallest and
 //! at the largest angle, and the wavelength at which grains and binder differ most. The largest of
 //! their error estimates is the study's.
 
+use super::collected::RunError;
 use super::point::Stopper;
 use super::watch::RunWatch;
 use crate::input::study::{Pigment, Study, WantedResolution};
@@ -26,7 +27,7 @@ const GRID_PACKINGS: usize = 4;
 /// The grid that all solves of a study share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resolved {
-    /// Of the first realisation's cell.
+    /// Of the cell it was chosen on, the first that could be packed.
     pub resolution: Resolution,
     /// Period of that cell, µm.
     pub period_um: [f64; 2],
@@ -79,14 +80,14 @@ impl Record for Resolved {
 ///
 /// # Errors
 /// The accuracy is out of reach, the grid does not fit `memory` (bytes), or a probe cannot be solved.
-pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
+pub(crate) fn resolve(
     study: &Study,
     store: &Store<Resolved>,
     memory: f64,
     watch: &dyn RunWatch,
-    mut scene: impl FnMut(usize) -> Result<Scene, E>,
-) -> Result<Resolved, E> {
-    let (probes, key) = (probes(study, 0), key(study));
+    scene: impl FnMut(usize) -> Result<Scene, RunError>,
+) -> Result<Resolved, RunError> {
+    let key = key(study);
     if let Some(resolved) = store.get(key.as_str()) {
         return Ok(resolved);
     }
@@ -94,23 +95,36 @@ pub fn resolve<E: From<AccuracyError> + From<std::io::Error>>(
         let grid = grid(&study.draw(0), points_per_um, planes_per_um, scheme);
         size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
     }
-    let first = scene(0)?;
+    let scenes = scenes(study, scene)?;
     watch.stage("estimating the error of the grid");
     let mut resolved = match study.wave.is_vector() {
-        false => settle::<Coverage>(study, &first, &probes, memory, watch)?,
-        true => settle::<NormalMoments>(study, &first, &probes, memory, watch)?,
+        false => settle::<Coverage>(study, &scenes[0], memory, watch)?,
+        true => settle::<NormalMoments>(study, &scenes[0], memory, watch)?,
     };
-    let mut differences = Vec::new();
-    for r in 0..compared(study) {
-        let scene = if r == 0 { first.clone() } else { scene(r)? };
-        differences.push(match study.wave.is_vector() {
-            false => grid_differences::<Coverage>(study, &resolved, r, &scene, memory, watch)?,
-            true => grid_differences::<NormalMoments>(study, &resolved, r, &scene, memory, watch)?,
-        });
-    }
+    let difference = |scene: &(usize, Scene)| match study.wave.is_vector() {
+        false => grid_differences::<Coverage>(study, &resolved, scene, memory, watch),
+        true => grid_differences::<NormalMoments>(study, &resolved, scene, memory, watch),
+    };
+    let differences: Vec<Vec<[f64; 2]>> = scenes.iter().map(difference).collect::<Result<_, _>>()?;
     resolved.grid_error = GridError::from_differences(&differences);
     store.put(key.as_str(), &resolved)?;
     Ok(resolved)
+}
+
+/// The first realisations whose packings come about, one at least: what cannot be packed costs its own realisation alone.
+fn scenes(
+    study: &Study,
+    mut scene: impl FnMut(usize) -> Result<Scene, RunError>,
+) -> Result<Vec<(usize, Scene)>, RunError> {
+    let (mut scenes, mut refusal) = (Vec::new(), None);
+    for realisation in 0..compared(study) {
+        match scene(realisation) {
+            Ok(scene) => scenes.push((realisation, scene)),
+            Err(error) if error.has_no_room() => refusal = refusal.or(Some(error)),
+            Err(error) => return Err(error),
+        }
+    }
+    refusal.filter(|_| scenes.is_empty()).map_or(Ok(scenes), Err)
 }
 
 /// The study's grid if the store has it.
@@ -166,14 +180,13 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
 
 fn settle<G: Discretisation>(
     study: &Study,
-    scene: &Scene,
-    probes: &[Incidence],
+    (realisation, scene): &(usize, Scene),
     memory: f64,
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
-    let draw = study.draw(0);
+    let (draw, probes) = (study.draw(*realisation), probes(study, *realisation));
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
-    for task in &Prepared::<G>::new(study, scene, probes, memory).tasks() {
+    for task in &Prepared::<G>::new(study, scene, &probes, memory).tasks() {
         let probed = probe(study, &draw, task, resolution, watch)?;
         error_estimate = largest([error_estimate, probed.error_estimate]);
         resolution = Some(G::grid_of(&probed.problem).resolution);
@@ -187,13 +200,12 @@ fn settle<G: Discretisation>(
 fn grid_differences<G: Discretisation>(
     study: &Study,
     resolved: &Resolved,
-    realisation: usize,
-    scene: &Scene,
+    (realisation, scene): &(usize, Scene),
     memory: f64,
     watch: &dyn RunWatch,
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
-    let probes = probes(study, realisation);
-    let own = resolved.for_cell(&study.draw(realisation));
+    let probes = probes(study, *realisation);
+    let own = resolved.for_cell(&study.draw(*realisation));
     GridError::differences(
         &Prepared::<G>::new(study, scene, &probes, memory).tasks(),
         own,

@@ -11,9 +11,9 @@ use thiserror::Error;
 /// The memory allowed does not hold a solve.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
-    "{} × {} points and {} cells would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; take fewer points or \
+    "{} × {} points and {} cells would need {} of the {} allowed; take fewer points or \
      cells, a smaller layer, or allow more memory with --memory-gb",
-    .resolution.nx, .resolution.ny, .resolution.cells
+    .resolution.nx, .resolution.ny, .resolution.cells, memory_in_words(*need_gb), memory_in_words(*allowed_gb)
 )]
 pub struct TooLarge {
     /// The grid refused.
@@ -22,6 +22,15 @@ pub struct TooLarge {
     pub need_gb: f64,
     /// Allowed.
     pub allowed_gb: f64,
+}
+
+/// A part of the memory in the unit that shows it: 12.31 GB, 0.4 MB, 30 bytes.
+pub fn memory_in_words(gb: f64) -> String {
+    match gb {
+        gb if gb >= 0.095 => format!("{gb:.2} GB"),
+        gb if gb >= 9.5e-5 => format!("{:.1} MB", 1e3 * gb),
+        gb => format!("{:.0} bytes", 1e9 * gb),
+    }
 }
 
 impl Size {

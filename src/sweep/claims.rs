@@ -40,6 +40,13 @@ pub fn claims(
     drafts: &[Draft],
     faults: &mut Faults,
 ) -> Vec<Claim> {
+    for (i, table) in tables.iter().enumerate() {
+        if tables[..i].iter().any(|earlier| earlier.id == table.id) {
+            let (field, found) = (format!("conclusion[{i}].id"), format!("{:?} twice", table.id));
+            let remedy = "conclusions.csv and the page name them by it: give each its own";
+            faults.push(Fault::new(field, found, "names that differ", remedy));
+        }
+    }
     let tables = tables.iter().enumerate();
     tables.map(|(i, table)| claim(&format!("conclusion[{i}]"), table, axes, drafts, faults)).collect()
 }

@@ -10,17 +10,19 @@ use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
 use crate::input::contrast::ContrastPart;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// What a variant is made of, as far as curves sort it; sizes in hundredths of a nm, shares in millionths, so that
 /// equal numbers are equal.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Make {
     share: u64,
     size: u64,
     /// Pigments, shapes, orientations, agglomeration; the same for molecular mixtures of the same pigments.
     kind: String,
     pigments: String,
+    /// Captions on the axes that change nothing of the above, such as the paper or the wave.
+    others: String,
 }
 
 /// The number that a curve runs over.
@@ -35,6 +37,7 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_cur
     let shown = sheet.variants.iter().flatten().flatten();
     let made: Vec<(usize, Make)> =
         shown.filter_map(|&v| Some((v, Make::of(&sweep.variants[v].study)?))).collect();
+    let made = with_others(sweep, made);
     let Some(&(first, _)) = made.first() else { return Vec::new() };
     let nm = strongest_nm(&sweep.variants[first].study);
     let transmittance = |v: usize| {
@@ -50,6 +53,27 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_cur
         }
     }
     plots
+}
+
+/// Tells apart what is made alike but stands on other papers, is seen by another wave, and so on.
+fn with_others(sweep: &Sweep, mut made: Vec<(usize, Make)>) -> Vec<(usize, Make)> {
+    let place = |v: usize| &sweep.outline.variants[v].place;
+    let all_dissolved = made.iter().all(|(_, make)| make.size == 0);
+    // An axis counts where it alone tells two variants of one make apart; grains speak for molecular mixtures.
+    let counts = |a: &usize| {
+        let mut seen: HashMap<(Vec<usize>, &Make), usize> = HashMap::new();
+        made.iter().filter(|(_, make)| all_dissolved || make.size > 0).any(|(v, make)| {
+            let mut elsewhere = place(*v).clone();
+            let here = elsewhere.remove(*a);
+            *seen.entry((elsewhere, make)).or_insert(here) != here
+        })
+    };
+    let axes: Vec<usize> = (0..sweep.outline.axes.len()).filter(counts).collect();
+    for (v, make) in &mut made {
+        let captions = axes.iter().map(|&a| sweep.outline.axes[a].named(place(*v)[a]));
+        make.others = captions.collect::<Vec<_>>().join(", ");
+    }
+    made
 }
 
 fn plot(
@@ -141,6 +165,7 @@ impl Make {
             size: (size * 1e2).round() as u64,
             kind: kinds.join(" and ") + relief + contrast,
             pigments: names.join(" + "),
+            others: String::new(),
         })
     }
 
@@ -149,7 +174,7 @@ impl Make {
     }
 
     fn belongs(&self, name: &Self, x: Abscissa) -> bool {
-        let same_ink = self.pigments == name.pigments;
+        let same_ink = self.pigments == name.pigments && self.others == name.others;
         let same_kind = self.kind == name.kind;
         match x {
             Abscissa::Share => same_ink && same_kind && self.size == name.size,
@@ -171,6 +196,7 @@ impl Make {
             (0, false) => words.push(self.kind.clone()),
             (size, _) => words.push(format!("{} nm {}", in_units(size, Abscissa::Size), self.kind)),
         }
+        words.extend(Some(self.others.clone()).filter(|others| !others.is_empty()));
         words.join(", ")
     }
 }

@@ -9,6 +9,9 @@ use toml::Table;
 /// Most variants of one sweep.
 const MOST_VARIANTS: usize = 100_000;
 
+/// Longest name of a variant, bytes: file systems take 255, and temporary files add a few.
+const LONGEST_NAME: usize = 200;
+
 /// A variant not yet checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
@@ -151,6 +154,16 @@ fn slug(label: &str) -> String {
 
 fn check_names(drafts: &[Draft], faults: &mut Faults) {
     let mut names: Vec<&str> = drafts.iter().map(|d| d.name.as_str()).collect();
+    if let Some(name) = names.iter().find(|name| name.len() > LONGEST_NAME) {
+        let found = format!("labels that make a name of {} characters", name.len());
+        let allowed = format!("at most {LONGEST_NAME}: it is the name of the variant's folder");
+        faults.push(Fault::new(
+            "axis",
+            found,
+            allowed,
+            "shorten the labels, as with labels = [\"a\", \"b\"]",
+        ));
+    }
     names.sort_unstable();
     if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
         let remedy = "give the axes labels that differ in their letters and digits";

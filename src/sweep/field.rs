@@ -7,8 +7,29 @@ use toml::{Table, Value};
 /// # Errors
 /// Why there is no such place, in words.
 pub fn set(study: &mut Table, field: &str, value: &Value) -> Result<(), String> {
-    let steps: Vec<&str> = field.split(['.', '[', ']']).filter(|step| !step.is_empty()).collect();
-    if steps.is_empty() { Err("the field has no name".into()) } else { in_table(study, &steps, value) }
+    in_table(study, &steps(field)?, value)
+}
+
+/// The steps of a name: keys between dots, each with any number of `[entry]` behind it.
+///
+/// # Errors
+/// A step without a name, brackets that do not close.
+pub fn steps(field: &str) -> Result<Vec<&str>, String> {
+    let mut all = Vec::new();
+    for part in field.split('.') {
+        let (key, entries) = part.split_at(part.find('[').unwrap_or(part.len()));
+        all.push(key);
+        if !entries.is_empty() {
+            let inner = entries.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
+            all.extend(
+                inner.ok_or_else(|| format!("{part:?} has a bracket that does not close"))?.split("]["),
+            );
+        }
+    }
+    match all.iter().all(|step| !step.is_empty() && !step.contains(['[', ']'])) {
+        true => Ok(all),
+        false => Err(format!("{field:?} is no name such as layer.thickness_um or pigment[0].index.k")),
+    }
 }
 
 fn in_table(table: &mut Table, steps: &[&str], value: &Value) -> Result<(), String> {
@@ -69,6 +90,12 @@ mod tests {
         assert!((0..2).all(|i| study["pigment"][i]["share"].as_float() == Some(0.25)));
         let error = set(&mut study, "pigment.c.d", &Value::Integer(5)).unwrap_err();
         assert_eq!(error, "pigment has 2 entries (a, b), none of them is c");
+        for slip in
+            ["", "pigment[[0].d", "pigment[0.d", "pigment]0[.d", "pigment[0]d", "pigment..d", "pigment[]"]
+        {
+            let before = study.clone();
+            assert!(set(&mut study, slip, &Value::Integer(5)).is_err() && study == before, "{slip:?}");
+        }
         assert!(set(&mut study, "pigment.a.d.x", &Value::Integer(5)).unwrap_err().contains("not a table"));
     }
 }

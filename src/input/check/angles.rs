@@ -1,6 +1,6 @@
 //! Directions of the light: 0°, 45° and strata over the hemisphere, which paper and picture need, or a list.
 
-use super::check_list;
+use super::light::check_list;
 use crate::appearance::paper::Coupling;
 use crate::appearance::paper::PRINT_DEG;
 use crate::input::fault::{Fault, Faults};

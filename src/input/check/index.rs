@@ -1,6 +1,6 @@
 //! Refractive indices: from a number, a built-in spectrum or the user's table to one value per wavelength.
 
-use crate::input::fault::{Fault, Faults};
+use crate::input::fault::{Fault, Faults, keys_in_words};
 use crate::input::forms::IndexWritten;
 use crate::input::limits;
 use crate::input::study::Material;
@@ -72,7 +72,14 @@ fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Fau
             let allowed =
                 "a number, { n = …, k = … }, { built_in = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }";
             let remedy = "write for example index = { n = 1.4, k = 0.1 }";
-            faults.push(Fault::new(field, "another mixture of keys", allowed, remedy));
+            let found = keys_in_words([
+                ("n", written.n.is_some()),
+                ("k", written.k.is_some()),
+                ("built_in", written.built_in.is_some()),
+                ("csv", written.csv.is_some()),
+                ("yaml", written.yaml.is_some()),
+            ]);
+            faults.push(Fault::new(field, found, allowed, remedy));
             None
         }
     }

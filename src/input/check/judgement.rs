@@ -1,7 +1,7 @@
 //! What the prediction is held against: conditions, a target, a measured spectrum.
 
 use crate::appearance::error::ColourError;
-use crate::appearance::viewing::Viewing;
+use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
 use crate::input::measured::{MeasuredError, MeasuredSpectrum};
@@ -15,11 +15,24 @@ pub(crate) fn judgement(
     faults: &mut Faults,
 ) -> Judgement {
     let (viewing, target_lab) = (viewing(file, faults), target(file, faults));
+    if viewing.summation == Summation::E308 && !is_even(wavelengths_nm) {
+        let allowed =
+            "\"plain\" where the wavelengths are not evenly spaced: ASTM E308 has no weights for them";
+        let remedy = "write from_nm, to_nm and step_nm, or leave it out";
+        faults.push(Fault::new("colour.summation", "\"e308\"", allowed, remedy));
+    }
     let measured = measured(file, folder, faults);
     if let Some(measured) = &measured {
         faults.0.extend(elsewhere(measured, wavelengths_nm));
     }
     Judgement { viewing, target_lab, measured }
+}
+
+/// Equal steps, to the rounding of written numbers.
+fn is_even(wavelengths_nm: &[f64]) -> bool {
+    let steps = || wavelengths_nm.windows(2).map(|pair| pair[1] - pair[0]);
+    let first = steps().next().unwrap_or(0.0);
+    steps().all(|step| (step - first).abs() < 1e-6)
 }
 
 /// A spectrum that answers at none of the study's wavelengths.

@@ -1,6 +1,6 @@
 //! Why a search for a grid ends without a result.
 
-use crate::solve::demand::TooLarge;
+use crate::solve::demand::{TooLarge, memory_in_words};
 use crate::solve::solver::{GridTrial, SolveError};
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::{Resolution, Unphysical, WaveError};
@@ -24,8 +24,9 @@ pub enum AccuracyError {
     /// The next finer grid does not fit into memory.
     #[error(
         "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
-         and the next finer grid would need {need_gb:.2} GB of the {allowed_gb:.2} GB allowed; ask for less accuracy, \
-         a smaller cell, or more memory (tried: {tried})"
+         and the next finer grid would need {} of the {} allowed; ask for less accuracy, \
+         a smaller cell, or more memory (tried: {tried})",
+        memory_in_words(*need_gb), memory_in_words(*allowed_gb)
     )]
     NotReached {
         /// Amplitude error asked for.
@@ -47,8 +48,9 @@ pub enum AccuracyError {
     },
     /// Not even the coarsest sensible grid fits into memory.
     #[error(
-        "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {need_gb:.2} GB of the \
-         {allowed_gb:.2} GB allowed; ask for less accuracy, a smaller cell, or more memory"
+        "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {} of the {} allowed; ask \
+         for less accuracy, a smaller cell, or more memory",
+        memory_in_words(*need_gb), memory_in_words(*allowed_gb)
     )]
     TooLarge {
         /// Amplitude error asked for.

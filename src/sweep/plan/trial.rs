@@ -115,7 +115,7 @@ fn grid_for(
         return Ok((None, full_resolution(trial, study)));
     }
     let store = Store::in_memory()?;
-    let search = || resolve::<RunError>(study, &store, memory::usable(), watch, |_| Ok(scene.clone()));
+    let search = || resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone()));
     let (seconds, found) = timed(search)?;
     Ok((Some(seconds), found.resolution))
 }
