@@ -8,7 +8,7 @@ use inkwave::run::crew::processor_seconds;
 use inkwave::solve::accuracy::discretisation::Discretisation;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, Registry, Step, Watch};
-use inkwave::wave::contrast::coverage::{EXACT, error_for};
+use inkwave::wave::contrast::coverage::{EXACT, error_among};
 use inkwave::wave::{Grid, Mean, Order, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
@@ -104,7 +104,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     // A grid of one's own choice may be as fine as it likes.
     let error = match args.nz {
         Some(_) => EXACT,
-        None => error_for(args.accuracy.unwrap_or(DEFAULT_ACCURACY)),
+        None => error_among(args.accuracy.unwrap_or(DEFAULT_ACCURACY), case.media.largest_contrast()),
     };
     let mut report = match args.wave {
         WaveName::Scalar => {

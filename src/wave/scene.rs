@@ -151,6 +151,19 @@ impl Scene {
         self.bodies.iter().all(|b| matches!(b.shape, Shape::Sheet { .. }))
     }
 
+    /// Numbers of the strata that some body reaches into: elsewhere the wave is the film's, which every grid has exactly.
+    pub fn patterned_strata(&self) -> Vec<usize> {
+        let mut bottom = 0.0;
+        let slack = 1e-9 * self.thickness_um();
+        let is_reached = |stratum: &Stratum| {
+            let [low, high] = [bottom, bottom + stratum.thickness_um];
+            bottom = high;
+            self.bodies.iter().map(Body::extent_um).any(|[lo, hi]| lo < high - slack && hi > low + slack)
+        };
+        let reached: Vec<bool> = self.strata.iter().map(is_reached).collect();
+        (0..reached.len()).filter(|&i| reached[i]).collect()
+    }
+
     /// Refuses lengths that are not finite and positive, bodies that leave the layer, and unknown media.
     pub fn check(&self, media: &Media) -> Result<(), WaveError> {
         for (axis, &period) in ["x", "y"].iter().zip(&self.period_um) {
@@ -232,6 +245,12 @@ impl Media {
             Material::Inclusion(index) => self.inclusions[index],
             Material::Incident => self.incident,
         }
+    }
+
+    /// Largest |η_i² − η_b²| of any material in any background.
+    pub fn largest_contrast(&self) -> f64 {
+        let contrast = |b: Complex64| self.inclusions.iter().map(move |i| (i * i - b * b).norm());
+        self.backgrounds.iter().copied().flat_map(contrast).fold(0.0, f64::max)
     }
 
     fn check(&self, scene: &Scene) -> Result<(), WaveError> {

@@ -8,6 +8,7 @@ use super::error::AccuracyError;
 use super::resolution::{error_share, scaled_cells, scaled_plane};
 use super::task::{Estimated, Known, Task};
 use crate::solve::solver::{SolveError, Watch};
+use crate::wave::grid::share_cells;
 use crate::wave::physical::largest;
 use crate::wave::{Grid, Resolution, Shape, TotalErrors, WaveError};
 
@@ -16,6 +17,11 @@ const COMPANION: f64 = 0.8;
 /// Share of cells that a second companion keeps where nothing changes along y. Tops of such grains are whole lines: a
 /// companion with nodes on them is far more accurate than its spacing says, and its difference tells too little.
 const SECOND: f64 = 0.7;
+/// Share of points that a second companion keeps there: a line that fills a half or a third of the period has no harmonics of
+/// that number, and a grid that adds only those tells nothing.
+const SECOND_LATERAL: f64 = 0.6;
+/// A stratum gains a cell within so many times the cells of all.
+const MOST_TIMES: usize = 16;
 /// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
 const FINE: [f64; 2] = [8.0, 3.3];
 /// Amplitude error per unit of residual: trapped waves amplify it a little.
@@ -76,17 +82,42 @@ impl<G: Discretisation> Task<'_, G> {
         let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
         let scene = self.coverages.scene;
         let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
-        let mut across = |share: f64| {
-            let cells = [share, 1.0 / share].map(|f| scaled_cells(own, f));
-            companion.compare(known, far, cells, watch)
-        };
+        let mut across = |share: f64| companion.compare(known, far, self.z_companions(own, share), watch);
         let in_z = match uniform {
             [false, true] => largest([across(COMPANION)?, across(SECOND)?]),
             _ => across(COMPANION)?,
         };
-        let plane = [COMPANION, 1.0 / COMPANION].map(|f| scaled_plane(own, f, uniform));
-        let in_plane = if uniform[0] { 0.0 } else { companion.compare(known, far, plane, watch)? };
+        let mut lateral = |share: f64| {
+            let plane = [share, 1.0 / share].map(|f| scaled_plane(own, f, uniform));
+            companion.compare(known, far, plane, watch)
+        };
+        let in_plane = match uniform {
+            [true, _] => 0.0,
+            [false, true] => largest([lateral(COMPANION)?, lateral(SECOND_LATERAL)?]),
+            _ => lateral(COMPANION)?,
+        };
         Ok([in_plane, in_z])
+    }
+
+    /// Grids with fewer and with more cells in every stratum that holds a body: what happens elsewhere changes nothing. The
+    /// coarser one is the own grid where a stratum has no cell to lose.
+    fn z_companions(&self, own: Resolution, share: f64) -> [Resolution; 2] {
+        let (coarse, fine) = (scaled_cells(own, share).cells, scaled_cells(own, 1.0 / share).cells);
+        let cells = |n: &usize| Resolution { cells: *n, ..own };
+        let is_coarser = |n: &usize| self.times_finer(own.cells, *n) > 1.0;
+        let is_finer = |n: &usize| self.times_finer(*n, own.cells) > 1.0;
+        let coarser = (1..=coarse).rev().map(|n| n.max(self.coverages.scene.strata.len())).find(is_coarser);
+        let finer = (fine..=MOST_TIMES * fine).find(is_finer).unwrap_or(fine);
+        [coarser.as_ref().map_or(own, cells), cells(&finer)]
+    }
+
+    /// How many times more cells a grid has than another, in the stratum with a body where that is least.
+    fn times_finer(&self, cells: usize, other: usize) -> f64 {
+        let scene = self.coverages.scene;
+        let shares = |cells: usize| share_cells(scene, cells).unwrap_or_default();
+        let (own, other) = (shares(cells), shares(other));
+        let ratio = |i: usize| Some(*own.get(i)? as f64 / *other.get(i)? as f64);
+        scene.patterned_strata().into_iter().filter_map(ratio).fold(f64::INFINITY, f64::min)
     }
 
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
@@ -105,7 +136,9 @@ impl<G: Discretisation> Task<'_, G> {
         };
         let difference = G::difference(far, &G::far_field(&problem, &solution));
         let used = G::grid_of(&problem).resolution;
-        Ok(difference * error_share(own, used, self.orders(own)))
+        let plane = own.nx as f64 / used.nx as f64;
+        let across = if own.cells == used.cells { 1.0 } else { self.times_finer(own.cells, used.cells) };
+        Ok(difference * error_share([plane, across], self.orders(own)))
     }
 
     /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
@@ -141,11 +174,13 @@ impl<G: Discretisation> Task<'_, G> {
         let own = G::grid_of(finer.0).resolution;
         let cells = G::cells_needed(finer.0, &Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };
-        if coarser == own || cells > own.cells {
+        if coarser == own || cells != own.cells && self.times_finer(own.cells, cells) <= 1.0 {
             return Ok(None);
         }
         let solved = match self.solve_from(Some(finer), coarser, watch) {
-            Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. })) if needed < own.cells => {
+            Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. }))
+                if needed < own.cells && self.times_finer(own.cells, needed) > 1.0 =>
+            {
                 self.solve_from(Some(finer), Resolution { cells: needed, ..coarser }, watch)
             }
             other => other,

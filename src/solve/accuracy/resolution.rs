@@ -5,10 +5,9 @@ use crate::wave::{Resolution, WaveError};
 /// However much coarser the companion is, the finer result may be this share of the difference wrong.
 const LEAST_SHARE: f64 = 0.3;
 
-/// Share of the difference between two resolutions that is the finer one's error; 1.5 for a finer companion.
-pub(crate) fn error_share(own: Resolution, companion: Resolution, [in_plane, in_z]: [i32; 2]) -> f64 {
-    let plane = own.nx as f64 / companion.nx as f64;
-    let across = own.cells as f64 / companion.cells as f64;
+/// Share of the difference to a companion that is the own error, by how many times finer than it the own grid is in the plane
+/// and across z; 1.5 for a finer companion.
+pub(crate) fn error_share([plane, across]: [f64; 2], [in_plane, in_z]: [i32; 2]) -> f64 {
     if plane < 1.0 || across < 1.0 {
         return 1.5;
     }
@@ -65,8 +64,12 @@ pub(crate) fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolutio
     if parts[1] > 0.45 * accuracy {
         next.cells = ((r.cells as f64 * factor(parts[1])).round() as usize).max(r.cells + 1);
     }
-    if next == r {
-        next.cells += 1;
+    if next != r {
+        return next;
     }
-    next
+    // Neither exceeds its half, but their sum with the safety factor does: the larger one gives way.
+    match parts[0] > parts[1] {
+        true => refine(r, [accuracy, 0.0], accuracy),
+        false => refine(r, [0.0, accuracy], accuracy),
+    }
 }

@@ -138,7 +138,10 @@ fn check_counts(resolution: &Resolution) -> Result<(), WaveError> {
 }
 
 /// Largest-remainder shares with at least one cell a stratum.
-fn share_cells(scene: &Scene, cells: usize) -> Result<Vec<usize>, WaveError> {
+///
+/// # Errors
+/// Fewer cells than strata.
+pub(crate) fn share_cells(scene: &Scene, cells: usize) -> Result<Vec<usize>, WaveError> {
     if cells < scene.strata.len() {
         return Err(WaveError::Range {
             field: "nz (cells)",

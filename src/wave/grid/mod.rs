@@ -3,4 +3,5 @@
 mod cells;
 pub mod element;
 
+pub(crate) use cells::share_cells;
 pub use cells::{Grid, MOST_POINTS, Resolution, Scheme};
