@@ -52,6 +52,9 @@ const ILLUMINANTS: [(&str, CieIlluminant); 39] = {
     ]
 };
 
+/// Those without lines.
+const SMOOTH: [&str; 4] = ["D65", "D50", "E", "A"];
+
 /// The standard observers by the names that people use.
 const OBSERVERS: [(&str, Observer); 4] = [
     ("2", Observer::Cie1931),
@@ -64,7 +67,8 @@ const OBSERVERS: [(&str, Observer); 4] = [
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Summation {
-    /// Grids up to 10 nm as they are, coarser ones resampled to 5 nm; nothing beyond the grid's ends (CIE 15).
+    /// Grids up to 10 nm as they are, coarser ones resampled to 5 nm, all of them to 1 nm under lamps; nothing beyond the grid's
+    /// ends (CIE 15).
     #[default]
     Plain,
     /// Weights as tabulated by ASTM E308: interpolated by the rule of ASTM E2022, and the ends of the grid stand for
@@ -129,6 +133,11 @@ impl Viewing {
         format!("{}, {observer}° observer{rule}", self.illuminant)
     }
 
+    /// Lamps: their spectra are no smooth functions of the wavelength.
+    pub(super) fn has_lines(&self) -> bool {
+        !SMOOTH.contains(&self.illuminant.as_str())
+    }
+
     /// S(λ) (x̄, ȳ, z̄)(λ) at a whole number of nm, 380 to 780.
     pub(super) fn row(&self, nm: usize) -> [f64; 3] {
         let find = |name: &str| {
@@ -175,6 +184,13 @@ mod tests {
                 // they spread the narrow lines of F11 between its 5 nm entries: 0.1 of Y = 100 is 0.04 of L*.
                 let allowed = if name == "F11" { 0.1 } else { 0.02 };
                 assert!((have - want).abs() < allowed, "{name} {observer} {step}: {have} {want}");
+            }
+            // Plain sums end at 400 and 700 nm, theirs at 360 and 830: 0.5 of Y = 100 in blue. Lines summed at every tenth nm are
+            // off by 40.
+            let plain = Viewing::new(name, observer, Summation::Plain).unwrap();
+            let meter = Colorimeter::under(&grid, &plain).unwrap();
+            for (have, want) in meter.white_xyz().iter().zip(list("white_1nm")) {
+                assert!((have - want).abs() < 1.5, "white {name} {observer} {step}: {have} {want}");
             }
         }
         assert_eq!(cases.len(), 32);

@@ -7,6 +7,8 @@ use crate::numerics::sequence::Sequence;
 
 /// Whole grains are sought within this share of the drawn area where several pigments must agree.
 const AREA_SEARCH: f64 = 0.04;
+/// Numbers of grains tried on either side of the one drawn.
+const MOST_TRIED: usize = 2000;
 /// Steps by this share of the circle fill it evenly: (√5 − 1)/2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Coordinates of the sequence.
@@ -90,7 +92,9 @@ impl Study {
         let nearest = grains(1.0);
         let distance = |n: usize| (n as f64 - nearest as f64).abs();
         let key = |&n: &usize| (1e9 * miss(n)).round() as u64;
-        let candidates = grains(1.0 - AREA_SEARCH)..=grains(1.0 + AREA_SEARCH);
+        // Among very many grains the nearest are as good as any.
+        let fewest = grains(1.0 - AREA_SEARCH).max(nearest.saturating_sub(MOST_TRIED));
+        let candidates = fewest..=grains(1.0 + AREA_SEARCH).min(nearest.saturating_add(MOST_TRIED));
         let best = candidates.min_by(|a, b| key(a).cmp(&key(b)).then(distance(*a).total_cmp(&distance(*b))));
         best.unwrap_or(nearest) as f64 * largest
     }

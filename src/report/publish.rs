@@ -23,7 +23,10 @@ pub enum PublishError {
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// What the page would have shown.
-    #[error("{0}: no result, so nothing is published; try a finer grid or another solver")]
+    #[error(
+        "{0}: no result, so nothing is published; every solve is kept. Curves through few wavelengths and cells overshoot: take \
+         more realisations or a smaller light.step_nm, or else a finer grid"
+    )]
     Unphysical(String),
     /// A plot or picture.
     #[error(transparent)]

@@ -37,7 +37,7 @@ pub fn sheet(
         asked: tables::asked(study),
         packings: tables::packings(study, manifest),
         failures: tables::failures(manifest),
-        limits: tables::limits(study),
+        limits: tables::limits(study, manifest),
         provenance: tables::provenance(study, manifest),
     })
 }

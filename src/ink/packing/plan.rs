@@ -55,6 +55,7 @@ impl Plan {
             let template = pigment.shape.template();
             check_size(request, k, pigment, &template)?;
             let (sizes, share) = draw_sizes(pigment, &template, lx * ly * dry, draws)?;
+            check_presence(k, pigment, &sizes)?;
             let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
             bodies.extend(group(k, request, grains, &template, draws)?);
             shares.push(share);
@@ -181,6 +182,17 @@ fn draw_sizes(
     let grains = radii.len();
     let requested_fraction = pigment.volume_fraction;
     Ok((radii, Share { requested_fraction, achieved_fraction, fraction_error, grains, size_factor }))
+}
+
+/// A pigment that was asked for does not vanish by rounding to whole grains.
+fn check_presence(k: usize, pigment: &PigmentGrains, sizes: &[f64]) -> Result<(), PackError> {
+    if !sizes.is_empty() || pigment.volume_fraction == 0.0 {
+        return Ok(());
+    }
+    let (field, found) = (format!("pigment[{k}].volume_fraction"), pigment.volume_fraction);
+    let allowed = "enough for half a grain in the cell";
+    let advice = "widen period_um, take smaller grains, or let the cells vary (layer.cell)";
+    Err(PackError::input(field, found.to_string(), allowed, advice))
 }
 
 /// Glues the stated share of the grains into agglomerates, in the order in which they were drawn.

@@ -210,12 +210,15 @@ fn fits(i: usize, grains: &PigmentGrains, one_diameter: bool, (layer, period_um)
         CellRule::Fixed => "half the layer's period",
         CellRule::Varied => "half the shortest side that a varied cell gets (0.65 layer.period_um)",
     };
-    let limits =
-        [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um(layer), "the layer's thickness")];
+    let thinnest = match layer.thickness_um.std > 0.0 {
+        true => "the thinnest layer drawn, mean - 3 std of layer.thickness_um",
+        false => "the layer's thickness",
+    };
+    let limits = [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um(layer), thinnest)];
     // A cell that is no cell has its own fault.
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
-        let allowed = format!("grains of at most {limit} nm, {name}");
+        let allowed = format!("grains of at most {} nm, {name}", (1e6 * limit).round() / 1e6);
         faults.push(Fault::new(field, format!("grains of up to {extent:.6} nm"), allowed, remedy));
     }
 }

@@ -232,7 +232,7 @@ pub(crate) fn failures(manifest: &Manifest<&Study>) -> Vec<FailureRow> {
     manifest.failures.iter().map(row).collect()
 }
 
-pub(crate) fn limits(study: &Study) -> Vec<String> {
+pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> {
     let mut lines = vec![
         wave_in_words(study.wave).to_owned(),
         "Every grain is there: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell repeats \
@@ -259,7 +259,24 @@ pub(crate) fn limits(study: &Study) -> Vec<String> {
             "Fewer than 8 wavelengths: the colour of a spectrum with steep edges can be off by several ΔE.";
         lines.push(line.to_owned());
     }
+    if study.variation.light == LightRule::Listed && study.angles.strata > 0 {
+        let line = "The wavelengths are a list, the same in every cell: the bars of colours do not hold what their spacing costs. A \
+                    range (from_nm, to_nm, step_nm) is sampled at shifted wavelengths, and has no such error.";
+        lines.push(line.to_owned());
+    }
+    lines.extend(missed_target(study, manifest));
     lines
+}
+
+/// A wanted bar that was not reached.
+fn missed_target(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
+    let target = study.target_delta_e?;
+    let bars = manifest.colours.iter().filter_map(|note| note.delta_e_2000_95);
+    let widest = bars.reduce(f64::max).filter(|&bar| bar > target)?;
+    let cells = manifest.realisations.finished;
+    Some(format!(
+        "The 95 % interval of ΔE00 {target} that was asked for (run.target_delta_e) is not reached with {cells} cells: the widest is {widest:.2}."
+    ))
 }
 
 fn wave_in_words(wave: Wave) -> &'static str {

@@ -75,6 +75,44 @@ fn guided() -> Gmres {
     Gmres { guided_modes: modes, ..Gmres::default() }
 }
 
+/// Without contrast the mean operator's inverse needs no correction. *Planted*: the inverse of the mean block added, not taken off.
+#[test]
+fn guided_modes_change_nothing_where_there_is_no_contrast() {
+    for scheme in SCHEMES {
+        let problem = problem([5, 7, 3], scheme, 1.558.into(), Side::Incident);
+        let correction = guided().guided_modes.correction(&problem).expect("near-null modes");
+        let wave = problem.background_wave();
+        let mut corrected = flat(&wave).to_vec();
+        correction.apply(&mut corrected);
+        let change = corrected.iter().zip(flat(&wave)).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        // Rounding times the modes' condition.
+        assert!(change < 1e-9, "{scheme:?}: {change:e}");
+    }
+}
+
+/// A film in its own medium at a thickness where a standing wave would fit: what it holds radiates at once, which is as far from
+/// null as its damping, 4k/H. *Planted*: damping forgotten.
+#[test]
+fn a_mode_that_radiates_is_no_guided_mode() {
+    let (n, wavelength_um) = (1.558, 0.9);
+    let modes = |outside: f64| {
+        let scene = Scene::layer([0.3, 0.26], 2.5 * wavelength_um / n, Vec::new());
+        let index = Complex64::from(n);
+        let media = Media {
+            incident: outside.into(),
+            exit: outside.into(),
+            backgrounds: vec![index],
+            inclusions: vec![index],
+        };
+        let incidence = Incidence { wavelength_um, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+        let resolution = Resolution { nx: 1, ny: 1, cells: 24, scheme: Scheme::Cubic };
+        let problem = Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default());
+        let near = GuidedModes { least_harmonics: 0, damped: f64::INFINITY, ..Default::default() };
+        near.correction(&problem.expect("a valid problem")).is_some()
+    };
+    assert!(!modes(n) && modes(0.05), "index-matched half-spaces carry it off, thin ones hold it");
+}
+
 #[test]
 fn single_precision_is_judged_by_the_residual_in_double_precision() {
     let goal = Goal { tolerance: 1e-5, ..Goal::default() };
