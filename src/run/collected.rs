@@ -1,18 +1,13 @@
 //! What a run needs, and what it has in the end.
 
 use super::resolve::Resolved;
-use crate::ink::PackError;
 use crate::input::study::Point;
-use crate::solve::accuracy::AccuracyError;
-use crate::solve::demand::TooLarge;
 use crate::store::Store;
 use crate::store::damage::Damage;
 use crate::store::database::Database;
-use crate::store::folder::{FolderError, OutputFolder};
+use crate::store::folder::OutputFolder;
 use crate::store::packing_record::PackingRecord;
-use crate::store::queue::QueueError;
 use crate::store::record::{FailureRecord, PointRecord};
-use crate::wave::WaveError;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -63,52 +58,6 @@ pub struct Failure {
     pub point: Point,
     /// The error's message.
     pub reason: String,
-}
-
-/// Why a run ended without collecting anything.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// A packing was not delivered.
-    #[error("realisation {}: {source}", realisation + 1)]
-    Packing {
-        /// Number of the realisation, from 0.
-        realisation: usize,
-        /// Why.
-        source: PackError,
-    },
-    /// No grid reaches the accuracy.
-    #[error(transparent)]
-    Resolution(#[from] AccuracyError),
-    /// The work would not fit into memory.
-    #[error(transparent)]
-    Memory(#[from] TooLarge),
-    /// The scene does not make a problem.
-    #[error(transparent)]
-    Wave(#[from] WaveError),
-    /// The folder of results.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// A record could not be kept.
-    #[error("cannot keep a result: {0}")]
-    Store(#[from] io::Error),
-    /// The queue of work.
-    #[error(transparent)]
-    Queue(#[from] QueueError),
-    /// Threads could not be started.
-    #[error("cannot start threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-    /// Someone asked to stop; what is finished is kept.
-    #[error("stopped before the first solve")]
-    Stopped,
-}
-
-impl RunError {
-    /// True when the grains of one realisation found no room, which says nothing of the others.
-    pub(crate) fn has_no_room(&self) -> bool {
-        let no_room =
-            |source: &PackError| matches!(source, PackError::Blocked { .. } | PackError::NotReached { .. });
-        matches!(self, Self::Packing { source, .. } if no_room(source))
-    }
 }
 
 impl Collected {

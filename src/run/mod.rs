@@ -2,6 +2,7 @@
 
 pub mod collected;
 pub mod crew;
+pub mod error;
 pub mod memory;
 pub mod point;
 pub(crate) mod realisation;

@@ -1,7 +1,8 @@
 //! One realisation of a run: its packing, its coverage, its solves.
 
-use super::collected::{Failure, Realisation, RunError, RunSettings, Stores};
+use super::collected::{Failure, Realisation, RunSettings, Stores};
 use super::crew::work_through;
+use super::error::RunError;
 use super::point::{PointError, is_physical, pack_realisation, problem_of, solve_point};
 use super::resolve;
 use super::resolve::Resolved;

@@ -4,7 +4,7 @@
 //! at the largest angle, and the wavelength at which grains and binder differ most. The largest of
 //! their error estimates is the study's.
 
-use super::collected::RunError;
+use super::error::RunError;
 use super::point::Stopper;
 use super::watch::RunWatch;
 use crate::input::study::{Pigment, Study, WantedResolution};

@@ -13,7 +13,8 @@ use crate::store::folder::OutputFolder;
 use crate::wave::Scene;
 
 pub(crate) use super::collected::Stores;
-pub use super::collected::{Collected, Failure, Realisation, RunError, RunSettings};
+pub use super::collected::{Collected, Failure, Realisation, RunSettings};
+pub use super::error::RunError;
 
 /// Runs `study` into `folder` until it is finished, stopped, or nothing more can be done.
 ///
