@@ -5,9 +5,11 @@ use inkwave::appearance::tristimulus::Colorimeter;
 use inkwave::evaluate::manifest::SpectrumRow;
 use inkwave::input::study::Study;
 use inkwave::numerics::estimate::Estimate;
+use inkwave::numerics::linked::Linked;
 use inkwave::solve::door::Wave;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
+use inkwave::sweep::file::Quantity;
 use inkwave::sweep::outcome::Outcome;
 use inkwave::sweep::{folder, publish::publish};
 use std::error::Error;
@@ -114,8 +116,8 @@ fn pair(study: &Study, scalar: &Outcome, vector: &Outcome) -> Result<Pair, Box<d
         thickness_um: study.layer.thickness_um,
         sky: scalar.delta_e_2000(vector).ok_or("a variant without a colour")?,
         print: print[0].delta_e_2000(&print[1]).value,
-        reflectance: largest(scalar, vector, |row| row.reflectance),
-        transmittance: largest(scalar, vector, |row| row.transmittance),
+        reflectance: largest(scalar, vector, Quantity::Reflectance),
+        transmittance: largest(scalar, vector, Quantity::Transmittance),
         white_sky: [sky(scalar), sky(vector)],
     })
 }
@@ -124,13 +126,13 @@ fn normal(outcome: &Outcome) -> impl Iterator<Item = &SpectrumRow> {
     outcome.spectra.iter().filter(|row| row.polar_deg == 0.0)
 }
 
-/// The difference of largest modulus over the wavelengths, at normal incidence. Both errors are added as squares, though
-/// both waves meet the same packings: the difference is better known than that.
-fn largest(scalar: &Outcome, vector: &Outcome, of: impl Fn(&SpectrumRow) -> Estimate) -> Estimate {
-    let differences = normal(scalar).zip(normal(vector)).map(|(a, b)| {
-        let (a, b) = (of(a), of(b));
-        let error = a.standard_error.unwrap_or(0.0).hypot(b.standard_error.unwrap_or(0.0));
-        Estimate { value: a.value - b.value, standard_error: Some(error) }
+/// The difference of largest modulus over the wavelengths, at normal incidence. Both waves meet the same packings, cells,
+/// directions and wavelengths: what these share is in neither.
+fn largest(scalar: &Outcome, vector: &Outcome, quantity: Quantity) -> Estimate {
+    let differences = normal(scalar).filter_map(|row| {
+        let of = |o: &Outcome| o.quantity(quantity, Some(row.wavelength_nm));
+        let [a, b] = [of(scalar)?, of(vector)?];
+        Some(Linked::sum([(1.0, &a), (-1.0, &b)]).estimate)
     });
     let nothing = Estimate { value: 0.0, standard_error: None };
     differences.fold(nothing, |most, d| if d.value.abs() > most.value.abs() { d } else { most })

@@ -152,6 +152,7 @@ const CHANGES: &[Change] = &[
     (&[("run.realisations", "3")], Spectra),
     (&[("run.seed", "8")], Spectra),
     (&[("run.target_delta_e", "0.1")], Nothing),
+    (&[("run.target_delta_e", "0.1"), ("run.target_colour", "'natural_light'")], Nothing),
     (&[("resolution.points_per_um", "16")], Spectra),
     (&[("resolution.planes_per_um", "40")], Spectra),
     (&[("resolution.scheme", "'quadratic'")], Spectra),

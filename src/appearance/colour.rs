@@ -83,20 +83,32 @@ impl Colorimeter {
 impl Colour {
     /// C* = √(a*² + b*²), standard error to first order.
     pub fn chroma(&self) -> Estimate {
-        self.propagate(|[_, a, b]| a.hypot(b))
+        let [_, a, b] = self.lab;
+        let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, self.chroma_gradient()).sqrt());
+        Estimate { value: a.hypot(b), standard_error }
     }
 
     /// Hue angle, degrees in 0–360, standard error to first order (unknown for a neutral colour, where the
     /// angle has no meaning and 0 is returned).
     pub fn hue_deg(&self) -> Estimate {
         let [_, a, b] = self.lab;
-        let square = a * a + b * b;
-        if square < 1e-18 {
+        if a * a + b * b < NEUTRAL {
             return Estimate::unknown_error(0.0);
         }
-        let gradient = [0.0, -b / square, a / square].map(f64::to_degrees);
-        let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, gradient).sqrt());
+        let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, self.hue_gradient()).sqrt());
         Estimate { value: b.atan2(a).to_degrees().rem_euclid(360.0), standard_error }
+    }
+
+    /// Derivative of the hue angle by L*, a*, b*, degrees; zero for a neutral colour.
+    pub fn hue_gradient(&self) -> [f64; 3] {
+        let [_, a, b] = self.lab;
+        let square = a * a + b * b;
+        if square < NEUTRAL { [0.0; 3] } else { [0.0, -b / square, a / square].map(f64::to_degrees) }
+    }
+
+    /// Derivative of C* by L*, a*, b*.
+    pub fn chroma_gradient(&self) -> [f64; 3] {
+        gradient(&|[_, a, b]| a.hypot(b), self.lab)
     }
 
     /// Standard errors of L*, a*, b*.
@@ -106,16 +118,21 @@ impl Colour {
 
     /// ΔE*ab (CIE 1976) to an independent colour; see [`Colour::delta_e_2000`] for the error.
     pub fn delta_e_76(&self, other: &Self) -> Estimate {
-        self.difference(other, distance)
+        self.difference(other, &INDEPENDENT, distance)
     }
 
     /// ΔE₀₀ (CIEDE2000, k_L = k_C = k_H = 1) to an independent colour.
     ///
     /// The error is first order: √(gᵀ(C₁ + C₂)g), g the gradient along the line between the two colours. Where ΔE
-    /// is not well above it, noise alone lifts ΔE: compare with [`Colour::delta_e_noise`]. Variants that share
-    /// their packings are correlated; the error is then an upper estimate for a positive correlation.
+    /// is not well above it, noise alone lifts ΔE: compare with [`Colour::delta_e_noise`].
     pub fn delta_e_2000(&self, other: &Self) -> Estimate {
-        self.difference(other, ciede2000)
+        self.delta_e_2000_among(other, &INDEPENDENT)
+    }
+
+    /// The same where Lab here and Lab there have a covariance, as in colours of the same realisations: `common[i][j]` is that of
+    /// component i here and j there.
+    pub fn delta_e_2000_among(&self, other: &Self, common: &[[f64; 3]; 3]) -> Estimate {
+        self.difference(other, common, ciede2000)
     }
 
     /// Root mean square of ΔE*ab that the two uncertainties alone would show: √tr(C₁ + C₂).
@@ -144,23 +161,32 @@ impl Colour {
         Some(trace.max(0.0).sqrt())
     }
 
-    fn propagate(&self, f: impl Fn([f64; 3]) -> f64) -> Estimate {
-        let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, gradient(&f, self.lab)).sqrt());
-        Estimate { value: f(self.lab), standard_error }
-    }
-
-    fn difference(&self, other: &Self, f: impl Fn([f64; 3], [f64; 3]) -> f64) -> Estimate {
+    fn difference(
+        &self,
+        other: &Self,
+        common: &[[f64; 3]; 3],
+        f: impl Fn([f64; 3], [f64; 3]) -> f64,
+    ) -> Estimate {
         let here = gradient(&|p| f(p, other.lab), self.lab);
         let there = gradient(&|q| f(self.lab, q), other.lab);
-        let variance = |a, b| quadratic_form(&a, here) + quadratic_form(&b, there);
+        let shared: f64 = (0..9).map(|k| here[k / 3] * common[k / 3][k % 3] * there[k % 3]).sum();
+        let variance = |a, b| quadratic_form(&a, here) + quadratic_form(&b, there) + 2.0 * shared;
         let covariances = self.lab_covariance.zip(other.lab_covariance);
-        let first_order = covariances.map(|(a, b)| variance(a, b).sqrt());
+        let first_order = covariances.map(|(a, b)| variance(a, b).max(0.0).sqrt());
         // equal colours have no line between them: the noise in every direction bounds the error
         let equal = distance(self.lab, other.lab) < 2.0 * STEP;
-        let standard_error = if equal { self.delta_e_noise(other) } else { first_order };
+        let in_common = 2.0 * (common[0][0] + common[1][1] + common[2][2]);
+        let noise = || Some((self.delta_e_noise(other)?.powi(2) - in_common).max(0.0).sqrt());
+        let standard_error = if equal { noise() } else { first_order };
         Estimate { value: f(self.lab, other.lab), standard_error }
     }
 }
+
+/// C*² below which a colour has no hue.
+const NEUTRAL: f64 = 1e-18;
+
+/// Covariance of colours that know nothing of each other.
+const INDEPENDENT: [[f64; 3]; 3] = [[0.0; 3]; 3];
 
 /// IEC 61966-2-1 transfer curve for 0 ≤ c ≤ 1.
 pub fn srgb_curve(c: f64) -> f64 {

@@ -175,6 +175,9 @@ pub struct ColourNote {
     pub delta_e_2000_95: Option<f64>,
     /// What the standard error is made of.
     pub budget: Budget,
+    /// What each realisation, by its number, moves Lab by: colours of the same realisations err together.
+    #[serde(skip)]
+    pub deviations: Vec<(usize, [f64; 3])>,
     /// The colour itself.
     #[serde(flatten)]
     pub colour: Colour,
@@ -201,4 +204,7 @@ pub struct SpectrumRow {
     pub natural_light: Option<Estimate>,
     /// π × BRDF of the ink on its paper, lit at 45° and seen along the normal (white diffuser: 1).
     pub lit_at_45: Option<Estimate>,
+    /// What each realisation, by its number, moves R and T by.
+    #[serde(skip)]
+    pub deviations: Vec<(usize, [f64; 2])>,
 }

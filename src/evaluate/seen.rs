@@ -19,8 +19,8 @@ use num_complex::Complex64;
 /// The appearance as far as the finished solves allow.
 #[derive(Debug)]
 pub struct Seen {
-    /// Realisations in every number.
-    pub realisations: usize,
+    /// The realisations in every number, by theirs.
+    pub realisations: Vec<usize>,
     /// Their solves.
     pub solved: Vec<SolvedRealisation>,
     /// The layer alone, once a realisation is complete.
@@ -91,7 +91,7 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let complete: Vec<&Realisation> = collected.complete().collect();
     if complete.is_empty() {
         let ink = Err(NoInk::Unfinished);
-        return Ok(Seen { realisations: 0, solved: Vec::new(), layer: None, bdfs: Vec::new(), ink });
+        return Ok(Seen { realisations: Vec::new(), solved: Vec::new(), layer: None, bdfs: Vec::new(), ink });
     }
     let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(study, r, study.wave)).collect();
     let solved: Vec<SolvedRealisation> =
@@ -110,7 +110,8 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let wavelengths_nm = study.wavelengths_nm.clone();
     let at_outputs = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
     let layer = Some(LayerSeen { ensemble, films: at_outputs, wavelengths_nm });
-    Ok(Seen { realisations: complete.len(), bdfs: distributions(study, &fields)?, solved, layer, ink })
+    let realisations = complete.iter().map(|r| r.packing.realisation).collect();
+    Ok(Seen { realisations, bdfs: distributions(study, &fields)?, solved, layer, ink })
 }
 
 /// Far fields of a complete realisation in one light, direction by direction.

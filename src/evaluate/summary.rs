@@ -3,15 +3,14 @@
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{Mean, Total};
-use super::manifest::{Budget, Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
+use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::SolvedWavelength;
 use super::seen::{LayerSeen, NoInk, Seen, see};
-use super::uncertainty::{Uncertainty, lit, lit_moved, natural_light_moved};
-use crate::appearance::colour::Colour;
+use super::uncertainty::{Sure, Uncertainty, lit, lit_moved, natural_light_moved};
 use crate::appearance::paper::PRINT_DEG;
-use crate::input::study::Study;
-use crate::numerics::estimate::{Estimate, coverage_factor_95};
+use crate::input::study::{Study, TargetColour};
+use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
 use crate::run::runner::{Collected, Failure};
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
@@ -65,13 +64,26 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     }
 }
 
-/// True when every colour's 95 % interval is as narrow as the study wants it (ΔE₀₀); never without such a wish.
+/// True when the 95 % interval of every colour meant is as narrow as the study wants it (ΔE₀₀); never without such a wish.
 pub fn enough(study: &Study, collected: &Collected) -> bool {
     let Some(target) = study.target_delta_e else { return false };
     let Ok(seen) = see(study, collected) else { return false };
     let manifest = summarise(study, collected, &seen);
     let narrow = |note: &ColourNote| note.delta_e_2000_95.is_some_and(|bar| bar <= target);
-    !manifest.colours.is_empty() && manifest.colours.iter().all(narrow)
+    !manifest.colours.is_empty() && aimed_at(study, &manifest).all(narrow)
+}
+
+/// The colours whose bars are wanted narrow.
+pub(crate) fn aimed_at<'a>(
+    study: &Study,
+    manifest: &'a Manifest<&Study>,
+) -> impl Iterator<Item = &'a ColourNote> {
+    let wanted = study.target_colour;
+    manifest.colours.iter().filter(move |note| match wanted {
+        TargetColour::Every => true,
+        TargetColour::NaturalLight => note.conditions == NATURAL_LIGHT,
+        TargetColour::LitAt45 => note.conditions == LIT_AT_45,
+    })
 }
 
 fn failures(collected: &Collected) -> Vec<FailureNote> {
@@ -88,7 +100,7 @@ fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> 
     let count = records.len().max(1) as f64;
     let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
-    let degrees_of_freedom = seen.realisations.saturating_sub(1);
+    let degrees_of_freedom = seen.realisations.len().saturating_sub(1);
     let ink = seen.ink.as_ref().ok();
     Certainty {
         amplitude_error_estimate: collected.resolved.error_estimate,
@@ -176,7 +188,6 @@ impl Conditions {
 /// Colours under both conditions, or why there are none.
 fn colours(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Result<Vec<ColourNote>, String> {
     let ink = seen.ink.as_ref().map_err(NoInk::to_string)?;
-    let degrees = seen.realisations.saturating_sub(1);
     let of = || -> Result<Vec<ColourNote>, InkError> {
         let conditions = Conditions::new(ink)?;
         let natural = conditions.natural_light(study);
@@ -185,13 +196,13 @@ fn colours(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Result<Vec<
         let print = uncertainty.colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| {
             conditions.lit_at_45_moved(l, by)
         })?;
-        Ok(vec![note(NATURAL_LIGHT, sky, degrees), note(LIT_AT_45, print, degrees)])
+        Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
     };
     of().map_err(|error| error.to_string())
 }
 
-fn note(conditions: &str, (colour, budget): (Colour, Budget), degrees: usize) -> ColourNote {
-    let factor = coverage_factor_95(degrees);
+fn note(conditions: &str, Sure { colour, budget, deviations }: Sure, seen: &Seen) -> ColourNote {
+    let factor = coverage_factor_95(seen.realisations.len().saturating_sub(1));
     ColourNote {
         conditions: conditions.to_owned(),
         chroma: colour.chroma(),
@@ -199,6 +210,7 @@ fn note(conditions: &str, (colour, budget): (Colour, Budget), degrees: usize) ->
         lab_standard_error: colour.lab_standard_error(),
         delta_e_2000_95: colour.delta_e_2000_noise().zip(factor).map(|(noise, factor)| factor * noise),
         budget,
+        deviations: seen.realisations.iter().copied().zip(deviations).collect(),
         colour,
     }
 }
@@ -208,7 +220,7 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
     let Some(layer) = &seen.layer else { return Vec::new() };
     let angles = 0..layer.angles_deg().len();
     let mut rows: Vec<SpectrumRow> =
-        angles.flat_map(|angle| rows_of(study, layer, angle, uncertainty)).collect();
+        angles.flat_map(|angle| rows_of(study, seen, (layer, angle), uncertainty)).collect();
     if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(ink))) {
         let natural = ink.spectrum(conditions.natural_light(study)).estimates();
         let lit = ink.spectrum(|l| conditions.lit_at_45(l)).estimates();
@@ -223,8 +235,20 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
     rows
 }
 
-fn rows_of(study: &Study, layer: &LayerSeen, angle: usize, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
+fn rows_of(
+    study: &Study,
+    seen: &Seen,
+    (layer, angle): (&LayerSeen, usize),
+    uncertainty: &Uncertainty,
+) -> Vec<SpectrumRow> {
     let [r, t] = uncertainty.shared();
+    let moved =
+        [Total::Reflectance, Total::Transmittance].map(|total| layer.spectrum(angle, total).replicates);
+    let deviations = |i: usize| {
+        let [r, t] = &moved;
+        let replicates: Vec<[f64; 2]> = r.iter().zip(t).map(|(r, t)| [r[i], t[i]]).collect();
+        seen.realisations.iter().copied().zip(jackknife_deviations(&replicates)).collect()
+    };
     let of = |total: Total, shared: f64| -> Vec<Estimate> {
         let estimates = layer.spectrum(angle, total).estimates();
         estimates.into_iter().map(|estimate| uncertainty.widen(estimate, shared)).collect()
@@ -242,6 +266,7 @@ fn rows_of(study: &Study, layer: &LayerSeen, angle: usize, uncertainty: &Uncerta
         absorptance: absorptance[i],
         natural_light: None,
         lit_at_45: None,
+        deviations: deviations(i),
     };
     study.wavelengths_nm.iter().enumerate().map(row).collect()
 }

@@ -67,15 +67,15 @@ impl Uncertainty {
         Estimate { standard_error, ..estimate }
     }
 
-    /// Colour of a quantity that errors of R and T `move`, with its budget: the covariance of Lab holds all of it.
+    /// Colour of a quantity that errors of R and T `move`: the covariance of Lab holds all of its budget.
     pub fn colour(
         &self,
         ink: &InkOnPaper,
         solved: &[SolvedRealisation],
         quantity: impl Fn(&LayerOnPaper) -> f64,
         moved: &Moved,
-    ) -> Result<(Colour, Budget), InkError> {
-        let colour = ink.colour(&quantity)?;
+    ) -> Result<Sure, InkError> {
+        let (colour, deviations) = ink.colour_with_deviations(&quantity)?;
         let shift = |by: Shift| -> Result<[f64; 3], InkError> {
             let shifted = ink.colour_of_mean(|layer| quantity(layer) + moved(layer, by))?;
             let plain = ink.colour_of_mean(&quantity)?;
@@ -91,8 +91,18 @@ impl Uncertainty {
             residual: length(residual),
         };
         let lab_covariance = self.widen_lab(colour.lab_covariance, [grid, residual]);
-        Ok((Colour { lab_covariance, ..colour }, budget.apart()))
+        Ok(Sure { colour: Colour { lab_covariance, ..colour }, budget: budget.apart(), deviations })
     }
+}
+
+/// A colour, and how sure it is.
+pub(super) struct Sure {
+    /// With the covariance of everything.
+    pub colour: Colour,
+    /// What that is made of.
+    pub budget: Budget,
+    /// What each realisation moves Lab by.
+    pub deviations: Vec<[f64; 3]>,
 }
 
 /// What a colour's error is made of: root mean square distances in Lab (ΔE*ab). The squares of all parts but `wavelengths` add up to that of

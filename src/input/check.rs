@@ -97,6 +97,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         angles,
         realisations,
         target_delta_e: file.run.target_delta_e,
+        target_colour: file.run.target_colour,
         variation,
         resolution,
         solver: file.solver.strategy.0,

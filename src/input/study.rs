@@ -15,7 +15,9 @@ use crate::store::identity::Key;
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{Incidence, Media, Side};
 use num_complex::Complex64;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// All that was asked, checked. Built by [`super::check`] alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -41,8 +43,11 @@ pub struct Study {
     pub angles: Angles,
     /// Most packings.
     pub realisations: usize,
-    /// The run may end once the 95 % interval of every colour is as narrow as this, ΔE₀₀.
+    /// The run may end once the 95 % interval of the colours is as narrow as this, ΔE₀₀.
     pub target_delta_e: Option<f64>,
+    /// Which colours.
+    #[serde(default)]
+    pub target_colour: TargetColour,
     /// How realisations differ.
     pub variation: Variation,
     /// The grid asked for.
@@ -71,6 +76,20 @@ pub struct Point {
     pub polarisation: Option<Polarisation>,
 }
 
+/// The colours that a wanted bar speaks of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TargetColour {
+    /// All of them.
+    #[default]
+    Every,
+    /// Under a uniform sky, seen along the normal.
+    NaturalLight,
+    /// Lit at 45°, seen along the normal.
+    #[serde(rename = "lit_at_45")]
+    LitAt45,
+}
+
 impl Study {
     /// Content hash of everything the results depend on: all but the title and the output's form.
     pub fn key(&self) -> Key {
@@ -83,12 +102,22 @@ impl Study {
             binder,
             &self.packing,
             self.realisations,
-            self.target_delta_e,
+            self.target(),
             &self.variation,
         );
         let light = (&self.paper, &self.wavelengths_nm, &self.angles);
         let inputs = (ensemble, light, &self.resolution, &self.solver, &self.goal);
         Key::of_wave("study", &inputs, self.vector_wave())
+    }
+
+    /// The wanted bar and, where it is not all, of which colours.
+    fn target(&self) -> serde_json::Value {
+        match (self.target_delta_e, self.target_colour) {
+            (Some(bar), TargetColour::NaturalLight | TargetColour::LitAt45) => {
+                json!([bar, self.target_colour])
+            }
+            (bar, _) => json!(bar),
+        }
     }
 
     /// The packing of a realisation: its own cell, and its own stream of the study's seed.

@@ -84,6 +84,18 @@ pub fn jackknife_covariance<const N: usize>(replicates: &[[f64; N]]) -> Option<[
     Some(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
 }
 
+/// What each sample moves a statistic by, √((n − 1)/n) (x̄ − x_r) of its n leave-one-out replicates: the products of these deviations add
+/// up to [`jackknife_covariance`], and those of two statistics of the same samples to the covariance between them. Empty for fewer than two.
+pub fn jackknife_deviations<const N: usize>(replicates: &[[f64; N]]) -> Vec<[f64; N]> {
+    let n = replicates.len() as f64;
+    if replicates.len() < 2 {
+        return Vec::new();
+    }
+    let mean: [f64; N] = std::array::from_fn(|i| replicates.iter().map(|x| x[i]).sum::<f64>() / n);
+    let scale = ((n - 1.0) / n).sqrt();
+    replicates.iter().map(|x| std::array::from_fn(|i| scale * (mean[i] - x[i]))).collect()
+}
+
 /// Means that leave one sample out: (Σ − x_r)/(n − 1), element by element. Empty for fewer than two samples.
 pub fn leave_one_out_means(samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
     if samples.len() < 2 {

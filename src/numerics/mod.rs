@@ -6,6 +6,7 @@ pub mod draws;
 pub mod estimate;
 pub mod files;
 pub mod fourier;
+pub mod linked;
 pub mod sequence;
 pub mod vector;
 pub mod written;

@@ -81,7 +81,7 @@ fn partial(manifest: &Manifest<&Study>, seen: &Seen) -> Option<String> {
     }
     let (solves, realisations) = (manifest.solves, manifest.realisations);
     let rest = match &seen.ink {
-        Ok(_) => format!("The numbers below are means over {} realisations.", seen.realisations),
+        Ok(_) => format!("The numbers below are means over {} realisations.", seen.realisations.len()),
         Err(reason) => format!("There is no colour yet: {reason}."),
     };
     Some(format!(

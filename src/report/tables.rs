@@ -157,6 +157,7 @@ mod tests {
             absorptance: of(0.25),
             natural_light: None,
             lit_at_45: Some(of(0.75)),
+            deviations: Vec::new(),
         };
         let text = String::from_utf8(spectra(&[row]).unwrap()).unwrap();
         let last = text.lines().last().unwrap();

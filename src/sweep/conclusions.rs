@@ -7,8 +7,10 @@ use super::claims::Claim;
 use super::file::Quantity;
 use super::outcome::Outcome;
 use crate::numerics::estimate::Estimate;
+use crate::numerics::linked::Linked;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use std::collections::BTreeMap;
 
 /// Two-sided confidence of a verdict: 95 %.
 const QUANTILE: f64 = 0.975;
@@ -65,8 +67,8 @@ pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
 
 fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>, String) {
     let measured = measure(claim, outcomes).and_then(|(sum, fewest)| {
-        let place = if claim.curve.is_empty() { sum } else { curve::place(claim, outcomes, sum)? };
-        Ok((place, fewest))
+        let place = if claim.curve.is_empty() { sum } else { curve::place(claim, outcomes, &sum)? };
+        Ok((place.estimate, fewest))
     });
     match measured {
         Err(missing) => (Verdict::Undecided, None, missing),
@@ -83,25 +85,21 @@ fn no_value(name: &str) -> String {
 }
 
 /// The measured value, and the fewest realisations behind it.
-fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Estimate, usize), String> {
+fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), String> {
     let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
     let several = all().map(|o| o.realisations).filter(|&n| n > 1).min().unwrap_or(0);
     if claim.quantity == Quantity::DeltaE {
         let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
         let missing = || no_value(if a.colour.is_none() { &a.name } else { &b.name });
-        return a.delta_e_2000(b).map(|difference| (difference, several)).ok_or_else(missing);
+        let difference = a.delta_e_2000(b).ok_or_else(missing)?;
+        return Ok((Linked { estimate: difference, deviations: BTreeMap::new() }, several));
     }
-    let (mut value, mut variance, mut known) = (0.0, 0.0, true);
-    for (sign, &v) in claim.plus.iter().map(|v| (1.0, v)).chain(claim.minus.iter().map(|v| (-1.0, v))) {
-        let outcome = &outcomes[v];
-        let one =
-            outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(&outcome.name))?;
-        value += sign * one.value;
-        // A layer without grains has no chance in it.
-        known &= one.standard_error.is_some() || outcome.certain;
-        variance += one.standard_error.unwrap_or(0.0).powi(2);
-    }
-    Ok((Estimate { value, standard_error: known.then(|| variance.sqrt()) }, several))
+    let of = |outcome: &Outcome| {
+        outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(&outcome.name))
+    };
+    let numbers = all().map(of).collect::<Result<Vec<Linked>, String>>()?;
+    let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
+    Ok((Linked::sum(signs.zip(&numbers)), several))
 }
 
 /// The verdict at a one-sided confidence, and what a decision would take.

@@ -173,6 +173,7 @@ mod tests {
             absorptance: number(),
             natural_light: Some(number()),
             lit_at_45: Some(number()),
+            deviations: Vec::new(),
         };
         let at = |polar_deg: f64| wavelengths_nm.iter().map(move |nm| (polar_deg, nm));
         let spectra: Vec<SpectrumRow> = at(0.0).chain(at(45.0)).map(|(deg, nm)| row(deg, nm)).collect();

@@ -9,7 +9,9 @@ use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
 use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
+use crate::numerics::linked::Linked;
 use crate::run::runner::{Collected, Stores};
+use std::collections::BTreeMap;
 
 /// The numbers of a variant that tables and conclusions use.
 #[derive(Clone, Debug)]
@@ -30,6 +32,8 @@ pub struct Outcome {
     pub certain: bool,
     /// Under natural light, seen along the normal.
     pub colour: Option<Colour>,
+    /// What each realisation, by its number, moves its Lab by.
+    pub lab_deviations: BTreeMap<usize, [f64; 3]>,
     /// One row for each wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
 }
@@ -49,6 +53,7 @@ impl Outcome {
             realisations: 0,
             certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
             colour: None,
+            lab_deviations: BTreeMap::new(),
             spectra: Vec::new(),
         }
     }
@@ -62,6 +67,7 @@ impl Outcome {
             reason: manifest.failures.first().map(|failure| failure.reason.clone()),
             realisations: manifest.realisations.finished,
             colour: natural.map(|note| note.colour),
+            lab_deviations: natural.map(|note| note.deviations.iter().copied().collect()).unwrap_or_default(),
             spectra: manifest.spectra.clone(),
             ..self
         }
@@ -77,19 +83,36 @@ impl Outcome {
         Some(told[..end.unwrap_or(told.len())].to_owned())
     }
 
-    /// One number with its error, if it is there. An unfinished variant counts with its complete realisations.
-    pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Estimate> {
-        let near = |row: &&SpectrumRow| (row.wavelength_nm - wavelength_nm.unwrap_or(f64::NAN)).abs() < 1e-6;
-        let row = || self.spectra.iter().find(near).filter(|_| self.realisations > 0);
+    /// One number, if it is there, with its error and what each realisation moves it by. An unfinished variant counts with its complete
+    /// realisations; one in which nothing is uncertain is exact.
+    pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Linked> {
+        let of_lab = |estimate: Estimate, gradient: [f64; 3]| {
+            let moved = |by: &[f64; 3]| (0..3).map(|i| gradient[i] * by[i]).sum();
+            self.linked(estimate, self.lab_deviations.iter().map(|(&r, by)| (r, moved(by))))
+        };
+        let of_row = |of: fn(&SpectrumRow) -> Estimate, place: usize| {
+            let row = self.row(wavelength_nm)?;
+            Some(self.linked(of(row), row.deviations.iter().map(|(r, by)| (*r, by[place]))))
+        };
         let colour = self.colour.as_ref();
         match quantity {
-            Quantity::Chroma => colour.map(Colour::chroma),
-            Quantity::Hue => colour.map(Colour::hue_deg),
-            Quantity::Lightness => colour.map(|c| lab(c, 0)),
-            Quantity::Transmittance => row().map(|row| row.transmittance),
-            Quantity::Reflectance => row().map(|row| row.reflectance),
+            Quantity::Chroma => colour.map(|c| of_lab(c.chroma(), c.chroma_gradient())),
+            Quantity::Hue => colour.map(|c| of_lab(c.hue_deg(), c.hue_gradient())),
+            Quantity::Lightness => colour.map(|c| of_lab(lab(c, 0), [1.0, 0.0, 0.0])),
+            Quantity::Transmittance => of_row(|row| row.transmittance, 1),
+            Quantity::Reflectance => of_row(|row| row.reflectance, 0),
             Quantity::DeltaE => None,
         }
+    }
+
+    fn row(&self, wavelength_nm: Option<f64>) -> Option<&SpectrumRow> {
+        let near = |row: &&SpectrumRow| (row.wavelength_nm - wavelength_nm.unwrap_or(f64::NAN)).abs() < 1e-6;
+        self.spectra.iter().find(near).filter(|_| self.realisations > 0)
+    }
+
+    fn linked(&self, estimate: Estimate, deviations: impl Iterator<Item = (usize, f64)>) -> Linked {
+        let standard_error = estimate.standard_error.or(self.certain.then_some(0.0));
+        Linked { estimate: Estimate { standard_error, ..estimate }, deviations: deviations.collect() }
     }
 }
 
@@ -100,13 +123,19 @@ impl Outcome {
         &self.spectra[..self.spectra.iter().take_while(|row| Some(row.polar_deg) == first).count()]
     }
 
-    /// ΔE₀₀ to another variant's colour; a colour in which nothing is uncertain counts as exact.
+    /// ΔE₀₀ to another variant's colour, of which realisations of the same numbers are the same draws of cells, directions and
+    /// wavelengths, often the same packings; a colour in which nothing is uncertain counts as exact.
     pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
         let colour = |o: &Self| {
             let exact = o.certain.then_some([[0.0; 3]; 3]);
             o.colour.map(|c| Colour { lab_covariance: c.lab_covariance.or(exact), ..c })
         };
-        Some(colour(self)?.delta_e_2000(&colour(other)?))
+        let mut common = [[0.0; 3]; 3];
+        for (realisation, here) in &self.lab_deviations {
+            let there = other.lab_deviations.get(realisation).unwrap_or(&[0.0; 3]);
+            (0..9).for_each(|k| common[k / 3][k % 3] += here[k / 3] * there[k % 3]);
+        }
+        Some(colour(self)?.delta_e_2000_among(&colour(other)?, &common))
     }
 }
 

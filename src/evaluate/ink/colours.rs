@@ -9,7 +9,7 @@ use crate::evaluate::layer::{LayerEnsemble, Mean};
 use crate::evaluate::on_paper::{LayerOnPaper, Measured, PolarAngle};
 use crate::evaluate::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::SpectralBasis;
-use crate::numerics::estimate::jackknife_covariance;
+use crate::numerics::estimate::{jackknife_covariance, jackknife_deviations};
 use ndarray::Array2;
 use std::f64::consts::PI;
 
@@ -22,9 +22,22 @@ impl InkOnPaper {
     /// # Errors
     /// Wavelengths that cannot carry a colour.
     pub fn colour(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<Colour, InkError> {
+        Ok(self.colour_with_deviations(quantity)?.0)
+    }
+
+    /// The same, and what each realisation moves Lab by, in the order of the realisations; nothing for one.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::colour`].
+    pub fn colour_with_deviations(
+        &self,
+        quantity: impl Fn(&LayerOnPaper) -> f64,
+    ) -> Result<(Colour, Vec<[f64; 3]>), InkError> {
         let labs = (0..self.replicates.len()).map(|r| Ok(self.colour_without(Some(r), &quantity)?.lab));
         let labs = labs.collect::<Result<Vec<_>, InkError>>()?;
-        Ok(Colour { lab_covariance: jackknife_covariance(&labs), ..self.colour_without(None, &quantity)? })
+        let whole = self.colour_without(None, &quantity)?;
+        let colour = Colour { lab_covariance: jackknife_covariance(&labs), ..whole };
+        Ok((colour, jackknife_deviations(&labs)))
     }
 
     /// How far the colour moves by what the spectra's fit leaves over at the wavelengths solved: the part of the colour that the

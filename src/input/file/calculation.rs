@@ -2,6 +2,7 @@
 
 use crate::input::forms::Strategy;
 use crate::input::limits;
+use crate::input::study::TargetColour;
 use crate::solve::Goal;
 use crate::wave::Scheme;
 use schemars::JsonSchema;
@@ -14,17 +15,19 @@ pub struct RunTable {
     /// Number of independent packings to average over: 24 small varied cells, or 4 fixed ones, when nothing is said.
     #[schemars(transform = limits::REALISATIONS.mark(), example = 24)]
     pub realisations: Option<usize>,
-    /// Ends the run as soon as the 95 % interval of every colour is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
+    /// Ends the run as soon as the 95 % interval of the colours is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
     /// are the most. In a sweep every variant ends with its own bar; processes that share a folder can do so, shards cannot.
     #[schemars(transform = limits::TARGET_DELTA_E.mark(), example = 0.5)]
     pub target_delta_e: Option<f64>,
+    /// Which colours `target_delta_e` speaks of. At 45° to the normal few directions are seen, so that colour takes the most cells.
+    pub target_colour: TargetColour,
     /// Seed of all random draws.
     pub seed: u64,
 }
 
 impl Default for RunTable {
     fn default() -> Self {
-        Self { realisations: None, target_delta_e: None, seed: 1 }
+        Self { realisations: None, target_delta_e: None, target_colour: TargetColour::Every, seed: 1 }
     }
 }
 

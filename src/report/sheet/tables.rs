@@ -4,6 +4,7 @@ use super::percent;
 use crate::appearance::paper::{Coupling, MirroredSky};
 use crate::evaluate::manifest::{Budget, Certainty, ColourNote, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
+use crate::evaluate::summary::aimed_at;
 use crate::ink::Method;
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
@@ -17,10 +18,10 @@ fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
 
 pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> {
     let certainty = &manifest.certainty;
-    let several = seen.realisations > 1;
+    let several = seen.realisations.len() > 1;
     let ensemble =
         if several { "independent packings averaged" } else { "one packing: its chance is unknown" };
-    let mut rows = vec![meant("realisations", seen.realisations.to_string(), ensemble)];
+    let mut rows = vec![meant("realisations", seen.realisations.len().to_string(), ensemble)];
     if let Some(noise) = manifest.colours.first().and_then(|c| c.lab_standard_error) {
         let length = noise.iter().map(|x| x * x).sum::<f64>().sqrt();
         let meaning = "standard error of the colour, as a distance in Lab; its parts follow";
@@ -271,7 +272,7 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
 /// A wanted bar that was not reached.
 fn missed_target(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
     let target = study.target_delta_e?;
-    let bars = manifest.colours.iter().filter_map(|note| note.delta_e_2000_95);
+    let bars = aimed_at(study, manifest).filter_map(|note| note.delta_e_2000_95);
     let widest = bars.reduce(f64::max).filter(|&bar| bar > target)?;
     let cells = manifest.realisations.finished;
     Some(format!(

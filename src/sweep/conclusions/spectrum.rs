@@ -36,6 +36,7 @@ pub(super) fn judge(
 
 fn at_wavelength(claim: &Claim, outcomes: &[Outcome], nm: f64, count: usize) -> Result<AtWavelength, String> {
     let (measured, fewest) = measure(&Claim { wavelength_nm: Some(nm), ..claim.clone() }, outcomes)?;
+    let measured = measured.estimate;
     let together = 1.0 - (1.0 - QUANTILE) / count as f64;
     let (verdict, _) = decide(claim, measured, fewest, QUANTILE);
     let refuted = decide(claim, measured, fewest, together).0 == Verdict::Refuted;
