@@ -43,7 +43,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let matrix = file.run_matrix(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty());
     if let Some(matrix) = matrix.map_err(report)? {
         matrix.write(output.path()).into_diagnostic()?;
-        return say(format_args!("Comparison: {}", output.path().join("matrix.html").display()));
+        say(format_args!("Comparison: {}", output.path().join("matrix.html").display()))?;
+        return ended(matrix.cells.len(), matrix.asked);
     }
     let told = |row: &inkwave::compare::pages::Row| {
         let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
@@ -56,11 +57,21 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         file.run(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
+    ended(comparison.rows.len(), comparison.asked)?;
     if comparison.rows.iter().any(|row| row.converged()) {
         return Ok(());
     }
     let reason = comparison.rows.first().map_or("no rows", |row| row.outcome.as_str());
     Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
+}
+
+/// A comparison that was stopped is no success.
+fn ended(there: usize, asked: usize) -> Result<()> {
+    if there == asked {
+        return Ok(());
+    }
+    let help = "the page has what was solved; the same command solves all of it again";
+    Err(miette::miette!(help = help, "stopped after {there} of {asked} solves"))
 }
 
 fn report(error: CompareError) -> miette::Report {

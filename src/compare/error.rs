@@ -50,3 +50,30 @@ pub enum CompareError {
     #[error(transparent)]
     Accuracy(#[from] AccuracyError),
 }
+
+impl CompareError {
+    /// True where the user has stopped it.
+    pub fn is_stop(&self) -> bool {
+        match self {
+            Self::Solve(error) => matches!(error, SolveError::Cancelled { .. }),
+            Self::Accuracy(error) => error.is_stop(),
+            _ => false,
+        }
+    }
+}
+
+/// What is left of a list that the user may have stopped: nothing lost where something is there.
+///
+/// # Errors
+/// Other errors, and a stop before the first entry.
+pub(super) fn kept<T>(entries: Vec<T>, end: Result<(), CompareError>) -> Result<Vec<T>, CompareError> {
+    match end {
+        Err(error) if !error.is_stop() || entries.is_empty() => Err(error),
+        _ => Ok(entries),
+    }
+}
+
+/// What a page of a list that was stopped says first; nothing where all is there.
+pub(super) fn missing(there: usize, asked: usize) -> Option<String> {
+    (there < asked).then(|| format!("Stopped: {} of {asked} solves are missing.", asked - there))
+}

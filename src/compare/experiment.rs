@@ -8,6 +8,7 @@ pub use super::error::CompareError;
 pub use super::layer::PackedLayer;
 pub use file::{ComparisonFile, Points};
 
+use super::error::kept;
 use super::matrix::{Cell, Matrix};
 use super::pages::{Comparison, Row};
 use crate::solve::{Coverages, Registry, Watch};
@@ -40,7 +41,7 @@ impl ComparisonFile {
         Ok(Plan { bodies, rows: strategies * matrix.pigments.len() * matrix.periods_um.len() })
     }
 
-    /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it.
+    /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it: what is solved by then is kept.
     ///
     /// # Errors
     /// Unknown strategies; layers that cannot be packed; cases that the reference strategy cannot solve; Ctrl-C.
@@ -59,12 +60,17 @@ impl ComparisonFile {
         };
         let strategies = self.strategies(registry)?;
         let cells = matrix.run(&packed, &strategies, watch, told)?;
+        let asked = matrix.pigments.len() * matrix.periods_um.len() * strategies.len();
         let names = strategies.into_iter().map(|(name, _)| name.to_string()).collect();
         let (title, accuracy) = (self.title.clone(), matrix.accuracy);
-        Ok(Some(Matrix { title, accuracy, strategies: names, cells }))
+        Ok(Some(Matrix { title, accuracy, strategies: names, asked, cells }))
     }
 
-    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison.
+    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison: rows solved
+    /// by then are kept.
+    ///
+    /// # Errors
+    /// Unknown strategies, a geometry without a reference, Ctrl-C before the first row.
     pub fn run(
         &self,
         registry: &Registry,
@@ -75,20 +81,20 @@ impl ComparisonFile {
         let strategies = self.strategies(registry)?;
         let subject = self.subject()?;
         let (truth, reference) = self.reference(&subject)?;
-        let coverages = Coverages::of(&subject.case.scene);
+        let case = &subject.case;
+        let coverages = Coverages::of(&case.scene);
+        let on = |scheme| self.resolutions.iter().map(move |points| resolution(&case.scene, *points, scheme));
+        let grids = self.schemes.iter().flat_map(|&scheme| on(scheme));
+        let tasks: Vec<_> = grids.flat_map(|grid| strategies.iter().map(move |s| (grid, s))).collect();
         let mut rows = Vec::new();
-        for scheme in &self.schemes {
-            for points in &self.resolutions {
-                let resolution = resolution(&subject.case.scene, *points, *scheme);
-                for (name, solver) in &strategies {
-                    let row =
-                        self.row((name, &**solver), resolution, &subject.case, &coverages, &truth, watch)?;
-                    told(&row);
-                    rows.push(row);
-                }
-            }
-        }
-        Ok(Comparison { title: self.title.clone(), reference, rows })
+        let end = tasks.iter().try_for_each(|(grid, (name, solver))| {
+            let row = self.row((name, &**solver), *grid, case, &coverages, &truth, watch)?;
+            told(&row);
+            rows.push(row);
+            Ok(())
+        });
+        let (rows, asked) = (kept(rows, end)?, tasks.len());
+        Ok(Comparison { title: self.title.clone(), reference, asked, rows })
     }
 }
 

@@ -3,7 +3,7 @@
 //! For each pigment and period the grid comes from the search for the wanted accuracy with the reference strategy;
 //! then every strategy solves the same discrete problem on that grid to the same residual.
 
-use super::error::CompareError;
+use super::error::{CompareError, kept};
 use super::subject::Packed;
 use crate::input::case::Case;
 use crate::solve::accuracy::{Estimated, Task, largest_difference};
@@ -86,6 +86,8 @@ pub struct Matrix {
     pub accuracy: f64,
     /// Strategies in their order.
     pub strategies: Vec<String>,
+    /// Solves asked for; fewer are there where it was stopped.
+    pub asked: usize,
     /// Case by case, strategy by strategy.
     pub cells: Vec<Cell>,
 }
@@ -120,19 +122,19 @@ impl MatrixTable {
     ) -> Result<Vec<Cell>, CompareError> {
         self.check()?;
         let mut cells = Vec::new();
-        for &period_um in &self.periods_um {
-            for &pigment in &self.pigments {
-                let case = packed.varied(period_um, pigment)?.case()?;
-                let reference = self.reference(&case, watch)?;
-                for (name, solver) in strategies {
-                    let strategy = (name.as_ref(), &**solver);
-                    let cell = self.cell(strategy, pigment, period_um, &reference, watch)?;
-                    told(&cell);
-                    cells.push(cell);
-                }
-            }
-        }
-        Ok(cells)
+        let with = |&period_um| self.pigments.iter().map(move |&pigment| (period_um, pigment));
+        let end = self.periods_um.iter().flat_map(with).try_for_each(|(period_um, pigment)| {
+            let case = packed.varied(period_um, pigment)?.case()?;
+            let reference = self.reference(&case, watch)?;
+            strategies.iter().try_for_each(|(name, solver)| {
+                let strategy = (name.as_ref(), &**solver);
+                let cell = self.cell(strategy, pigment, period_um, &reference, watch)?;
+                told(&cell);
+                cells.push(cell);
+                Ok(())
+            })
+        });
+        kept(cells, end)
     }
 
     fn goal(&self) -> Goal {

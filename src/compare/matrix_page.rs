@@ -1,5 +1,6 @@
 //! The matrix on paper: a table of costs, the reasons of those that failed, and plots against the cell.
 
+use super::error::missing;
 use super::matrix::{Cell, Matrix};
 use super::pages::ComparisonError;
 use crate::draw::log_plot::{Curve, LogPlot, Style};
@@ -113,8 +114,10 @@ impl Matrix {
     }
 
     fn lead(&self) -> String {
+        let missing =
+            missing(self.cells.len(), self.asked).map_or_else(String::new, |said| format!("{said} "));
         format!(
-            "Cost to a wanted amplitude error of {:.0e}: operator applications (seconds of one solve) on the grid that \
+            "{missing}Cost to a wanted amplitude error of {:.0e}: operator applications (seconds of one solve) on the grid that \
              the search chose; the residual goes to a hundredth of the error. One application is one inverse and one \
              forward transform of every plane. Failures say after how many applications.",
             self.accuracy

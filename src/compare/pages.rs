@@ -1,5 +1,6 @@
 //! The outputs of a comparison: tables, plots with logarithmic axes, and a page.
 
+use super::error::missing;
 use crate::draw::figure::FigureError;
 use crate::draw::log_plot::{Curve, LogPlot, Style};
 use crate::report::cell::markdown;
@@ -74,6 +75,8 @@ pub struct Comparison {
     pub title: String,
     /// What errors are measured against.
     pub reference: String,
+    /// Rows asked for; fewer are there where it was stopped.
+    pub asked: usize,
     /// One row for each strategy, discretisation and grid.
     pub rows: Vec<Row>,
 }
@@ -177,7 +180,10 @@ impl Comparison {
     }
 
     fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\nErrors against {}.\n\n", markdown(self.heading()), self.reference);
+        let missing =
+            missing(self.rows.len(), self.asked).map_or_else(String::new, |said| format!("{said} "));
+        let (heading, reference) = (markdown(self.heading()), &self.reference);
+        let mut text = format!("# {heading}\n\n{missing}Errors against {reference}.\n\n");
         text += "| strategy | scheme | grid | unknowns | error | estimate | residual | steps | applications | seconds | MB | outcome |\n";
         text += "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
         self.rows.iter().for_each(|r| text += &format!("| {} |\n", r.cells_of_table().join(" | ")));
@@ -194,6 +200,7 @@ impl Comparison {
         templates.get_template("comparison.html")?.render(context! {
             title => self.heading(),
             reference => &self.reference,
+            missing => missing(self.rows.len(), self.asked),
             rows => rows.collect::<Vec<_>>(),
             figures => figures.collect::<Vec<_>>(),
         })

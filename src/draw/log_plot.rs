@@ -1,10 +1,13 @@
 //! Curves, points with bars and guide lines on logarithmic or linear axes, as SVG or bitmap.
 
 use super::figure::{Bitmap, COLOURS, FONT, FigureError, register_fonts};
+use super::ticks;
 use plotters::coord::Shift;
+use plotters::coord::combinators::BindKeyPoints;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -113,10 +116,14 @@ impl LogPlot {
     fn paint<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
         let [x, y] = [self.range(0)?, self.range(1)?];
         root.fill(&WHITE).map_err(failed)?;
+        let log = |range: Range<f64>| {
+            let ticks = ticks::logarithmic(&range);
+            range.log_scale().with_key_points(ticks)
+        };
         match self.log {
-            [true, true] => self.draw(root, x.log_scale(), y.log_scale()),
-            [false, true] => self.draw(root, x, y.log_scale()),
-            [true, false] => self.draw(root, x.log_scale(), y),
+            [true, true] => self.draw(root, log(x), log(y)),
+            [false, true] => self.draw(root, x, log(y)),
+            [true, false] => self.draw(root, log(x), y),
             [false, false] => self.draw(root, x, y),
         }
     }
@@ -126,7 +133,7 @@ impl LogPlot {
         fits(0) && fits(1)
     }
 
-    fn range(&self, axis: usize) -> Result<std::ops::Range<f64>, FigureError> {
+    fn range(&self, axis: usize) -> Result<Range<f64>, FigureError> {
         let points = || self.curves.iter().flat_map(|c| &c.points).filter(|p| self.shown(p));
         let bar = |p: &[f64; 3]| if axis == 1 && !self.log[1] { p[2] } else { 0.0 };
         let low = points().map(|p| p[axis] - bar(p)).fold(f64::INFINITY, f64::min);
@@ -135,7 +142,7 @@ impl LogPlot {
             return Err(FigureError::Draw(format!("plot \"{}\" has nothing to show", self.title)));
         }
         if self.log[axis] {
-            return Ok(wide(low / 1.25, high * 1.25));
+            return Ok(ticks::wide(low / 1.25, high * 1.25));
         }
         let margin = 0.04 * if high > low { high - low } else { high.abs().max(1.0) };
         Ok(low - margin..high + margin)
@@ -164,10 +171,10 @@ impl LogPlot {
             .y_desc(&self.y_label)
             .label_style((FONT, 13))
             .axis_desc_style((FONT, 15))
-            .x_labels(if self.log[0] { 20 } else { 7 })
-            .y_labels(if self.log[1] { 12 } else { 8 })
-            .x_label_formatter(&|v| tick(*v, self.log[0], spans[0]))
-            .y_label_formatter(&|v| tick(*v, self.log[1], spans[1]))
+            .x_labels(7)
+            .y_labels(8)
+            .x_label_formatter(&|v| ticks::label(*v, self.log[0], spans[0]))
+            .y_label_formatter(&|v| ticks::label(*v, self.log[1], spans[1]))
             .light_line_style(WHITE)
             .draw()
             .map_err(failed)?;
@@ -247,20 +254,6 @@ fn failed(error: impl std::fmt::Display) -> FigureError {
     FigureError::Draw(error.to_string())
 }
 
-/// A logarithmic range with two ticks at least: 1, 2 and 5 times powers of ten, drawn from the first power on. It grows to the
-/// side where less is added.
-fn wide(low: f64, high: f64) -> std::ops::Range<f64> {
-    let decade = 10f64.powf(low.log10().floor());
-    let second = 20.0 * decade;
-    if second <= high {
-        low..high
-    } else if second / high < low / decade {
-        low..1.001 * second
-    } else {
-        0.999 * decade..high
-    }
-}
-
 /// Outline of a curve with its bars: along the upper ends and back along the lower ones.
 fn band(points: &[[f64; 3]]) -> Vec<(f64, f64)> {
     let upper = points.iter().map(|p| (p[0], p[1] + p[2]));
@@ -282,19 +275,4 @@ fn marker(k: usize) -> Vec<(i32, i32)> {
         2 => vec![(-4, -4), (4, -4), (4, 4), (-4, 4)],
         _ => vec![(0, -6), (6, 0), (0, 6), (-6, 0)],
     }
-}
-
-/// A round number; on logarithmic axes 1, 2 and 5 alone. `span` is the length of the axis: next to it, rounding is nothing.
-fn tick(v: f64, log: bool, span: f64) -> String {
-    let v = if !log && v.abs() < 1e-9 * span { 0.0 } else { v };
-    let leading = v / 10f64.powf((v.abs().log10() + 1e-9).floor());
-    if log && ![1.0, 2.0, 5.0].iter().any(|l| (leading - l).abs() < 1e-6) {
-        return String::new();
-    }
-    if v == 0.0 || (0.01..100_000.0).contains(&v.abs()) {
-        let text = format!("{v:.3}");
-        return text.trim_end_matches('0').trim_end_matches('.').into();
-    }
-    // Ticks of linear axes differ in their second digits.
-    if log { format!("{v:.0e}") } else { format!("{v:.1e}") }
 }

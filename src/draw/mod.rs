@@ -9,6 +9,7 @@ mod packing_pictures;
 pub mod picture;
 pub mod plots;
 mod raster;
+mod ticks;
 
 pub use curve_plot::curve_plot;
 pub use error::OutputError;

@@ -198,6 +198,7 @@ mod tests {
             realisations: 24,
             certain: false,
             colour: Some(colour),
+            lab_deviations: Default::default(),
             spectra,
         };
         (outcome, picture)
