@@ -1,7 +1,9 @@
 //! The comparison from its file to its folder.
 
 use inkwave::compare::experiment::ComparisonFile;
-use inkwave::solve::{Registry, Silent};
+use inkwave::solve::{Registry, Silent, Step, Watch};
+use std::cell::Cell;
+use std::ops::ControlFlow;
 
 const TINY: &str = r#"
 title = "tiny"
@@ -45,6 +47,36 @@ fn every_strategy_is_a_row_and_every_file_is_whole() {
         let size = std::fs::metadata(folder.path().join("out").join(name)).map_or(0, |m| m.len());
         assert!(size > 100, "{name}: {size} bytes");
     }
+}
+
+/// Stops the step after the first row.
+struct StopAfterOne<'a>(&'a Cell<usize>);
+
+impl Watch for StopAfterOne<'_> {
+    fn step(&mut self, _: &Step) -> ControlFlow<()> {
+        if self.0.get() > 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+#[test]
+fn what_was_solved_before_a_stop_is_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tiny.toml");
+    std::fs::write(&path, TINY).expect("written");
+    let file = ComparisonFile::read(&path).expect("parsed");
+    let rows = Cell::new(0);
+    let told = |_: &_| rows.set(rows.get() + 1);
+    let comparison = file.run(&Registry::default(), &mut StopAfterOne(&rows), told).expect("one row");
+    assert_eq!((comparison.rows.len(), comparison.asked), (1, 8));
+    comparison.write(folder.path()).expect("written");
+    for name in ["comparison.html", "comparison.md"] {
+        let page = std::fs::read_to_string(folder.path().join(name)).expect("read");
+        assert!(page.contains("Stopped: 7 of 8 solves are missing."), "{name}");
+    }
+    // before the first row there is nothing to keep
+    rows.set(1);
+    let nothing = file.run(&Registry::default(), &mut StopAfterOne(&rows), |_| ());
+    assert!(nothing.is_err_and(|error| error.is_stop()));
 }
 
 #[test]

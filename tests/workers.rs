@@ -147,3 +147,31 @@ fn variants_end_at_their_wanted_bar_whoever_works() {
         said(&shard)
     );
 }
+
+#[test]
+fn a_wanted_bar_may_speak_of_one_colour() {
+    let first = Place::new(&bars().replace("[50.0, 0.001]", "[50.0]"));
+    first.sweep("first", &[]);
+    let variant = std::fs::read_dir(first.path("first/variants")).unwrap().flatten().next().unwrap();
+    let text = std::fs::read_to_string(variant.path().join("results.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let bar = |colour: usize| manifest["colours"][colour]["delta_e_2000_95"].as_f64().unwrap();
+    let (sky, print) = (bar(0), bar(1));
+    let between = 0.5 * (sky + print);
+    let axis = "name = \"colour\"\nfield = \"run.target_colour\"\n";
+    let colours = format!("{axis}values = [\"every\", \"natural_light\", \"lit_at_45\"]\n");
+    let base = bars()
+        .split("[[axis]]")
+        .next()
+        .unwrap()
+        .replace("[base.run]\n", "[base.run]\ntarget_delta_e = BAR\n");
+    let place = Place::new(&format!("{}[[axis]]\n{colours}", base.replace("BAR", &between.to_string())));
+    place.sweep("out", &[]);
+    let table = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
+    let finished = |line: &str| line.split(',').nth(5).unwrap().parse::<usize>().unwrap();
+    let [every, natural, lit] = table.lines().skip(1).map(finished).collect::<Vec<_>>()[..] else {
+        panic!("three variants in {table}")
+    };
+    let (narrow, wide) = if sky < print { (natural, lit) } else { (lit, natural) };
+    assert!(narrow == 8 && wide > 8 && every == wide, "{sky} {print}: {table}");
+}
