@@ -182,7 +182,6 @@ fn compare(name: &str, colours: [f64; 2]) {
     ledger.value("certainty", &results["certainty"], &want["certainty"]);
     ledger.tolerance = colours;
     ledger.value("colours", &results["colours"], &want["colours"]);
-    ledger.tolerance = ROUNDING;
     let maker = &want["ink_maker"];
     for key in ["print", "over_black", "over_white", "contrast_ratio"] {
         ledger.value(key, &results["ink_maker"][key], &maker[key]);
@@ -190,6 +189,7 @@ fn compare(name: &str, colours: [f64; 2]) {
     if maker.get("target").is_some() {
         ledger.value("target", &results["ink_maker"]["target"]["delta_e_2000"], &maker["target"]);
     }
+    ledger.tolerance = ROUNDING;
     if let Some(rows) = maker.get("kubelka_munk") {
         ledger.table(&out.join("kubelka-munk.csv"), rows);
     }

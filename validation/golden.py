@@ -778,18 +778,16 @@ class Ink:
         }
 
     def maker(self, shifts):
-        """What an ink maker asks, at 45:0 from the output wavelengths; `shifts` are the grid's and the residual's errors of R and T."""
-        meter, target = Meter(self.outputs), self.study.file.get("colour", {}).get("target_lab")
+        """What an ink maker asks, at 45:0; `shifts` are the grid's and the residual's errors of R and T."""
+        target = self.study.file.get("colour", {}).get("target_lab")
 
-        def factor(albedo, by=(0.0, 0.0)):
-            lit = lambda p: PI * p.brdf(45.0, 0.0, albedo) + PRINT_MOVED(p, by, albedo)
-            return self.spectrum(lit)
+        def sums(albedo, variant=0, by=(0.0, 0.0)):
+            return self.xyz(lambda p: PI * p.brdf(45.0, 0.0, albedo) + PRINT_MOVED(p, by, albedo), variant)
 
         def swatch(albedo):
-            values = factor(albedo)
-            each = [meter.colour(meter.xyz([v[k] for v in values])) for k in range(len(values[0]))]
+            each = [self.meter.colour(sums(albedo, k)) for k in range(len(self.at))]
             chance = covariance([c["lab"] for c in each[1:]]) if len(each) > 1 else None
-            there = [lab(meter.xyz([v[0] for v in factor(albedo, by)]), meter.white) for by in shifts]
+            there = [lab(sums(albedo, 0, by), self.meter.white) for by in shifts]
             moved = [[x - y for x, y in zip(one, each[0]["lab"])] for one in there]
             return each[0] | {"lab_covariance": self.widened(chance, moved)}
 
@@ -798,7 +796,7 @@ class Ink:
 
         mine = swatch(None)
         found = {"print": mine, "over_black": swatch(0.0), "over_white": swatch(0.8)}
-        ratio = lambda k, by: meter.xyz([v[k] for v in factor(0.0, by)])[1] / meter.xyz([v[k] for v in factor(0.8, by)])[1]
+        ratio = lambda k, by: sums(0.0, k, by)[1] / sums(0.8, k, by)[1]
         ratios = [ratio(k, (0.0, 0.0)) for k in range(len(self.at))]
         found["contrast_ratio"] = estimate(ratios, [ratio(0, by) for by in shifts])
         if target:

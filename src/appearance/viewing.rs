@@ -67,8 +67,7 @@ const OBSERVERS: [(&str, Observer); 4] = [
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Summation {
-    /// Grids up to 10 nm as they are, coarser ones resampled to 5 nm, all of them to 1 nm under lamps; nothing beyond the grid's
-    /// ends (CIE 15).
+    /// Every 5 nm, every nm under lamps, whatever the spectra's step; nothing beyond the ends of their range (CIE 15).
     #[default]
     Plain,
     /// Weights as tabulated by ASTM E308: interpolated by the rule of ASTM E2022, and the ends of the grid stand for
@@ -134,7 +133,7 @@ impl Viewing {
     }
 
     /// Lamps: their spectra are no smooth functions of the wavelength.
-    pub(super) fn has_lines(&self) -> bool {
+    pub(crate) fn has_lines(&self) -> bool {
         !SMOOTH.contains(&self.illuminant.as_str())
     }
 

@@ -2,6 +2,8 @@
 
 mod colours;
 
+pub use colours::Sight;
+
 use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
@@ -9,9 +11,9 @@ use super::on_paper::{AZIMUTHAL, BENDS, Curve, DIFFUSE, LayerOnPaper, Nodes, Pol
 use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
-use crate::appearance::colour::{Colorimeter, ColourError};
+use crate::appearance::colour::ColourError;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
-use crate::numerics::estimate::Estimate;
+use crate::appearance::viewing::Viewing;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -81,7 +83,7 @@ pub struct InkOnPaper {
     substrate: Substrate,
     nodes: Nodes,
     places: Places,
-    meter: Result<Colorimeter, ColourError>,
+    daylight: Result<Sight, ColourError>,
     curves: Fits,
     diffuse: Fits,
     /// Functions that the diffuse fit has.
@@ -133,8 +135,8 @@ impl InkOnPaper {
         };
         let anchored = [normal, slanted];
         let (nodes_nm, places) = places(&layer, inputs.outputs_nm);
-        let meter = Colorimeter::new(&nodes_nm[places.colours.clone()]);
         let nodes = nodes(&layer, nodes_nm, inputs)?;
+        let daylight = Sight::new(&Viewing::default(), &places, &nodes);
         let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
         let [own_curves, diffuse, directional] = fits(&layer, anchored, solved, inputs.films, diffuse_width);
         let returned = returned.map(|(layer, solved)| {
@@ -148,7 +150,7 @@ impl InkOnPaper {
             substrate: inputs.substrate.clone(),
             nodes,
             places,
-            meter,
+            daylight,
             curves: own_curves,
             diffuse,
             diffuse_width,
@@ -261,13 +263,6 @@ impl InkOnPaper {
             values: of(&self.whole),
             replicates: self.replicates.iter().map(|r| of(r)).collect(),
         }
-    }
-
-    /// Any scalar of the spectra (a mean over wavelengths, a ratio) with its jackknife error.
-    pub fn scalar(&self, quantity: impl Fn(&[LayerOnPaper]) -> f64) -> Estimate {
-        let of = |layers: &[LayerOnPaper]| quantity(&layers[self.places.outputs.clone()]);
-        let replicates: Vec<f64> = self.replicates.iter().map(|r| of(r)).collect();
-        Estimate::jackknife(of(&self.whole), &replicates)
     }
 }
 

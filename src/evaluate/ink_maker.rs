@@ -1,7 +1,7 @@
 //! What an ink maker asks: hiding power, Kubelka–Munk coefficients, colours under her own light, the difference to her own
 //! measurement or to a target. All from the stored solves; errors hold chance, the grid and the solver's residual.
 
-use super::ink::{InkError, InkOnPaper};
+use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::uncertainty::{Shift, Uncertainty, lit, lit_moved};
 use crate::appearance::colour::{Colorimeter, Colour};
@@ -114,14 +114,13 @@ impl Question<'_> {
     /// Lab with everything that is uncertain: chance, grid and residual.
     fn swatch(
         &self,
-        meter: &Colorimeter,
+        sight: &Sight,
         backing: &dyn Fn(&LayerOnPaper) -> LayerOnPaper,
     ) -> Result<Swatch, InkError> {
-        let spectrum = self.ink.spectrum(|layer| self.factor(&backing(layer), UNMOVED));
-        let by_chance = meter.colour_with_error(&spectrum.values, &spectrum.replicates)?;
+        let factor = |by: Shift| move |layer: &LayerOnPaper| self.factor(&backing(layer), by);
+        let (by_chance, _) = self.ink.colour_with_deviations(sight, factor(UNMOVED))?;
         let moved = |by: Shift| -> Result<[f64; 3], InkError> {
-            let values = self.ink.layers().iter().map(|layer| self.factor(&backing(layer), by));
-            let lab = meter.colour(&values.collect::<Vec<_>>())?.lab;
+            let lab = self.ink.colour_of_mean(sight, factor(by))?.lab;
             Ok(std::array::from_fn(|i| lab[i] - by_chance.lab[i]))
         };
         let [grid, residual] = self.uncertainty.shifts().map(moved);
@@ -133,16 +132,21 @@ impl Question<'_> {
     }
 
     /// Y over black divided by Y over white.
-    fn contrast_ratio(&self, meter: &Colorimeter) -> Estimate {
-        let luminance = |layers: &[LayerOnPaper], albedo: f64, by: Shift| {
-            let values: Vec<f64> = layers.iter().map(|layer| self.factor(&layer.over(albedo), by)).collect();
-            // as many values as wavelengths; a value that is no number stays one
-            meter.xyz(&values).map_or(f64::NAN, |xyz| xyz[1])
+    fn contrast_ratio(&self, sight: &Sight) -> Result<Estimate, InkError> {
+        let over = |albedo: f64, by: Shift| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), by);
+        let ratio = |by: Shift| -> Result<f64, InkError> {
+            let luminance =
+                |albedo| Ok::<f64, InkError>(self.ink.colour_of_mean(sight, over(albedo, by))?.xyz[1]);
+            Ok(luminance(BLACK)? / luminance(WHITE)?)
         };
-        let ratio =
-            |layers: &[LayerOnPaper], by: Shift| luminance(layers, BLACK, by) / luminance(layers, WHITE, by);
-        let estimate = self.ink.scalar(|layers| ratio(layers, UNMOVED));
-        self.uncertainty.widen_by(estimate, |by| ratio(self.ink.layers(), by) - estimate.value)
+        let [black, white] =
+            [BLACK, WHITE].map(|albedo| self.ink.replicates_of(sight, over(albedo, UNMOVED)));
+        let (black, white) = (black?, white?);
+        let replicates: Vec<f64> = black.iter().zip(&white).map(|(b, w)| b.xyz[1] / w.xyz[1]).collect();
+        let estimate = Estimate::jackknife(ratio(UNMOVED)?, &replicates);
+        let [grid, residual] = self.uncertainty.shifts().map(ratio);
+        let shared = (grid? - estimate.value).hypot(residual? - estimate.value);
+        Ok(self.uncertainty.widen(estimate, shared))
     }
 
     /// K and S from the diffuse fluxes that the paper exchanges with the layer: R̄ and T̄ of the layer alone.
@@ -225,13 +229,13 @@ pub(super) fn ink_maker(
 ) -> Result<InkMaker, InkError> {
     let Judgement { viewing, target_lab, measured } = &study.judgement;
     let question = Question { ink, uncertainty, light: ink.at(PRINT_DEG)?, view: ink.at(0.0)? };
-    let meter = Colorimeter::under(ink.wavelengths_nm(), viewing)?;
-    let print = question.swatch(&meter, &|layer| *layer)?;
+    let sight = ink.sight(viewing)?;
+    let print = question.swatch(&sight, &|layer| *layer)?;
     Ok(InkMaker {
         conditions: viewing.name(),
-        over_black: question.swatch(&meter, &|layer| layer.over(BLACK))?,
-        over_white: question.swatch(&meter, &|layer| layer.over(WHITE))?,
-        contrast_ratio: question.contrast_ratio(&meter),
+        over_black: question.swatch(&sight, &|layer| layer.over(BLACK))?,
+        over_white: question.swatch(&sight, &|layer| layer.over(WHITE))?,
+        contrast_ratio: question.contrast_ratio(&sight)?,
         kubelka_munk: match study.paper.coupling {
             Coupling::Gap => question.kubelka_munk(study.layer.thickness_um),
             Coupling::OpticalContact { .. } => Vec::new(),

@@ -4,6 +4,7 @@
 mod made_up;
 
 use super::*;
+use crate::appearance::colour::Colorimeter;
 use crate::appearance::colour::Colour;
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::evaluate::film::Profile;

@@ -75,10 +75,11 @@ impl Uncertainty {
         quantity: impl Fn(&LayerOnPaper) -> f64,
         moved: &Moved,
     ) -> Result<Sure, InkError> {
-        let (colour, deviations) = ink.colour_with_deviations(&quantity)?;
+        let sight = ink.daylight()?;
+        let (colour, deviations) = ink.colour_with_deviations(sight, &quantity)?;
         let shift = |by: Shift| -> Result<[f64; 3], InkError> {
-            let shifted = ink.colour_of_mean(|layer| quantity(layer) + moved(layer, by))?;
-            let plain = ink.colour_of_mean(&quantity)?;
+            let shifted = ink.colour_of_mean(sight, |layer| quantity(layer) + moved(layer, by))?;
+            let plain = ink.colour_of_mean(sight, &quantity)?;
             Ok(std::array::from_fn(|i| shifted.lab[i] - plain.lab[i]))
         };
         let [grid, residual] = self.shifts().map(shift);

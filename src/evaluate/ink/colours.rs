@@ -1,43 +1,84 @@
 //! Colours and the picture of an ink on its paper, with what fits and angles do to them.
 
-use super::{InkError, InkOnPaper};
-use crate::appearance::colour::Colour;
+use super::{InkError, InkOnPaper, Places};
+use crate::appearance::colour::{Colorimeter, Colour, ColourError};
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
+use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::curves::anchors;
 use crate::evaluate::layer::{LayerEnsemble, Mean};
-use crate::evaluate::on_paper::{LayerOnPaper, Measured, PolarAngle};
+use crate::evaluate::on_paper::{LayerOnPaper, Measured, Nodes, PolarAngle};
 use crate::evaluate::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::SpectralBasis;
 use crate::numerics::estimate::{jackknife_covariance, jackknife_deviations};
 use ndarray::Array2;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Length of the step in the direction of a residual that a derivative is taken with.
 const DERIVATIVE_STEP: f64 = 1e-4;
 
+/// Light and observer with the wavelengths that are summed over.
+#[derive(Clone, Debug)]
+pub struct Sight {
+    meter: Colorimeter,
+    /// Places of the wavelengths.
+    nodes: Range<usize>,
+    /// Whether to add what the solves say beyond the fitted spectra: an integral, which needs smooth weights.
+    beyond_fit: bool,
+}
+
 impl InkOnPaper {
-    /// Colour of a quantity that is 1 for a perfect white diffuser, with the jackknife covariance of Lab.
+    /// What a light and an observer see. Plain sums run over every 5 nm, where the film and the fits are known, whatever the spectra's
+    /// step; tabulated weights (ASTM E308) are meant for the spectra's own wavelengths.
+    ///
+    /// # Errors
+    /// Wavelengths that cannot carry a colour.
+    pub fn sight(&self, viewing: &Viewing) -> Result<Sight, ColourError> {
+        Sight::new(viewing, &self.places, &self.nodes)
+    }
+
+    /// Colour of a quantity that is 1 for a perfect white diffuser, under D65 by the 2° observer, with the jackknife covariance of Lab.
     ///
     /// # Errors
     /// Wavelengths that cannot carry a colour.
     pub fn colour(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<Colour, InkError> {
-        Ok(self.colour_with_deviations(quantity)?.0)
+        Ok(self.colour_with_deviations(self.daylight()?, quantity)?.0)
     }
 
-    /// The same, and what each realisation moves Lab by, in the order of the realisations; nothing for one.
+    /// The same to any observer, and what each realisation moves Lab by, in the order of the realisations; nothing for one.
     ///
     /// # Errors
     /// As [`InkOnPaper::colour`].
     pub fn colour_with_deviations(
         &self,
+        sight: &Sight,
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<(Colour, Vec<[f64; 3]>), InkError> {
-        let labs = (0..self.replicates.len()).map(|r| Ok(self.colour_without(Some(r), &quantity)?.lab));
-        let labs = labs.collect::<Result<Vec<_>, InkError>>()?;
-        let whole = self.colour_without(None, &quantity)?;
+        let labs: Vec<[f64; 3]> = self.replicates_of(sight, &quantity)?.iter().map(|c| c.lab).collect();
+        let whole = self.colour_of_mean(sight, &quantity)?;
         let colour = Colour { lab_covariance: jackknife_covariance(&labs), ..whole };
         Ok((colour, jackknife_deviations(&labs)))
+    }
+
+    /// The colour of every ensemble that lacks one realisation.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::colour`].
+    pub fn replicates_of(
+        &self,
+        sight: &Sight,
+        quantity: impl Fn(&LayerOnPaper) -> f64,
+    ) -> Result<Vec<Colour>, InkError> {
+        (0..self.replicates.len()).map(|r| self.colour_without(sight, Some(r), &quantity)).collect()
+    }
+
+    /// D65 and the 2° observer.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::colour`].
+    pub fn daylight(&self) -> Result<&Sight, InkError> {
+        Ok(self.daylight.as_ref().map_err(Clone::clone)?)
     }
 
     /// How far the colour moves by what the spectra's fit leaves over at the wavelengths solved: the part of the colour that the
@@ -46,9 +87,9 @@ impl InkOnPaper {
     /// # Errors
     /// As [`InkOnPaper::colour`].
     pub fn wavelength_shift(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<[f64; 3], InkError> {
-        let meter = self.meter.as_ref().map_err(Clone::clone)?;
-        let plain = meter.colour(&self.colour_values(&self.whole, &quantity))?;
-        let full = self.colour_without(None, &quantity)?;
+        let sight = self.daylight()?;
+        let plain = sight.meter.colour(&sight.values(&self.whole, &quantity))?;
+        let full = self.colour_of_mean(sight, &quantity)?;
         Ok(std::array::from_fn(|i| full.lab[i] - plain.lab[i]))
     }
 
@@ -56,8 +97,12 @@ impl InkOnPaper {
     ///
     /// # Errors
     /// As [`InkOnPaper::colour`].
-    pub fn colour_of_mean(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<Colour, InkError> {
-        self.colour_without(None, &quantity)
+    pub fn colour_of_mean(
+        &self,
+        sight: &Sight,
+        quantity: impl Fn(&LayerOnPaper) -> f64,
+    ) -> Result<Colour, InkError> {
+        self.colour_without(sight, None, &quantity)
     }
 
     /// What the placing of the directions may cost in T̄ at each wavelength of the spectra: standard deviation over realisations of the
@@ -77,22 +122,19 @@ impl InkOnPaper {
         self.places.outputs.clone().map(at).collect()
     }
 
-    fn colour_values(&self, layers: &[LayerOnPaper], quantity: &impl Fn(&LayerOnPaper) -> f64) -> Vec<f64> {
-        layers[self.places.colours.clone()].iter().map(quantity).collect()
-    }
-
     /// XYZ = ∫ w F(m̂) + ⟨Σ_j w_j F′(m̂)·(x_j − m̂)⟩: the fitted means m̂, and to first order what the solves x_j say beyond
     /// them. So the smoothness of the fit costs the colour nothing.
     fn colour_without(
         &self,
+        sight: &Sight,
         left_out: Option<usize>,
         quantity: &impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<Colour, InkError> {
-        let meter = self.meter.as_ref().map_err(Clone::clone)?;
+        let meter = &sight.meter;
         let layers = left_out.map_or(&self.whole, |r| &self.replicates[r]);
-        let mut xyz = meter.xyz(&self.colour_values(layers, quantity))?;
+        let mut xyz = meter.xyz(&sight.values(layers, quantity))?;
         let kept: Vec<usize> = (0..self.places.solved.len()).filter(|&r| Some(r) != left_out).collect();
-        for &r in &kept {
+        for &r in kept.iter().filter(|_| sight.beyond_fit) {
             let nodes = self.places.solved[r].clone();
             let width = self.step_nm(nodes.len());
             for (j, node) in nodes.enumerate() {
@@ -144,20 +186,20 @@ impl InkOnPaper {
         solved: &[SolvedRealisation],
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<Option<[[f64; 3]; 3]>, InkError> {
-        let meter = self.meter.as_ref().map_err(Clone::clone)?;
+        let sight = self.daylight()?;
         let mut shifted = Vec::new();
         for realisation in solved.iter().take(self.layer.replicates()) {
-            let mut values = self.colour_values(&self.whole, &quantity);
+            let mut values = sight.values(&self.whole, &quantity);
             let strata: Vec<&[Solved]> =
                 realisation.wavelengths.iter().map(|w| w.strata.as_slice()).collect();
-            for (value, node) in values.iter_mut().zip(self.places.colours.clone()) {
+            for (value, node) in values.iter_mut().zip(sight.nodes.clone()) {
                 let near = nearest(&realisation.wavelengths, self.nodes.wavelengths_nm[node]);
                 let error = self.whole[node]
                     .quadrature_error(strata[near].iter().map(|s| s.polar_deg), self.layer.exit);
                 let moved = self.whole[node].moved(&error, DERIVATIVE_STEP);
                 *value += (quantity(&moved) - quantity(&self.whole[node])) / DERIVATIVE_STEP;
             }
-            shifted.push(meter.colour(&values)?.lab);
+            shifted.push(sight.meter.colour(&values)?.lab);
         }
         let n = shifted.len() as f64;
         // the covariance of a mean: the jackknife's formula over samples instead of replicates, less a factor (n − 1)²
@@ -172,12 +214,9 @@ impl InkOnPaper {
     /// # Errors
     /// Angles outside 0–90°, or wavelengths that cannot carry a colour.
     pub fn picture(&self, angles_deg: &[f64], sky: MirroredSky) -> Result<InkPicture, InkError> {
-        let meter = self.meter.as_ref().map_err(Clone::clone)?;
+        let sight = self.daylight()?;
         let angles = angles_deg.iter().map(|&a| self.at(a)).collect::<Result<Vec<PolarAngle>, _>>()?;
-        let colour = |f: &dyn Fn(&LayerOnPaper) -> f64| {
-            let values: Vec<f64> = self.whole[self.places.colours.clone()].iter().map(f).collect();
-            meter.colour(&values)
-        };
+        let colour = |f: &dyn Fn(&LayerOnPaper) -> f64| sight.meter.colour(&sight.values(&self.whole, &f));
         let strip =
             angles.iter().map(|o| colour(&|l| l.natural_light(o, sky))).collect::<Result<Vec<_>, _>>()?;
         let cells = angles.iter().flat_map(|o| angles.iter().map(move |i| (o, i)));
@@ -185,6 +224,19 @@ impl InkOnPaper {
         let square =
             Array2::from_shape_fn((angles.len(), angles.len()), |(o, i)| square[o * angles.len() + i]);
         Ok(InkPicture { angles_deg: angles_deg.to_vec(), strip, square })
+    }
+}
+
+impl Sight {
+    pub(super) fn new(viewing: &Viewing, places: &Places, nodes: &Nodes) -> Result<Self, ColourError> {
+        let tabulated = viewing.summation == Summation::E308;
+        let range = if tabulated { &places.outputs } else { &places.colours };
+        let meter = Colorimeter::under(&nodes.wavelengths_nm[range.clone()], viewing)?;
+        Ok(Self { meter, nodes: range.clone(), beyond_fit: !tabulated && !viewing.has_lines() })
+    }
+
+    fn values(&self, layers: &[LayerOnPaper], quantity: &impl Fn(&LayerOnPaper) -> f64) -> Vec<f64> {
+        layers[self.nodes.clone()].iter().map(quantity).collect()
     }
 }
 
