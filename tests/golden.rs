@@ -172,7 +172,8 @@ fn compare(name: &str, colours: [f64; 2]) {
         Realisation { packing, points: points.into_iter().map(Some).collect(), failures: Vec::new() }
     };
     let realisations = solves.realisations.into_iter().map(whole).collect();
-    let collected = Collected { resolved: solves.grid, realisations, enough: false, damages: Vec::new() };
+    let (resolved, refused, damages) = (solves.grid, Vec::new(), Vec::new());
+    let collected = Collected { resolved, realisations, refused, enough: false, damages };
     let place = tempfile::tempdir().expect("a folder");
     let out = place.path().join("out");
     let folder = OutputFolder::open(&out, Holds::Study).expect("a folder");

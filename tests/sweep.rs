@@ -108,18 +108,23 @@ fn a_packing_that_fails_costs_its_own_realisation_alone() {
     }
 }
 
-fn costs_itself_alone(seed: u64, stuck: usize) {
+/// Papers of two albedos under packings that hardly find room.
+fn tight(seed: u64, run: &str) -> String {
     let tight = TINY
         .replace("period_um = 0.8\nthickness_um = 0.5", "period_um = 0.6\nthickness_um = 0.4")
         .replace("diameter_nm = 200", "diameter_nm = 180")
         .replace("volume_fraction = 0.15", "volume_fraction = 0.28")
-        .replace("realisations = 2\nseed = 7", &format!("realisations = 7\nseed = {seed}"))
+        .replace("realisations = 2\nseed = 7", &format!("{run}\nseed = {seed}"))
         .replace("step_nm = 100", "step_nm = 150")
         .replace("points_per_um = 20", "points_per_um = 12");
     let packing = "[base.packing]\nmethod = \"sequential_addition\"\nsequential.attempts_per_grain = 7000\n";
     let axes = "[[axis]]\nname = \"paper\"\nfield = \"paper.albedo\"\nvalues = [0.9, 0.5]\n";
     let base = tight.split("[[axis]]").next().expect("a base");
-    let place = Place::new(&format!("{base}{packing}{axes}"));
+    format!("{base}{packing}{axes}")
+}
+
+fn costs_itself_alone(seed: u64, stuck: usize) {
+    let place = Place::new(&tight(seed, "realisations = 7"));
     let run =
         || inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("out")]).output().unwrap();
     let told = said(&run());
@@ -127,6 +132,23 @@ fn costs_itself_alone(seed: u64, stuck: usize) {
     let table = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
     // variant, paper, solves, finished, failures, realisations
     assert!(table.contains("0.9,0.9,63,54,1,6,") && table.contains("0.5,0.5,63,54,1,6,"), "{table}");
+    // The same of a variant that runs as a study.
+    let variant = std::fs::read_dir(place.path("out/variants")).unwrap().flatten().next().unwrap();
+    let study = variant.path().join("study.toml").display().to_string();
+    let alone = inkwave(&["run", &study, "--output", &place.path("alone")]).output().unwrap();
+    let told = said(&alone);
+    assert!(!alone.status.success() && told.contains("1 of 7 packings have no room"), "{told}");
+    let spectra = |folder: &Path| std::fs::read(folder.join("spectra.csv")).unwrap();
+    assert_eq!(spectra(&variant.path()), spectra(Path::new(&place.path("alone"))));
+}
+
+/// A bar that every colour meets is met in spite of a packing that fails.
+#[test]
+fn a_packing_that_fails_does_not_end_the_way_to_a_bar() {
+    let place = Place::new(&tight(10, "realisations = 9\ntarget_delta_e = 99"));
+    let run = inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("out")]).output().unwrap();
+    let table = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
+    assert!(table.contains("0.9,0.9,63,63,1,7,"), "{table}{}", said(&run));
 }
 
 #[test]

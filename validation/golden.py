@@ -679,8 +679,14 @@ class Paper:
 SKY = lambda p: p.sky(0.0)
 PRINT = lambda p: PI * p.brdf(45.0, 0.0)
 # what errors of R and T do to both: each pass through the layer counts
-SKY_MOVED = lambda p, e: e[0] + p.g() * (p.total(0.0, 1) + p.mean_t) * e[1]
-PRINT_MOVED = lambda p, e, albedo=None: e[0] + p.g(albedo) * (p.total(45.0, 1) + p.total(0.0, 1)) * e[1]
+def through_paper(p, inwards, outwards, e, albedo=None):
+    """g T1 T2 where T errs by e[1] and the layer's reflectance towards the paper by e[0]: d(1/g)/dR = -n²."""
+    g, square = p.g(albedo), p.study.index_out**2
+    return g * (inwards + outwards) * e[1] + square * g * g * inwards * outwards * e[0]
+
+
+SKY_MOVED = lambda p, e: e[0] + through_paper(p, p.total(0.0, 1), p.mean_t, e)
+PRINT_MOVED = lambda p, e, albedo=None: e[0] + through_paper(p, p.total(45.0, 1), p.total(0.0, 1), e, albedo)
 
 
 class Ink:
@@ -854,14 +860,16 @@ def spectra(study, layer, ink, shared):
         for nm in study.wavelengths:
             own = layer.films.totals(nm, deg, study.thicknesses())
             row = [nm, deg]
+            together = lambda moved: math.hypot(*(moved(e) for e in shared))
+            r, t = together(lambda e: e[0]), together(lambda e: e[1])
             # A's error: what both others may miss
-            errors = [shared[0], shared[0], shared[1], shared[1], shared[0] + shared[1]]
+            errors = [r, r, t, t, together(lambda e: e[0] + e[1])]
             for c in range(5):
                 values = [own[c] + layer.fitted(layer.fit, v, nm, 1, 0, 5 * k + c) for v in range(len(layer.fit))]
                 row += widened(study, values, errors[c])
             if ink and deg == 0.0:
                 for quantity, moved in ((SKY, SKY_MOVED), (PRINT, PRINT_MOVED)):
-                    row += widened(study, [quantity(at[nm]) for at in ink.at], moved(ink.at[0][nm], shared))
+                    row += widened(study, [quantity(at[nm]) for at in ink.at], together(lambda e: moved(ink.at[0][nm], e)))
             rows.append(row)
     return rows
 
@@ -890,7 +898,8 @@ def distributions(study, layer, amplitude_error):
                 for (m, n), (direction, samples) in cells.items():
                     value, error = mean_and_error(samples)
                     density = 1 / (step[0] * step[1])
-                    flux = math.sqrt(max(0.0, 1 - direction[0] ** 2 - direction[1] ** 2)) / cosine(study.exact_deg[k])
+                    index = study.index_out if lobe == "transmitted" else 1.0
+                    flux = math.sqrt(max(0.0, index**2 - direction[0] ** 2 - direction[1] ** 2)) / cosine(study.exact_deg[k])
                     rows.append(
                         [1e3 * um, "above", study.exact_deg[k], azimuth, lobe, m, n, *direction, (m, n) == (0, 0)]
                         + [value, error, density * value, error and density * error, len(points)]
@@ -966,7 +975,7 @@ def derive(name):
     known = certainty(study, layer, ink, grid)
     residual = known["mean_energy_error"] if known["mean_energy_error"] > 1e-12 else 0.0
     errors = [known["reflectance_grid_error"], known["transmittance_grid_error"]]
-    shared = [math.hypot(e, residual) for e in errors]
+    shared = [errors, [residual] * 2]
     golden = {
         "certainty": known,
         "spectra": spectra(study, layer, ink, shared),

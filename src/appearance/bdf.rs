@@ -75,14 +75,6 @@ pub struct Smoothed {
     pub effective_orders: f64,
 }
 
-impl Smoothed {
-    /// What fully developed speckle would give for the standard error: f/√(orders · realisations). A model, usable
-    /// where one realisation leaves the error unknown.
-    pub fn speckle_error(&self, realisations: usize) -> f64 {
-        self.bdf.value / (self.effective_orders * realisations as f64).sqrt()
-    }
-}
-
 /// One side: the orders that propagate there, and every realisation's efficiencies \[realisation, order\].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LobeData {
@@ -208,13 +200,6 @@ impl Bdf {
     pub fn azimuthal_mean(&self, lobe: Lobe, polar_deg: f64, bandwidth: f64) -> Result<Smoothed, BdfError> {
         let sin = polar_deg.to_radians().sin();
         self.smooth(lobe, [sin, 0.0], bandwidth, |[a, b]| a.hypot(b) - sin)
-    }
-
-    /// As [`Bdf::azimuthal_mean`], for each realisation alone, 1/sr.
-    pub fn azimuthal_means(&self, lobe: Lobe, polar_deg: f64, bandwidth: f64) -> Result<Vec<f64>, BdfError> {
-        let sin = polar_deg.to_radians().sin();
-        let (values, _) = self.kernel_means(lobe, [sin, 0.0], bandwidth, |[a, b]| a.hypot(b) - sin)?;
-        Ok(values)
     }
 
     fn lobe(&self, lobe: Lobe) -> &LobeData {

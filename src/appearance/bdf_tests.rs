@@ -145,7 +145,6 @@ fn one_realisation_has_values_but_no_standard_errors() {
     let bdf = Bdf::from_ensemble(&ensemble(&mut rng(1), 1)).unwrap();
     let f = bdf.azimuthal_mean(Lobe::Reflected, 30.0, 0.1).unwrap();
     assert!(f.bdf.value > 0.0 && f.bdf.standard_error.is_none() && f.effective_orders > 10.0);
-    assert!((f.speckle_error(1) / f.bdf.value - f.effective_orders.powf(-0.5)).abs() < 1e-15);
     let totals = bdf.totals(Lobe::Transmitted);
     assert!(totals.total.standard_error.is_none() && totals.coherent.is_none());
 }
@@ -196,23 +195,4 @@ fn mixed_or_broken_ensembles_are_refused() {
     assert!(bdf.at(Lobe::Reflected, [1.2, 0.0], 0.5).is_err());
     assert!(bdf.at(Lobe::Reflected, [0.05, 0.05], 0.01).unwrap_err().to_string().contains("no order"));
     assert!(bdf.azimuthal_mean(Lobe::Reflected, f64::NAN, 0.1).is_err());
-}
-
-#[test]
-fn the_csv_table_has_every_propagating_order_and_leaves_unknowns_empty() {
-    for count in [1, 3] {
-        let bdf = Bdf::from_ensemble(&ensemble(&mut rng(6), count)).unwrap();
-        let mut text = Vec::new();
-        bdf.write_csv(&mut text, true).unwrap();
-        bdf.write_csv(&mut text, false).unwrap();
-        let mut table = csv::Reader::from_reader(text.as_slice());
-        let columns = table.headers().unwrap().clone();
-        let column = |name| columns.iter().position(|c| c == name).unwrap();
-        let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
-        assert_eq!(rows.len(), 2 * 2 * 305);
-        let total: f64 = rows[..305].iter().map(|r| r[column("efficiency")].parse::<f64>().unwrap()).sum();
-        approx::assert_relative_eq!(total, bdf.totals(Lobe::Reflected).total.value, max_relative = 1e-13);
-        assert_eq!(rows[0][column("bdf_standard_error")].is_empty(), count == 1);
-        assert!(rows.iter().all(|r| r[column("polar_deg")].parse::<f64>().unwrap() < 90.0));
-    }
 }

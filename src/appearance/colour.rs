@@ -161,14 +161,22 @@ impl Colour {
         Some(trace.max(0.0).sqrt())
     }
 
+    /// Derivatives of ΔE₀₀ by Lab here and by Lab there.
+    pub fn delta_e_2000_gradients(&self, other: &Self) -> [[f64; 3]; 2] {
+        self.gradients(other, &ciede2000)
+    }
+
+    fn gradients(&self, other: &Self, f: &impl Fn([f64; 3], [f64; 3]) -> f64) -> [[f64; 3]; 2] {
+        [gradient(&|p| f(p, other.lab), self.lab), gradient(&|q| f(self.lab, q), other.lab)]
+    }
+
     fn difference(
         &self,
         other: &Self,
         common: &[[f64; 3]; 3],
         f: impl Fn([f64; 3], [f64; 3]) -> f64,
     ) -> Estimate {
-        let here = gradient(&|p| f(p, other.lab), self.lab);
-        let there = gradient(&|q| f(self.lab, q), other.lab);
+        let [here, there] = self.gradients(other, &f);
         let shared: f64 = (0..9).map(|k| here[k / 3] * common[k / 3][k % 3] * there[k % 3]).sum();
         let variance = |a, b| quadratic_form(&a, here) + quadratic_form(&b, there) + 2.0 * shared;
         let covariances = self.lab_covariance.zip(other.lab_covariance);

@@ -12,7 +12,6 @@
 pub mod bdf;
 mod bdf_binned;
 mod bdf_orders;
-mod bdf_table;
 pub mod colour;
 pub mod error;
 pub mod finite_area;

@@ -25,7 +25,8 @@
 //! R + g T T̄ = R + T = 1 exactly, whatever the directions solved for (the furnace); with two unrelated quadratures their
 //! mismatch would be amplified by g.
 //!
-//! The wave model is scalar: all of this is for s-polarised light.
+//! R, T and A are those of whatever light was solved: the scalar wave (s-polarised light), s, p, or unpolarised. What the paper
+//! gives back is unpolarised.
 
 pub use super::error::PaperError;
 pub use super::substrate::{Albedo, Coupling, Substrate};

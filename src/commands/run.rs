@@ -63,7 +63,7 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let live = LivePage::new(&study, &folder);
     let enough = |collected: &Collected| {
         live.show(collected);
-        collected.realisations.len().is_multiple_of(runner::BATCH) && summary::enough(&study, collected)
+        collected.tried().is_multiple_of(runner::BATCH) && summary::enough(&study, collected)
     };
     let collected = runner::run_until(&study, &folder, settings, &progress, &enough);
     progress.finish();
@@ -104,12 +104,23 @@ fn tell(
         return Ok(());
     }
     let (finished, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
-    let help = if stopped {
-        format!("to go on: {}", this_command())
-    } else {
-        "the report lists their reasons; try another solver, a finer grid or more applications".to_owned()
+    let refused = collected.refused.len();
+    let help = match (stopped, failed) {
+        (true, _) => format!("to go on: {}", this_command()),
+        (false, 0) => {
+            "the numbers are means over the others; a larger layer.period_um or smaller volume_fraction \
+                       gives grains room"
+                .to_owned()
+        }
+        _ => {
+            "the report lists their reasons; try another solver, a finer grid or more applications".to_owned()
+        }
     };
-    let why = if stopped { "stopped".to_owned() } else { format!("{failed} solves have no result") };
+    let why = match (stopped, failed) {
+        (true, _) => "stopped".to_owned(),
+        (false, 0) => format!("{refused} of {} packings have no room", collected.tried()),
+        _ => format!("{failed} solves have no result"),
+    };
     Err(miette!(
         help = help,
         "{why}: {finished} of {all} solves are finished, the results are marked as partial"

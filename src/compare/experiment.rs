@@ -80,7 +80,7 @@ impl ComparisonFile {
         self.check()?;
         let strategies = self.strategies(registry)?;
         let subject = self.subject()?;
-        let (truth, reference) = self.reference(&subject)?;
+        let (truth, reference) = self.reference(&subject, watch)?;
         let case = &subject.case;
         let coverages = Coverages::of(&case.scene);
         let on = |scheme| self.resolutions.iter().map(move |points| resolution(&case.scene, *points, scheme));

@@ -6,6 +6,7 @@
 use super::error::{CompareError, kept};
 use super::subject::Packed;
 use crate::input::case::Case;
+use crate::run::memory;
 use crate::solve::accuracy::{Estimated, Task, largest_difference};
 use crate::solve::{Account, Coverages, Gmres, Goal, SolveError, Solver, Watch};
 use crate::wave::{Mean, Scheme};
@@ -152,7 +153,7 @@ impl MatrixTable {
             scheme: Scheme::Cubic,
             solver: &Gmres::default(),
             goal: Goal { tolerance: 1e-2 * self.accuracy, ..Goal::default() },
-            memory: 8e9,
+            memory: memory::usable(),
         };
         Ok(task.solve_to_accuracy(self.accuracy, watch)?)
     }

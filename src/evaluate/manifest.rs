@@ -55,6 +55,9 @@ pub struct Manifest<Study: Serialize> {
     pub ink_maker: Option<InkMaker>,
     /// Why there are no colours, where there are none.
     pub no_colour: Option<String>,
+    /// Why there are colours but no numbers for the ink maker, such as an illuminant that the wavelengths cannot carry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_ink_maker: Option<String>,
     /// One row for each wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
     /// Seconds that the solves took, added up: of a clock on the wall, while several solves may run side by side on
@@ -116,15 +119,15 @@ pub struct Count {
     pub finished: usize,
 }
 
-/// A solve without a result.
+/// A solve without a result, or a packing that did not come about.
 #[derive(Clone, Debug, Serialize)]
 pub struct FailureNote {
     /// Number of the realisation, from 0.
     pub realisation: usize,
-    /// Wavelength, nm.
-    pub wavelength_nm: f64,
-    /// Polar angle, degrees.
-    pub polar_deg: f64,
+    /// Wavelength, nm; none of a packing.
+    pub wavelength_nm: Option<f64>,
+    /// Polar angle, degrees; none of a packing.
+    pub polar_deg: Option<f64>,
     /// The error's message.
     pub reason: String,
 }

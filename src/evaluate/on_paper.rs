@@ -143,6 +143,11 @@ impl LayerOnPaper {
         1.0 - self.mean_transmittance() / self.index_out.powi(2) - self.mean_absorptance_exit()
     }
 
+    /// Index of the half-space on the exit side: that of the paper in optical contact.
+    pub fn index_out(&self) -> f64 {
+        self.index_out
+    }
+
     /// g = ρ/(1 − ρ R̄_b), over n² in optical contact.
     pub fn return_factor(&self) -> f64 {
         let back =

@@ -7,11 +7,11 @@ use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, Spect
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::SolvedWavelength;
 use super::seen::{LayerSeen, NoInk, Seen, see};
-use super::uncertainty::{Sure, Uncertainty, lit, lit_moved, natural_light_moved};
+use super::uncertainty::{Shift, Sure, Uncertainty, lit, lit_moved, natural_light_moved};
 use crate::appearance::paper::PRINT_DEG;
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
-use crate::run::runner::{Collected, Failure};
+use crate::run::runner::{Collected, Failure, Refused};
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
 use crate::wave::physical::largest;
@@ -41,6 +41,11 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         Ok(colours) => (colours, None),
         Err(reason) => (Vec::new(), Some(reason)),
     };
+    let (ink_maker, no_ink_maker) = match seen.ink.as_ref().map(|ink| ink_maker(study, ink, &uncertainty)) {
+        Ok(Ok(numbers)) => (Some(numbers), None),
+        Ok(Err(reason)) => (None, no_colour.is_none().then(|| reason.to_string())),
+        Err(_) => (None, None),
+    };
     Manifest {
         status: if finished == asked || collected.enough { Status::Complete } else { Status::Partial },
         title: study.title.clone(),
@@ -57,7 +62,8 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
         colours,
         no_colour,
-        ink_maker: seen.ink.as_ref().ok().and_then(|ink| ink_maker(study, ink, &uncertainty).ok()),
+        ink_maker,
+        no_ink_maker,
         spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         study,
@@ -87,13 +93,19 @@ pub(crate) fn aimed_at<'a>(
 }
 
 fn failures(collected: &Collected) -> Vec<FailureNote> {
-    let note = |failure: &Failure| FailureNote {
+    let packing = |refused: &Refused| FailureNote {
+        realisation: refused.realisation,
+        wavelength_nm: None,
+        polar_deg: None,
+        reason: refused.reason.clone(),
+    };
+    let solve = |failure: &Failure| FailureNote {
         realisation: failure.point.realisation,
-        wavelength_nm: 1e3 * failure.point.incidence.wavelength_um,
-        polar_deg: failure.point.incidence.polar_deg,
+        wavelength_nm: Some(1e3 * failure.point.incidence.wavelength_um),
+        polar_deg: Some(failure.point.incidence.polar_deg),
         reason: failure.reason.clone(),
     };
-    collected.failures().map(note).collect()
+    collected.refused.iter().map(packing).chain(collected.failures().map(solve)).collect()
 }
 
 fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> Certainty {
@@ -224,12 +236,14 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
     if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(ink))) {
         let natural = ink.spectrum(conditions.natural_light(study)).estimates();
         let lit = ink.spectrum(|l| conditions.lit_at_45(l)).estimates();
-        let shared = uncertainty.shared();
         let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
         for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
-            row.natural_light =
-                Some(uncertainty.widen(natural[i], conditions.natural_light_moved(layer, shared)));
-            row.lit_at_45 = Some(uncertainty.widen(lit[i], conditions.lit_at_45_moved(layer, shared)));
+            let (sky, print) = (
+                |by: Shift| conditions.natural_light_moved(layer, by),
+                |by: Shift| conditions.lit_at_45_moved(layer, by),
+            );
+            row.natural_light = Some(uncertainty.widen_by(natural[i], sky));
+            row.lit_at_45 = Some(uncertainty.widen_by(lit[i], print));
         }
     }
     rows
@@ -241,7 +255,6 @@ fn rows_of(
     (layer, angle): (&LayerSeen, usize),
     uncertainty: &Uncertainty,
 ) -> Vec<SpectrumRow> {
-    let [r, t] = uncertainty.shared();
     let moved =
         [Total::Reflectance, Total::Transmittance].map(|total| layer.spectrum(angle, total).replicates);
     let deviations = |i: usize| {
@@ -249,13 +262,17 @@ fn rows_of(
         let replicates: Vec<[f64; 2]> = r.iter().zip(t).map(|(r, t)| [r[i], t[i]]).collect();
         seen.realisations.iter().copied().zip(jackknife_deviations(&replicates)).collect()
     };
-    let of = |total: Total, shared: f64| -> Vec<Estimate> {
+    let of = |total: Total, moved: fn(Shift) -> f64| -> Vec<Estimate> {
         let estimates = layer.spectrum(angle, total).estimates();
-        estimates.into_iter().map(|estimate| uncertainty.widen(estimate, shared)).collect()
+        estimates.into_iter().map(|estimate| uncertainty.widen_by(estimate, moved)).collect()
     };
-    let (reflectance, specular) = (of(Total::Reflectance, r), of(Total::SpecularReflectance, r));
-    let (transmittance, straight) = (of(Total::Transmittance, t), of(Total::SpecularTransmittance, t));
-    let absorptance = of(Total::Absorptance, r + t);
+    let (reflected, transmitted): (fn(Shift) -> f64, fn(Shift) -> f64) = (|[r, _]| r, |[_, t]| t);
+    let (reflectance, specular) =
+        (of(Total::Reflectance, reflected), of(Total::SpecularReflectance, reflected));
+    let (transmittance, straight) =
+        (of(Total::Transmittance, transmitted), of(Total::SpecularTransmittance, transmitted));
+    // A's error: what both others may miss.
+    let absorptance = of(Total::Absorptance, |[r, t]| r + t);
     let row = |(i, &wavelength_nm): (usize, &f64)| SpectrumRow {
         wavelength_nm,
         polar_deg: layer.angles_deg()[angle],

@@ -32,12 +32,6 @@ pub(super) type Shift = [f64; 2];
 type Moved<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 
 impl Uncertainty {
-    /// Grid and residual together, \[R, T\].
-    pub fn shared(&self) -> Shift {
-        let residual = self.residual();
-        [self.grid.reflectance.hypot(residual), self.grid.transmittance.hypot(residual)]
-    }
-
     fn residual(&self) -> f64 {
         if self.residual > ROUNDING { self.residual } else { 0.0 }
     }
@@ -130,14 +124,21 @@ impl Budget {
     }
 }
 
-/// Error of the radiance factor under a uniform sky: that of R, and that of T on the way in and out.
+/// Error of the radiance factor under a uniform sky: that of R, that of T on the way in and out, and that of R̄ towards the paper.
 pub(super) fn natural_light_moved(layer: &LayerOnPaper, view: &PolarAngle, [r, t]: Shift) -> f64 {
-    r + layer.return_factor() * (layer.transmittance(view) + layer.mean_transmittance()) * t
+    r + through_paper(layer, [layer.transmittance(view), layer.mean_transmittance()], [r, t])
 }
 
 /// Error of π times the BRDF; the layer's own diffuse part is at most as uncertain as its R.
 pub(super) fn lit_moved(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle, [r, t]: Shift) -> f64 {
-    r + layer.return_factor() * (layer.transmittance(light) + layer.transmittance_returned(view)) * t
+    r + through_paper(layer, [layer.transmittance(light), layer.transmittance_returned(view)], [r, t])
+}
+
+/// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b errs by as much as R.
+fn through_paper(layer: &LayerOnPaper, [inwards, outwards]: [f64; 2], [r, t]: Shift) -> f64 {
+    let factor = layer.return_factor();
+    let moved_factor = (layer.index_out() * factor).powi(2) * r;
+    factor * (inwards + outwards) * t + moved_factor * inwards * outwards
 }
 
 /// π times the BRDF of the ink on its paper.
@@ -169,7 +170,8 @@ mod tests {
         assert_eq!(chance.widen(unknown, 3e-3).standard_error, None);
         assert_eq!(sure.widen(unknown, 3e-3).standard_error, Some(3e-3));
         assert_eq!(sure.widen(unknown, 0.0).standard_error, None);
-        let shared = chance.shared();
-        assert!((shared[0] - 5e-3).abs() < 1e-15 && shared[1] == 4e-3);
+        // grid 3e-3 of R alone and residual 4e-3 of both, each as a whole: 3e-3 and 8e-3 in R + T
+        let both = sure.widen_by(unknown, |[r, t]| r + t).standard_error.unwrap();
+        assert!((both - 3e-3_f64.hypot(8e-3)).abs() < 1e-15, "{both}");
     }
 }

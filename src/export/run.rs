@@ -261,7 +261,8 @@ impl Exporter<'_> {
     fn provenance(&self, out: &mut Exported) -> Result<(), ExportError> {
         let manifest = self.manifest();
         let amplitude_error = manifest.certainty.amplitude_error_estimate;
-        let bdfs = tables::distributions(self.stored.seen.bdfs.iter(), amplitude_error)?;
+        let index_out = self.study().layer.index_below;
+        let bdfs = tables::distributions(self.stored.seen.bdfs.iter(), amplitude_error, index_out)?;
         out.add(STUDY, serde_json::to_vec_pretty(self.study())?, "the study with every default filled in");
         out.add("results.json", serde_json::to_vec_pretty(&manifest)?, "all numbers with their errors");
         out.add("spectra.csv", tables::spectra(&manifest.spectra)?, "spectra of the layer and of the print");

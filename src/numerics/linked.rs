@@ -37,15 +37,19 @@ impl Linked {
                 *deviations.entry(realisation).or_insert(0.0) += weight * by;
             }
         }
-        let chance: f64 = deviations.values().map(|by: &f64| by * by).sum();
-        let standard_error = own.map(|own| (own + chance).sqrt());
-        Linked { estimate: Estimate { value, standard_error }, deviations }
+        let mut sum = Linked { estimate: Estimate::unknown_error(value), deviations };
+        sum.estimate.standard_error = own.map(|own| (own + sum.chance_variance()).sqrt());
+        sum
     }
 
-    /// Variance beyond the realisations'.
+    /// Variance that realisations bring.
+    pub fn chance_variance(&self) -> f64 {
+        self.deviations.values().map(|by| by * by).sum()
+    }
+
+    /// Variance beyond that.
     fn own_variance(&self) -> Option<f64> {
-        let chance: f64 = self.deviations.values().map(|by| by * by).sum();
-        self.estimate.standard_error.map(|error| (error * error - chance).max(0.0))
+        self.estimate.standard_error.map(|error| (error * error - self.chance_variance()).max(0.0))
     }
 }
 

@@ -95,7 +95,10 @@ pub(crate) fn publish_seen(
     }
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
-    folder.write("bdf.csv", &tables::distributions(seen.bdfs.iter(), amplitude_error)?)?;
+    folder.write(
+        "bdf.csv",
+        &tables::distributions(seen.bdfs.iter(), amplitude_error, study.layer.index_below)?,
+    )?;
     for (name, table) in tables::ink_maker(manifest.ink_maker.as_ref())? {
         folder.write(name, &table)?;
     }

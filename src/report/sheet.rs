@@ -147,7 +147,7 @@ fn colour_note(manifest: &Manifest<&Study>) -> String {
     let mut note = format!(
         "Under {NATURAL_LIGHT}: a uniform sky, seen along the normal; {LIT_AT_45}: lit at 45°, seen along the normal, as \
          prints are measured. CIE 1931 observer, illuminant D65. C* is the chroma, h the hue. The patch shows the first column; ± is one \
-         standard error: chance over packings, and the grid."
+         standard error of everything in the budget below."
     );
     let outside: Vec<&str> =
         manifest.colours.iter().filter(|c| c.colour.out_of_gamut).map(|c| c.conditions.as_str()).collect();

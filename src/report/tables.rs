@@ -82,25 +82,40 @@ const BDF_HEADER: [&str; 16] = [
 ///
 /// `amplitude_error` is what the grid may do to an order's complex amplitude a; its efficiency e = w|a|² is then uncertain by
 /// 2 √(e w) times that, w = cos θ_out/cos θ_in being the order's share of the flux.
-pub fn distributions<'a>(bdfs: impl Iterator<Item = &'a Bdf>, amplitude_error: f64) -> csv::Result<Vec<u8>> {
+pub fn distributions<'a>(
+    bdfs: impl Iterator<Item = &'a Bdf>,
+    amplitude_error: f64,
+    index_out: f64,
+) -> csv::Result<Vec<u8>> {
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record(BDF_HEADER)?;
     for bdf in bdfs {
         for lobe in [Lobe::Reflected, Lobe::Transmitted] {
             for order in bdf.orders(lobe) {
-                table.write_record(row(bdf, lobe, order, amplitude_error))?;
+                table.write_record(row(bdf, lobe, order, amplitude_error, index_out))?;
             }
         }
     }
     finish(table)
 }
 
-fn row(bdf: &Bdf, lobe: Lobe, order: &OrderMean, amplitude_error: f64) -> impl Iterator<Item = String> {
+fn row(
+    bdf: &Bdf,
+    lobe: Lobe,
+    order: &OrderMean,
+    amplitude_error: f64,
+    index_out: f64,
+) -> impl Iterator<Item = String> {
     let incidence = bdf.incidence();
-    let from = if incidence.from == Side::Incident { "above" } else { "below" };
+    let (from, here, beyond) = match incidence.from {
+        Side::Incident => ("above", 1.0, index_out),
+        Side::Exit => ("below", index_out, 1.0),
+    };
+    let index = if lobe == Lobe::Reflected { here } else { beyond };
     let [x, y] = order.direction;
-    let cosine = (1.0 - x * x - y * y).max(0.0).sqrt();
-    let flux = cosine / incidence.polar_deg.to_radians().cos();
+    // Power across a plane goes with k_z: index · cosine.
+    let flux =
+        (index * index - x * x - y * y).max(0.0).sqrt() / (here * incidence.polar_deg.to_radians().cos());
     let grid_error = 2.0 * (order.efficiency.value.max(0.0) * flux).sqrt() * amplitude_error;
     let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
     let place = [
@@ -137,7 +152,7 @@ mod tests {
     #[test]
     fn tables_are_rectangular_and_unknown_errors_are_empty() {
         let bdf = Bdf::from_ensemble(&[two_orders()]).unwrap();
-        let csv = distributions(std::iter::once(&bdf), 1e-3).unwrap();
+        let csv = distributions(std::iter::once(&bdf), 1e-3, 1.5).unwrap();
         let mut reader = csv::Reader::from_reader(csv.as_slice());
         let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
         assert_eq!(rows.len(), 2);

@@ -32,8 +32,10 @@ impl Default for RunSettings {
 pub struct Collected {
     /// The grid and what is known about its error.
     pub resolved: Resolved,
-    /// All realisations, in their order.
+    /// All realisations whose packings came about, in their order.
     pub realisations: Vec<Realisation>,
+    /// The others.
+    pub refused: Vec<Refused>,
     /// True when the wanted bar was reached before the last realisation asked for.
     pub enough: bool,
     /// What was found damaged in the store, and computed again as far as this study needs it.
@@ -51,6 +53,15 @@ pub struct Realisation {
     pub failures: Vec<Failure>,
 }
 
+/// A realisation whose grains found no room.
+#[derive(Clone, Debug)]
+pub struct Refused {
+    /// Its number, from 0.
+    pub realisation: usize,
+    /// The error's message.
+    pub reason: String,
+}
+
 /// A solve that ended without a result.
 #[derive(Clone, Debug)]
 pub struct Failure {
@@ -64,6 +75,11 @@ impl Collected {
     /// Solves that are there.
     pub fn finished(&self) -> usize {
         self.realisations.iter().map(|r| r.points.iter().flatten().count()).sum()
+    }
+
+    /// Realisations that were tried.
+    pub fn tried(&self) -> usize {
+        self.realisations.len() + self.refused.len()
     }
 
     /// All failures of all realisations.

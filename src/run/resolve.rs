@@ -172,8 +172,11 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     let (smallest, largest) = (study.angles.exact_deg[0], slanted.fold(0.0, f64::max));
     let nm = &study.wavelengths_nm;
     let strongest = nm.iter().copied().max_by(|&a, &b| contrast(a).total_cmp(&contrast(b))).unwrap_or(nm[0]);
-    let mut probes =
-        vec![incidence(nm[0], smallest), incidence(nm[0], largest), incidence(strongest, smallest)];
+    let mut probes = vec![incidence(nm[0], smallest), incidence(nm[0], largest)];
+    let worst = incidence(strongest, smallest);
+    if !probes.contains(&worst) {
+        probes.push(worst);
+    }
     probes.dedup();
     probes
 }

@@ -13,14 +13,14 @@ use crate::store::folder::OutputFolder;
 use crate::wave::Scene;
 
 pub(crate) use super::collected::Stores;
-pub use super::collected::{Collected, Failure, Realisation, RunSettings};
+pub use super::collected::{Collected, Failure, Realisation, Refused, RunSettings};
 pub use super::error::RunError;
 
 /// Runs `study` into `folder` until it is finished, stopped, or nothing more can be done.
 ///
 /// # Errors
-/// The first packing or the resolution fails, or records cannot be written. A solve that fails is kept as a
-/// [`Failure`] and does not stop the others.
+/// No packing comes about, the resolution fails, or records cannot be written. A solve that fails is kept as a
+/// [`Failure`], a packing that does as a [`Refused`]: neither stops the others.
 pub fn run(
     study: &Study,
     folder: &OutputFolder,
@@ -56,7 +56,14 @@ pub fn run_until(
         folder.begin()?;
     }
     watch.begins(study, kept);
-    let mut collected = Collected { resolved, realisations: Vec::new(), enough: false, damages: Vec::new() };
+    let mut collected = Collected {
+        resolved,
+        realisations: Vec::new(),
+        refused: Vec::new(),
+        enough: false,
+        damages: Vec::new(),
+    };
+    let mut refusal = None;
     for realisation in 0..study.realisations {
         collected.enough = realisation > 0 && enough(&collected);
         if collected.enough || watch.stop() && !collected.realisations.is_empty() {
@@ -66,11 +73,16 @@ pub fn run_until(
             RealisationRun { study, resolved: &resolved, stores: &stores, settings, watch, realisation };
         match run.finish(&mut packings).map_err(stopped) {
             Err(RunError::Stopped) => break,
+            // A seed reproduces: what found no room never will, and the others are as good without it.
+            Err(error) if error.has_no_room() => {
+                collected.refused.push(Refused { realisation, reason: error.to_string() });
+                refusal.get_or_insert(error);
+            }
             result => collected.realisations.push(result?),
         }
     }
     if collected.realisations.is_empty() {
-        return Err(RunError::Stopped);
+        return Err(refusal.unwrap_or(RunError::Stopped));
     }
     Ok(Collected { damages: stores.database().damages(), ..collected })
 }

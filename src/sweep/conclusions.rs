@@ -9,8 +9,7 @@ use super::outcome::Outcome;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
-use std::collections::BTreeMap;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Two-sided confidence of a verdict: 95 %.
 const QUANTILE: f64 = 0.975;
@@ -68,69 +67,85 @@ pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
 fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>, String) {
     let measured = measure(claim, outcomes).and_then(|(sum, fewest)| {
         let place = if claim.curve.is_empty() { sum } else { curve::place(claim, outcomes, &sum)? };
-        Ok((place.estimate, fewest))
+        Ok((place, fewest))
     });
     match measured {
         Err(missing) => (Verdict::Undecided, None, missing),
-        Ok((estimate, fewest)) => {
-            let (verdict, remark) = decide(claim, estimate, fewest, QUANTILE);
-            (verdict, Some(estimate), remark)
+        Ok((measured, fewest)) => {
+            let (verdict, remark) = decide(claim, &measured, fewest, QUANTILE);
+            (verdict, Some(measured.estimate), remark)
         }
     }
 }
 
 /// What a verdict says of a variant that is not there.
-fn no_value(name: &str) -> String {
-    format!("no value of {name} yet: finish the sweep")
+fn no_value(outcome: &Outcome) -> String {
+    match &outcome.reason {
+        Some(reason) => format!("no value of {}: {reason}", outcome.name),
+        None => format!("no value of {} yet: finish the sweep", outcome.name),
+    }
 }
 
-/// The measured value, and the fewest realisations behind it.
+/// The measured value, and the fewest realisations behind it; 0 where chance plays no part.
 fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), String> {
     let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
-    let several = all().map(|o| o.realisations).filter(|&n| n > 1).min().unwrap_or(0);
+    let behind = all().chain(claim.curve.iter().map(|&(_, v)| &outcomes[v])).map(|o| o.realisations);
+    let fewest = behind.filter(|&n| n > 1).min().unwrap_or(0);
     if claim.quantity == Quantity::DeltaE {
         let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
-        let missing = || no_value(if a.colour.is_none() { &a.name } else { &b.name });
-        let difference = a.delta_e_2000(b).ok_or_else(missing)?;
-        return Ok((Linked { estimate: difference, deviations: BTreeMap::new() }, several));
+        let missing = || no_value(if a.colour.is_none() { a } else { b });
+        return Ok((a.difference(b).ok_or_else(missing)?, fewest));
     }
     let of = |outcome: &Outcome| {
-        outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(&outcome.name))
+        outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(outcome))
     };
     let numbers = all().map(of).collect::<Result<Vec<Linked>, String>>()?;
     let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
-    Ok((Linked::sum(signs.zip(&numbers)), several))
+    let mut sum = Linked::sum(signs.zip(&numbers));
+    if claim.quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
+        // Hues on both sides of red are near each other.
+        sum.estimate.value = 180.0 - (180.0 - sum.estimate.value).rem_euclid(360.0);
+    }
+    Ok((sum, fewest))
 }
 
 /// The verdict at a one-sided confidence, and what a decision would take.
-fn decide(claim: &Claim, measured: Estimate, fewest: usize, quantile: f64) -> (Verdict, String) {
-    let Some(error) = measured.standard_error else {
+fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Verdict, String) {
+    let Some(error) = measured.estimate.standard_error else {
         return (
             Verdict::Undecided,
             "the standard error is unknown: 2 or more realisations are needed".into(),
         );
     };
-    let above = claim.at_least.map(|bound| measured.value - bound);
-    let below = claim.at_most.map(|bound| bound - measured.value);
+    let above = claim.at_least.map(|bound| measured.estimate.value - bound);
+    let below = claim.at_most.map(|bound| bound - measured.estimate.value);
     let margin = above.into_iter().chain(below).fold(f64::INFINITY, f64::min);
     let reach = error * student(fewest, quantile);
     if margin.abs() > reach || error == 0.0 {
         return (if margin >= 0.0 { Verdict::Confirmed } else { Verdict::Refuted }, String::new());
     }
-    let needed = fewest as f64 * (2.0 * error / margin).powi(2);
-    let remark = if needed < 1e6 {
-        format!(
-            "about {:.0} realisations instead of {fewest}, if the value stays",
-            needed.ceil().max(fewest as f64 + 1.0)
-        )
-    } else {
-        "the value sits on the bound".into()
-    };
-    (Verdict::Undecided, remark)
+    (Verdict::Undecided, what_it_takes(measured.chance_variance(), error, margin, fewest))
 }
 
-/// Quantile of Student's t for a mean of n realisations; one where nothing varies.
+/// Realisations that would bring two standard errors below the margin, where the part that they do not lessen leaves room.
+fn what_it_takes(chance: f64, error: f64, margin: f64, fewest: usize) -> String {
+    let room = (0.5 * margin).powi(2) - (error * error - chance).max(0.0);
+    let needed = fewest as f64 * chance / room;
+    if room <= 0.0 && 2.0 * (error * error - chance).max(0.0).sqrt() > 1e-3 * margin.abs().max(error) {
+        return "the grid leaves it open: a smaller resolution.accuracy, if the value stays".into();
+    }
+    if room > 0.0 && needed < 1e6 {
+        let needed = needed.ceil().max(fewest as f64 + 1.0);
+        return format!("about {needed:.0} realisations instead of {fewest}, if the value stays");
+    }
+    "the value sits on the bound".into()
+}
+
+/// Quantile of Student's t for a mean of n realisations; the normal law's where chance plays no part.
 fn student(realisations: usize, quantile: f64) -> f64 {
+    if realisations == 0 {
+        return Normal::standard().inverse_cdf(quantile);
+    }
     let freedom = realisations.saturating_sub(1).max(1) as f64;
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(quantile))
 }
@@ -185,7 +200,9 @@ mod tests {
             at_most: None,
             curve: vec![],
         };
-        decide(&claim, Estimate { value, standard_error: Some(error) }, n, QUANTILE).0
+        let estimate = Estimate { value, standard_error: Some(error) };
+        let measured = Linked { estimate, deviations: [(0, error)].into() };
+        decide(&claim, &measured, n, QUANTILE).0
     }
 
     #[test]
@@ -196,5 +213,17 @@ mod tests {
         assert_eq!(verdict(1.7, 1.0, 4), Verdict::Refuted);
         assert_eq!(verdict(7.1, 1.0, 100), Verdict::Confirmed);
         assert_eq!(verdict(5.1, 0.0, 0), Verdict::Confirmed);
+        // no chance: the normal law's 1.96
+        assert_eq!(verdict(7.0, 1.0, 0), Verdict::Confirmed);
+        assert_eq!(verdict(6.9, 1.0, 0), Verdict::Undecided);
+    }
+
+    #[test]
+    fn what_a_decision_takes_depends_on_what_leaves_it_open() {
+        // two errors of chance alone against a margin of 1: four times the realisations
+        assert!(what_it_takes(1.0, 1.0, 1.0, 10).starts_with("about 40 realisations instead of 10"));
+        // a grid error of 0.8 beside it: no number of realisations brings two errors below 1
+        assert!(what_it_takes(0.36, 1.0, 1.0, 10).contains("resolution.accuracy"));
+        assert_eq!(what_it_takes(1.0, 1.0, 0.0, 10), "the value sits on the bound");
     }
 }

@@ -125,17 +125,29 @@ impl Outcome {
 
     /// ΔE₀₀ to another variant's colour, of which realisations of the same numbers are the same draws of cells, directions and
     /// wavelengths, often the same packings; a colour in which nothing is uncertain counts as exact.
-    pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
+    pub fn difference(&self, other: &Self) -> Option<Linked> {
         let colour = |o: &Self| {
             let exact = o.certain.then_some([[0.0; 3]; 3]);
             o.colour.map(|c| Colour { lab_covariance: c.lab_covariance.or(exact), ..c })
         };
-        let mut common = [[0.0; 3]; 3];
-        for (realisation, here) in &self.lab_deviations {
-            let there = other.lab_deviations.get(realisation).unwrap_or(&[0.0; 3]);
-            (0..9).for_each(|k| common[k / 3][k % 3] += here[k / 3] * there[k % 3]);
+        let [here, there] = [colour(self)?, colour(other)?];
+        let [by_here, by_there] = here.delta_e_2000_gradients(&there);
+        let (mut common, mut deviations) = ([[0.0; 3]; 3], BTreeMap::new());
+        for realisation in self.lab_deviations.keys().chain(other.lab_deviations.keys()) {
+            let of = |o: &Self| o.lab_deviations.get(realisation).copied().unwrap_or_default();
+            let [a, b] = [of(self), of(other)];
+            deviations.insert(*realisation, (0..3).map(|i| by_here[i] * a[i] + by_there[i] * b[i]).sum());
         }
-        Some(colour(self)?.delta_e_2000_among(&colour(other)?, &common))
+        for (realisation, a) in &self.lab_deviations {
+            let b = other.lab_deviations.get(realisation).copied().unwrap_or_default();
+            (0..9).for_each(|k| common[k / 3][k % 3] += a[k / 3] * b[k % 3]);
+        }
+        Some(Linked { estimate: here.delta_e_2000_among(&there, &common), deviations })
+    }
+
+    /// The same without what each realisation moves it by.
+    pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
+        Some(self.difference(other)?.estimate)
     }
 }
 
@@ -151,4 +163,60 @@ pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
     let standing = Standing::of(study, stores, 0);
     let realisations = if standing.enough { standing.border } else { study.realisations };
     Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::colour::Colorimeter;
+
+    /// A yellow of two realisations that move b* by ± `by`, and a variance of 0.01 in L* of its own.
+    fn outcome(values: [f64; 4], by: f64) -> Outcome {
+        let meter = Colorimeter::new(&[400.0, 500.0, 600.0, 700.0]).unwrap();
+        let mut covariance = [[0.0; 3]; 3];
+        (covariance[0][0], covariance[2][2]) = (0.01, 2.0 * by * by);
+        let colour = Colour { lab_covariance: Some(covariance), ..meter.colour(&values).unwrap() };
+        Outcome {
+            name: "yellow".into(),
+            labels: Vec::new(),
+            solves: Count { asked: 2, finished: 2 },
+            failures: 0,
+            reason: None,
+            realisations: 2,
+            certain: false,
+            colour: Some(colour),
+            lab_deviations: [(0, [0.0, 0.0, by]), (1, [0.0, 0.0, -by])].into(),
+            spectra: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn realisations_in_common_move_both_colours() {
+        let (pale, deep) = ([0.5, 0.8, 0.9, 0.9], [0.2, 0.6, 0.9, 0.9]);
+        let error = |a: &Outcome, b: &Outcome| a.difference(b).unwrap().estimate.standard_error.unwrap();
+        let [together, apart] = [0.3, -0.3].map(|by| error(&outcome(pale, 0.3), &outcome(deep, by)));
+        let other_draws = Outcome { lab_deviations: BTreeMap::new(), ..outcome(deep, 0.3) };
+        let independent = error(&outcome(pale, 0.3), &other_draws);
+        assert!(
+            together < 0.5 * independent && independent < 0.8 * apart,
+            "{together} {independent} {apart}"
+        );
+        // what each realisation moves the difference by is what its error holds but for L*'s own part
+        let linked = outcome(pale, 0.3).difference(&outcome(deep, -0.3)).unwrap();
+        let own = apart * apart - linked.chance_variance();
+        assert!(own > 0.0 && own < 0.02 && linked.deviations.len() == 2, "{own}");
+    }
+
+    #[test]
+    fn chroma_and_hue_have_the_errors_of_their_colour() {
+        let yellow = outcome([0.5, 0.8, 0.9, 0.9], 0.3);
+        for quantity in [Quantity::Chroma, Quantity::Hue] {
+            let number = yellow.quantity(quantity, None).unwrap();
+            let error = number.estimate.standard_error.unwrap();
+            // L* moves neither: all of it is what the realisations bring; gradients to 1e-6
+            assert!((number.chance_variance().sqrt() / error - 1.0).abs() < 1e-5, "{quantity:?} {number:?}");
+        }
+        let lightness = yellow.quantity(Quantity::Lightness, None).unwrap();
+        assert_eq!((lightness.chance_variance(), lightness.estimate.standard_error), (0.0, Some(0.1)));
+    }
 }

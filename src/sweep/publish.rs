@@ -117,8 +117,14 @@ fn variant(
     let seen = see(study, &collected)?;
     let manifest = summarise(study, &collected, &seen);
     let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
-    publish_seen(study, &manifest, &seen, &of_variant)?;
-    Ok((outcome(nothing.with(&manifest)), picture(study, &seen)))
+    match publish_seen(study, &manifest, &seen, &of_variant) {
+        // One variant without a result is no reason to keep back the others.
+        Err(unphysical @ PublishError::Unphysical(_)) => {
+            let (solves, reason) = (manifest.solves, Some(unphysical.to_string()));
+            Ok((outcome(Outcome { solves, failures: 1, reason, ..nothing }), None))
+        }
+        published => published.map(|_| (outcome(nothing.with(&manifest)), picture(study, &seen))),
+    }
 }
 
 fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {

@@ -40,8 +40,8 @@ impl Standing {
             if !has_ended(study, stores, border) {
                 return Self { border, open: true, enough: false };
             }
-            // What has no packing or grid has no more to hope for.
-            if (0..border).any(|r| has_failed(study, stores, r)) {
+            // What has no grid, or no packing of so many, has no more to hope for.
+            if (0..border).all(|r| has_failed(study, stores, r)) {
                 return Self { border, open: false, enough: false };
             }
             if border < all && collect_some(study, stores, border).is_some_and(|c| enough(study, &c)) {

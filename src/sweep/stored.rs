@@ -24,8 +24,8 @@ pub(super) fn collect_some(study: &Study, stores: &Stores, realisations: usize) 
         Some(Realisation { packing, points, failures })
     };
     let realisations: Vec<Realisation> = (0..realisations).filter_map(realisation).collect();
-    let (enough, damages) = (false, Vec::new());
-    (!realisations.is_empty()).then_some(Collected { resolved, realisations, enough, damages })
+    let (refused, enough, damages) = (Vec::new(), false, Vec::new());
+    (!realisations.is_empty()).then_some(Collected { resolved, realisations, refused, enough, damages })
 }
 
 /// What a realisation's packing and grid depend on.

@@ -7,7 +7,7 @@ use crate::input::case::Case;
 use crate::numerics::files;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task};
-use crate::solve::{Coverages, Gmres, Goal, Silent};
+use crate::solve::{Coverages, Gmres, Goal, Watch};
 use crate::wave::{FarField, Mean, Order, Physical, Scheme, TotalErrors};
 use num_complex::Complex64;
 
@@ -33,7 +33,11 @@ impl ComparisonFile {
     }
 
     /// Amplitudes to compare with: those of the case file, or a solve at half as many points and cells again.
-    pub(super) fn reference(&self, subject: &Subject) -> Result<(FarField, String), CompareError> {
+    pub(super) fn reference(
+        &self,
+        subject: &Subject,
+        watch: &mut dyn Watch,
+    ) -> Result<(FarField, String), CompareError> {
         let most = |f: fn(&Points) -> usize| self.resolutions.iter().map(f).max().unwrap_or(1);
         let finest = Points { points: 3 * most(|p| p.points) / 2, cells: 3 * most(|p| p.cells) / 2 };
         let resolution = resolution(&subject.case.scene, finest, Scheme::Cubic);
@@ -48,7 +52,7 @@ impl ComparisonFile {
             goal: Goal { tolerance: 1e-9, ..Goal::default() },
             memory: memory::usable(),
         };
-        let (problem, solution, _) = task.solve(resolution, &mut Silent)?;
+        let (problem, solution, _) = task.solve(resolution, watch)?;
         let errors = TotalErrors::of_totals([1.0; 2], solution.account.residual);
         let mut far = Physical::judge(problem.far_field(&solution.field), errors)
             .map_err(AccuracyError::Unphysical)?

@@ -2,7 +2,7 @@
 
 use super::percent;
 use crate::appearance::paper::{Coupling, MirroredSky};
-use crate::evaluate::manifest::{Budget, Certainty, ColourNote, Manifest, SpectrumRow};
+use crate::evaluate::manifest::{Budget, Certainty, ColourNote, FailureNote, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
 use crate::ink::Method;
@@ -221,14 +221,13 @@ pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<Packin
 }
 
 pub(crate) fn failures(manifest: &Manifest<&Study>) -> Vec<FailureRow> {
-    let row = |note: &crate::evaluate::manifest::FailureNote| FailureRow {
-        point: format!(
-            "realisation {}, {} nm, {:.1}°",
-            note.realisation + 1,
-            note.wavelength_nm,
-            note.polar_deg
-        ),
-        reason: note.reason.clone(),
+    let row = |note: &FailureNote| {
+        let realisation = format!("realisation {}", note.realisation + 1);
+        let point = match note.wavelength_nm.zip(note.polar_deg) {
+            Some((nm, deg)) => format!("{realisation}, {nm} nm, {deg:.1}°"),
+            None => format!("{realisation}, packing"),
+        };
+        FailureRow { point, reason: note.reason.clone() }
     };
     manifest.failures.iter().map(row).collect()
 }
@@ -266,6 +265,13 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
         lines.push(line.to_owned());
     }
     lines.extend(missed_target(study, manifest));
+    if let Some(reason) = &manifest.no_ink_maker {
+        let viewing = study.judgement.viewing.name();
+        lines.insert(
+            0,
+            format!("There are no swatches, hiding power and comparisons under {viewing}: {reason}."),
+        );
+    }
     lines
 }
 

@@ -145,7 +145,7 @@ impl<G: Discretisation> Task<'_, G> {
     ///
     /// For grains 4 (3 for the vector wave, which folds nothing) and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
     /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
-    /// do so in one.
+    /// do so in one. Tents and second differences are of order 2 across z.
     fn orders(&self, own: Resolution) -> [i32; 2] {
         let upright = self.coverages.scene.bodies.iter().any(|b| matches!(b.shape, Shape::BarY { .. }));
         let sharp =
@@ -153,7 +153,8 @@ impl<G: Discretisation> Task<'_, G> {
         let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
             .map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
-        [(G::PLANE_ORDER - sharp - fine(0, own.nx)).max(2), (5 - sharp - fine(1, own.cells)).max(3)]
+        let across = if own.scheme.degree() > 1 { (5 - sharp - fine(1, own.cells)).max(3) } else { 2 };
+        [(G::PLANE_ORDER - sharp - fine(0, own.nx)).max(2), across]
     }
 
     /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.

@@ -12,7 +12,7 @@ pub(super) fn place(claim: &Claim, outcomes: &[Outcome], value: &Linked) -> Resu
     let point = |&(at, v): &(f64, usize)| {
         let outcome = &outcomes[v];
         let found = outcome.quantity(claim.quantity, claim.wavelength_nm);
-        found.map(|number| (at, number)).ok_or_else(|| no_value(&outcome.name))
+        found.map(|number| (at, number)).ok_or_else(|| no_value(outcome))
     };
     let points: Vec<(f64, Linked)> = claim.curve.iter().map(point).collect::<Result<_, _>>()?;
     on_curve(&points, value)

@@ -36,10 +36,10 @@ pub(super) fn judge(
 
 fn at_wavelength(claim: &Claim, outcomes: &[Outcome], nm: f64, count: usize) -> Result<AtWavelength, String> {
     let (measured, fewest) = measure(&Claim { wavelength_nm: Some(nm), ..claim.clone() }, outcomes)?;
-    let measured = measured.estimate;
     let together = 1.0 - (1.0 - QUANTILE) / count as f64;
-    let (verdict, _) = decide(claim, measured, fewest, QUANTILE);
-    let refuted = decide(claim, measured, fewest, together).0 == Verdict::Refuted;
+    let (verdict, _) = decide(claim, &measured, fewest, QUANTILE);
+    let refuted = decide(claim, &measured, fewest, together).0 == Verdict::Refuted;
+    let measured = measured.estimate;
     let above = claim.at_least.map_or(f64::INFINITY, |bound| measured.value - bound);
     let below = claim.at_most.map_or(f64::INFINITY, |bound| bound - measured.value);
     Ok(AtWavelength { nm, measured, verdict, refuted, margin: above.min(below) })
