@@ -43,20 +43,7 @@ pub struct Plot {
     pub series: Vec<Series>,
 }
 
-/// A BRDF or BTDF in one plane: x of the series is the polar angle in degrees, −90 to 90 (negative: towards the light),
-/// y the radius.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PolarPlot {
-    /// Title over the plot.
-    pub title: String,
-    /// Name of the radius with its unit, e.g. "diffuse BRDF, 1/sr".
-    pub label: String,
-    /// The series, in the order of the legend.
-    pub series: Vec<Series>,
-}
-
 const SIZE: (u32, u32) = (760, 480);
-const POLAR_SIZE: (u32, u32) = (760, 420);
 
 type Area<B> = DrawingArea<B, Shift>;
 type Chart<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -65,29 +52,22 @@ fn failed(error: impl std::fmt::Display) -> FigureError {
     FigureError::Draw(error.to_string())
 }
 
-/// Draws on the backend that the path's ending asks for.
-macro_rules! write_by_ending {
-    ($self:ident, $path:ident, $size:expr) => {{
-        let path: &Path = $path.as_ref();
-        register_fonts();
-        $self.check()?;
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            let mut bitmap = Bitmap::white($size.0 as usize, $size.1 as usize)?;
-            bitmap.draw(|area| $self.draw(area))?;
-            return bitmap.write_png(path, &[("Title", $self.title.as_str())]);
-        }
-        std::fs::write(path, $self.svg()?)
-            .map_err(|e| FigureError::Write { path: path.into(), message: e.to_string() })
-    }};
-}
-
 impl Plot {
     /// Writes the plot; `.png` gives a bitmap, anything else SVG.
     ///
     /// # Errors
     /// No series or points; numbers that are not finite; a path that cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), FigureError> {
-        write_by_ending!(self, path, SIZE)
+        let path = path.as_ref();
+        register_fonts();
+        self.check()?;
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+            let mut bitmap = Bitmap::white(SIZE.0 as usize, SIZE.1 as usize)?;
+            bitmap.draw(|area| self.draw(area))?;
+            return bitmap.write_png(path, &[("Title", self.title.as_str())]);
+        }
+        let failed = |e: std::io::Error| FigureError::Write { path: path.into(), message: e.to_string() };
+        std::fs::write(path, self.svg()?).map_err(failed)
     }
 
     /// The plot as SVG text.
@@ -128,7 +108,7 @@ impl Plot {
             .draw()
             .map_err(failed)?;
         for (k, series) in self.series.iter().enumerate() {
-            curve(&mut chart, k, series, |x, y| (x, y))?;
+            curve(&mut chart, k, series)?;
         }
         if self.series.len() < 2 { Ok(()) } else { legend(&names, &self.series) }
     }
@@ -138,47 +118,6 @@ impl Plot {
         f: impl Fn(&(f64, Estimate)) -> [f64; 2] + 'a,
     ) -> impl Iterator<Item = f64> + 'a {
         self.series.iter().flat_map(|s| &s.points).flat_map(f)
-    }
-}
-
-impl PolarPlot {
-    /// Writes the plot; `.png` gives a bitmap, anything else SVG.
-    ///
-    /// # Errors
-    /// As [`Plot::write`].
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), FigureError> {
-        write_by_ending!(self, path, POLAR_SIZE)
-    }
-
-    /// The plot as SVG text.
-    ///
-    /// # Errors
-    /// As [`Plot::write`], without the path.
-    pub fn svg(&self) -> Result<String, FigureError> {
-        self.check()?;
-        svg_of(POLAR_SIZE, |area| self.draw(area))
-    }
-
-    fn check(&self) -> Result<(), FigureError> {
-        check_series(&self.series)
-    }
-
-    fn draw<'a, B: DrawingBackend + 'a>(&self, area: &Area<B>) -> Result<(), FigureError> {
-        area.fill(&WHITE).map_err(failed)?;
-        let values = self.series.iter().flat_map(|s| &s.points).flat_map(|p| ends(&p.1));
-        let step = nice_step(values.fold(0.0, f64::max));
-        let reach = 4.0 * step;
-        let (plot, names) = split(area, &self.series);
-        let mut chart = ChartBuilder::on(&plot)
-            .caption(&self.title, (FONT, 18))
-            .margin(16)
-            .build_cartesian_2d(-1.1 * reach..1.1 * reach, -0.2 * reach..1.1 * reach)
-            .map_err(failed)?;
-        polar_grid(&mut chart, step, &self.label)?;
-        for (k, series) in self.series.iter().enumerate() {
-            curve(&mut chart, k, series, |deg, r| (r * deg.to_radians().sin(), r * deg.to_radians().cos()))?;
-        }
-        if self.series.len() < 2 { Ok(()) } else { legend(&names, &self.series) }
     }
 }
 
@@ -222,28 +161,19 @@ fn extent(values: impl Iterator<Item = f64>, margin: f64, from_zero: bool) -> [f
     [if grounded { 0.0 } else { lo - margin * width }, if hi > lo { hi } else { lo + width } + margin * width]
 }
 
-/// A round step, four of which reach the value.
-fn nice_step(value: f64) -> f64 {
-    let raw = (value / 4.0).max(1e-30);
-    let decade = 10f64.powf(raw.log10().floor());
-    let steps = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5, 10.0];
-    steps.map(|s| s * decade).into_iter().find(|s| *s >= raw * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
-}
-
-/// Line, error bars and markers of one series; `place` maps (x, y) to the plane.
+/// Line, error bars and markers of one series.
 fn curve<'a, B: DrawingBackend + 'a>(
     chart: &mut Chart<'a, B>,
     k: usize,
     series: &Series,
-    place: impl Fn(f64, f64) -> (f64, f64),
 ) -> Result<(), FigureError> {
     let colour = COLOURS[k % COLOURS.len()];
-    let at = |p: &(f64, Estimate)| place(p.0, p.1.value);
+    let at = |p: &(f64, Estimate)| (p.0, p.1.value);
     let line = series.points.iter().map(at);
     chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(failed)?;
     let bars = series.points.iter().filter(|p| p.1.standard_error.is_some()).map(|p| {
         let [lo, hi] = ends(&p.1);
-        PathElement::new([place(p.0, lo), place(p.0, hi)], colour.stroke_width(1))
+        PathElement::new([(p.0, lo), (p.0, hi)], colour.stroke_width(1))
     });
     chart.draw_series(bars).map_err(failed)?;
     let markers =
@@ -291,32 +221,6 @@ fn short(value: f64, span: f64) -> String {
     let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-/// Half circles at four radii with their values, spokes every 30°.
-fn polar_grid<'a, B: DrawingBackend + 'a>(
-    chart: &mut Chart<'a, B>,
-    step: f64,
-    label: &str,
-) -> Result<(), FigureError> {
-    let grey = RGBColor(170, 170, 170);
-    let point = |deg: f64, r: f64| (r * deg.to_radians().sin(), r * deg.to_radians().cos());
-    let text = |text: String, at, px| Text::new(text, at, (FONT, px).into_font());
-    for k in 1..=4 {
-        let arc = (-90..=90).step_by(3).map(|deg| point(f64::from(deg), step * f64::from(k)));
-        chart.draw_series(LineSeries::new(arc, grey)).map_err(failed)?;
-        let value = text(short(step * f64::from(k), step), (step * (f64::from(k) - 0.12), -0.1 * step), 13);
-        chart.draw_series([value]).map_err(failed)?;
-    }
-    for deg in (-90..=90).step_by(30) {
-        let deg = f64::from(deg);
-        chart.draw_series(LineSeries::new([(0.0, 0.0), point(deg, 4.0 * step)], grey)).map_err(failed)?;
-        let (x, y) = point(deg, 4.12 * step);
-        let name = text(format!("{deg:.0}°"), (x - 0.12 * step, y + 0.12 * step), 13);
-        chart.draw_series([name]).map_err(failed)?;
-    }
-    chart.draw_series([text(label.into(), (-0.9 * step, -0.42 * step), 15)]).map_err(failed)?;
-    Ok(())
 }
 
 #[cfg(test)]

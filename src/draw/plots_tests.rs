@@ -27,23 +27,6 @@ fn spectra() -> Plot {
     }
 }
 
-fn lobes() -> PolarPlot {
-    let ink = molecular_ink("yellow", 0.15, Coupling::Gap);
-    let normal = ink.at(0.0).unwrap();
-    let angles: Vec<f64> = (-12..=12).map(|k| 5.0 * f64::from(k)).collect();
-    let lobe = |nm: usize| {
-        let layer = &ink.layers()[nm];
-        let f = |deg: &f64| layer.brdf(&normal, &ink.at(deg.abs()).unwrap());
-        let y: Vec<_> = angles.iter().map(|d| Estimate { value: f(d), standard_error: Some(0.01) }).collect();
-        Series::new(&format!("{} nm", 400 + 20 * nm), &angles, &y)
-    };
-    PolarPlot {
-        title: "Yellow (synthetic) 15 % on paper 0.9, light at 0°".into(),
-        label: "diffuse BRDF, 1/sr".into(),
-        series: vec![lobe(2), lobe(5), lobe(10)],
-    }
-}
-
 #[test]
 fn plots_have_axes_units_series_and_error_bars() {
     let svg = spectra().svg().unwrap();
@@ -53,10 +36,8 @@ fn plots_have_axes_units_series_and_error_bars() {
         assert!(svg.contains(text), "{text} is missing");
     }
     assert!(!svg.contains("NaN"));
-    assert!(lobes().svg().unwrap().contains("diffuse BRDF, 1/sr"));
-    for (name, polar) in [("spectra.png", "lobes.png"), ("spectra.svg", "lobes.svg")] {
+    for name in ["spectra.png", "spectra.svg"] {
         keep(|path| spectra().write(path), name);
-        keep(|path| lobes().write(path), polar);
     }
 }
 
@@ -65,7 +46,6 @@ fn plots_are_written_by_their_ending() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["a.svg", "a.png"] {
         spectra().write(folder.path().join(name)).unwrap();
-        lobes().write(folder.path().join(name)).unwrap();
         assert!(std::fs::metadata(folder.path().join(name)).unwrap().len() > 1000);
     }
 }
@@ -74,19 +54,8 @@ fn plots_are_written_by_their_ending() {
 fn empty_or_broken_plots_are_refused() {
     assert!(Plot::default().svg().unwrap_err().to_string().contains("series is empty"));
     let nan = Series::new("x", &[1.0], &[Estimate::unknown_error(f64::NAN)]);
-    assert!(PolarPlot { series: vec![nan], ..PolarPlot::default() }.svg().is_err());
+    assert!(Plot { series: vec![nan], ..Plot::default() }.svg().is_err());
     assert!(spectra().write("/no/such/folder/a.svg").is_err());
     let flat = Series::new("x", &[1.0], &[Estimate::unknown_error(0.0)]);
     assert!(Plot { series: vec![flat], ..Plot::default() }.svg().is_ok());
-}
-
-#[test]
-fn steps_of_the_polar_grid_are_round() {
-    for (value, step) in [(0.27, 0.075), (4.0, 1.0), (1.01, 0.3), (0.0, 2.5e-31)] {
-        assert!(
-            (nice_step(value) / step - 1.0).abs() < 1e-9 || value == 0.0,
-            "{value}: {}",
-            nice_step(value)
-        );
-    }
 }
