@@ -168,7 +168,9 @@ impl Question<'_> {
         let row = |(&wavelength_nm, (absorption_per_um, scattering_per_um)): (&f64, (Estimate, Estimate))| {
             KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um }
         };
-        rows.map(row).filter(|row| row.absorption_per_um.value.is_finite()).collect()
+        // Where hardly any light comes through, T is within its error of none: K and S are anything.
+        let known = |e: &Estimate| e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite);
+        rows.map(row).filter(|row| known(&row.absorption_per_um) && known(&row.scattering_per_um)).collect()
     }
 
     /// A measured spectrum beside the prediction.

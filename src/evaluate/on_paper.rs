@@ -215,7 +215,7 @@ impl LayerOnPaper {
         let [forward, backward] = [1.0, -1.0].map(|c| self.azimuthal_brdf(illumination, viewing, c));
         // A cos Δφ + B cos 2Δφ is never below −|A| − |B|
         let swing = 0.5 * ((forward - backward).abs() + (forward + backward).abs());
-        let share = if swing > mean { mean.max(0.0) / swing } else { 1.0 };
+        let share = if swing > mean.max(0.0) { mean.max(0.0) / swing } else { 1.0 };
         mean + share * self.azimuthal_brdf(illumination, viewing, cosine)
     }
 
@@ -317,4 +317,20 @@ fn curve(
 ) -> f64 {
     let anchored: f64 = between.iter().zip(anchors).map(|(s, a)| s * a[quantity]).sum();
     anchored + bends.iter().zip(&coefficients[quantity]).map(|(b, c)| b * c).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fits of few cells may fall below zero; at the normal nothing depends on the azimuth.
+    #[test]
+    fn the_directional_brdf_is_a_number_where_the_fit_is_negative() {
+        let curve = Curve { diffuse: [-0.01; DIFFUSE], ..Curve::default() };
+        let layer = LayerOnPaper::new(0, [0.5, 0.2], Measured::default(), curve, 0.8, 1.0).unwrap();
+        for [illumination, viewing] in [[1.0, 1.0], [1.0, 0.4], [0.3, 0.6]] {
+            let f = layer.directional_brdf(illumination, viewing, 1.0);
+            assert_eq!(f, layer.diffuse_brdf_at(illumination, viewing), "{illumination} {viewing}");
+        }
+    }
 }

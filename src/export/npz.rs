@@ -38,7 +38,7 @@ fn solves(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzErr
     let mut first = vec![0_i64];
     records.iter().for_each(|r| first.push(first[first.len() - 1] + r.orders.len() as i64));
     npz.add_array("solve_realisation", &realisation)?;
-    npz.add_array("solve_wavelength_nm", &numbers(&|r| 1e3 * r.incidence.wavelength_um))?;
+    npz.add_array("solve_wavelength_nm", &numbers(&|r| (1e12 * r.incidence.wavelength_um).round() / 1e9))?;
     npz.add_array("solve_polar_deg", &numbers(&|r| r.incidence.polar_deg))?;
     npz.add_array("solve_azimuth_deg", &numbers(&|r| r.incidence.azimuth_deg))?;
     npz.add_array("solve_from_exit_side", &from_below)?;

@@ -115,7 +115,11 @@ impl Columns {
         }
         let mut rows = Vec::new();
         for record in reader.records() {
-            rows.push(row(path, &names, separator, &record.map_err(broken)?)?);
+            let record = record.map_err(broken)?;
+            // Spreadsheets end with lines of nothing but separators.
+            if record.iter().any(|cell| !cell.is_empty()) {
+                rows.push(row(path, &names, separator, &record)?);
+            }
         }
         Ok(Self { names, rows })
     }

@@ -13,6 +13,8 @@ use std::path::Path;
 
 /// Re η of every pigment in P1 section 5; used where a table has no column `n`.
 pub const PIGMENT_N: f64 = 1.4;
+/// Largest real part of an index: a decimal comma that was lost makes 155 of 1.55.
+const LARGEST_N: f64 = 10.0;
 
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -211,8 +213,8 @@ fn check_index(field: &str, n: f64, kappa: f64) -> Result<(), SpectrumError> {
     let bad = |column, value, allowed, remedy| {
         Err(SpectrumError::BadValue { field: format!("{field}: {column}"), value, allowed, remedy })
     };
-    if !(n.is_finite() && n > 0.0) {
-        return bad("n", n, "greater than 0", "give the real part of the index, e.g. 1.4");
+    if !(n > 0.0 && n <= LARGEST_N) {
+        return bad("n", n, "greater than 0, at most 10", "give the real part of the index, e.g. 1.4");
     }
     if !(kappa.is_finite() && kappa >= 0.0) {
         return bad("kappa", kappa, "of at least 0", "absorption is positive here: exp(-iωt) convention");

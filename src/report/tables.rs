@@ -119,7 +119,8 @@ fn row(
     let grid_error = 2.0 * (order.efficiency.value.max(0.0) * flux).sqrt() * amplitude_error;
     let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
     let place = [
-        (1e3 * incidence.wavelength_um).to_string(),
+        // 0.41 µm is 410 nm, not 410.00000000000006
+        ((1e12 * incidence.wavelength_um).round() / 1e9).to_string(),
         from.to_owned(),
         incidence.polar_deg.to_string(),
         incidence.azimuth_deg.to_string(),

@@ -3,6 +3,7 @@
 pub mod collected;
 pub mod crew;
 pub mod error;
+mod grids;
 pub mod memory;
 pub mod point;
 pub(crate) mod realisation;

@@ -3,7 +3,8 @@
 use super::collected::{Failure, Realisation, RunSettings, Stores};
 use super::crew::work_through;
 use super::error::RunError;
-use super::point::{PointError, is_physical, pack_realisation, problem_of, solve_point};
+use super::grids::Grids;
+use super::point::{PointError, is_physical, pack_realisation, solve_point};
 use super::resolve;
 use super::resolve::Resolved;
 use super::watch::RunWatch;
@@ -131,7 +132,8 @@ impl RealisationRun<'_> {
         let jobs = self.jobs(size.bytes(solver.solver()));
         let error = self.study.resolution.coverage_error();
         let geometry = packings.geometry(self.study.wave, self.realisation, resolution, error)?;
-        for (&i, result) in missing.iter().zip(self.solve_all(solver.solver(), jobs, &geometry, &todo)?) {
+        let grids = Grids::new(self.study, &packing, resolution, geometry);
+        for (&i, result) in missing.iter().zip(self.solve_all(solver.solver(), jobs, &grids, &todo)?) {
             match result {
                 Some(Ok(point)) => points[i] = Some(point),
                 Some(Err(reason)) => failures.push(self.note_failure(&keyed[i], reason)?),
@@ -175,7 +177,7 @@ impl RealisationRun<'_> {
         &self,
         solver: &dyn Solver,
         jobs: usize,
-        geometry: &Geometry,
+        grids: &Grids,
         todo: &[&(Point, Key)],
     ) -> Result<Vec<Solved>, RunError> {
         let results: Vec<Mutex<Solved>> = todo.iter().map(|_| Mutex::new(None)).collect();
@@ -186,7 +188,7 @@ impl RealisationRun<'_> {
         let places: Vec<usize> = starts(&groups);
         work_through(groups.len(), jobs, stop, |g| {
             let own = &results[places[g]..places[g] + groups[g].len()];
-            if let Err(error) = self.solve_group(solver, geometry, groups[g], own) {
+            if let Err(error) = self.solve_group(solver, grids, groups[g], own) {
                 *lock(&trouble) = Some(error);
             }
         })?;
@@ -203,7 +205,7 @@ impl RealisationRun<'_> {
     fn solve_group(
         &self,
         solver: &dyn Solver,
-        geometry: &Geometry,
+        grids: &Grids,
         group: &[&(Point, Key)],
         results: &[Mutex<Solved>],
     ) -> io::Result<()> {
@@ -212,7 +214,7 @@ impl RealisationRun<'_> {
             if self.watch.stop() {
                 break;
             }
-            *lock(result) = self.solve_one(solver, (geometry, &mut problem), point, key)?;
+            *lock(result) = self.solve_one(solver, (grids, &mut problem), point, key)?;
         }
         Ok(())
     }
@@ -221,7 +223,7 @@ impl RealisationRun<'_> {
     fn solve_one(
         &self,
         solver: &dyn Solver,
-        (geometry, shared): (&Geometry, &mut Option<WaveProblem>),
+        (grids, shared): (&Grids, &mut Option<WaveProblem>),
         point: &Point,
         key: &Key,
     ) -> io::Result<Solved> {
@@ -229,7 +231,7 @@ impl RealisationRun<'_> {
         let (study, grid) = (self.study, self.resolved.grid_error);
         let made = match shared.take() {
             Some(problem) => Ok(problem),
-            None => problem_of(study, geometry, point).map_err(|e| PointError::Door(e.into())),
+            None => grids.problem(point).map_err(|e| PointError::Door(e.into())),
         };
         let solved = made.and_then(|made| {
             let problem = shared.insert(made);

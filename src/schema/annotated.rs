@@ -76,9 +76,12 @@ impl<'a> Page<'a> {
         let range = allowed(value).or_else(|| allowed(whole)).map(|range| format!("Allowed: {range}."));
         let facts: Vec<String> = [must, default, range].into_iter().flatten().collect();
         self.comment(&facts.join(" "));
-        let written = !silent && !is_marked(value, "deprecated") && (required || has_value(value));
+        let example = example(value, whole);
+        let (known, usual) = (!example.is_null(), required || has_value(value));
+        let written = known && usual && !silent && !is_marked(value, "deprecated");
         let sign = if written { "" } else { "# " };
-        self.text += &format!("{sign}{key} = {}\n\n", text_of(whole, &example(value, whole)));
+        let text = if known { text_of(whole, &example) } else { "…".to_owned() };
+        self.text += &format!("{sign}{key} = {text}\n\n");
     }
 
     /// A form of a value, further lines further in.

@@ -75,7 +75,22 @@ impl Rows {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection = Connection::open_with_flags(path, flags)?;
         connection.busy_timeout(PATIENCE)?;
+        let readable = connection.query_row("select count(*) from sqlite_master", [], |_| Ok(()));
+        let connection = match readable {
+            Ok(()) => connection,
+            Err(_) => Self::as_it_is(path)?,
+        };
         Ok(Self { path: path.to_owned(), connection })
+    }
+
+    /// In a folder that may only be read there is no room for the log's shared memory; nobody writes there either.
+    fn as_it_is(path: &Path) -> rusqlite::Result<Connection> {
+        let name = path.display().to_string().replace('%', "%25").replace('?', "%3f").replace('#', "%23");
+        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
+        Connection::open_with_flags(
+            format!("file:{name}?immutable=1"),
+            flags | OpenFlags::SQLITE_OPEN_NO_MUTEX,
+        )
     }
 
     /// Where the file is; empty in memory.

@@ -124,6 +124,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     let mut faults = Faults::default();
     let axes: Vec<Axis> =
         file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
+    check_fields(&file, &mut faults);
     let drafts = expand(&file, &base, &axes, &mut faults);
     let stem = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
     let title = file.title.clone().unwrap_or(stem);
@@ -291,4 +292,19 @@ fn table_files(study: &mut Table) -> Vec<&mut Value> {
         }
     }
     found
+}
+/// Two axes of one field: the later one would decide, and the captions of the earlier one lie.
+fn check_fields(file: &SweepFile, faults: &mut Faults) {
+    for (i, table) in file.axis.iter().enumerate() {
+        let Some(field) = &table.field else { continue };
+        if file.axis[..i].iter().any(|earlier| earlier.field.as_ref() == Some(field)) {
+            let remedy = "keep one of them, with all values";
+            faults.push(Fault::new(
+                format!("axis[{i}].field"),
+                format!("{field} twice"),
+                "a field of one axis",
+                remedy,
+            ));
+        }
+    }
 }

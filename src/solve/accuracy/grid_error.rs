@@ -8,12 +8,12 @@
 
 use super::discretisation::Discretisation;
 use super::error::AccuracyError;
-use super::resolution::smooth_size;
+use super::resolution::{raised, smooth_size};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;
-use crate::wave::Resolution;
 use crate::wave::physical::largest;
+use crate::wave::{Resolution, WaveError};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -59,10 +59,9 @@ impl GridError {
     ) -> Result<Vec<[f64; 2]>, AccuracyError> {
         let Some(coverages) = tasks.first().map(|task| task.coverages) else { return Ok(Vec::new()) };
         let mut differences = Vec::new();
-        let here = coverages.at(own)?;
         let coarser = coverages.at(scaled(own, COARSER)).map_err(AccuracyError::from);
         for task in tasks {
-            let one = totals(task, &here, watch)?;
+            let one = totals_on(task, own, watch)?;
             let coarse = coarser.as_ref().ok().map(|coarser| totals(task, coarser, watch));
             let (other, share) = match coarse {
                 Some(Ok(other)) => (other, 1.0),
@@ -75,6 +74,21 @@ impl GridError {
             differences.extend(one.iter().zip(&other).map(of_light));
         }
         Ok(differences)
+    }
+}
+
+/// R and T of one probe, for each polarisation, on this grid; on one with more cells where these are too high for the wave, as
+/// [`crate::run`] solves it then.
+fn totals_on<G: Discretisation>(
+    task: &Task<G>,
+    mut resolution: Resolution,
+    watch: &mut dyn Watch,
+) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    loop {
+        let found = totals(task, &task.coverages.at(resolution)?, watch);
+        let Err(AccuracyError::Wave(refusal @ WaveError::CellTooHigh { .. })) = &found else { return found };
+        let Some(finer) = raised(resolution, refusal) else { return found };
+        resolution = finer;
     }
 }
 

@@ -13,6 +13,7 @@ mod task;
 pub use companions::error_estimate;
 pub use difference::largest_difference;
 pub use error::AccuracyError;
+pub(crate) use resolution::raised;
 pub use resolution::smooth_size;
 pub use search::suited_scheme;
 pub use task::{Estimated, Known, Task};
