@@ -214,6 +214,8 @@ fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
             path: path_owned(),
             found: "an older inkwave (a file for each solve)".into(),
         }),
+        // Another process may have marked the folder since: its files are ours.
+        Some(_) if Marker::read(path).is_some() => refuse_foreign(path, wanted),
         Some(found) => Err(FolderError::Foreign { path: path_owned(), found }),
         None => Ok(false),
     }
