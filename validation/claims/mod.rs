@@ -12,6 +12,7 @@ pub mod energy;
 mod furnace;
 pub mod intervals;
 mod layers;
+mod maxwell_garnett;
 mod molecular;
 mod orders;
 mod packing;
@@ -24,7 +25,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 24] = [
+pub const ALL: [Claim; 25] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -49,4 +50,5 @@ pub const ALL: [Claim; 24] = [
     directions::VECTOR,
     small_grains::CLAIM,
     intervals::CLAIM,
+    maxwell_garnett::CLAIM,
 ];
