@@ -130,6 +130,7 @@ impl RealisationRun<'_> {
         let solver = self.study.solver.build();
         let solver = size.admit(&*solver, self.settings.memory)?;
         let jobs = self.jobs(size.bytes(solver.solver()));
+        let solver = solver.with_room(&size, self.settings.memory / jobs as f64);
         let error = self.study.resolution.coverage_error();
         let geometry = packings.geometry(self.study.wave, self.realisation, resolution, error)?;
         let grids = Grids::new(self.study, &packing, resolution, geometry);
