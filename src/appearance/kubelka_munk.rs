@@ -26,17 +26,30 @@ impl KubelkaMunk {
     /// From the diffuse reflectance and transmittance of the layer alone. Noise that makes R + T exceed 1 counts as no
     /// absorption. `None` unless 0 ≤ R < 1, 0 < T ≤ 1 and the thickness is positive.
     pub fn from_layer(reflectance: f64, transmittance: f64, thickness_um: f64) -> Option<Self> {
-        let (r, t) = (reflectance, transmittance);
+        Self::with(reflectance, transmittance, thickness_um, |a| a.max(1.0))
+    }
+
+    /// The same continued smoothly to R + T above 1, where K is negative: what noise does to K and S is seen here whole, while
+    /// K of [`KubelkaMunk::from_layer`] stops at 0 and says of noise below it nothing.
+    pub fn continued(reflectance: f64, transmittance: f64, thickness_um: f64) -> Option<Self> {
+        Self::with(reflectance, transmittance, thickness_um, |a| a)
+    }
+
+    fn with(r: f64, t: f64, thickness_um: f64, limited: fn(f64) -> f64) -> Option<Self> {
         if !((0.0..1.0).contains(&r) && t > 0.0 && t <= 1.0 && thickness_um > 0.0) {
             return None;
         }
         if r == 0.0 {
             return Some(Self { absorption_per_um: -t.ln() / thickness_um, scattering_per_um: 0.0 });
         }
-        let a = ((1.0 + r * r - t * t) / (2.0 * r)).max(1.0);
+        let a = limited((1.0 + r * r - t * t) / (2.0 * r));
         let b2 = a * a - 1.0;
-        let depth =
-            if b2 < NO_ABSORPTION { r / t } else { ((1.0 - r * (a - b2.sqrt())) / t).ln() / b2.sqrt() };
+        let depth = match b2 {
+            b2 if b2.abs() < NO_ABSORPTION => r / t,
+            b2 if b2 > 0.0 => ((1.0 - r * (a - b2.sqrt())) / t).ln() / b2.sqrt(),
+            // ln(1 − R a + i R β) over i β with b = i β; the modulus is T
+            b2 => (r * (-b2).sqrt()).atan2(1.0 - r * a) / (-b2).sqrt(),
+        };
         let scattering_per_um = depth / thickness_um;
         Some(Self { absorption_per_um: scattering_per_um * (a - 1.0), scattering_per_um })
     }
@@ -134,6 +147,19 @@ mod tests {
             assert!((half_r + half_t * half_t * half_r / back - r).abs() < 1e-13);
             assert!((half_t * half_t / back - t).abs() < 1e-13);
         }
+    }
+
+    /// Across R + T = 1 the continuation has neither step nor kink.
+    #[test]
+    fn noise_around_no_absorption_is_continued() {
+        let at = |t: f64| KubelkaMunk::continued(0.3, t, 1.0).unwrap();
+        for get in [|k: KubelkaMunk| k.absorption_per_um, |k: KubelkaMunk| k.scattering_per_um] {
+            let [below, none, above] = [0.699, 0.7, 0.701].map(|t| get(at(t)));
+            // order: second differences of a step of 1e-3; K and S have derivatives of order one
+            assert!((below - 2.0 * none + above).abs() < 2e-5 && (below - above).abs() > 1e-4);
+        }
+        assert!(at(0.701).absorption_per_um < 0.0);
+        assert_eq!(at(0.6), KubelkaMunk::from_layer(0.3, 0.6, 1.0).unwrap());
     }
 
     #[test]

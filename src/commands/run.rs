@@ -16,6 +16,7 @@ use inkwave::input::study::Study;
 use inkwave::report::publish::{Published, publish};
 use inkwave::run::runner;
 use inkwave::run::runner::{Collected, RunError};
+use inkwave::solve::SolveError;
 use inkwave::solve::accuracy::AccuracyError;
 use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
@@ -158,7 +159,8 @@ pub(super) fn run_report(error: RunError) -> miette::Report {
             | AccuracyError::TooLarge { .. }
             | AccuracyError::NotReached { .. }
             | AccuracyError::TooManyWaves { .. }
-            | AccuracyError::Unphysical(_),
+            | AccuracyError::Unphysical(_)
+            | AccuracyError::Solve(SolveError::NotConverged { .. }),
         ) => miette!("{error}"),
         RunError::Resolution(AccuracyError::Solve(_)) => {
             let help = "[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"";

@@ -1,11 +1,14 @@
 //! What an ink maker asks: hiding power, Kubelka–Munk coefficients, colours under her own light, the difference to her own
 //! measurement or to a target. All from the stored solves; errors hold chance, the grid and the solver's residual.
 
+mod coefficients;
+
+pub use coefficients::KubelkaMunkRow;
+
 use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::uncertainty::{Shift, Uncertainty, lit, lit_moved};
 use crate::appearance::colour::{Colorimeter, Colour};
-use crate::appearance::kubelka_munk::KubelkaMunk;
 use crate::appearance::paper::{Coupling, PRINT_DEG};
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
@@ -48,17 +51,6 @@ pub struct Swatch {
     /// The colour.
     #[serde(flatten)]
     pub colour: Colour,
-}
-
-/// Kubelka–Munk coefficients at one wavelength.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct KubelkaMunkRow {
-    /// Vacuum wavelength, nm.
-    pub wavelength_nm: f64,
-    /// K, 1/µm.
-    pub absorption_per_um: Estimate,
-    /// S, 1/µm.
-    pub scattering_per_um: Estimate,
 }
 
 /// How far the print is from a wanted colour.
@@ -149,30 +141,6 @@ impl Question<'_> {
         Ok(self.uncertainty.widen(estimate, shared))
     }
 
-    /// K and S from the diffuse fluxes that the paper exchanges with the layer: R̄ and T̄ of the layer alone.
-    fn kubelka_munk(&self, thickness_um: f64) -> Vec<KubelkaMunkRow> {
-        let of = |layer: &LayerOnPaper, [r, t]: Shift| {
-            let (reflected, passed) = (layer.mean_reflectance_exit() + r, layer.mean_transmittance() + t);
-            KubelkaMunk::from_layer(reflected, passed, thickness_um)
-        };
-        let part = |get: fn(KubelkaMunk) -> f64| -> Vec<Estimate> {
-            let value = |layer: &LayerOnPaper, by: Shift| of(layer, by).map_or(f64::NAN, get);
-            let estimates = self.ink.spectrum(|layer| value(layer, UNMOVED)).estimates();
-            let widened = |(estimate, layer): (Estimate, &LayerOnPaper)| {
-                self.uncertainty.widen_by(estimate, |by| value(layer, by) - estimate.value)
-            };
-            estimates.into_iter().zip(self.ink.layers()).map(widened).collect()
-        };
-        let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
-        let rows = self.ink.wavelengths_nm().iter().zip(k.into_iter().zip(s));
-        let row = |(&wavelength_nm, (absorption_per_um, scattering_per_um)): (&f64, (Estimate, Estimate))| {
-            KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um }
-        };
-        // Where hardly any light comes through, T is within its error of none: K and S are anything.
-        let known = |e: &Estimate| e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite);
-        rows.map(row).filter(|row| known(&row.absorption_per_um) && known(&row.scattering_per_um)).collect()
-    }
-
     /// A measured spectrum beside the prediction.
     fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> Comparison {
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
@@ -239,7 +207,7 @@ pub(super) fn ink_maker(
         over_white: question.swatch(&sight, &|layer| layer.over(WHITE))?,
         contrast_ratio: question.contrast_ratio(&sight)?,
         kubelka_munk: match study.paper.coupling {
-            Coupling::Gap => question.kubelka_munk(study.layer.thickness_um),
+            Coupling::Gap => coefficients::kubelka_munk(ink, uncertainty, study.layer.thickness_um),
             Coupling::OpticalContact { .. } => Vec::new(),
         },
         target: target_lab.map(|lab| Target { lab, delta_e_2000: distance(&print.colour, lab) }),

@@ -1,7 +1,7 @@
 //! Homogeneous inks (no solve) and made-up ensembles.
 
 #[path = "ink_made_up_tests.rs"]
-mod made_up;
+pub(crate) mod made_up;
 
 use super::*;
 use crate::appearance::colour::Colorimeter;

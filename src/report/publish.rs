@@ -99,7 +99,9 @@ pub(crate) fn publish_seen(
         "bdf.csv",
         &tables::distributions(seen.bdfs.iter(), amplitude_error, study.layer.index_below)?,
     )?;
-    for (name, table) in tables::ink_maker(manifest.ink_maker.as_ref())? {
+    for (name, table) in
+        tables::ink_maker(manifest.ink_maker.as_ref(), manifest.certainty.coverage_factor_95)?
+    {
         folder.write(name, &table)?;
     }
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;

@@ -76,7 +76,7 @@ impl<'a> Packings<'a> {
 
 /// The solves of a realisation with the content hashes of all that they depend on.
 pub(crate) fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
-    let packing = Key::of("packing", &study.packing_request(realisation));
+    let packing = Key::of_packing(&study.packing_request(realisation));
     let resolution = resolved.for_cell(&study.draw(realisation));
     let key = |point: &Point| {
         let error = study.resolution.coverage_error();
@@ -116,7 +116,7 @@ impl RealisationRun<'_> {
             None => true,
         });
         self.watch.kept(self.study, points.len() - missing.len());
-        let packing_key = Key::of("packing", &self.study.packing_request(self.realisation));
+        let packing_key = Key::of_packing(&self.study.packing_request(self.realisation));
         let kept = self.stores.packings.get(packing_key.as_str());
         if let (true, Some(packing)) = (missing.is_empty(), kept) {
             return Ok(Realisation { packing, points, failures });
@@ -130,6 +130,7 @@ impl RealisationRun<'_> {
         let solver = self.study.solver.build();
         let solver = size.admit(&*solver, self.settings.memory)?;
         let jobs = self.jobs(size.bytes(solver.solver()));
+        let solver = solver.with_room(&size, self.settings.memory / jobs as f64);
         let error = self.study.resolution.coverage_error();
         let geometry = packings.geometry(self.study.wave, self.realisation, resolution, error)?;
         let grids = Grids::new(self.study, &packing, resolution, geometry);

@@ -143,7 +143,7 @@ pub(crate) fn key(study: &Study) -> Key {
     let packing = |realisation: usize| {
         let probes = probes(study, realisation);
         let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
-        (Key::of("packing", &study.packing_request(realisation)), media, probes)
+        (Key::of_packing(&study.packing_request(realisation)), media, probes)
     };
     let packings: Vec<_> = (0..compared(study)).map(packing).collect();
     let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);

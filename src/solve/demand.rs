@@ -53,7 +53,7 @@ impl Size {
         if self.making() <= left
             && let Some(smaller) = solver.within(self, left)
         {
-            return Ok(Admitted::Smaller(smaller));
+            return Ok(Admitted::Fitted(smaller));
         }
         let [need_gb, allowed_gb] = [need, memory].map(|bytes| 1e-9 * bytes);
         Err(TooLarge { resolution: self.resolution, need_gb, allowed_gb })
@@ -64,16 +64,22 @@ impl Size {
 pub enum Admitted<'a> {
     /// As it was asked.
     Whole(&'a dyn Solver),
-    /// With less memory of its own.
-    Smaller(Box<dyn Solver>),
+    /// With another memory of its own.
+    Fitted(Box<dyn Solver>),
 }
 
 impl Admitted<'_> {
+    /// With leave to grow to what `memory` bytes hold, where a solve needs it.
+    pub fn with_room(self, size: &Size, memory: f64) -> Self {
+        let roomy = self.solver().with_room(size, memory - size.problem());
+        roomy.map_or(self, Admitted::Fitted)
+    }
+
     /// The strategy.
     pub fn solver(&self) -> &dyn Solver {
         match self {
             Admitted::Whole(solver) => *solver,
-            Admitted::Smaller(solver) => &**solver,
+            Admitted::Fitted(solver) => &**solver,
         }
     }
 }

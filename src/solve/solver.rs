@@ -221,6 +221,12 @@ pub trait Solver: Send + Sync {
         None
     }
 
+    /// The same strategy with leave to grow within `bytes` where a solve does not converge with [`Solver::most_bytes`]; `None` where
+    /// that changes nothing.
+    fn with_room(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
+        None
+    }
+
     /// Most unknowns it takes, for strategies that store a dense matrix; comparisons leave those out unless asked.
     fn most_unknowns(&self) -> Option<usize> {
         None

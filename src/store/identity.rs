@@ -4,6 +4,7 @@
 //! reads back exactly) together with [`METHOD_VERSION`]. So what is computed is never computed again, and a
 //! changed input recomputes just what depends on it, in any study or sweep that shares a store.
 
+use crate::ink::PackingRequest;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -31,6 +32,12 @@ impl Key {
             None => Self::of(kind, inputs),
             Some(vector) => Self::of(kind, &(inputs, "maxwell", vector)),
         }
+    }
+
+    /// The key of a packing. Sizes that spread were drawn by another rule before, which turned large grains away.
+    pub fn of_packing(request: &PackingRequest) -> Self {
+        let strata = request.pigments.iter().any(|pigment| pigment.size.has_spread());
+        if strata { Self::of("packing", &(request, "strata")) } else { Self::of("packing", request) }
     }
 
     /// The key as text, fit for a file name.

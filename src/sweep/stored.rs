@@ -10,7 +10,7 @@ use crate::store::identity::Key;
 pub(super) fn collect_some(study: &Study, stores: &Stores, realisations: usize) -> Option<Collected> {
     let resolved = resolve::kept(study, &stores.grids)?;
     let realisation = |r: usize| {
-        let packing = stores.packings.get(Key::of("packing", &study.packing_request(r)).as_str())?;
+        let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
         let keyed = point_keys(study, &resolved, r);
         let points: Vec<_> = keyed.iter().map(|(_, key)| stores.points.get(key.as_str())).collect();
         let failed = |((point, key), found): (&(Point, Key), &Option<_>)| match found {

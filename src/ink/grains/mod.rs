@@ -5,5 +5,6 @@ mod name_or_table;
 pub mod orientation;
 pub mod shape;
 pub mod size;
+mod size_strata;
 pub mod sphere;
 pub mod volume;

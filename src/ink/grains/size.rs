@@ -161,7 +161,7 @@ impl SizeDistribution {
             Self::LogNormal { median_nm, sigma, cut_at_sigmas, .. } => {
                 median_nm * (sigma * cut_normal(draws, *cut_at_sigmas)).exp()
             }
-            Self::List { values_nm, weights, .. } => weighted(values_nm, weights, draws),
+            Self::List { values_nm, weights, .. } => weighted(values_nm, weights, draws.uniform()),
         }
     }
 
@@ -195,11 +195,12 @@ fn cut_normal(draws: &mut Draws, cut: f64) -> f64 {
     }
 }
 
-fn weighted(values: &[f64], weights: &[f64], draws: &mut Draws) -> f64 {
+/// The value that a share of all stays below, in the order of the list.
+pub(super) fn weighted(values: &[f64], weights: &[f64], share: f64) -> f64 {
     if weights.is_empty() {
-        return values[draws.below(values.len())];
+        return values[((share * values.len() as f64) as usize).min(values.len() - 1)];
     }
-    let mut left = draws.uniform() * weights.iter().sum::<f64>();
+    let mut left = share * weights.iter().sum::<f64>();
     for (value, weight) in values.iter().zip(weights) {
         left -= weight;
         if left < 0.0 {

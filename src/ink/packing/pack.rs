@@ -60,6 +60,7 @@ fn attempt(
     let cell = Cell::new(request.period_um, request.thickness_um, request.walls);
     let mut bodies = Bodies::new(cell, &plan.bodies);
     let mut account = Account::new(method, request.seed, request.stream);
+    account.notes.append(&mut plan.notes);
     if plan.bodies.is_empty() {
         return finish(request, &plan, &bodies, account);
     }

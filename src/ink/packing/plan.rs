@@ -1,7 +1,8 @@
 //! The list of rigid bodies to be placed: how many grains, how large, glued to which.
 
 use super::placed::Share;
-use super::request::{PackingRequest, PigmentGrains, ShareRule};
+use super::request::{PackingRequest, PigmentGrains};
+use super::sizes::{check_presence, draw_sizes, unlike};
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration;
 use crate::ink::grains::agglomeration::Agglomeration;
@@ -36,6 +37,8 @@ pub(crate) struct Plan {
     pub bodies: Vec<Body>,
     pub fields: Vec<Option<Field>>,
     pub shares: Vec<Share>,
+    /// For the reader: what the cell is too small for.
+    pub notes: Vec<String>,
     /// Cell volume, µm³.
     pub box_um3: f64,
 }
@@ -51,6 +54,7 @@ impl Plan {
             .map_or(request.thickness_um, |r| relief::dry_height_um(r, request.thickness_um));
         let mut bodies = Vec::new();
         let mut shares = Vec::new();
+        let mut notes = Vec::new();
         for (k, pigment) in request.pigments.iter().enumerate() {
             let template = pigment.shape.template();
             check_size(request, k, pigment, &template)?;
@@ -58,16 +62,18 @@ impl Plan {
             check_presence(k, pigment, &sizes)?;
             let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
             bodies.extend(group(k, request, grains, &template, draws)?);
+            notes.extend(unlike(k, pigment, &share));
             shares.push(share);
         }
         let fields = request.pigments.iter().map(|p| p.orientation.field()).collect();
-        Ok(Self { bodies, fields, shares, box_um3: lx * ly * request.thickness_um })
+        Ok(Self { bodies, fields, shares, notes, box_um3: lx * ly * request.thickness_um })
     }
 
     /// The same cell with fewer bodies.
     pub fn subset(&self, kept: &[usize]) -> Self {
         let bodies = kept.iter().map(|b| self.bodies[*b].clone()).collect();
-        Self { bodies, fields: self.fields.clone(), shares: self.shares.clone(), box_um3: self.box_um3 }
+        let (fields, shares) = (self.fields.clone(), self.shares.clone());
+        Self { bodies, fields, shares, notes: Vec::new(), box_um3: self.box_um3 }
     }
 
     pub fn grains(&self) -> usize {
@@ -145,54 +151,6 @@ fn grain(template: &Template, radius: f64) -> Body {
     let volume_um3 = template.volume.um3 * radius.powi(3);
     let part = Part { spheres: 0..spheres.len(), axis: [0.0, 0.0, 1.0], volume_um3 };
     Body { pigment: 0, reach: reach(&spheres), spheres, parts: vec![part] }
-}
-
-/// More grains than this are a slip in the units.
-const MOST_GRAINS: usize = 5_000_000;
-
-/// Thickest radii of the grains whose volumes come nearest to the share of `volume`.
-fn draw_sizes(
-    pigment: &PigmentGrains,
-    template: &Template,
-    volume: f64,
-    draws: &mut Draws,
-) -> Result<(Vec<f64>, Share), PackError> {
-    let target = pigment.volume_fraction * volume;
-    let mut radii: Vec<f64> = Vec::new();
-    let mut sum = 0.0;
-    while sum < target {
-        let radius = pigment.size.radius_um(pigment.size.draw_nm(draws), template);
-        let own = template.volume.um3 * radius.powi(3);
-        if sum + own - target > target - sum {
-            break;
-        }
-        radii.push(radius);
-        sum += own;
-        if radii.len() > MOST_GRAINS {
-            let allowed = format!("at most {MOST_GRAINS} grains in the cell");
-            let advice = "check the units of size and period";
-            return Err(PackError::input("pigment.size", format!("radius {radius} µm"), allowed, advice));
-        }
-    }
-    let scaled = pigment.share == ShareRule::ScaleSizes && sum > 0.0;
-    let size_factor = if scaled { (target / sum).cbrt() } else { 1.0 };
-    radii.iter_mut().for_each(|r| *r *= size_factor);
-    let achieved_fraction = sum * size_factor.powi(3) / volume;
-    let fraction_error = achieved_fraction * template.volume.error_um3 / template.volume.um3;
-    let grains = radii.len();
-    let requested_fraction = pigment.volume_fraction;
-    Ok((radii, Share { requested_fraction, achieved_fraction, fraction_error, grains, size_factor }))
-}
-
-/// A pigment that was asked for does not vanish by rounding to whole grains.
-fn check_presence(k: usize, pigment: &PigmentGrains, sizes: &[f64]) -> Result<(), PackError> {
-    if !sizes.is_empty() || pigment.volume_fraction == 0.0 {
-        return Ok(());
-    }
-    let (field, found) = (format!("pigment[{k}].volume_fraction"), pigment.volume_fraction);
-    let allowed = "enough for half a grain in the cell";
-    let advice = "widen period_um, take smaller grains, or let the cells vary (layer.cell)";
-    Err(PackError::input(field, found.to_string(), allowed, advice))
 }
 
 /// Glues the stated share of the grains into agglomerates, in the order in which they were drawn.

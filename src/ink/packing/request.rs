@@ -75,6 +75,10 @@ pub struct PigmentGrains {
     #[serde(default)]
     pub agglomeration: Option<Agglomeration>,
     /// How whole grains meet the volume fraction.
+    ///
+    /// Grains of one size are as many as come nearest. Where sizes spread, a cell holds as many as have the share's volume in the
+    /// mean of their law, a fraction of a grain by chance, and one size from each of so many equal shares of the law: over many
+    /// cells numbers, sizes and volume are those asked, without bias, though a small cell may hold more or less (stated).
     #[serde(default)]
     pub share: ShareRule,
 }
@@ -102,7 +106,7 @@ impl PigmentGrains {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ShareRule {
-    /// The number of grains whose volume comes nearest; the remainder is stated.
+    /// The number of grains whose volume comes nearest, in the mean of their sizes; the remainder is stated.
     #[default]
     NearestGrain,
     /// The same number, and all sizes multiplied by the factor that makes the share exact (stated too).

@@ -3,7 +3,7 @@
 use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
 use crate::evaluate::ink_maker::{Comparison, InkMaker, Swatch};
-use crate::evaluate::manifest::Manifest;
+use crate::evaluate::manifest::{Certainty, Manifest};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::report::page::{Figure, MakerBlock, Meant, Named, svg_data};
@@ -59,7 +59,7 @@ pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, Figure
     let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
     let mut figures = Vec::new();
     if !maker.kubelka_munk.is_empty() {
-        figures.push(kubelka_munk(maker)?);
+        figures.push(kubelka_munk(maker, &manifest.certainty)?);
     }
     if let Some(measured) = &maker.measured {
         figures.extend(compared(measured)?);
@@ -72,17 +72,31 @@ fn figure(heading: &str, y_label: &str, series: Vec<Series>, caption: String) ->
     Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
 }
 
-fn kubelka_munk(maker: &InkMaker) -> Result<Figure, FigureError> {
+fn kubelka_munk(maker: &InkMaker, certainty: &Certainty) -> Result<Figure, FigureError> {
+    let factor = certainty.coverage_factor_95;
+    let wide = |e: Estimate| Estimate {
+        standard_error: e.standard_error.map(|error| error * factor.unwrap_or(1.0)),
+        ..e
+    };
     let rows = || maker.kubelka_munk.iter();
-    let absorption = rows().map(|row| (row.wavelength_nm, row.absorption_per_um)).collect();
-    let scattering = rows().map(|row| (row.wavelength_nm, row.scattering_per_um)).collect();
+    let absorption = rows().map(|row| (row.wavelength_nm, wide(row.absorption_per_um))).collect();
+    let scattering = rows().map(|row| (row.wavelength_nm, wide(row.scattering_per_um))).collect();
     let series = vec![
         Series { name: "absorption K".into(), points: absorption },
         Series { name: "scattering S".into(), points: scattering },
     ];
-    let caption = "Kubelka–Munk coefficients of the layer with its faces, from its diffuse reflectance and transmittance. \
-                   Bars are standard errors over realisations.";
-    figure("Kubelka–Munk coefficients", "1/µm", series, caption.to_owned())
+    let bars = match factor {
+        Some(factor) => {
+            let degrees = certainty.degrees_of_freedom;
+            format!("95 % intervals: {factor:.2} standard errors (Student's t, {degrees} degrees of freedom)")
+        }
+        None => "standard errors".to_owned(),
+    };
+    let caption = format!(
+        "Kubelka–Munk coefficients of the layer with its faces, from its diffuse reflectance and transmittance. Bars are {bars}; \
+         K, which is never below 0, is not told from 0 where its bar reaches there."
+    );
+    figure("Kubelka–Munk coefficients", "1/µm", series, caption)
 }
 
 fn compared(measured: &Comparison) -> Result<Vec<Figure>, FigureError> {

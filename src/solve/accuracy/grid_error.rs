@@ -99,7 +99,9 @@ fn totals<G: Discretisation>(
     watch: &mut dyn Watch,
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let problem = G::problem(geometry, task.media, task.incidence, task.mean)?;
-    let solution = G::solve_from(&problem, None, task.solver, task.goal, watch)?;
+    let admitted = task.admitted(geometry.grid().resolution).ok();
+    let solver = admitted.as_ref().map_or(task.solver, |admitted| admitted.solver());
+    let solution = G::solve_from(&problem, None, solver, task.goal, watch)?;
     Ok(G::totals(&G::far_field(&problem, &solution)))
 }
 

@@ -58,12 +58,13 @@ pub struct Estimated<G: Discretisation = Coverage> {
 pub type Known<'a, G> = (&'a <G as Discretisation>::Problem, &'a <G as Discretisation>::Solution);
 
 impl<G: Discretisation> Task<'_, G> {
-    /// The strategy as the memory holds it on that grid.
+    /// The strategy as the memory holds it on that grid, with leave to grow into the rest of it.
     ///
     /// # Errors
     /// Nothing holds it.
     pub fn admitted(&self, resolution: Resolution) -> Result<Admitted<'_>, TooLarge> {
-        self.size(resolution).admit(self.solver, self.memory)
+        let size = self.size(resolution);
+        Ok(size.admit(self.solver, self.memory)?.with_room(&size, self.memory))
     }
 
     /// Solves at one resolution.

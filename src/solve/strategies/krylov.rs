@@ -26,11 +26,14 @@ pub struct Gmres {
     pub restart: usize,
     /// Treatment of the mean slab's guided modes.
     pub guided_modes: GuidedModes,
+    /// Basis vectors that a solve which stalls may grow to, see [`Solver::with_room`]; never more than `restart` unless told.
+    #[serde(skip)]
+    pub longest: usize,
 }
 
 impl Default for Gmres {
     fn default() -> Gmres {
-        Gmres { restart: 150, guided_modes: GuidedModes::default() }
+        Gmres { restart: 150, guided_modes: GuidedModes::default(), longest: 0 }
     }
 }
 
@@ -47,6 +50,12 @@ const OTHER_VECTORS: f64 = 9.0;
 const GUIDED_SHARE: f64 = 0.3;
 /// Fewest basis vectors that restarts still converge with.
 const LEAST_RESTART: usize = 20;
+/// A cycle that leaves more than this share of the residual stalls.
+const STALLS: f64 = 0.99;
+/// A basis that is too short grows by this factor: applications made with short ones are lost.
+const GROWTH: usize = 4;
+/// A basis grows to so many times `restart` at most: beyond, orthogonalisation costs more than another strategy.
+const MOST_GROWTH: usize = 8;
 
 impl Solver for Gmres {
     fn name(&self) -> &'static str {
@@ -74,20 +83,28 @@ impl Solver for Gmres {
         let first = if start.is_some() { run.ledger.measure(&run.field, &mut run.work) } else { 1.0 };
         run.ledger.note(first)?;
         let mut single = if goal.tolerance >= SINGLE { problem.single() } else { None };
+        let mut restart = self.restart.max(1);
         while !run.ledger.reached() {
             let before = run.ledger.account.residual;
             match single {
-                Some(operator) => run.cycle(operator, self.restart.clamp(1, MOST_SINGLE))?,
-                None => run.cycle(&Double(problem), self.restart.max(1))?,
+                Some(operator) => run.cycle(operator, restart.min(MOST_SINGLE))?,
+                None => run.cycle(&Double(problem), restart)?,
             }
             let after = run.ledger.measure(&run.field, &mut run.work);
             if run.ledger.reached() {
                 break;
             }
-            if single.is_none() && after > 0.99 * before {
-                return Err(run.ledger.not_converged("it stalls; raise restart or the resolution"));
+            let stalls = single.is_none() && after > STALLS * before;
+            if stalls && restart >= self.longest {
+                return Err(run.ledger.not_converged(&self.advice(restart)));
             }
-            run.ledger.judge("allow more applications or raise restart")?;
+            run.ledger.judge(&format!(
+                "allow more applications (solver.max_applications); {}",
+                self.advice(restart)
+            ))?;
+            if single.is_none() && run.too_slow(before / after, restart) {
+                restart = (GROWTH * restart).min(self.longest).max(restart);
+            }
             single = single.filter(|_| after < SINGLE_GAIN * before);
         }
         Ok(run.ledger.finish(run.field))
@@ -104,6 +121,30 @@ impl Solver for Gmres {
         let vectors = left / size.fields(1.0) - OTHER_VECTORS;
         smaller.restart = self.restart.min(vectors.max(0.0) as usize);
         (smaller.restart >= LEAST_RESTART.min(self.restart)).then(|| Box::new(smaller) as Box<dyn Solver>)
+    }
+
+    fn with_room(&self, size: &Size, bytes: f64) -> Option<Box<dyn Solver>> {
+        let vectors = (bytes - self.guided_modes.most_bytes(size)) / size.fields(1.0) - OTHER_VECTORS;
+        let longest = (vectors.max(0.0) as usize).min(MOST_GROWTH * self.restart);
+        (longest > self.restart).then(|| Box::new(Gmres { longest, ..*self }) as Box<dyn Solver>)
+    }
+}
+
+impl Gmres {
+    /// What helps a solve that stalls with so many basis vectors, and has not been tried.
+    fn advice(&self, restart: usize) -> String {
+        let more = 2 * restart;
+        let by_hand = format!("raise restart: strategy = {{ krylov = {{ restart = {more} }} }}");
+        let remedy = match self.longest {
+            0 => by_hand,
+            most if most < MOST_GROWTH * self.restart => {
+                format!(
+                    "allow more memory (--memory-gb) or fewer solves at a time (--jobs): the basis may not grow beyond {most}"
+                )
+            }
+            _ => format!("take strategy = \"bicgstab\", a finer grid, or {by_hand}"),
+        };
+        format!("a basis of {restart} vectors is too short for it; {remedy}")
     }
 }
 
@@ -149,6 +190,14 @@ impl Run<'_> {
         let changes = self.field.iter_mut().zip(change);
         changes.for_each(|(u, c)| *u += Complex64::new(c.re.wide(), c.im.wide())); // u ← u + M Σ y_k v_k
         verdict
+    }
+
+    /// True where the goal is beyond the applications left at the pace of the last cycle, which has divided the residual by `gain`.
+    fn too_slow(&self, gain: f64, applications: usize) -> bool {
+        let (account, goal) = (&self.ledger.account, &self.ledger.goal);
+        let left = goal.max_applications.saturating_sub(account.operator_applications) as f64;
+        let cycles = (account.residual / goal.tolerance).ln() / gain.max(1.0).ln();
+        cycles * applications as f64 > left
     }
 
     fn correct<T: Real>(&self, v: &mut [Complex<T>]) {

@@ -163,6 +163,28 @@ fn restarts_and_guesses_lead_to_the_same_field() {
     assert_eq!((again.account.steps, again.account.operator_applications), (0, 1));
 }
 
+/// A basis that is too short says which length to try; with leave to grow it converges.
+#[test]
+fn a_basis_that_is_too_short_grows_within_its_leave() {
+    let problem = problem([7, 5, 3], Scheme::Cubic, Complex64::from(6.0), Side::Incident);
+    let goal = Goal { tolerance: 1e-6, ..Goal::default() };
+    let whole =
+        Gmres { restart: 512, ..Gmres::default() }.solve(&problem, goal, &mut Silent).expect("converges");
+    let goal = Goal { max_applications: 3 * whole.account.operator_applications, ..goal };
+    let short = Gmres { restart: 1, ..Gmres::default() };
+    let failed = |solver: Gmres| match solver.solve(&problem, goal, &mut Silent) {
+        Err(error) => error.to_string(),
+        Ok(solution) => format!("{} applications", solution.account.operator_applications),
+    };
+    let alone = failed(short);
+    assert!(alone.contains("krylov = { restart = 2 }"), "{alone}");
+    let bound = failed(Gmres { longest: 2, ..short });
+    assert!(bound.contains("--memory-gb"), "{bound}");
+    let roomy = Gmres { longest: 512, ..short }.solve(&problem, goal, &mut Silent).expect("converges");
+    // Both residuals are 1e-6; the matrix of a strong contrast amplifies them.
+    assert!(largest(&roomy.field, &whole.field) < 1e-3);
+}
+
 #[test]
 fn born_agrees_where_it_converges_and_says_so_where_it_does_not() {
     let goal = Goal { tolerance: 1e-12, ..Goal::default() };

@@ -1,0 +1,150 @@
+//! Samples of a size law that hold it as faithfully as their number allows: one size from each of so many equal shares of it.
+
+use super::size::{SizeDistribution, weighted};
+use crate::numerics::Draws;
+use statrs::distribution::{Continuous, ContinuousCDF, Normal};
+
+impl SizeDistribution {
+    /// True where not all grains have one size.
+    pub fn has_spread(&self) -> bool {
+        match self {
+            Self::Constant { .. } => false,
+            Self::Normal { standard_deviation_nm, .. } => *standard_deviation_nm > 0.0,
+            Self::LogNormal { sigma, .. } => *sigma > 0.0,
+            Self::List { values_nm, weights, .. } => {
+                let drawn = |i: usize| weights.is_empty() || weights[i] > 0.0;
+                let mut sizes = (0..values_nm.len()).filter(|&i| drawn(i)).map(|i| values_nm[i]);
+                let first = sizes.next();
+                sizes.any(|size| Some(size) != first)
+            }
+        }
+    }
+
+    /// Mean over the grains, by number, of the cube of the size, nm³: a volume but for the shape's factor.
+    pub fn mean_cube_nm3(&self) -> f64 {
+        match self {
+            Self::Constant { value_nm, .. } => value_nm.powi(3),
+            Self::Normal { mean_nm, standard_deviation_nm: s, cut_at_sigmas: c, .. } => {
+                // E z² of a normal law cut at ±c; odd powers vanish
+                let square = 1.0 - 2.0 * c * Normal::standard().pdf(*c) / kept(*c);
+                mean_nm.powi(3) + 3.0 * mean_nm * s * s * square
+            }
+            Self::LogNormal { median_nm, sigma, cut_at_sigmas: c, .. } => {
+                // ∫ e^{sz} φ(z) dz = e^{s²/2} ∫ φ(z − s) dz
+                let s = 3.0 * sigma;
+                let inside = Normal::standard().cdf(c - s) - Normal::standard().cdf(-c - s);
+                median_nm.powi(3) * (0.5 * s * s).exp() * inside / kept(*c)
+            }
+            Self::List { values_nm, weights, .. } => {
+                let weight = |i: usize| if weights.is_empty() { 1.0 } else { weights[i] };
+                let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
+                    values_nm.iter().enumerate().map(|(i, &v)| weight(i) * of(v)).sum()
+                };
+                sum(&|v| v.powi(3)) / sum(&|_| 1.0)
+            }
+        }
+    }
+
+    /// The size that a share (0–1) of all grains stays below, nm; of a list, in its order.
+    pub fn quantile_nm(&self, share: f64) -> f64 {
+        match self {
+            Self::Constant { value_nm, .. } => *value_nm,
+            Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
+                mean_nm + standard_deviation_nm * cut_quantile(share, *cut_at_sigmas)
+            }
+            Self::LogNormal { median_nm, sigma, cut_at_sigmas, .. } => {
+                median_nm * (sigma * cut_quantile(share, *cut_at_sigmas)).exp()
+            }
+            Self::List { values_nm, weights, .. } => weighted(values_nm, weights, share),
+        }
+    }
+
+    /// So many sizes in random order, nm: one from each of so many equal shares of the law. The mean of any function of them is that
+    /// of the law, with less chance than independent draws leave.
+    pub fn strata_nm(&self, count: usize, draws: &mut Draws) -> Vec<f64> {
+        let size = |i: usize| self.quantile_nm((i as f64 + draws.uniform()) / count as f64);
+        let mut sizes: Vec<f64> = (0..count).map(size).collect();
+        // Agglomerates take grains in their order.
+        draws.shuffle(&mut sizes);
+        sizes
+    }
+}
+
+/// Share of a normal law within ± `cut` deviations.
+fn kept(cut: f64) -> f64 {
+    1.0 - 2.0 * Normal::standard().cdf(-cut)
+}
+
+/// Quantile of the normal law cut at ± `cut`, from the nearer tail: the far one has no digits left.
+fn cut_quantile(share: f64, cut: f64) -> f64 {
+    let below = |share: f64| Normal::standard().inverse_cdf(Normal::standard().cdf(-cut) + share * kept(cut));
+    let z = if share < 0.5 { below(share) } else { -below(1.0 - share) };
+    z.clamp(-cut, cut)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ink::grains::size::Measure;
+
+    fn laws() -> Vec<SizeDistribution> {
+        let of = Measure::Radius;
+        let log =
+            |sigma, cut_at_sigmas| SizeDistribution::LogNormal { median_nm: 90.0, sigma, cut_at_sigmas, of };
+        let normal = |standard_deviation_nm, cut_at_sigmas| SizeDistribution::Normal {
+            mean_nm: 100.0,
+            standard_deviation_nm,
+            cut_at_sigmas,
+            of,
+        };
+        let list = |weights| SizeDistribution::List { values_nm: vec![300.0, 100.0, 200.0], weights, of };
+        vec![
+            log(0.5, 3.0),
+            log(0.2, 10.0),
+            log(1.0, 0.5),
+            normal(20.0, 3.0),
+            normal(9.0, 10.0),
+            normal(60.0, 0.5),
+            list(Vec::new()),
+            list(vec![1.0, 0.0, 2.0]),
+        ]
+    }
+
+    #[test]
+    fn means_of_cubes_are_those_of_the_quantiles_and_of_the_draws() {
+        for law in laws() {
+            let steps = 300_000;
+            let cubes = (0..steps).map(|i| law.quantile_nm((i as f64 + 0.5) / f64::from(steps)).powi(3));
+            let by_quantiles = cubes.sum::<f64>() / f64::from(steps);
+            // order: the midpoint rule of steps that are steep at the ends of the law
+            assert!((law.mean_cube_nm3() / by_quantiles - 1.0).abs() < 1e-4, "{law:?}");
+            let mut draws = Draws::new(2, 0);
+            let drawn: Vec<f64> = (0..20_000).map(|_| law.draw_nm(&mut draws).powi(3)).collect();
+            let drawn = crate::numerics::estimate::Estimate::of_mean(&drawn);
+            let sigmas = (drawn.value - law.mean_cube_nm3()) / drawn.standard_error.unwrap();
+            // Significance: four standard errors.
+            assert!(sigmas.abs() < 4.0, "{law:?}: {sigmas}");
+        }
+    }
+
+    #[test]
+    fn every_share_of_the_law_gives_one_size() {
+        for law in laws() {
+            let mut sizes = law.strata_nm(12, &mut Draws::new(2, 0));
+            let ends = |i: usize| [i, i + 1].map(|i| law.quantile_nm(i as f64 / 12.0));
+            if matches!(law, SizeDistribution::List { .. }) {
+                let hundreds = sizes.iter().filter(|s| **s == 300.0).count();
+                assert_eq!(hundreds, 4, "{law:?}");
+                continue;
+            }
+            sizes.sort_by(f64::total_cmp);
+            for (i, size) in sizes.iter().enumerate() {
+                let [from, to] = ends(i);
+                assert!((from..=to).contains(size), "{law:?}: {size} {from} {to}");
+            }
+            let end = law.quantile_nm(1.0) / law.largest_nm();
+            // order: the digits of the inverse in a tail of 1e-23, where the law is cut at ten deviations
+            assert!((end - 1.0).abs() < 1e-4, "{law:?}: {end}");
+        }
+    }
+}
