@@ -58,7 +58,8 @@ pub(crate) fn nearest(outcomes: &[Outcome]) -> Option<Nearest> {
     Some(Nearest {
         target,
         summary: order.first().map_or_else(String::new, |best| {
-            summary(&outcomes[best.variant], [order.len(), outcomes.len()], [tied, unknown])
+            let asked = outcomes.iter().filter(|outcome| outcome.aim.is_some()).count();
+            summary(&outcomes[best.variant], [order.len(), asked], [tied, unknown])
         }),
         rows: rows.map(|(rank, near)| row(rank, near, outcomes)).collect(),
     })
