@@ -186,7 +186,9 @@ def check_cxf(np):
     if shutil.which("spec2cie"):
         with tempfile.TemporaryDirectory() as scratch:
             out = pathlib.Path(scratch) / "out.sp"
-            command = ["spec2cie", "-i", "D65", "-o", "1931_2", EXPORT / "spectra.sp", out]
+            light, observer = lab_conditions(EXPORT / "spectra.sp")
+            asked = ["-i", light if light in SPEC2CIE_LIGHTS else "D65", "-o", SPEC2CIE_OBSERVERS.get(observer, "1931_2")]
+            command = ["spec2cie", *asked, EXPORT / "spectra.sp", out]
             done = subprocess.run(command, capture_output=True, text=True)
             if not out.exists():
                 print(done.stdout, done.stderr)
@@ -196,15 +198,28 @@ def check_cxf(np):
             claim("CGATS read by spec2cie, largest difference of 45:0", spectrum_error(rows[0], known), 1e-5)
             # LAB_* of the answer is relative to D50; Lab relative to the illuminant asked for carries its name
             lab = lambda row, name: np.array([float(row[f"{name}_{axis}"]) for axis in "LAB"])
-            if "D65LAB_L" not in rows[0]:
-                print("SKIPPED: this spec2cie gives no Lab relative to D65")
+            # that of D50 is LAB itself
+            name = "LAB" if light == "D50" else f"{light}LAB"
+            if light not in SPEC2CIE_LIGHTS or observer not in SPEC2CIE_OBSERVERS or f"{name}_L" not in rows[0]:
+                print(f"SKIPPED: this spec2cie gives no Lab relative to {light} for the {observer} observer")
                 return
-            theirs = [lab(row, "D65LAB") for row in rows]
+            theirs = [lab(row, name) for row in rows]
             here = [lab(row, "LAB") for row in own]
             print(f"        Lab here {here[0].round(2)}, spec2cie {theirs[0].round(2)}")
             apart = max(float(np.linalg.norm(a - b)) for a, b in zip(here, theirs))
             # two summation rules over 10 nm: ΔE up to 0.17 between them
             claim("Lab against spec2cie, largest distance", apart, 0.17)
+
+
+SPEC2CIE_LIGHTS = ["A", "C", "D50", "D65", "F5", "F8", "F10"]
+SPEC2CIE_OBSERVERS = {"2 degree": "1931_2", "10 degree": "1964_10"}
+
+
+def lab_conditions(path):
+    """Illuminant and observer that the file says its Lab is for."""
+    line = next(line for line in path.read_text().splitlines() if line.startswith("LAB_CONDITIONS"))
+    light, observer = line.split('"')[1].split(", ", 1)
+    return light, observer.split(" observer")[0]
 
 
 def argyll_rows(path):

@@ -49,7 +49,7 @@ async function explore() {
   claim("size for 260 variants", megabytes * 260 / Math.max(variants, 1) <= 2 || megabytes <= 2 && variants >= 260, `${megabytes.toFixed(3)} MB for ${variants}`);
   const rising = await page.evaluate(() => data.wavelengths_nm.every((nm, i, all) => i === 0 || nm > all[i - 1]));
   claim("every wavelength stands once", rising);
-  const columns = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
+  const columns = ["L", "a", "b", "C", "h_deg", "delta_e_2000"].concat(["delta_e_2000_to_target", "contrast_ratio"].filter(name => name in rows[0]));
   let worst = 0, compared = 0;
   for (const row of rows) {
     const shown = await page.evaluate(name => {
@@ -78,6 +78,7 @@ async function explore() {
   await page.keyboard.press("ArrowRight");
   const after = await page.evaluate(() => document.body.dataset.variant);
   claim("an arrow key moves a slider", before !== after, `${before} → ${after}`);
+  await toTarget(page, rows);
   await page.click("#hold");
   await page.keyboard.press("Tab");
   await page.screenshot({ path: `${shots}/explore.png`, fullPage: true });
@@ -85,6 +86,20 @@ async function explore() {
   const phone = await open(url, 390, 844);
   claim("explore.html fits a phone", await overflow(phone.page) <= 0);
   await phone.page.screenshot({ path: `${shots}/explore-phone.png`, fullPage: true });
+}
+
+/** With a target, a button and a key go to the variant that sweep.csv has as the nearest; without one there is neither. */
+async function toTarget(page, rows) {
+  const column = "delta_e_2000_to_target", shown = await page.isVisible("#nearest");
+  if (!(column in rows[0])) { claim("without a target there is no way to it", !shown); return; }
+  const nearest = rows.filter(row => row[column] !== "").sort((a, b) => Number(a[column]) - Number(b[column]))[0].variant;
+  const here = () => page.evaluate(() => document.body.dataset.variant);
+  await page.click("#nearest");
+  claim("the button goes to the variant nearest to the target", await here() === nearest, nearest);
+  await page.evaluate(() => { const input = document.getElementById("axis0"); input.value = input.value === "0" ? 1 : 0; input.dispatchEvent(new Event("input")); });
+  const away = await here();
+  await page.keyboard.press("t");
+  claim("so does the key T", away !== nearest && await here() === nearest, `${away} → ${nearest}`);
 }
 
 /** Share of the canvas that is not background. */

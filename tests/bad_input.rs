@@ -287,6 +287,20 @@ fn all_faults_are_told_at_once() {
 }
 
 #[test]
+fn a_sweep_is_told_its_own_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = study(
+        folder.path(),
+        "base = \"yellow.toml\"\n[[axis]]\nfield = \"paper.albedo\"\nvalues = [0.5, 0.9]\n",
+    );
+    let said = refused(&path, &folder.path().join("out"));
+    assert!(said.contains("study.toml is a sweep") && said.contains("`inkwave sweep "), "{said}");
+    // a slip in a study stays one
+    let said = refused(&study(folder.path(), &TINY.replace("[run]", "[base]")), &folder.path().join("out"));
+    assert!(said.contains("unknown key") && !said.contains("is a sweep"), "{said}");
+}
+
+#[test]
 fn all_unknown_keys_are_told_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let text = TINY.replace("seed = 7", "sead = 7\nspeed = 3").replace("built_in", "builtin");

@@ -147,6 +147,24 @@ fn entries_that_do_not_fit_are_named_with_their_place() {
     }
 }
 
+/// Grains repeat with a period that nobody else knows; films have none.
+#[test]
+fn a_period_is_asked_for_where_grains_repeat_with_it() {
+    let mut case = good();
+    case.as_object_mut().unwrap().remove("L");
+    refuses_text("case.json", &case.to_string(), &[], &["L: missing", "period of the grains or bars in µm"]);
+    let bars = json!({
+        "wavelength": 0.55,
+        "sublayers_from_z0": [{ "thickness": 0.3, "eta_background": [1.5, 0], "bars": [{ "x0": 0, "x1": 0.2, "eta": [1.7, 0] }] }]
+    });
+    refuses_text("case.json", &bars.to_string(), &[], &["L: missing"]);
+    let film = json!({ "wavelength": 0.55, "layers_from_z0": [{ "thickness": 0.3, "eta": [1.5, 0] }] });
+    let [plain, wide] = [film.to_string(), film.to_string().replacen('{', "{\"L\": 3,", 1)];
+    let totals = [plain, wide].map(|text| solved(&text, "film.json", &[])["R_total"].as_f64().unwrap());
+    // an identity; rounding of one order
+    assert!((totals[0] - totals[1]).abs() < 1e-12, "{totals:?}");
+}
+
 #[test]
 fn both_a_binder_and_layers_are_one_too_many() {
     let text = with("/layers_from_z0", json!([{ "thickness": 0.6, "eta": [1.5, 0] }]));

@@ -2,6 +2,8 @@
 
 mod run_support;
 
+use inkwave::appearance::tristimulus::Colorimeter;
+use inkwave::appearance::viewing::{Summation, Viewing};
 use ndarray::{Array1, Array2};
 use ndarray_npy::NpzReader;
 use num_complex::Complex64;
@@ -139,6 +141,58 @@ fn spectra_agree(files: &Path, spectra: &[BTreeMap<String, String>]) {
         let lit: f64 = row["lit_at_45"].parse().unwrap();
         // both files' decimals
         assert!((values[10 * i] - lit).abs() < 1e-7 && (percents[10 * i] - 100.0 * lit).abs() < 1e-6);
+    }
+}
+
+/// Lab is what the spectrum beside it has under the study's light, whatever the step of its wavelengths. *Planted*: Lab of the study's
+/// own sums is off by 0.1 to 1 at steps of 30 nm, Lab under D65 by 10.
+#[test]
+fn lab_is_that_of_the_spectrum_beside_it_under_the_studys_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let fitted = TINY.replace("step_nm = 100\nsampling = \"listed\"", "step_nm = 30");
+    for (text, light, observer) in
+        [(fitted.as_str(), "A", "10"), (TINY, "F11", "2"), (&fitted, "F1", "2015_2")]
+    {
+        let text = format!("{text}[colour]\nilluminant = \"{light}\"\nobserver = \"{observer}\"\n");
+        succeed(&study(folder.path(), &text), &out, &[]);
+        assert!(export(&out, &["--to", "cxf,cgats"]).status.success());
+        let read = |name: &str| fs::read_to_string(out.join("export").join(name)).unwrap();
+        let grid: Vec<f64> = (40..=70).map(|k| 10.0 * f64::from(k)).collect();
+        let viewing = Viewing::new(light, observer, Summation::Plain).unwrap();
+        let meter = Colorimeter::under(&grid, &viewing).unwrap();
+        let apart = |values: &[f64], lab: &[f64]| {
+            let again = meter.colour(values).unwrap().lab;
+            again.iter().zip(lab).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let numbers = |text: &str| text.split_whitespace().map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+        let cxf = read("spectra.cxf");
+        let between = |text: &str, from: &str, to: &str| {
+            numbers(text.split(from).nth(1).unwrap().split(to).next().unwrap())
+        };
+        for object in cxf.split("<cc:Object ").skip(1) {
+            let lab = ["L", "A", "B"].map(|c| between(object, &format!("<cc:{c}>"), "<")[0]);
+            let values = between(object, "StartWL=\"400\">", "<");
+            // both files' decimals, where L* rises by 9 a percent at black
+            assert!(values.len() == 31 && apart(&values, &lab) < 1e-4, "{light} {lab:?}");
+        }
+        let known = if light == "F1" { "Custom" } else { light };
+        assert!(
+            cxf.contains(&format!("<cc:Illuminant Name=\"{light}\"")) && cxf.contains(&format!(">{known}<"))
+        );
+        let degree = if observer == "2015_2" { ">Custom_CMF<" } else { &format!(">{observer}_Degree<") };
+        assert!(cxf.contains(degree), "{cxf}");
+        for name in ["spectra.cgats", "spectra.sp"] {
+            let cgats = read(name);
+            assert!(cgats.contains(&format!("LAB_CONDITIONS \"{light}, ")), "{cgats}");
+            for row in cgats.split("BEGIN_DATA\n").nth(1).unwrap().lines().take(2) {
+                let cells = numbers(row.rsplit('"').next().unwrap());
+                let values: Vec<f64> = cells[3..].iter().map(|x| x / 100.0).collect();
+                assert!(apart(&values, &cells[..3]) < 1e-4, "{name} {row}");
+            }
+        }
+        assert!(read("spectra.cgats").contains(&format!("WEIGHTING_FUNCTION \"ILLUMINANT, {light}\"")));
+        fs::remove_dir_all(&out).unwrap();
     }
 }
 

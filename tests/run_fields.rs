@@ -167,6 +167,17 @@ const CHANGES: &[Change] = &[
     (&[("colour.summation", "'e308'")], Published),
     (&[("colour.target_lab", "[80, 0, 40]")], Published),
     (&[("compare.measured", "'measured.csv'")], Published),
+    (&[("compare.measured", "'measured.cgats'"), ("compare.patch", "'second'")], Published),
+];
+
+/// Files that studies are compared with.
+const MEASURED: [(&str, &str); 2] = [
+    ("measured.csv", "wavelength_nm,reflectance\n400,0.3\n550,0.8\n700,0.9\n"),
+    (
+        "measured.cgats",
+        "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME SPEC_400 SPEC_550 SPEC_700\nEND_DATA_FORMAT\n\
+         BEGIN_DATA\nfirst 20 30 40\nsecond 30 80 90\nEND_DATA\n",
+    ),
 ];
 
 /// Keys that tell where results go, or older places of others; a layer without walls has no waves.
@@ -265,7 +276,9 @@ fn wrong(
     let (edits, moves) = CHANGES[number];
     let own = folder.join(format!("fresh-{number}"));
     std::fs::create_dir_all(&own).expect("a folder");
-    std::fs::copy(folder.join("measured.csv"), own.join("measured.csv")).expect("a copy");
+    for name in MEASURED.map(|(name, _)| name) {
+        std::fs::copy(folder.join(name), own.join(name)).expect("a copy");
+    }
     let file = study(&own, &changed(edits));
     for out in [shared, &own.join("out")] {
         let done = run(&file, out, &[]);
@@ -292,11 +305,9 @@ fn wrong(
 #[test]
 fn a_changed_field_is_never_answered_with_an_old_number() {
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(
-        folder.path().join("measured.csv"),
-        "wavelength_nm,reflectance\n400,0.3\n550,0.8\n700,0.9\n",
-    )
-    .expect("a file");
+    for (name, text) in MEASURED {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
     let (next, faults) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = |worker: usize| {
         let shared = folder.path().join(format!("shared-{worker}"));

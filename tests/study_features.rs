@@ -2,6 +2,7 @@
 
 mod run_support;
 
+use inkwave::input::load::load;
 use inkwave::store::{PointRecord, Record, Store};
 use inkwave::wave::Side;
 use run_support::{TINY, study, succeed};
@@ -84,6 +85,37 @@ fn the_papers_albedo_may_be_a_spectrum() {
     assert_eq!(listed, with("table", "{ csv = \"paper.csv\" }"));
     assert!(listed[0] == dark[0] && listed[3] == light[3]);
     assert!((1..3).all(|w| dark[w] < listed[w] && listed[w] < light[w]));
+}
+
+/// What a file leaves open is said, on a run's error stream too; results do not hold it.
+#[test]
+fn a_range_that_ends_early_and_a_sample_that_nobody_named_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let cgats = "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME SPEC_400 SPEC_700\nEND_DATA_FORMAT\n\
+                 BEGIN_DATA\n\"first ink\" 20 40\n\"second ink\" 30 90\nEND_DATA\n";
+    std::fs::write(folder.path().join("inks.cgats"), cgats).unwrap();
+    let remarks = |text: &str| load(&study(folder.path(), text)).unwrap().remarks;
+    assert_eq!(remarks(TINY), [""; 0]);
+    let early = remarks(&TINY.replace("to_nm = 700", "to_nm = 690"));
+    assert!(
+        early.len() == 1 && early[0].contains("light.to_nm = 690") && early[0].contains("600 nm"),
+        "{early:?}"
+    );
+    let compared = format!("{TINY}[compare]\nmeasured = \"inks.cgats\"\n");
+    let first = remarks(&compared);
+    assert!(first.len() == 1 && first[0].contains("\"first ink\", sample 1 of 2"), "{first:?}");
+    let named = format!("{compared}patch = \"second ink\"\n");
+    assert_eq!(remarks(&named), [""; 0]);
+    let measured = load(&study(folder.path(), &named)).unwrap().judgement.measured.unwrap();
+    assert_eq!(measured.rows, [[400.0, 0.3], [700.0, 0.9]]);
+    let wrong =
+        load(&study(folder.path(), &format!("{compared}patch = \"third\"\n"))).unwrap_err().to_string();
+    assert!(wrong.contains("\"first ink\", \"second ink\""), "{wrong}");
+    let alone = load(&study(folder.path(), &format!("{TINY}[compare]\npatch = \"third\"\n"))).unwrap_err();
+    assert!(alone.to_string().contains("compare.patch"), "{alone}");
+    let path = study(folder.path(), &compared.replace("to_nm = 700", "to_nm = 790"));
+    let told = succeed(&path, &folder.path().join("out"), &[]);
+    assert!(told.contains("the last wavelength is 700 nm") && told.contains("sample 1 of 2"), "{told}");
 }
 
 #[test]

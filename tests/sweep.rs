@@ -220,6 +220,18 @@ fn slips_are_told_with_field_value_range_and_remedy() {
 }
 
 #[test]
+fn a_study_is_told_its_own_command() {
+    let start = TINY.find("[base.layer]").unwrap();
+    let study = TINY[start..TINY.find("[[axis]]").unwrap()].replace("base.", "");
+    let place = Place::new(&study);
+    let output =
+        inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("out")]).output().unwrap();
+    let words = said(&output).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(!output.status.success() && !Path::new(&place.path("out")).exists(), "{words}");
+    assert!(words.contains("tiny.toml is a study") && words.contains("`inkwave run "), "{words}");
+}
+
+#[test]
 fn folders_and_shards_that_are_none_are_refused() {
     let place = Place::new(TINY);
     let fail = |arguments: &[&str], word: &str| {

@@ -125,6 +125,16 @@ impl Viewing {
         Ok(Self { illuminant: (*light).to_owned(), observer: (*seen).to_owned(), summation })
     }
 
+    /// Name of the illuminant, such as `D50`.
+    pub fn illuminant(&self) -> &str {
+        &self.illuminant
+    }
+
+    /// Name of the observer: `2`, `10`, `2015_2` or `2015_10`.
+    pub fn observer(&self) -> &str {
+        &self.observer
+    }
+
     /// For people, such as `D50, 2° observer`.
     pub fn name(&self) -> String {
         let rule = if self.summation == Summation::E308 { ", ASTM E308" } else { "" };

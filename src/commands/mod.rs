@@ -8,6 +8,7 @@ pub mod export;
 mod live;
 pub mod memory;
 pub mod merge;
+mod mixed_up;
 pub mod pack;
 pub mod progress;
 pub mod report;

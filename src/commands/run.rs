@@ -3,6 +3,7 @@
 use super::again::this_command;
 use super::diagnostics::study_report;
 use super::live::LivePage;
+use super::mixed_up::{Kind, not_for};
 use super::progress::Progress;
 use super::say::say;
 use super::stop::StopFlag;
@@ -49,7 +50,9 @@ pub struct RunArgs {
 
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> miette::Result<()> {
-    let study = load(&args.study).map_err(study_report)?;
+    let study = load(&args.study)
+        .map_err(|error| not_for(&error, Kind::Study).unwrap_or_else(|| study_report(error)))?;
+    study.remarks.iter().for_each(super::say::note);
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     if args.plan {
         let name = args.study.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());

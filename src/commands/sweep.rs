@@ -3,6 +3,7 @@
 use super::again::this_command;
 use super::diagnostics::study_report;
 use super::live::LiveSweep;
+use super::mixed_up::{Kind, not_for};
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
 use super::say::say;
@@ -17,6 +18,7 @@ use inkwave::sweep::run::Scope;
 use inkwave::sweep::units::Shard;
 use inkwave::sweep::{Sweep, folder, load, plan, run as runner};
 use miette::{IntoDiagnostic, miette};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -62,7 +64,12 @@ pub struct SweepArgs {
 
 /// Reads, checks and runs a sweep, or plans it.
 pub fn run(args: &SweepArgs) -> miette::Result<()> {
-    let sweep = load::load(&args.sweep).map_err(study_report)?;
+    let sweep = load::load(&args.sweep)
+        .map_err(|error| not_for(&error, Kind::Sweep).unwrap_or_else(|| study_report(error)))?;
+    // most variants leave the same open
+    let remarks: BTreeSet<&String> =
+        sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
+    remarks.into_iter().for_each(super::say::note);
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     if args.plan {
         return tell_plan(&sweep, args.json, settings);

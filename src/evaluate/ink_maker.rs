@@ -7,7 +7,7 @@ pub use coefficients::KubelkaMunkRow;
 
 use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::uncertainty::{Shift, Uncertainty, lit, lit_moved};
+use super::uncertainty::{Shift, Uncertainty, lit, lit_moved, natural_light_moved};
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::paper::{Coupling, PRINT_DEG};
 use crate::input::measured::MeasuredSpectrum;
@@ -27,6 +27,9 @@ pub struct InkMaker {
     pub conditions: String,
     /// The ink on its paper.
     pub print: Swatch,
+    /// The same under natural light instead of at 45:0; `colours` has it under D65.
+    #[serde(skip)]
+    pub natural_light: Swatch,
     /// The ink over black.
     pub over_black: Swatch,
     /// The ink over white.
@@ -54,12 +57,15 @@ pub struct Swatch {
 }
 
 /// How far the print is from a wanted colour.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Target {
     /// L*, a*, b* wanted.
     pub lab: [f64; 3],
     /// CIEDE2000; its error is that of the prediction.
     pub delta_e_2000: Estimate,
+    /// Number of each realisation and what it moves the difference by.
+    #[serde(skip)]
+    pub deviations: Vec<(usize, f64)>,
 }
 
 /// A measured spectrum beside the prediction.
@@ -103,14 +109,23 @@ impl Question<'_> {
         lit(layer, &self.light, &self.view) + lit_moved(layer, &self.light, &self.view, by)
     }
 
-    /// Lab with everything that is uncertain: chance, grid and residual.
-    fn swatch(
+    /// The ink over a backing.
+    fn over(
         &self,
         sight: &Sight,
         backing: &dyn Fn(&LayerOnPaper) -> LayerOnPaper,
-    ) -> Result<Swatch, InkError> {
-        let factor = |by: Shift| move |layer: &LayerOnPaper| self.factor(&backing(layer), by);
-        let (by_chance, _) = self.ink.colour_with_deviations(sight, factor(UNMOVED))?;
+    ) -> Result<(Swatch, Vec<[f64; 3]>), InkError> {
+        self.swatch(sight, &|layer, by| self.factor(&backing(layer), by))
+    }
+
+    /// Lab with everything that is uncertain: chance, grid and residual; and what each realisation moves it by.
+    fn swatch(
+        &self,
+        sight: &Sight,
+        moved_factor: &dyn Fn(&LayerOnPaper, Shift) -> f64,
+    ) -> Result<(Swatch, Vec<[f64; 3]>), InkError> {
+        let factor = |by: Shift| move |layer: &LayerOnPaper| moved_factor(layer, by);
+        let (by_chance, deviations) = self.ink.colour_with_deviations(sight, factor(UNMOVED))?;
         let moved = |by: Shift| -> Result<[f64; 3], InkError> {
             let lab = self.ink.colour_of_mean(sight, factor(by))?.lab;
             Ok(std::array::from_fn(|i| lab[i] - by_chance.lab[i]))
@@ -120,7 +135,7 @@ impl Question<'_> {
         let colour = Colour { lab_covariance, ..by_chance };
         let [r, g, b] = colour.srgb8;
         let hex = format!("#{r:02x}{g:02x}{b:02x}");
-        Ok(Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour })
+        Ok((Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour }, deviations))
     }
 
     /// Y over black divided by Y over white.
@@ -188,7 +203,7 @@ impl Question<'_> {
     }
 }
 
-/// Everything at once.
+/// Everything at once, of an ensemble of these realisations.
 ///
 /// # Errors
 /// Wavelengths that cannot carry a colour.
@@ -196,27 +211,46 @@ pub(super) fn ink_maker(
     study: &Study,
     ink: &InkOnPaper,
     uncertainty: &Uncertainty,
+    realisations: &[usize],
 ) -> Result<InkMaker, InkError> {
     let Judgement { viewing, target_lab, measured } = &study.judgement;
     let question = Question { ink, uncertainty, light: ink.at(PRINT_DEG)?, view: ink.at(0.0)? };
     let sight = ink.sight(viewing)?;
-    let print = question.swatch(&sight, &|layer| *layer)?;
+    let (print, deviations) = question.over(&sight, &|layer| *layer)?;
+    let sky = |layer: &LayerOnPaper, by: Shift| {
+        let factor = layer.natural_light(&question.view, study.output.mirrored_sky);
+        factor + natural_light_moved(layer, &question.view, by)
+    };
+    let by = realisations.iter().copied().zip(deviations).collect::<Vec<_>>();
     Ok(InkMaker {
         conditions: viewing.name(),
-        over_black: question.swatch(&sight, &|layer| layer.over(BLACK))?,
-        over_white: question.swatch(&sight, &|layer| layer.over(WHITE))?,
+        natural_light: question.swatch(&sight, &sky)?.0,
+        over_black: question.over(&sight, &|layer| layer.over(BLACK))?.0,
+        over_white: question.over(&sight, &|layer| layer.over(WHITE))?.0,
         contrast_ratio: question.contrast_ratio(&sight)?,
         kubelka_munk: match study.paper.coupling {
             Coupling::Gap => coefficients::kubelka_munk(ink, uncertainty, study.layer.thickness_um),
             Coupling::OpticalContact { .. } => Vec::new(),
         },
-        target: target_lab.map(|lab| Target { lab, delta_e_2000: distance(&print.colour, lab) }),
+        target: target_lab.map(|lab| target(&print.colour, &by, lab)),
         measured: measured.as_ref().map(|m| question.compare(study, m)),
         print,
     })
 }
 
+/// The wanted colour, and what realisations move the difference to it by: their part of Lab along its gradient.
+fn target(print: &Colour, by: &[(usize, [f64; 3])], lab: [f64; 3]) -> Target {
+    let [gradient, _] = print.delta_e_2000_gradients(&exact(print, lab));
+    let moved = |&(r, by): &(usize, [f64; 3])| (r, (0..3).map(|i| gradient[i] * by[i]).sum());
+    Target { lab, delta_e_2000: distance(print, lab), deviations: by.iter().map(moved).collect() }
+}
+
 /// ΔE₀₀ to a colour that is exact.
 fn distance(colour: &Colour, lab: [f64; 3]) -> Estimate {
-    colour.delta_e_2000(&Colour { lab, lab_covariance: Some([[0.0; 3]; 3]), ..*colour })
+    colour.delta_e_2000(&exact(colour, lab))
+}
+
+/// A colour without uncertainty under the conditions of another.
+fn exact(like: &Colour, lab: [f64; 3]) -> Colour {
+    Colour { lab, lab_covariance: Some([[0.0; 3]; 3]), ..*like }
 }

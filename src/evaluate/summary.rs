@@ -41,7 +41,8 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         Ok(colours) => (colours, None),
         Err(reason) => (Vec::new(), Some(reason)),
     };
-    let (ink_maker, no_ink_maker) = match seen.ink.as_ref().map(|ink| ink_maker(study, ink, &uncertainty)) {
+    let maker = |ink| ink_maker(study, ink, &uncertainty, &seen.realisations);
+    let (ink_maker, no_ink_maker) = match seen.ink.as_ref().map(maker) {
         Ok(Ok(numbers)) => (Some(numbers), None),
         Ok(Err(reason)) => (None, no_colour.is_none().then(|| reason.to_string())),
         Err(_) => (None, None),

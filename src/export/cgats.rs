@@ -36,12 +36,19 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     let _ = writeln!(out, "ORIGINATOR \"{} (simulated)\"", quoted(&print.program));
     let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: {}\"", quoted(&print.title));
     let _ = writeln!(out, "CREATED \"{}\"", print.created);
+    if dialect == Dialect::Standard {
+        // the standard's own words; Argyll takes each keyword once
+        let (light, degree) =
+            (print.viewing.illuminant(), print.viewing.observer().replace("2015_", "2015, "));
+        let _ = writeln!(out, "WEIGHTING_FUNCTION \"ILLUMINANT, {light}\"");
+        let _ = writeln!(out, "WEIGHTING_FUNCTION \"OBSERVER, {degree} degree\"");
+    }
     let mut own = |keyword: &str, value: &str| {
         let _ = writeln!(out, "KEYWORD \"{keyword}\"\n{keyword} \"{value}\"");
     };
     own("STUDY_HASH", &print.study_hash);
     own("MEASUREMENT_GEOMETRY", "45:0 and uniform sky:0, simulated");
-    own("LAB_CONDITIONS", "D65, 2 degree observer");
+    own("LAB_CONDITIONS", &print.viewing.name().replace('°', " degree"));
     if dialect == Dialect::Argyll {
         own("SPECTRAL_NORM", "100.000000");
         own("MEAS_TYPE", "REFLECTIVE");

@@ -8,6 +8,8 @@ use std::fmt::Write;
 
 /// Decimals of reflectance factors: far below any standard error.
 const DECIMALS: usize = 7;
+/// Illuminants that the format has a name for, of those that a study may ask for.
+const ILLUMINANTS: [&str; 11] = ["A", "D50", "D65", "E", "F2", "F3", "F7", "F9", "F10", "F11", "F12"];
 
 /// The whole file.
 pub fn cxf(print: &Print) -> String {
@@ -17,7 +19,7 @@ pub fn cxf(print: &Print) -> String {
     out += "<cc:Resources>\n<cc:ObjectCollection>\n";
     print.spectra.iter().for_each(|spectrum| out += &object(print, spectrum));
     out += "</cc:ObjectCollection>\n<cc:ColorSpecificationCollection>\n";
-    print.spectra.iter().for_each(|spectrum| out += &specification(print, spectrum.geometry));
+    print.spectra.iter().for_each(|spectrum| out += &specification(print, spectrum));
     out += "</cc:ColorSpecificationCollection>\n</cc:Resources>\n</cc:CxF>\n";
     out
 }
@@ -69,6 +71,7 @@ fn tags(print: &Print, spectrum: &PrintSpectrum) -> String {
     };
     tag("Origin", "simulated");
     tag("StudyHash", &print.study_hash);
+    tag("LabConditions", &print.viewing.name());
     let errors: Option<Vec<String>> =
         spectrum.values.iter().map(|e| e.standard_error.map(|s| format!("{s:.DECIMALS$}"))).collect();
     tag("StandardErrors", &errors.map_or_else(|| "unknown".to_owned(), |e| e.join(" ")));
@@ -78,7 +81,30 @@ fn tags(print: &Print, spectrum: &PrintSpectrum) -> String {
     out + "</cc:TagCollection>\n"
 }
 
-fn specification(print: &Print, geometry: Geometry) -> String {
+/// Light and observer of Lab, with the white that Lab refers to; names that the format does not know are `Custom`.
+fn tristimulus(print: &Print, spectrum: &PrintSpectrum) -> String {
+    let (light, observer) = (print.viewing.illuminant(), print.viewing.observer());
+    let white = spectrum.colour.as_ref().map_or_else(String::new, |colour| {
+        let [x, y, z] = colour.white_xyz;
+        format!(" X=\"{x:.5}\" Y=\"{y:.5}\" Z=\"{z:.5}\"")
+    });
+    let known = if ILLUMINANTS.contains(&light) { light } else { "Custom" };
+    let observer = match observer {
+        "2" => "<cc:Observer>2_Degree</cc:Observer>".to_owned(),
+        "10" => "<cc:Observer>10_Degree</cc:Observer>".to_owned(),
+        other => {
+            let degree = other.trim_start_matches("2015_");
+            format!("<cc:Observer Name=\"CIE 2015\" Angle=\"{degree}\">Custom_CMF</cc:Observer>")
+        }
+    };
+    format!(
+        "<cc:TristimulusSpec><cc:Illuminant Name=\"{light}\"{white}>{known}</cc:Illuminant>{observer}\
+         <cc:Method>unknown</cc:Method></cc:TristimulusSpec>\n"
+    )
+}
+
+fn specification(print: &Print, spectrum: &PrintSpectrum) -> String {
+    let geometry = spectrum.geometry;
     let start = print.wavelengths_nm.first().copied().unwrap_or(0);
     let increment = print.wavelengths_nm.get(1).map_or(10, |second| second - start);
     let choice = match geometry {
@@ -91,9 +117,7 @@ fn specification(print: &Print, geometry: Geometry) -> String {
         }
     };
     format!(
-        "<cc:ColorSpecification Id=\"spec_{}\">\n<cc:TristimulusSpec><cc:Illuminant>D65</cc:Illuminant>\
-         <cc:Observer>2_Degree</cc:Observer><cc:Method>unknown</cc:Method></cc:TristimulusSpec>\n\
-         <cc:MeasurementSpec>\n<cc:MeasurementType>Spectrum_Reflectance</cc:MeasurementType>\n\
+        "<cc:ColorSpecification Id=\"spec_{}\">\n{}<cc:MeasurementSpec>\n<cc:MeasurementType>Spectrum_Reflectance</cc:MeasurementType>\n\
          <cc:GeometryChoice>{choice}</cc:GeometryChoice>\n\
          <cc:WavelengthRange StartWL=\"{start}\" Increment=\"{increment}\"/>\n\
          <cc:CalibrationStandard>Others</cc:CalibrationStandard>\n\
@@ -101,5 +125,6 @@ fn specification(print: &Print, geometry: Geometry) -> String {
          <cc:DeviceIllumination>M0_Incandescent</cc:DeviceIllumination></cc:Device>\n\
          </cc:MeasurementSpec>\n</cc:ColorSpecification>\n",
         geometry.id(),
+        tristimulus(print, spectrum),
     )
 }

@@ -2,6 +2,7 @@
 
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::lagrange_shares;
+use crate::appearance::viewing::Viewing;
 use crate::numerics::estimate::Estimate;
 
 /// Step of exported spectra: with 20 nm the summation rules of other programs move Lab by ΔE 0.15.
@@ -25,7 +26,7 @@ pub struct PrintSpectrum {
     pub geometry: Geometry,
     /// One value a wavelength, with its standard error where it is known.
     pub values: Vec<Estimate>,
-    /// Colour from the study's own wavelengths, if they carry one.
+    /// Colour of these values under the study's light, if they carry one.
     pub colour: Option<Colour>,
 }
 
@@ -40,6 +41,8 @@ pub struct Print {
     pub program: String,
     /// Date and time of the export, RFC 3339.
     pub created: String,
+    /// Light, observer and rule of summation of the colours.
+    pub viewing: Viewing,
     /// A uniform grid, nm.
     pub wavelengths_nm: Vec<u32>,
     /// The spectra on that grid.

@@ -1,13 +1,14 @@
 //! `inkwave export`: from a finished study to files in the formats asked for.
 
 mod error;
+mod instrument;
 mod request;
 
 pub use error::ExportError;
 pub use request::{Format, NearField, Request};
 
 use super::mitsuba::{self, Table};
-use super::print::{Geometry, Print, PrintSpectrum, resample, uniform_grid};
+use super::print::Print;
 use super::provenance::{self, Described, Run, STUDY};
 use super::samples;
 use super::stored::Stored;
@@ -17,10 +18,9 @@ use crate::evaluate::directional::DirectionalInk;
 use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::seen::NoInk;
-use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT, program, summarise};
+use crate::evaluate::summary::{program, summarise};
 use crate::ink::Packing;
 use crate::input::study::Study;
-use crate::numerics::estimate::Estimate;
 use crate::report::tables;
 use crate::run::point::{Stopper, pack_realisation};
 use crate::run::watch::RunWatch;
@@ -142,35 +142,10 @@ impl Exporter<'_> {
         summarise(self.study(), &self.stored.collected, &self.stored.seen)
     }
 
-    /// Spectra on a grid of 10 nm, with the colours from the study's own wavelengths.
+    /// Spectra on a grid of 10 nm with their colours.
     fn print(&self, format: &'static str) -> Result<Print, ExportError> {
         self.ink(format)?;
-        let (study, manifest) = (self.study(), self.manifest());
-        let grid = uniform_grid(&study.wavelengths_nm);
-        if grid.len() < 2 || study.wavelengths_nm.len() < 2 {
-            return Err(ExportError::TooFewWavelengths { format });
-        }
-        let colour = |name: &str| manifest.colours.iter().find(|c| c.conditions == name).map(|c| c.colour);
-        let spectrum = |geometry, values: Option<Vec<Estimate>>, name| {
-            let values = resample(&study.wavelengths_nm, &values?, &grid);
-            Some(PrintSpectrum { geometry, values, colour: colour(name) })
-        };
-        // the ink on its paper stands beside the layer at the normal alone
-        let normal = || manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
-        let lit = normal().map(|row| row.lit_at_45).collect();
-        let natural = normal().map(|row| row.natural_light).collect();
-        let spectra = [
-            spectrum(Geometry::LitAt45, lit, LIT_AT_45),
-            spectrum(Geometry::NaturalLight, natural, NATURAL_LIGHT),
-        ];
-        Ok(Print {
-            title: study.title.clone(),
-            study_hash: study.key().to_string(),
-            program: program(),
-            created: self.request.created.clone(),
-            spectra: spectra.into_iter().flatten().collect(),
-            wavelengths_nm: grid,
-        })
+        instrument::print(self.stored, format, &self.request.created)
     }
 
     fn cgats(&self, out: &mut Exported) -> Result<(), ExportError> {

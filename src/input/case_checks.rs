@@ -35,10 +35,14 @@ fn light(inputs: &CaseInputs) -> Result<(), CaseError> {
 }
 
 fn lengths(inputs: &CaseInputs) -> Result<(), CaseError> {
+    if inputs.period.is_none() && inputs.repeats() {
+        let (found, remedy) = ("missing", "give the period of the grains or bars in µm, or [Lx, Ly]");
+        return Err(CaseError::Field { field: "L".into(), found: found.into(), remedy: remedy.into() });
+    }
     let [x, y] = inputs.period_um();
     positive("L", x)?;
     positive("Ly", y)?;
-    if let (PeriodInput::Pair(_), Some(_)) = (inputs.period, inputs.period_y) {
+    if let (Some(PeriodInput::Pair(_)), Some(_)) = (inputs.period, inputs.period_y) {
         let (found, remedy) = ("given beside a pair L = [Lx, Ly]", "give one of them");
         return Err(CaseError::Field { field: "Ly".into(), found: found.into(), remedy: remedy.into() });
     }

@@ -26,9 +26,9 @@ pub struct CaseInputs {
     /// Azimuth from the x axis, degrees.
     #[serde(default)]
     pub phi_deg: f64,
-    /// Period in x, and in y unless `Ly` is given; or both as a pair.
-    #[serde(rename = "L", alias = "Lx", default)]
-    pub period: PeriodInput,
+    /// Period in x, µm, and in y unless `Ly` is given; or both as a pair. Films alone need none.
+    #[serde(rename = "L", alias = "Lx")]
+    pub period: Option<PeriodInput>,
     /// Period along y, µm; that along x unless told.
     #[serde(rename = "Ly")]
     pub period_y: Option<f64>,
@@ -94,19 +94,20 @@ pub enum PeriodInput {
     Pair([f64; 2]),
 }
 
-impl Default for PeriodInput {
-    fn default() -> PeriodInput {
-        PeriodInput::Square(1.0)
-    }
-}
-
 impl CaseInputs {
-    /// Periods along x and y; `Ly` beside a pair is refused by the checks.
+    /// Periods along x and y; `Ly` beside a pair is refused by the checks. Films alone, which no period changes, have 1 µm unless told.
     pub fn period_um(&self) -> [f64; 2] {
-        match self.period {
+        match self.period.unwrap_or(PeriodInput::Square(1.0)) {
             PeriodInput::Square(x) => [x, self.period_y.unwrap_or(x)],
             PeriodInput::Pair(pair) => pair,
         }
+    }
+
+    /// Whether there are grains or bars, which repeat with the period.
+    pub fn repeats(&self) -> bool {
+        let bars = self.sublayers_from_z0.iter().flatten().any(|sublayer| !sublayer.bars.is_empty());
+        let spheres = self.spheres.as_ref().is_some_and(|all| !all.is_empty());
+        spheres || bars || self.cylinders.as_ref().is_some_and(|all| !all.is_empty())
     }
 }
 

@@ -85,6 +85,8 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
     let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
     let realisations = if alike { 1 } else { realisations(file) };
     let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut faults);
+    let remarks =
+        [light::short_of_end(&file.light, &wavelengths_nm), judgement::first_of_several(file, &judgement)];
     let study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
@@ -104,6 +106,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         goal,
         output: output(&file.output),
         judgement,
+        remarks: remarks.into_iter().flatten().collect(),
     };
     wave::refusals(file, &study, &mut faults);
     if faults.0.is_empty() {

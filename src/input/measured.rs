@@ -1,5 +1,6 @@
 //! Spectra that someone has measured: CSV, CxF3 or CGATS.17.
 
+use super::patches::{self, Taken, place};
 use crate::material::columns::{Columns, ColumnsError};
 use crate::numerics::files;
 use std::path::{Path, PathBuf};
@@ -12,6 +13,9 @@ pub struct MeasuredSpectrum {
     pub source: String,
     /// (wavelength in nm, reflectance factor) rows.
     pub rows: Vec<[f64; 2]>,
+    /// Samples in the file.
+    #[serde(default)]
+    pub patches: usize,
 }
 
 /// A file without a usable spectrum.
@@ -42,31 +46,34 @@ pub enum MeasuredError {
 const LARGEST_FACTOR: f64 = 3.0;
 /// Noise of an instrument at its black; less is no reflectance factor.
 const LEAST_FACTOR: f64 = -0.1;
-const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
 
 impl MeasuredSpectrum {
-    /// Reads the first spectrum of a file: `.cxf` and `.mxf` as CxF3, files that begin with CGATS, CTI or SPECT as
+    /// Reads the first spectrum of a file, or that of the sample named `patch`: `.cxf` and `.mxf` as CxF3, files that begin with CGATS, CTI or SPECT as
     /// CGATS.17, all others as a table with the columns `wavelength_nm` and `reflectance`. Values in percent are divided
     /// by 100.
     ///
     /// # Errors
-    /// The file cannot be read, has no spectrum, or one with wavelengths that do not rise or values that are no reflectance
+    /// The file cannot be read, has no spectrum, none of that name, or one with wavelengths that do not rise or values that are no reflectance
     /// factors.
-    pub fn read(path: &Path) -> Result<Self, MeasuredError> {
+    pub fn read(path: &Path, patch: Option<&str>) -> Result<Self, MeasuredError> {
         let unreadable = |source| MeasuredError::Unreadable { path: path.into(), source };
         let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
         let text = String::from_utf8_lossy(&bytes);
         let no_spectrum = |reason: String| MeasuredError::NoSpectrum { path: path.into(), reason };
         let start = text.trim_start_matches('\u{feff}').trim_start();
-        let rows = if start.starts_with('<') {
-            from_cxf(&text).map_err(no_spectrum)?
+        let taken = if start.starts_with('<') {
+            patches::from_cxf(&text, patch).map_err(no_spectrum)?
         } else if ["CGATS", "CTI", "SPECT", "IT8"].iter().any(|word| start.starts_with(word)) {
-            from_cgats(&text).map_err(no_spectrum)?
+            patches::from_cgats(&text, patch).map_err(no_spectrum)?
         } else {
-            from_table(&Columns::read(path)?).map_err(no_spectrum)?
+            place(&[], patch).map_err(no_spectrum)?;
+            let rows = from_table(&Columns::read(path)?).map_err(no_spectrum)?;
+            Taken { rows, name: String::new(), number: 1, of: 1 }
         };
-        let source = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        Self::checked(source, rows).map_err(no_spectrum)
+        let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let Taken { rows, name, number, of } = taken;
+        let source = if of > 1 { format!("{file}: {name}, sample {number} of {of}") } else { file };
+        Ok(Self { patches: of, ..Self::checked(source, rows).map_err(no_spectrum)? })
     }
 
     fn checked(source: String, mut rows: Vec<[f64; 2]>) -> Result<Self, String> {
@@ -90,7 +97,7 @@ impl MeasuredSpectrum {
             return Err("all values are above 1, a perfect white; write percentages as shares of 1".into());
         }
         rows.iter_mut().for_each(|row| row[1] /= unit);
-        Ok(Self { source, rows })
+        Ok(Self { source, rows, patches: 1 })
     }
 
     /// First and last wavelength, nm.
@@ -119,78 +126,20 @@ fn from_table(columns: &Columns) -> Result<Vec<[f64; 2]>, String> {
     Ok(columns.rows.iter().map(|row| [nm, value].map(|i| row[i].unwrap_or(f64::NAN))).collect())
 }
 
-/// The first object with a reflectance spectrum.
-fn from_cxf(text: &str) -> Result<Vec<[f64; 2]>, String> {
-    let document =
-        roxmltree::Document::parse(text.trim_start_matches('\u{feff}')).map_err(|e| e.to_string())?;
-    let named = |name: &'static str| document.descendants().filter(move |n| n.has_tag_name((CXF, name)));
-    let spectrum = named("ReflectanceSpectrum").next().ok_or("no ReflectanceSpectrum of CxF3")?;
-    let wanted = spectrum.attribute("ColorSpecification");
-    let belongs = |node: &roxmltree::Node| {
-        let specification = node.ancestors().find(|n| n.has_tag_name((CXF, "ColorSpecification")));
-        wanted.is_none() || specification.and_then(|s| s.attribute("Id")) == wanted
-    };
-    let range = named("WavelengthRange").find(belongs);
-    let number = |text: Option<&str>| text.and_then(|t| t.trim().parse::<f64>().ok());
-    let start = number(spectrum.attribute("StartWL")).or(range.and_then(|r| number(r.attribute("StartWL"))));
-    let step = range.and_then(|r| number(r.attribute("Increment")));
-    let (Some(start), Some(step)) = (start, step) else {
-        return Err("the spectrum's StartWL or its WavelengthRange with Increment is missing".into());
-    };
-    let words = spectrum.text().unwrap_or("").split_whitespace().enumerate();
-    words.map(|(i, word)| Ok([start + step * i as f64, parsed(word)?])).collect()
-}
-
-/// The first set with fields SPEC_nnn (or nmnnn).
-fn from_cgats(text: &str) -> Result<Vec<[f64; 2]>, String> {
-    let between = |from: &str, to: &str| -> Option<Vec<&str>> {
-        let lines = text.lines().map(str::trim);
-        Some(lines.skip_while(|l| *l != from).skip(1).take_while(|l| *l != to).collect())
-            .filter(|l: &Vec<_>| !l.is_empty())
-    };
-    let fields = between("BEGIN_DATA_FORMAT", "END_DATA_FORMAT").ok_or("no BEGIN_DATA_FORMAT")?;
-    let fields: Vec<&str> = fields.iter().flat_map(|line| line.split_whitespace()).collect();
-    let data = between("BEGIN_DATA", "END_DATA").ok_or("no BEGIN_DATA")?;
-    let cells = words(data[0]);
-    if cells.len() != fields.len() {
-        return Err(format!("{} values in the first set under {} fields", cells.len(), fields.len()));
-    }
-    let band = |name: &str| {
-        let digits =
-            name.strip_prefix("SPEC_").or(name.strip_prefix("SPECTRAL_NM")).or(name.strip_prefix("nm"))?;
-        digits.trim_start_matches('_').parse::<f64>().ok()
-    };
-    let bands = fields.iter().zip(&cells).filter_map(|(name, cell)| Some((band(name)?, cell)));
-    let rows = bands.map(|(nm, cell)| Ok([nm, parsed(cell)?])).collect::<Result<Vec<_>, String>>()?;
-    if rows.is_empty() { Err("no fields SPEC_nnn".into()) } else { Ok(rows) }
-}
-
-/// Words of a line; quotes keep blanks together.
-fn words(line: &str) -> Vec<String> {
-    let pieces = line.split('"').enumerate();
-    let of = |(i, piece): (usize, &str)| -> Vec<String> {
-        if i % 2 == 1 {
-            vec![piece.to_owned()]
-        } else {
-            piece.split_whitespace().map(str::to_owned).collect()
-        }
-    };
-    pieces.flat_map(of).collect()
-}
-
-fn parsed(word: &str) -> Result<f64, String> {
-    word.parse().map_err(|_| format!("found {word:?} where a number is needed"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::patches::CXF;
     use std::io::Write;
 
     fn read(text: &str) -> Result<MeasuredSpectrum, MeasuredError> {
+        read_patch(text, None)
+    }
+
+    fn read_patch(text: &str, patch: Option<&str>) -> Result<MeasuredSpectrum, MeasuredError> {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(text.as_bytes()).unwrap();
-        MeasuredSpectrum::read(file.path())
+        MeasuredSpectrum::read(file.path(), patch)
     }
 
     #[test]
@@ -214,6 +163,32 @@ mod tests {
     }
 
     #[test]
+    fn of_several_samples_the_one_that_is_named_is_taken() {
+        let cgats = "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME SPEC_400 SPEC_410\nEND_DATA_FORMAT\nBEGIN_DATA\n\
+                     1 \"paper\" 90 91\n\n2 \"my ink\" 25 50\nEND_DATA\n";
+        let object = |name: &str, values: &str| {
+            format!(
+                "<c:Object Name=\"{name}\" Id=\"{name} id\"><c:ReflectanceSpectrum StartWL=\"400\">{values}</c:ReflectanceSpectrum></c:Object>"
+            )
+        };
+        let cxf = format!(
+            "<c:CxF xmlns:c=\"{CXF}\">{}{}<c:WavelengthRange StartWL=\"400\" Increment=\"10\"/></c:CxF>",
+            object("paper", "0.90 0.91"),
+            object("my ink", "0.25 0.50"),
+        );
+        for text in [cgats, &cxf] {
+            let [first, named] = [None, Some("my ink")].map(|patch| read_patch(text, patch).unwrap());
+            assert_eq!((first.rows[0], named.rows[0]), ([400.0, 0.9], [400.0, 0.25]));
+            assert!(first.source.ends_with(": \"paper\", sample 1 of 2"), "{}", first.source);
+            assert!(named.source.ends_with(": \"my ink\", sample 2 of 2") && named.patches == 2);
+            let none = read_patch(text, Some("ink")).unwrap_err().to_string();
+            assert!(none.contains("no sample \"ink\"; found \"paper\", \"my ink\""), "{none}");
+        }
+        let table = read_patch("wavelength_nm,reflectance\n400,0.25\n410,0.5\n", Some("ink"));
+        assert!(table.unwrap_err().to_string().contains("no names"));
+    }
+
+    #[test]
     fn files_without_a_spectrum_are_refused_with_their_reason() {
         let reason = |text: &str| read(text).unwrap_err().to_string();
         assert!(reason("wavelength_nm,lab\n400,1\n").contains("column reflectance is missing"));
@@ -225,11 +200,11 @@ mod tests {
         assert!(reason("wavelength_nm,reflectance\n400,1.5\n420,2.5\n").contains("above 1"));
         let short =
             "CGATS.17\nBEGIN_DATA_FORMAT\nSPEC_400 SPEC_500\nEND_DATA_FORMAT\nBEGIN_DATA\n1\nEND_DATA\n";
-        assert!(reason(short).contains("1 values in the first set under 2 fields"));
+        assert!(reason(short).contains("1 values in set 1 under 2 fields"));
         assert!(
             reason("CGATS.17\nBEGIN_DATA_FORMAT\nRGB_R\nEND_DATA_FORMAT\nBEGIN_DATA\n1\nEND_DATA\n")
                 .contains("SPEC_nnn")
         );
-        assert!(MeasuredSpectrum::read(Path::new("none.cxf")).is_err());
+        assert!(MeasuredSpectrum::read(Path::new("none.cxf"), None).is_err());
     }
 }

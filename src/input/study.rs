@@ -61,6 +61,9 @@ pub struct Study {
     /// Conditions and spectra that the prediction is judged by; no solve depends on them.
     #[serde(default)]
     pub judgement: Judgement,
+    /// What its file leaves open, and how it was taken: one line each, for whoever starts it.
+    #[serde(skip)]
+    pub remarks: Vec<String>,
 }
 
 /// One solve of the study.

@@ -12,7 +12,7 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Two-sided confidence of a verdict: 95 %.
-const QUANTILE: f64 = 0.975;
+pub(super) const QUANTILE: f64 = 0.975;
 
 /// What the sweep says about a claim.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -142,7 +142,7 @@ fn what_it_takes(chance: f64, error: f64, margin: f64, fewest: usize) -> String 
 }
 
 /// Quantile of Student's t for a mean of n realisations; the normal law's where chance plays no part.
-fn student(realisations: usize, quantile: f64) -> f64 {
+pub(super) fn student(realisations: usize, quantile: f64) -> f64 {
     if realisations == 0 {
         return Normal::standard().inverse_cdf(quantile);
     }

@@ -7,6 +7,7 @@
 use super::load::Sweep;
 use super::outcome::Outcome;
 use super::reported::numbers;
+use super::target;
 use crate::appearance::picture::InkPicture;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
@@ -29,6 +30,8 @@ struct Page<'a> {
     title: &'a str,
     program: String,
     reference: &'a str,
+    /// The wanted colour in words, where there is one.
+    target: Option<String>,
     axes: Vec<AxisOf<'a>>,
     wavelengths_nm: Vec<f64>,
     /// Names of the spectra in their order.
@@ -49,7 +52,7 @@ struct VariantOf<'a> {
     name: &'a str,
     place: &'a [usize],
     hex: Option<String>,
-    /// \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀.
+    /// \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀; with a target ΔE₀₀ to it and the contrast ratio.
     numbers: Option<Vec<[Option<f64>; 2]>>,
     realisations: usize,
     state: String,
@@ -74,6 +77,7 @@ pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]
         title: &outline.title,
         program: crate::evaluate::summary::program(),
         reference: &reference.name,
+        target: target::in_words(outcomes),
         axes,
         spectra: [
             "under a uniform sky",
@@ -106,6 +110,8 @@ fn variant<'a>(
 ) -> VariantOf<'a> {
     let finite = |x: f64| Some(x).filter(|x| x.is_finite());
     let both = |e: Estimate| [finite(e.value), e.standard_error.and_then(finite)];
+    let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], both));
+    let to_target = to_target.into_iter().filter(|_| outcome.aim.is_some());
     let hex = outcome.colour.as_ref().map(|c| {
         let [r, g, b] = c.srgb8;
         format!("#{r:02x}{g:02x}{b:02x}")
@@ -116,7 +122,7 @@ fn variant<'a>(
         name: &outcome.name,
         place,
         hex,
-        numbers: numbers(outcome, reference).map(|all| all.into_iter().map(both).collect()),
+        numbers: numbers(outcome, reference).map(|all| all.into_iter().map(both).chain(to_target).collect()),
         realisations: outcome.realisations,
         state: outcome.reason.clone().unwrap_or(missing),
         spectra: spectra(&outcome.spectra, wavelengths_nm),
@@ -156,6 +162,7 @@ mod tests {
     use super::*;
     use crate::appearance::colour::Colorimeter;
     use crate::evaluate::manifest::Count;
+    use crate::sweep::aim::{Aim, Found};
     use crate::sweep::load::{AxisOutline, Outline, Place};
     use ndarray::Array2;
 
@@ -182,6 +189,12 @@ mod tests {
         let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
         let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
         let colour = crate::appearance::colour::Colour { lab_covariance: covariance, ..colour };
+        let found = Some(Found {
+            delta_e_2000: number(),
+            deviations: Vec::new(),
+            contrast_ratio: number(),
+            hex: "#a0b0c0".into(),
+        });
         let solves = Count { asked: 24, finished: 24 };
         let labels = vec![name.clone(), name.clone(), name.clone()];
         let picture = InkPicture {
@@ -199,6 +212,7 @@ mod tests {
             certain: false,
             colour: Some(colour),
             lab_deviations: Default::default(),
+            aim: Some(Aim { lab: [70.1, -5.2, 40.3], conditions: "D65, 2° observer".into(), found }),
             spectra,
         };
         (outcome, picture)

@@ -12,6 +12,7 @@
 //! solves in flight and nothing else, and any number of processes of one machine may work in one folder. Machines that share
 //! no disk, or a network disk, take shards in folders of their own. `sweep.csv` is the table for spreadsheets, R and Python.
 
+pub mod aim;
 pub mod axes;
 pub mod claims;
 pub mod conclusions;
@@ -34,6 +35,7 @@ pub mod run;
 mod sheets;
 mod stored;
 pub mod sweep_page;
+mod target;
 pub mod units;
 
 pub use load::{Sweep, Variant};

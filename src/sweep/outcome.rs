@@ -1,5 +1,6 @@
 //! What one variant has come to, finished or not.
 
+use super::aim::Aim;
 use super::file::Quantity;
 use super::load::{Sweep, Variant};
 use super::rounds::Standing;
@@ -34,6 +35,8 @@ pub struct Outcome {
     pub colour: Option<Colour>,
     /// What each realisation, by its number, moves its Lab by.
     pub lab_deviations: BTreeMap<usize, [f64; 3]>,
+    /// The colour that it shall have, where its study states one.
+    pub aim: Option<Aim>,
     /// One row for each wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
 }
@@ -54,6 +57,7 @@ impl Outcome {
             certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
             colour: None,
             lab_deviations: BTreeMap::new(),
+            aim: Aim::of(study),
             spectra: Vec::new(),
         }
     }
@@ -68,6 +72,7 @@ impl Outcome {
             realisations: manifest.realisations.finished,
             colour: natural.map(|note| note.colour),
             lab_deviations: natural.map(|note| note.deviations.iter().copied().collect()).unwrap_or_default(),
+            aim: self.aim.map(|aim| aim.with(manifest.ink_maker.as_ref())),
             spectra: manifest.spectra.clone(),
             ..self
         }
@@ -108,6 +113,12 @@ impl Outcome {
     fn row(&self, wavelength_nm: Option<f64>) -> Option<&SpectrumRow> {
         let near = |row: &&SpectrumRow| (row.wavelength_nm - wavelength_nm.unwrap_or(f64::NAN)).abs() < 1e-6;
         self.spectra.iter().find(near).filter(|_| self.realisations > 0)
+    }
+
+    /// ΔE₀₀ to the colour that it shall have.
+    pub fn to_target(&self) -> Option<Linked> {
+        let found = self.aim.as_ref()?.found.as_ref()?;
+        Some(self.linked(found.delta_e_2000, found.deviations.iter().copied()))
     }
 
     fn linked(&self, estimate: Estimate, deviations: impl Iterator<Item = (usize, f64)>) -> Linked {
@@ -186,6 +197,7 @@ mod tests {
             certain: false,
             colour: Some(colour),
             lab_deviations: [(0, [0.0, 0.0, by]), (1, [0.0, 0.0, -by])].into(),
+            aim: None,
             spectra: Vec::new(),
         }
     }

@@ -7,6 +7,7 @@ use super::outcome::Outcome;
 use super::reported::{Reported, numbers};
 use super::sheets::Sheet;
 use super::sweep_page::{ConclusionRow, SweepPage, VariantRow};
+use super::target;
 use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
 use crate::evaluate::manifest::Count;
@@ -38,6 +39,7 @@ pub(crate) fn page(
         scalar_error: scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
         sheets: sheets.iter().zip(drawn).map(picture).collect(),
         conclusions: reported.conclusions.iter().map(conclusion).collect(),
+        nearest: target::nearest(&reported.outcomes),
         axes: outline.axes.iter().map(|axis| axis.name.clone()).collect(),
         reference: reference.name.clone(),
         variants: reported.outcomes.iter().map(|outcome| row(outcome, reference)).collect(),

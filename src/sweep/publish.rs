@@ -11,6 +11,7 @@ pub use super::reported::Reported;
 use super::reported::numbers;
 use super::sheets::{Sheet, sheets};
 use super::stored::stage_key;
+use super::target;
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::FigureError;
 use crate::draw::picture::PictureStyle;
@@ -165,18 +166,22 @@ fn draw(
 
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
 
-/// `sweep.csv`: one row a variant.
+/// `sweep.csv`: one row a variant; what came later stands at the end, where it was asked for.
 fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let mut table = csv::Writer::from_writer(Vec::new());
     let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
     let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
-    let columns = NUMBERS.iter().flat_map(|name| [(*name).to_owned(), format!("{name}_standard_error")]);
+    let aims = target::columns(outcomes);
+    let names = NUMBERS.iter().chain(aims);
+    let columns = names.flat_map(|name| [(*name).to_owned(), format!("{name}_standard_error")]);
     table.write_record(std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns))?;
     for outcome in outcomes {
         let (o, all) = (outcome, outcome.solves);
         let counts = [all.asked, all.finished, o.failures, o.realisations].map(|n| n.to_string());
         let numbers = numbers(o, &outcomes[sweep.outline.reference]);
-        let cells = (0..NUMBERS.len()).flat_map(|i| page::cells(numbers.map(|n| n[i])));
+        let of_aims = target::numbers(o).into_iter().take(aims.len());
+        let estimates = (0..NUMBERS.len()).map(|i| numbers.map(|n| n[i])).chain(of_aims);
+        let cells = estimates.flat_map(page::cells);
         table.write_record(
             std::iter::once(&o.name)
                 .chain(&o.labels)

@@ -19,6 +19,8 @@ pub struct SweepPage {
     pub sheets: Vec<Picture>,
     /// The conclusions.
     pub conclusions: Vec<ConclusionRow>,
+    /// Which variants come nearest to a wanted colour, where there is one.
+    pub nearest: Option<Nearest>,
     /// Names of the axes: columns of the table of variants.
     pub axes: Vec<String>,
     /// Name of the variant that ΔE refers to.
@@ -46,6 +48,34 @@ pub struct ConclusionRow {
     pub verdict: String,
     /// What else is to be known.
     pub remark: String,
+}
+
+/// The variants nearest to a wanted colour.
+#[derive(Clone, Debug, Serialize)]
+pub struct Nearest {
+    /// The wanted colour with its conditions.
+    pub target: String,
+    /// Which one is nearest, and how many cannot be told apart from it.
+    pub summary: String,
+    /// The nearest ones in their order.
+    pub rows: Vec<NearRow>,
+}
+
+/// One of the variants nearest to a wanted colour.
+#[derive(Clone, Debug, Serialize)]
+pub struct NearRow {
+    /// Labels of the variant on the axes.
+    pub labels: Vec<String>,
+    /// The variant's own page.
+    pub link: String,
+    /// `#rrggbb` of the print.
+    pub hex: Option<String>,
+    /// ΔE₀₀ with its 95 % interval.
+    pub delta_e: String,
+    /// Y over black divided by Y over white, with its 95 % interval.
+    pub contrast_ratio: String,
+    /// Whether it can be told apart from the nearest.
+    pub verdict: String,
 }
 
 /// One variant.

@@ -45,6 +45,9 @@ pub enum ExportError {
         /// The format.
         format: &'static str,
     },
+    /// Records that do not belong together.
+    #[error(transparent)]
+    Seen(#[from] crate::appearance::bdf::BdfError),
     /// The appearance refuses.
     #[error(transparent)]
     Ink(#[from] InkError),

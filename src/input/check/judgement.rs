@@ -21,11 +21,24 @@ pub(crate) fn judgement(
         let remedy = "write from_nm, to_nm and step_nm, or leave it out";
         faults.push(Fault::new("colour.summation", "\"e308\"", allowed, remedy));
     }
+    if let (Some(patch), None) = (&file.compare.patch, &file.compare.measured) {
+        let allowed = "a name beside compare.measured";
+        faults.push(Fault::new("compare.patch", format!("{patch:?}"), allowed, "add compare.measured"));
+    }
     let measured = measured(file, folder, faults);
     if let Some(measured) = &measured {
         faults.0.extend(elsewhere(measured, wavelengths_nm));
     }
     Judgement { viewing, target_lab, measured }
+}
+
+/// What a file with several samples leaves open.
+pub(crate) fn first_of_several(file: &StudyFile, judgement: &Judgement) -> Option<String> {
+    let measured = judgement.measured.as_ref().filter(|m| m.patches > 1 && file.compare.patch.is_none())?;
+    Some(format!(
+        "compare.measured: taken is {}; compare.patch = \"…\" takes another by its name",
+        measured.source
+    ))
 }
 
 /// Equal steps, to the rounding of written numbers.
@@ -74,8 +87,8 @@ fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<Meas
     let path = folder.join(file.compare.measured.as_ref()?);
     let fault = |error: MeasuredError| {
         let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn";
-        let remedy = "correct the file; its path is relative to the study file";
+        let remedy = "correct the file or compare.patch; its path is relative to the study file";
         faults.push(Fault::new("compare.measured", error, allowed, remedy));
     };
-    MeasuredSpectrum::read(&path).map_err(fault).ok()
+    MeasuredSpectrum::read(&path, file.compare.patch.as_deref()).map_err(fault).ok()
 }

@@ -38,6 +38,19 @@ pub(crate) fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
     list
 }
 
+/// A range whose last step does not end at `to_nm`.
+pub(crate) fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String> {
+    let (to, step, &last) = (light.to_nm?, light.step_nm?, wavelengths_nm.last()?);
+    let count = wavelengths_nm.len() - 1;
+    let short = last < to - 1e-6 * step;
+    short.then(|| {
+        format!(
+            "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
+             choose a step that divides the range to reach {to} nm"
+        )
+    })
+}
+
 fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f64> {
     let before = faults.0.len();
     faults.number("light.step_nm", step, limits::STEP_NM, "20 is usual");

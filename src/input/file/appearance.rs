@@ -59,6 +59,9 @@ pub struct CompareTable {
     /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17.
     #[schemars(example = &"measured.csv")]
     pub measured: Option<String>,
+    /// Name of the sample in a CxF3 or CGATS.17 file with several; the first when left out.
+    #[schemars(example = &"yellow 100 %")]
+    pub patch: Option<String>,
 }
 
 /// `[output]`

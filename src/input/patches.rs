@@ -1,0 +1,115 @@
+//! One of the samples of a CxF3 or CGATS.17 file.
+
+pub(super) const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
+/// Most names that a message lists.
+const MOST_NAMES: usize = 12;
+
+/// A sample's rows, and which of how many it is.
+pub(super) struct Taken {
+    /// (wavelength in nm, value) rows.
+    pub rows: Vec<[f64; 2]>,
+    /// Its name in quotes, or words for none.
+    pub name: String,
+    /// Counted from 1.
+    pub number: usize,
+    /// Samples in the file.
+    pub of: usize,
+}
+
+/// Place of the wanted sample among those of a file; the first unless one is named.
+pub(super) fn place(names: &[String], patch: Option<&str>) -> Result<usize, String> {
+    let Some(wanted) = patch else { return Ok(0) };
+    let shown = names.iter().filter(|name| !name.is_empty()).take(MOST_NAMES);
+    let found = shown.map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+    let more = if names.len() > MOST_NAMES { " …" } else { "" };
+    let found = if found.is_empty() { "no names".to_owned() } else { found + more };
+    names
+        .iter()
+        .position(|name| name.trim() == wanted.trim())
+        .ok_or_else(|| format!("no sample {wanted:?}; found {found}"))
+}
+
+fn taken(rows: Vec<[f64; 2]>, names: &[String], place: usize) -> Taken {
+    let name = if names[place].is_empty() { "unnamed".to_owned() } else { format!("{:?}", names[place]) };
+    Taken { rows, name, number: place + 1, of: names.len() }
+}
+
+/// The object with a reflectance spectrum that is wanted, by its name, or the first.
+pub(super) fn from_cxf(text: &str, patch: Option<&str>) -> Result<Taken, String> {
+    let document =
+        roxmltree::Document::parse(text.trim_start_matches('\u{feff}')).map_err(|e| e.to_string())?;
+    let named = |name: &'static str| document.descendants().filter(move |n| n.has_tag_name((CXF, name)));
+    let spectra: Vec<roxmltree::Node> = named("ReflectanceSpectrum").collect();
+    if spectra.is_empty() {
+        return Err("no ReflectanceSpectrum of CxF3".into());
+    }
+    let name = |node: &roxmltree::Node| {
+        let object = node.ancestors().find(|n| n.has_tag_name((CXF, "Object")));
+        object.and_then(|o| o.attribute("Name").or(o.attribute("Id"))).unwrap_or("").to_owned()
+    };
+    let names: Vec<String> = spectra.iter().map(name).collect();
+    let place = place(&names, patch)?;
+    let spectrum = spectra[place];
+    let wanted = spectrum.attribute("ColorSpecification");
+    let belongs = |node: &roxmltree::Node| {
+        let specification = node.ancestors().find(|n| n.has_tag_name((CXF, "ColorSpecification")));
+        wanted.is_none() || specification.and_then(|s| s.attribute("Id")) == wanted
+    };
+    let range = named("WavelengthRange").find(belongs);
+    let number = |text: Option<&str>| text.and_then(|t| t.trim().parse::<f64>().ok());
+    let start = number(spectrum.attribute("StartWL")).or(range.and_then(|r| number(r.attribute("StartWL"))));
+    let step = range.and_then(|r| number(r.attribute("Increment")));
+    let (Some(start), Some(step)) = (start, step) else {
+        return Err("the spectrum's StartWL or its WavelengthRange with Increment is missing".into());
+    };
+    let words = spectrum.text().unwrap_or("").split_whitespace().enumerate();
+    let rows = words.map(|(i, word)| Ok([start + step * i as f64, parsed(word)?]));
+    Ok(taken(rows.collect::<Result<_, String>>()?, &names, place))
+}
+
+/// The set with fields SPEC_nnn (or nmnnn) that is wanted, by its SAMPLE_NAME or SAMPLE_ID, or the first.
+pub(super) fn from_cgats(text: &str, patch: Option<&str>) -> Result<Taken, String> {
+    let between = |from: &str, to: &str| -> Option<Vec<&str>> {
+        let lines = text.lines().map(str::trim);
+        Some(lines.skip_while(|l| *l != from).skip(1).take_while(|l| *l != to).collect())
+            .filter(|l: &Vec<_>| !l.is_empty())
+    };
+    let fields = between("BEGIN_DATA_FORMAT", "END_DATA_FORMAT").ok_or("no BEGIN_DATA_FORMAT")?;
+    let fields: Vec<&str> = fields.iter().flat_map(|line| line.split_whitespace()).collect();
+    let data = between("BEGIN_DATA", "END_DATA").ok_or("no BEGIN_DATA")?;
+    let sets: Vec<Vec<String>> = data.iter().map(|line| words(line)).filter(|w| !w.is_empty()).collect();
+    let title = ["SAMPLE_NAME", "SAMPLE_ID"].iter().find_map(|key| fields.iter().position(|f| f == key));
+    let name = |set: &Vec<String>| title.and_then(|t| set.get(t)).cloned().unwrap_or_default();
+    let names: Vec<String> = sets.iter().map(name).collect();
+    let place = place(&names, patch)?;
+    let cells = sets.get(place).ok_or("no BEGIN_DATA")?;
+    if cells.len() != fields.len() {
+        let (found, number) = (cells.len(), place + 1);
+        return Err(format!("{found} values in set {number} under {} fields", fields.len()));
+    }
+    let band = |name: &str| {
+        let digits =
+            name.strip_prefix("SPEC_").or(name.strip_prefix("SPECTRAL_NM")).or(name.strip_prefix("nm"))?;
+        digits.trim_start_matches('_').parse::<f64>().ok()
+    };
+    let bands = fields.iter().zip(cells).filter_map(|(name, cell)| Some((band(name)?, cell)));
+    let rows = bands.map(|(nm, cell)| Ok([nm, parsed(cell)?])).collect::<Result<Vec<_>, String>>()?;
+    if rows.is_empty() { Err("no fields SPEC_nnn".into()) } else { Ok(taken(rows, &names, place)) }
+}
+
+/// Words of a line; quotes keep blanks together.
+fn words(line: &str) -> Vec<String> {
+    let pieces = line.split('"').enumerate();
+    let of = |(i, piece): (usize, &str)| -> Vec<String> {
+        if i % 2 == 1 {
+            vec![piece.to_owned()]
+        } else {
+            piece.split_whitespace().map(str::to_owned).collect()
+        }
+    };
+    pieces.flat_map(of).collect()
+}
+
+fn parsed(word: &str) -> Result<f64, String> {
+    word.parse().map_err(|_| format!("found {word:?} where a number is needed"))
+}
