@@ -71,7 +71,7 @@ fn of_a_law(
     let size = &pigment.size;
     let mean_um3 = template.volume.um3 * size.radius_um(1.0, template).powi(3) * size.mean_cube_nm3();
     let wanted = target / mean_um3;
-    if !(wanted <= MOST_GRAINS as f64) {
+    if wanted.is_nan() || wanted > MOST_GRAINS as f64 {
         return Err(too_many(format!("{wanted:.1e} grains")));
     }
     // The share is met in the mean over cells; only less than one grain is rounded, as for grains of one size.

@@ -52,9 +52,8 @@ const GUIDED_SHARE: f64 = 0.3;
 const LEAST_RESTART: usize = 20;
 /// A cycle that leaves more than this share of the residual stalls.
 const STALLS: f64 = 0.99;
-/// A basis that is too short grows by this factor: applications made with short ones are lost.
-const GROWTH: usize = 4;
-/// A basis grows to so many times `restart` at most: beyond, orthogonalisation costs more than another strategy.
+/// A basis that is too short grows to so many times `restart`, at once: applications made with short ones are lost. Beyond,
+/// orthogonalisation costs more than another strategy.
 const MOST_GROWTH: usize = 8;
 
 impl Solver for Gmres {
@@ -103,7 +102,7 @@ impl Solver for Gmres {
                 self.advice(restart)
             ))?;
             if single.is_none() && run.too_slow(before / after, restart) {
-                restart = (GROWTH * restart).min(self.longest).max(restart);
+                restart = self.longest.max(restart);
             }
             single = single.filter(|_| after < SINGLE_GAIN * before);
         }
