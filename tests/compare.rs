@@ -4,6 +4,7 @@ use inkwave::compare::experiment::ComparisonFile;
 use inkwave::solve::{Registry, Silent, Step, Watch};
 use std::cell::Cell;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 const TINY: &str = r#"
 title = "tiny"
@@ -22,12 +23,20 @@ binder = [1.558, 0.0]
 wavelength_um = 0.6
 "#;
 
+fn tiny(folder: &Path) -> ComparisonFile {
+    written(folder, "tiny.toml", TINY)
+}
+
+fn written(folder: &Path, name: &str, text: &str) -> ComparisonFile {
+    let path = folder.join(name);
+    std::fs::write(&path, text).expect("written");
+    ComparisonFile::read(&path).expect("parsed")
+}
+
 #[test]
 fn every_strategy_is_a_row_and_every_file_is_whole() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("tiny.toml");
-    std::fs::write(&path, TINY).expect("written");
-    let file = ComparisonFile::read(&path).expect("parsed");
+    let file = tiny(folder.path());
     let comparison = file.run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
     assert_eq!(comparison.rows.len(), 8);
     let find = |name: &str| comparison.rows.iter().find(|r| r.strategy == name).expect("a row");
@@ -61,9 +70,7 @@ impl Watch for StopAfterOne<'_> {
 #[test]
 fn what_was_solved_before_a_stop_is_kept() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("tiny.toml");
-    std::fs::write(&path, TINY).expect("written");
-    let file = ComparisonFile::read(&path).expect("parsed");
+    let file = tiny(folder.path());
     let rows = Cell::new(0);
     let told = |_: &_| rows.set(rows.get() + 1);
     let comparison = file.run(&Registry::default(), &mut StopAfterOne(&rows), told).expect("one row");
@@ -103,12 +110,10 @@ fn slips_are_told() {
 #[test]
 fn a_matrix_tells_costs_and_reasons() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("matrix.toml");
     let resolutions = "resolutions = [{ points = 5, cells = 6 }]\n";
     let matrix = "[matrix]\npigments = [[1.5, 0.0], [2.5, 0.0]]\nperiods_um = [0.5]\naccuracy = 0.1\n";
     let text = TINY.replace(resolutions, "").replace("\"direct\"", "\"bicgstab\"") + matrix;
-    std::fs::write(&path, text).expect("written");
-    let file = ComparisonFile::read(&path).expect("parsed");
+    let file = written(folder.path(), "matrix.toml", &text);
     let matrix =
         file.run_matrix(&Registry::default(), &mut Silent, |_| ()).expect("compared").expect("a matrix");
     assert_eq!(matrix.cells.len(), 8);
