@@ -4,6 +4,7 @@ use inkwave::compare::experiment::ComparisonFile;
 use inkwave::solve::{Registry, Silent, Step, Watch};
 use std::cell::Cell;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 const TINY: &str = r#"
 title = "tiny"
@@ -22,12 +23,20 @@ binder = [1.558, 0.0]
 wavelength_um = 0.6
 "#;
 
+fn tiny(folder: &Path) -> ComparisonFile {
+    written(folder, "tiny.toml", TINY)
+}
+
+fn written(folder: &Path, name: &str, text: &str) -> ComparisonFile {
+    let path = folder.join(name);
+    std::fs::write(&path, text).expect("written");
+    ComparisonFile::read(&path).expect("parsed")
+}
+
 #[test]
 fn every_strategy_is_a_row_and_every_file_is_whole() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("tiny.toml");
-    std::fs::write(&path, TINY).expect("written");
-    let file = ComparisonFile::read(&path).expect("parsed");
+    let file = tiny(folder.path());
     let comparison = file.run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
     assert_eq!(comparison.rows.len(), 8);
     let find = |name: &str| comparison.rows.iter().find(|r| r.strategy == name).expect("a row");
@@ -61,9 +70,7 @@ impl Watch for StopAfterOne<'_> {
 #[test]
 fn what_was_solved_before_a_stop_is_kept() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("tiny.toml");
-    std::fs::write(&path, TINY).expect("written");
-    let file = ComparisonFile::read(&path).expect("parsed");
+    let file = tiny(folder.path());
     let rows = Cell::new(0);
     let told = |_: &_| rows.set(rows.get() + 1);
     let comparison = file.run(&Registry::default(), &mut StopAfterOne(&rows), told).expect("one row");
@@ -88,27 +95,89 @@ fn slips_are_told() {
         ("points = 5", "pionts = 5", "pionts"),
         ("volume_fraction = 0.12", "volume_fraction = 1.2", "volume_fraction"),
         ("[layer]", "case = \"x.json\"\n[layer]", "exactly one"),
+        ("points = 5", "points = 0", "resolutions[0].points"),
+        ("points = 5", "points = 60000", "would need"),
+        ("repeats = 1", "goal.tolerance = -1", "goal.tolerance"),
+        ("repeats = 1", "goal.max_applications = 0", "goal.max_applications"),
+        ("repeats = 1", "wavelength_nm = 900", "wavelength_nm"),
+        ("repeats = 1", "polar_deg = 90", "polar angle"),
     ] {
         let path = folder.path().join("slip.toml");
         std::fs::write(&path, TINY.replace(from, to)).expect("written");
-        let read = ComparisonFile::read(&path);
-        let message = match read.and_then(|f| f.run(&Registry::default(), &mut Silent, |_| ())) {
-            Err(error) => error.to_string(),
-            Ok(_) => panic!("{to} was accepted"),
-        };
-        assert!(message.contains(told), "{to}: {message}");
+        let [run, plan] =
+            [true, false].map(|run| refusal(&path, run).unwrap_or_else(|| panic!("{to}: {run}")));
+        assert!(run.contains(told) && run.contains("slip.toml"), "{to}: {run}");
+        // what a run refuses, its plan refuses in the same words; the memory that is free may have changed
+        let words = |told: &str| told.split(" of the ").next().map(str::to_owned);
+        assert_eq!(words(&run), words(&plan));
     }
+}
+
+/// What a run, or its plan, says against a file.
+fn refusal(path: &Path, run: bool) -> Option<String> {
+    let (read, registry) = (ComparisonFile::read(path), Registry::default());
+    let error = match read {
+        Err(error) => Some(error),
+        Ok(file) if run && file.matrix.is_some() => file.run_matrix(&registry, &mut Silent, |_| ()).err(),
+        Ok(file) if run => file.run(&registry, &mut Silent, |_| ()).err(),
+        Ok(file) => file.plan(&registry).err(),
+    };
+    error.map(|error| error.to_string())
+}
+
+/// Fields that a matrix varies are checked wherever they are written, without a solve.
+#[test]
+fn plans_of_matrices_look_at_every_case() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("matrix.toml");
+    let cell = "[matrix]\npigments = [[1.5, 0.0], [2.5, 0.0]]\nperiods_um = [0.5]\n";
+    std::fs::write(&path, format!("{TINY}{cell}")).expect("written");
+    assert_eq!(refusal(&path, false), None);
+    for (from, to, told) in [
+        ("[2.5, 0.0]", "[25, 0.0]", "matrix.pigments[1][0]"),
+        ("[2.5, 0.0]", "[2.5, -1.0]", "matrix.pigments[1][1]"),
+        ("[0.5]", "[0.5, -0.5]", "matrix.periods_um[1]"),
+        ("[0.5]", "[0.5, 0.2]", "period"),
+        ("[0.5]", "[0.5]\naccuracy = 2", "matrix.accuracy"),
+        ("[0.5]", "[0.5]\nmax_applications = 0", "matrix.max_applications"),
+    ] {
+        std::fs::write(&path, format!("{TINY}{}", cell.replace(from, to))).expect("written");
+        let plan = refusal(&path, false).unwrap_or_else(|| panic!("{to}"));
+        assert!(plan.contains(told) && plan.contains("matrix.toml"), "{to}: {plan}");
+    }
+    let case = folder.path().join("case.json");
+    let film = r#"{ "wavelength": 0.5, "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0.1] }] }"#;
+    std::fs::write(case, film).expect("written");
+    std::fs::write(&path, format!("case = \"case.json\"\n{cell}")).expect("written");
+    let [run, plan] = [true, false].map(|run| refusal(&path, run).expect("refused"));
+    assert!(run == plan && plan.contains("a study, whose period"), "{run}\n{plan}");
+}
+
+const WHOLE: &str = "[study.layer]\ncell = 'fixed'\nperiod_um = 0.5\nthickness_um = 0.5\n[[study.pigment]]\n\
+    diameter_nm = 250\nvolume_fraction = 0.12\nindex = 1.4\n[study.light]\nwavelengths_nm = [550]\n";
+
+#[test]
+fn keys_without_effect_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert!(tiny(folder.path()).unused().is_empty());
+    let more = "[study.paper]\nalbedo = 0.5\n[study.run]\nseed = 3\nrealisations = 9\n[study.solver]\ntolerance = 1e-3\n";
+    let own = written(folder.path(), "own.toml", &format!("{WHOLE}{more}"));
+    assert_eq!(own.unused(), ["study.paper", "study.solver", "study.run.realisations"]);
+    let matrix = "repeats = 2\nstudy = 'study.toml'\n[matrix]\npigments = [[1.5, 0.0]]\nperiods_um = [0.5]\n";
+    std::fs::write(folder.path().join("study.toml"), WHOLE.replace("study.", "")).expect("written");
+    let beside = written(folder.path(), "matrix.toml", matrix);
+    let varied =
+        ["layer.cell", "layer.period_um", "pigment[0].index"].map(|key| format!("study.toml: {key}"));
+    assert_eq!(beside.unused(), [&["repeats".to_string()][..], &varied].concat());
 }
 
 #[test]
 fn a_matrix_tells_costs_and_reasons() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("matrix.toml");
     let resolutions = "resolutions = [{ points = 5, cells = 6 }]\n";
     let matrix = "[matrix]\npigments = [[1.5, 0.0], [2.5, 0.0]]\nperiods_um = [0.5]\naccuracy = 0.1\n";
     let text = TINY.replace(resolutions, "").replace("\"direct\"", "\"bicgstab\"") + matrix;
-    std::fs::write(&path, text).expect("written");
-    let file = ComparisonFile::read(&path).expect("parsed");
+    let file = written(folder.path(), "matrix.toml", &text);
     let matrix =
         file.run_matrix(&Registry::default(), &mut Silent, |_| ()).expect("compared").expect("a matrix");
     assert_eq!(matrix.cells.len(), 8);
@@ -122,4 +191,20 @@ fn a_matrix_tells_costs_and_reasons() {
     matrix.write(&folder.path().join("out")).expect("written");
     let page = std::fs::read_to_string(folder.path().join("out/matrix.html")).expect("the page");
     assert!(page.contains("1.5 + 0i") && page.contains("diverges"));
+    // Born is missing beside 2.5; all others keep their colours there.
+    let [weak, strong] = [1, 2].map(|k| {
+        let name = folder.path().join(format!("out/applications-{k}.svg"));
+        std::fs::read_to_string(name).expect("a plot")
+    });
+    assert!(weak.contains("\nborn\n") && !strong.contains("\nborn\n"));
+    for name in ["krylov", "bicgstab"] {
+        assert_eq!(colour(&weak, name), colour(&strong, name), "{name}");
+    }
+    assert_ne!(colour(&weak, "krylov"), colour(&weak, "bicgstab"));
+}
+
+/// Colour of the line that the legend draws before a name.
+fn colour<'a>(svg: &'a str, name: &str) -> &'a str {
+    let after = svg.split(&format!("\n{name}\n")).nth(1).expect("a name");
+    after.split("stroke=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a line")
 }

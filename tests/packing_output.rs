@@ -71,6 +71,25 @@ fn a_report_holds_every_file_and_the_json_reads_back_bit_for_bit() {
     }
 }
 
+/// Every number on the page is rounded to its error, and pigments have their names.
+#[test]
+fn the_page_of_packings_is_for_people() {
+    let (pigments, packings) = packed();
+    let folder = tempfile::tempdir().unwrap();
+    let (_, page) = write_report(folder.path(), "test", &pigments, &packings).unwrap();
+    let text = std::fs::read_to_string(page).unwrap();
+    let text = text.split("</style>").nth(1).unwrap();
+    for wanted in ["requested fraction of yellow<td>0.2<td>", "grains of blue<td>", "φ(z) of blue", " ± "] {
+        assert!(text.contains(wanted), "{wanted}: {text}");
+    }
+    assert!(!text.contains("of pigment ") && !text.contains("e0"), "{text}");
+    let numbers = text.split(|c: char| !c.is_ascii_digit() && c != '.').filter(|n| n.contains('.'));
+    let long: Vec<&str> = numbers.filter(|n| n.trim_start_matches(['0', '.']).len() > 8).collect();
+    assert!(long.is_empty(), "{long:?}");
+    let plot = std::fs::read_to_string(folder.path().join("profile_pigment_1.svg")).unwrap();
+    assert!(plot.contains("φ(z) of blue"), "{plot}");
+}
+
 #[test]
 fn csv_and_vtk_have_one_entry_per_sphere() {
     let (_, packings) = packed();

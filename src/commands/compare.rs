@@ -29,6 +29,7 @@ pub struct CompareArgs {
 pub fn run(args: &CompareArgs) -> Result<()> {
     let file = ComparisonFile::read(&args.file).map_err(report)?;
     let registry = Registry::default();
+    tell_unused(&file.unused());
     if args.plan {
         let Plan { bodies, rows } = file.plan(&registry).map_err(report)?;
         return say(format_args!("{}: {rows} solves on a layer of {bodies} bodies", args.file.display()));
@@ -63,6 +64,14 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let reason = comparison.rows.first().map_or("no rows", |row| row.outcome.as_str());
     Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
+}
+
+/// Nobody shall wait for the effect of a key that has none.
+fn tell_unused(keys: &[String]) {
+    if !keys.is_empty() {
+        let why = "comparisons solve the first packing at one wavelength and angle, with grids and residuals of their own";
+        note(format_args!("Without effect here: {} ({why}).", keys.join(", ")));
+    }
 }
 
 /// A comparison that was stopped is no success.

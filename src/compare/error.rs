@@ -2,10 +2,12 @@
 
 use crate::input::case::CaseError;
 use crate::input::fault::StudyError;
+use crate::input::limits;
+use crate::numerics::allowed::Allowed;
 use crate::solve::SolveError;
 use crate::solve::accuracy::AccuracyError;
 use crate::wave::WaveError;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Why there is no comparison at all; strategies that fail are rows instead.
@@ -22,11 +24,19 @@ pub enum CompareError {
     /// The file is no comparison.
     #[error(transparent)]
     Study(#[from] StudyError),
+    /// Another error, with the file that it is about.
+    #[error("{}: {error}", path.display())]
+    InFile {
+        /// The comparison, study or case.
+        path: PathBuf,
+        /// What is wrong.
+        error: Box<CompareError>,
+    },
     /// Fields that do not fit together.
     #[error("{field} is {found}; allowed is {allowed}: {remedy}")]
     Field {
         /// The field.
-        field: &'static str,
+        field: String,
         /// What was found.
         found: String,
         /// What is allowed.
@@ -57,9 +67,40 @@ impl CompareError {
         match self {
             Self::Solve(error) => matches!(error, SolveError::Cancelled { .. }),
             Self::Accuracy(error) => error.is_stop(),
+            Self::InFile { error, .. } => error.is_stop(),
             _ => false,
         }
     }
+
+    /// The same with the name of its file, where the message does not say it by itself.
+    pub(super) fn in_file(self, path: &Path) -> CompareError {
+        match self {
+            named @ (Self::Read { .. } | Self::Study(_) | Self::InFile { .. }) => named,
+            named @ Self::Case(
+                CaseError::Read { .. } | CaseError::Parse { .. } | CaseError::Values { .. },
+            ) => named,
+            error => Self::InFile { path: path.to_owned(), error: Box::new(error) },
+        }
+    }
+
+    /// A number outside its range.
+    pub(super) fn number(field: &str, value: f64, allowed: Allowed, remedy: &'static str) -> CompareError {
+        let (found, allowed) = (value.to_string(), allowed.to_string());
+        CompareError::Field { field: field.into(), found, allowed, remedy }
+    }
+}
+
+/// Refuses a bound on the cost that no solve keeps.
+///
+/// # Errors
+/// The field, what was found and what is allowed.
+pub(super) fn applications(field: &str, most: usize) -> Result<(), CompareError> {
+    if limits::APPLICATIONS.holds(most) {
+        return Ok(());
+    }
+    let (found, allowed) = (most.to_string(), limits::APPLICATIONS.to_string());
+    let remedy = "some hundreds do for most inks";
+    Err(CompareError::Field { field: field.into(), found, allowed, remedy })
 }
 
 /// What is left of a list that the user may have stopped: nothing lost where something is there.

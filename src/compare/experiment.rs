@@ -3,17 +3,18 @@
 mod file;
 mod reference;
 mod rows;
+mod unused;
 
 pub use super::error::CompareError;
 pub use super::layer::PackedLayer;
 pub use file::{ComparisonFile, Points};
 
 use super::error::kept;
-use super::matrix::{Cell, Matrix};
+use super::matrix::{Cell, Matrix, MatrixTable};
 use super::pages::{Comparison, Row};
+use super::subject::Packed;
 use crate::solve::{Coverages, Registry, Watch};
 use crate::wave::{Resolution, Scene, Scheme};
-use reference::Subject;
 
 /// What a comparison is about to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,15 +31,27 @@ impl ComparisonFile {
     /// # Errors
     /// As [`ComparisonFile::run`], but those of solves.
     pub fn plan(&self, registry: &Registry) -> Result<Plan, CompareError> {
+        self.planned(registry).map_err(|error| error.in_file(&self.origin))
+    }
+
+    fn planned(&self, registry: &Registry) -> Result<Plan, CompareError> {
         self.check()?;
         let strategies = self.strategies(registry)?.len();
-        let Subject { case, .. } = self.subject()?;
-        let bodies = case.scene.bodies.len();
+        let subject = self.subject()?;
+        let bodies = subject.case.scene.bodies.len();
         let Some(matrix) = &self.matrix else {
+            self.check_reference(&subject)?;
             return Ok(Plan { bodies, rows: strategies * self.schemes.len() * self.resolutions.len() });
         };
-        matrix.check()?;
+        matrix.check_cases(&self.varying()?)?;
         Ok(Plan { bodies, rows: strategies * matrix.pigments.len() * matrix.periods_um.len() })
+    }
+
+    /// The study that a matrix varies.
+    fn varying(&self) -> Result<Packed, CompareError> {
+        let (found, allowed) = ("a case".into(), "a study, whose period and index vary".into());
+        let remedy = "name a study file, or write a whole study as [study]";
+        self.packed()?.ok_or(CompareError::Field { field: "matrix".into(), found, allowed, remedy })
     }
 
     /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it: what is solved by then is kept.
@@ -52,18 +65,25 @@ impl ComparisonFile {
         told: impl FnMut(&Cell),
     ) -> Result<Option<Matrix>, CompareError> {
         let Some(matrix) = &self.matrix else { return Ok(None) };
+        let run = self.solved(matrix, registry, watch, told);
+        run.map(Some).map_err(|error| error.in_file(&self.origin))
+    }
+
+    fn solved(
+        &self,
+        matrix: &MatrixTable,
+        registry: &Registry,
+        watch: &mut dyn Watch,
+        told: impl FnMut(&Cell),
+    ) -> Result<Matrix, CompareError> {
         self.check()?;
-        let Some(packed) = self.packed()? else {
-            let (found, allowed) = ("a case".into(), "a study, whose period and index vary".into());
-            let remedy = "name a study file, or write a whole study as [study]";
-            return Err(CompareError::Field { field: "matrix", found, allowed, remedy });
-        };
+        let packed = self.varying()?;
         let strategies = self.strategies(registry)?;
         let cells = matrix.run(&packed, &strategies, watch, told)?;
         let asked = matrix.pigments.len() * matrix.periods_um.len() * strategies.len();
         let names = strategies.into_iter().map(|(name, _)| name.to_string()).collect();
-        let (title, accuracy) = (self.title.clone(), matrix.accuracy);
-        Ok(Some(Matrix { title, accuracy, strategies: names, asked, cells }))
+        let (title, accuracy, registry) = (self.title.clone(), matrix.accuracy, names_of(registry));
+        Ok(Matrix { title, accuracy, strategies: names, registry, asked, cells })
     }
 
     /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison: rows solved
@@ -72,6 +92,15 @@ impl ComparisonFile {
     /// # Errors
     /// Unknown strategies, a geometry without a reference, Ctrl-C before the first row.
     pub fn run(
+        &self,
+        registry: &Registry,
+        watch: &mut dyn Watch,
+        told: impl FnMut(&Row),
+    ) -> Result<Comparison, CompareError> {
+        self.compared(registry, watch, told).map_err(|error| error.in_file(&self.origin))
+    }
+
+    fn compared(
         &self,
         registry: &Registry,
         watch: &mut dyn Watch,
@@ -94,8 +123,12 @@ impl ComparisonFile {
             Ok(())
         });
         let (rows, asked) = (kept(rows, end)?, tasks.len());
-        Ok(Comparison { title: self.title.clone(), reference, asked, rows })
+        Ok(Comparison { title: self.title.clone(), reference, registry: names_of(registry), asked, rows })
     }
+}
+
+fn names_of(registry: &Registry) -> Vec<String> {
+    registry.names().map(String::from).collect()
 }
 
 /// A grid of the list; one point is enough along an axis that nothing depends on.

@@ -7,7 +7,7 @@ use crate::input::tree::Node;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::Path;
 
 /// Equal spheres in a binder, between vacuum half-spaces: an older form of `study`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -39,8 +39,8 @@ pub struct PackedLayer {
 }
 
 impl PackedLayer {
-    /// The same as a study.
-    pub(super) fn packed(&self) -> Result<Packed, Vec<Fault>> {
+    /// The same as a study in the comparison `origin`.
+    pub(super) fn packed(&self, origin: &Path) -> Result<Packed, Vec<Fault>> {
         let index = |[n, k]: [f64; 2]| json!({ "n": n, "k": k });
         let study = json!({
             "layer": {
@@ -60,6 +60,6 @@ impl PackedLayer {
         });
         // Every JSON value is a node.
         let node = Node::deserialize(study).unwrap_or(Node::Null);
-        Ok(Packed::of(read(node)?, PathBuf::new()))
+        Ok(Packed::of(read(node)?, origin))
     }
 }

@@ -3,9 +3,11 @@
 //! For each pigment and period the grid comes from the search for the wanted accuracy with the reference strategy;
 //! then every strategy solves the same discrete problem on that grid to the same residual.
 
-use super::error::{CompareError, kept};
+use super::error::{CompareError, applications, kept};
 use super::subject::Packed;
 use crate::input::case::Case;
+use crate::input::limits;
+use crate::numerics::allowed::Allowed;
 use crate::run::memory;
 use crate::solve::accuracy::{Estimated, Task, largest_difference};
 use crate::solve::{Account, Coverages, Gmres, Goal, SolveError, Solver, Watch};
@@ -87,6 +89,8 @@ pub struct Matrix {
     pub accuracy: f64,
     /// Strategies in their order.
     pub strategies: Vec<String>,
+    /// All names of the registry, by whose order each strategy has its colour.
+    pub registry: Vec<String>,
     /// Solves asked for; fewer are there where it was stopped.
     pub asked: usize,
     /// Case by case, strategy by strategy.
@@ -94,20 +98,51 @@ pub struct Matrix {
 }
 
 impl MatrixTable {
-    /// Refuses empty axes and accuracies that the search refuses.
+    /// Refuses empty axes, and entries that no study could have.
     ///
     /// # Errors
     /// The field, what was found and what is allowed.
     pub fn check(&self) -> Result<(), CompareError> {
-        let wrong = [
-            ("matrix.pigments", self.pigments.is_empty()),
-            ("matrix.periods_um", self.periods_um.is_empty()),
-            ("matrix.accuracy", !(1e-6..=0.3).contains(&self.accuracy)),
-        ];
-        let Some((field, _)) = wrong.into_iter().find(|(_, wrong)| *wrong) else { return Ok(()) };
-        let allowed = "at least one entry; an accuracy from 1e-6 to 0.3".to_string();
-        let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
-        Err(CompareError::Field { field, found: "empty or out of range".into(), allowed, remedy })
+        let axes = [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())];
+        if let Some((axis, _)) = axes.into_iter().find(|(_, empty)| *empty) {
+            let (field, allowed) = (format!("matrix.{axis}"), "at least one entry".into());
+            let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
+            return Err(CompareError::Field { field, found: "empty".into(), allowed, remedy });
+        }
+        let wrong = self.numbers().into_iter().find(|(_, value, allowed)| !allowed.holds(*value));
+        if let Some((field, value, allowed)) = wrong {
+            let remedy = "pigments are pairs [n, κ], periods some µm, an accuracy of 1e-2 is usual";
+            return Err(CompareError::number(&field, value, allowed, remedy));
+        }
+        applications("matrix.max_applications", self.max_applications)
+    }
+
+    /// Every number with its place and what is allowed there.
+    fn numbers(&self) -> Vec<(String, f64, Allowed)> {
+        let mut all = vec![("matrix.accuracy".to_string(), self.accuracy, limits::ACCURACY)];
+        for (k, [n, kappa]) in self.pigments.iter().enumerate() {
+            all.push((format!("matrix.pigments[{k}][0]"), *n, limits::INDEX));
+            all.push((format!("matrix.pigments[{k}][1]"), *kappa, limits::ABSORPTION));
+        }
+        let period = |(k, um): (usize, &f64)| (format!("matrix.periods_um[{k}]"), *um, limits::PERIOD_UM);
+        all.extend(self.periods_um.iter().enumerate().map(period));
+        all
+    }
+
+    /// Checks every case without a solve; layers differ by their period, so each of these is packed once.
+    ///
+    /// # Errors
+    /// As [`MatrixTable::run`], but those of solves.
+    pub(super) fn check_cases(&self, packed: &Packed) -> Result<(), CompareError> {
+        self.check()?;
+        for &period_um in &self.periods_um {
+            packed.varied(period_um, self.pigments[0])?.case()?;
+            let others = self.pigments[1..].iter();
+            others
+                .map(|&pigment| packed.varied(period_um, pigment)?.study())
+                .collect::<Result<Vec<_>, _>>()?;
+        }
+        Ok(())
     }
 
     /// Solves every case with every strategy; `told` sees each finished one.

@@ -2,7 +2,7 @@
 
 use super::error::missing;
 use super::matrix::{Cell, Matrix};
-use super::pages::ComparisonError;
+use super::pages::{ComparisonError, place_in};
 use crate::draw::log_plot::{Curve, LogPlot, Style};
 use crate::report::page::{STYLE, svg_data};
 use crate::report::seal::sealed;
@@ -70,15 +70,14 @@ impl Matrix {
         shown.map(|(k, plot)| (format!("applications-{}.svg", k + 1), plot)).collect()
     }
 
+    /// Colour and marker of a strategy are the same in every plot.
     fn plot(&self, pigment: [f64; 2]) -> LogPlot {
         let of = |name: &String| {
             let own = self.cells.iter().filter(|c| [c.n, c.kappa] == pigment && &c.strategy == name);
             let points = own.filter(|c| c.converged() && c.operator_applications > 0);
-            Curve::new(
-                name.clone(),
-                Style::Data,
-                points.map(|c| (c.period_um, c.operator_applications as f64)),
-            )
+            let costs = points.map(|c| (c.period_um, c.operator_applications as f64));
+            let place = place_in(&self.registry, name);
+            Curve::new(name.clone(), Style::Data, costs).looking(place, place)
         };
         let curves = self.strategies.iter().map(of).filter(|c| !c.points.is_empty()).collect();
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);

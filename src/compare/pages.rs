@@ -75,6 +75,8 @@ pub struct Comparison {
     pub title: String,
     /// What errors are measured against.
     pub reference: String,
+    /// All names of the registry, by whose order each strategy has its colour.
+    pub registry: Vec<String>,
     /// Rows asked for; fewer are there where it was stopped.
     pub asked: usize,
     /// One row for each strategy, discretisation and grid.
@@ -139,7 +141,7 @@ impl Comparison {
         let last = self.rows.iter().filter(|r| (r.unknowns, r.nx) == finest);
         // The start, before any application, would not show on a logarithmic axis.
         let shown = |r: &Row| r.looks().into_iter().filter(|l| l.0 > 0.0).collect::<Vec<_>>();
-        let histories = last.map(|r| Curve::new(r.label(), Style::Data, shown(r)));
+        let histories = last.map(|r| self.looking(Curve::new(r.label(), Style::Data, shown(r)), r));
         let histories = histories.filter(|c| !c.points.is_empty()).collect();
         let work = self.curves(|r| (r.operator_applications * r.unknowns) as f64);
         let seconds = self.curves(|r| r.seconds);
@@ -173,10 +175,18 @@ impl Comparison {
             }
             match curves.iter_mut().find(|c| c.name == row.label()) {
                 Some(curve) => curve.points.push(point),
-                None => curves.push(Curve::with_bars(row.label(), Style::Data, [point])),
+                None => curves.push(self.looking(Curve::with_bars(row.label(), Style::Data, [point]), row)),
             }
         }
         curves
+    }
+
+    /// One colour a strategy over the whole page; markers tell its schemes apart.
+    fn looking(&self, curve: Curve, row: &Row) -> Curve {
+        let place = place_in(&self.registry, &row.strategy);
+        let schemes = self.rows.iter().position(|r| r.scheme == row.scheme);
+        let scheme = schemes.map_or(0, |first| schemes_before(&self.rows[..first]));
+        curve.looking(place, place + scheme)
     }
 
     fn markdown(&self) -> String {
@@ -209,6 +219,15 @@ impl Comparison {
     fn heading(&self) -> &str {
         if self.title.is_empty() { "Comparison of strategies" } else { &self.title }
     }
+}
+
+/// Place of a strategy in the registry's order, or after it.
+pub(super) fn place_in(registry: &[String], strategy: &str) -> usize {
+    registry.iter().position(|name| name == strategy).unwrap_or(registry.len())
+}
+
+fn schemes_before(rows: &[Row]) -> usize {
+    rows.chunk_by(|a, b| a.scheme == b.scheme).count()
 }
 
 impl Row {

@@ -11,6 +11,7 @@ use crate::input::load::read_file;
 use crate::input::read::read;
 use crate::input::study::Study;
 use crate::input::variation::CellRule;
+use crate::numerics::files;
 use crate::wave::{Incidence, Scene};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -43,7 +44,10 @@ impl JsonSchema for StudyWritten {
 #[derive(Clone, Debug)]
 pub(super) struct Packed {
     file: StudyFile,
-    folder: PathBuf,
+    /// The file it was read from: tables lie beside it, and faults are told of it.
+    path: PathBuf,
+    /// What its keys are inside of there.
+    inside: &'static str,
     /// The middle one of the study's when not given, nm.
     wavelength_nm: Option<f64>,
     /// The first of the study's when not given.
@@ -51,24 +55,24 @@ pub(super) struct Packed {
 }
 
 impl Packed {
-    /// A study as written in a comparison of `folder`.
-    pub fn read(written: &StudyWritten, folder: &Path) -> Result<Packed, CompareError> {
-        let (file, folder) = match written {
+    /// A study as written in the comparison `origin`.
+    pub fn read(written: &StudyWritten, origin: &Path) -> Result<Packed, CompareError> {
+        match written {
             StudyWritten::File(path) => {
-                let path = folder.join(path);
+                let path = origin.parent().unwrap_or(Path::new("")).join(path);
                 let file = read_file(&path)?.1;
-                (file, path.parent().map_or_else(PathBuf::new, Path::to_owned))
+                Ok(Packed { file, path, inside: "", wavelength_nm: None, polar_deg: None })
             }
             StudyWritten::Table(table) => {
-                (read(table.clone().into()).map_err(|faults| inside(faults, folder))?, folder.to_owned())
+                let file = read(table.clone().into()).map_err(|faults| told(faults, origin, INSIDE))?;
+                Ok(Packed::of(file, origin))
             }
-        };
-        Ok(Packed::of(file, folder))
+        }
     }
 
-    /// A study file whose tables are looked for in `folder`.
-    pub fn of(file: StudyFile, folder: PathBuf) -> Packed {
-        Packed { file, folder, wavelength_nm: None, polar_deg: None }
+    /// A study that stands in the comparison `origin`.
+    pub fn of(file: StudyFile, origin: &Path) -> Packed {
+        Packed { file, path: origin.to_owned(), inside: INSIDE, wavelength_nm: None, polar_deg: None }
     }
 
     /// The same under another light, where one is given.
@@ -83,7 +87,7 @@ impl Packed {
         other.file.layer.period_um = Some(Pair([period_um; 2]));
         let Some(pigment) = other.file.pigments.first_mut() else {
             return Err(CompareError::Field {
-                field: "study.pigment",
+                field: "study.pigment".into(),
                 found: "none".into(),
                 allowed: "at least one pigment, whose index the matrix varies".into(),
                 remedy: "add a [[study.pigment]]",
@@ -93,21 +97,31 @@ impl Packed {
         Ok(other)
     }
 
-    /// Packs the first realisation.
+    /// The study, checked.
     ///
     /// # Errors
-    /// Faults of the study, a wavelength outside its range, no packing.
-    pub fn case(&self) -> Result<Case, CompareError> {
-        let study =
-            check(&self.file, &self.folder, "study").map_err(|faults| inside(faults, &self.folder))?;
+    /// Its faults; Maxwell's equations.
+    pub fn study(&self) -> Result<Study, CompareError> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let checked = check(&self.file, folder, "study");
+        let study = checked.map_err(|faults| told(faults, &self.path, self.inside))?;
         if study.wave.is_vector() {
             return Err(CompareError::Field {
-                field: "study.light.wave",
+                field: "study.light.wave".into(),
                 found: study.wave.name().into(),
                 allowed: "scalar: comparisons are of the scalar wave".into(),
                 remedy: "leave it out, or solve with `inkwave run`",
             });
         }
+        Ok(study)
+    }
+
+    /// Packs the first realisation.
+    ///
+    /// # Errors
+    /// Faults of the study, a wavelength outside its range, no packing.
+    pub fn case(&self) -> Result<Case, CompareError> {
+        let study = self.study()?;
         let scene = Scene::from_packing(&pack(&study.packing_request(0), &mut ())?);
         let incidence = self.incidence(&study)?;
         let media = study.media(incidence.wavelength_um);
@@ -122,7 +136,7 @@ impl Packed {
         let (low, high) = (all[0], all[all.len() - 1]);
         if !(low..=high).contains(&nm) {
             return Err(CompareError::Field {
-                field: "wavelength_nm",
+                field: "wavelength_nm".into(),
                 found: nm.to_string(),
                 allowed: format!("{low} to {high} nm, the study's range"),
                 remedy: "widen the study's [light], or leave the wavelength out",
@@ -134,9 +148,13 @@ impl Packed {
     }
 }
 
-/// Faults of a study, seen from the comparison that holds it.
-fn inside(faults: Vec<Fault>, path: &Path) -> StudyError {
-    let named = |fault: Fault| Fault { field: format!("study.{}", fault.field), ..fault };
+/// Keys of a study that stands in a comparison begin with this.
+const INSIDE: &str = "study.";
+
+/// Faults of a study, with the lines of its file; none where that cannot be read any more.
+fn told(faults: Vec<Fault>, path: &Path, inside: &str) -> StudyError {
+    let named = |fault: Fault| Fault { field: format!("{inside}{}", fault.field), ..fault };
     let faults = faults.into_iter().map(named).collect();
-    StudyError::Values { path: path.to_owned(), text: String::new(), faults }
+    let text = files::read_text(path, files::STUDY).unwrap_or_default();
+    StudyError::Values { path: path.to_owned(), text, faults }
 }

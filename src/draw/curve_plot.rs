@@ -28,10 +28,10 @@ pub(crate) fn font() {
 pub fn curve_plot(curve: &Curve) -> Result<String, OutputError> {
     font();
     let mut text = String::new();
-    let area = SVGBackend::with_string(&mut text, (860, 520)).into_drawing_area();
+    let area = SVGBackend::with_string(&mut text, (super::leaf::WIDTH, 340)).into_drawing_area();
     draw_curve(&area, curve).map_err(|e| OutputError::making(&curve.name)(e.to_string()))?;
     drop(area);
-    Ok(text)
+    Ok(text.replace(" opacity=\"1\"", ""))
 }
 
 type Fault<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
@@ -46,9 +46,10 @@ fn draw_curve<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, curve: &Curve) 
         0.05,
     );
     let mut chart = ChartBuilder::on(area)
-        .margin(18)
-        .x_label_area_size(56)
-        .y_label_area_size(78)
+        .margin(12)
+        .margin_right(20)
+        .x_label_area_size(50)
+        .y_label_area_size(68)
         .build_cartesian_2d(x, y)?;
     axes(&mut chart, &curve.x_label, &curve.y_label)?;
     let means = shown.iter().map(|i| (curve.x[*i], curve.y[*i].mean));
@@ -77,9 +78,11 @@ fn axes<DB: DrawingBackend>(chart: &mut Chart<DB>, x_label: &str, y_label: &str)
         .configure_mesh()
         .x_desc(x_label)
         .y_desc(y_label)
+        .x_labels(7)
+        .y_labels(8)
         .axis_desc_style(("sans-serif", LABEL))
         .label_style(("sans-serif", LABEL))
-        .max_light_lines(1)
+        .max_light_lines(0)
         .bold_line_style(RGBColor(222, 222, 222))
         .draw()
 }

@@ -195,6 +195,16 @@ impl Bitmap {
         self.encode(BufWriter::new(file), text).map_err(|e| failed(e.to_string()))
     }
 
+    /// The bytes of such a PNG.
+    ///
+    /// # Errors
+    /// A keyword is not 1–79 Latin-1 characters.
+    pub fn png(&self, text: &[(&str, &str)]) -> Result<Vec<u8>, FigureError> {
+        let mut bytes = Vec::new();
+        self.encode(&mut bytes, text).map_err(|e| FigureError::Draw(e.to_string()))?;
+        Ok(bytes)
+    }
+
     fn encode(&self, sink: impl std::io::Write, text: &[(&str, &str)]) -> Result<(), png::EncodingError> {
         let mut encoder = png::Encoder::new(sink, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);

@@ -1,6 +1,7 @@
 //! Curves, points with bars and guide lines on logarithmic or linear axes, as SVG or bitmap.
 
-use super::figure::{Bitmap, COLOURS, FONT, FigureError, register_fonts};
+use super::figure::{Bitmap, COLOURS, FONT, FigureError};
+use super::leaf::{KEY, Leaf, WORDS, failed, fitting, svg_of};
 use super::ticks;
 use plotters::coord::Shift;
 use plotters::coord::combinators::BindKeyPoints;
@@ -30,6 +31,9 @@ pub struct Curve {
     pub style: Style,
     /// x, y and the error of y, 0 where there is none.
     pub points: Vec<[f64; 3]>,
+    /// Places of its colour and of its marker in their lists; its place among the curves when none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub look: Option<[usize; 2]>,
 }
 
 impl Curve {
@@ -44,7 +48,12 @@ impl Curve {
         style: Style,
         points: impl IntoIterator<Item = [f64; 3]>,
     ) -> Self {
-        Self { name: name.into(), style, points: points.into_iter().collect() }
+        Self { name: name.into(), style, points: points.into_iter().collect(), look: None }
+    }
+
+    /// The same in a colour and with a marker that do not depend on the other curves of the plot.
+    pub fn looking(self, colour: usize, marker: usize) -> Self {
+        Self { look: Some([colour, marker]), ..self }
     }
 
     /// C x^slope through the last point of another curve, over its range.
@@ -70,10 +79,8 @@ pub struct LogPlot {
     pub curves: Vec<Curve>,
 }
 
-/// Curves of more points are drawn without markers.
-const MARKED: usize = 60;
-const SIZE: (u32, u32) = (820, 460);
-const LEGEND: i32 = 230;
+/// Lines of more points have a marker at every second, third … of them.
+const MARKED: usize = 40;
 const DASHES: (i32, i32) = (7, 5);
 
 impl LogPlot {
@@ -93,14 +100,11 @@ impl LogPlot {
     /// # Errors
     /// Nothing to show, or the drawing library's own failures.
     pub fn svg(&self) -> Result<String, FigureError> {
-        register_fonts();
-        let mut text = String::new();
-        {
-            let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            self.paint(&root)?;
-            root.present().map_err(failed)?;
-        }
-        Ok(text)
+        svg_of(self.leaf().size(), |area| self.paint(area))
+    }
+
+    fn leaf(&self) -> Leaf {
+        Leaf::new(&self.title, self.curves.iter().map(|curve| curve.name.as_str()))
     }
 
     /// The plot as a bitmap.
@@ -108,7 +112,8 @@ impl LogPlot {
     /// # Errors
     /// As [`LogPlot::svg`].
     pub fn bitmap(&self) -> Result<Bitmap, FigureError> {
-        let mut bitmap = Bitmap::white(SIZE.0 as usize, SIZE.1 as usize)?;
+        let (width, height) = self.leaf().size();
+        let mut bitmap = Bitmap::white(width as usize, height as usize)?;
         bitmap.draw(|area| self.paint(area))?;
         Ok(bitmap)
     }
@@ -116,14 +121,14 @@ impl LogPlot {
     fn paint<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
         let [x, y] = [self.range(0)?, self.range(1)?];
         root.fill(&WHITE).map_err(failed)?;
-        let log = |range: Range<f64>| {
-            let ticks = ticks::logarithmic(&range);
+        let log = |range: Range<f64>, most: usize| {
+            let ticks = ticks::logarithmic(&range, most);
             range.log_scale().with_key_points(ticks)
         };
         match self.log {
-            [true, true] => self.draw(root, log(x), log(y)),
-            [false, true] => self.draw(root, x, log(y)),
-            [true, false] => self.draw(root, log(x), y),
+            [true, true] => self.draw(root, log(x, ticks::MOST_ALONG), log(y, ticks::MOST_UP)),
+            [false, true] => self.draw(root, x, log(y, ticks::MOST_UP)),
+            [true, false] => self.draw(root, log(x, ticks::MOST_ALONG), y),
             [false, false] => self.draw(root, x, y),
         }
     }
@@ -157,31 +162,33 @@ impl LogPlot {
         Y::CoordDescType: ValueFormatter<f64>,
     {
         let spans = [0, 1].map(|axis| self.range(axis).map_or(0.0, |range| range.end - range.start));
-        let (area, names) = root.split_horizontally(SIZE.0 as i32 - LEGEND);
+        let leaf = self.leaf();
+        let (area, names) = leaf.split(root)?;
         let mut chart = ChartBuilder::on(&area)
-            .caption(&self.title, (FONT, 18))
-            .margin(14)
+            .margin(8)
+            .margin_right(20)
             .x_label_area_size(48)
-            .y_label_area_size(74)
+            .y_label_area_size(72)
             .build_cartesian_2d(x, y)
             .map_err(failed)?;
         chart
             .configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
-            .label_style((FONT, 13))
-            .axis_desc_style((FONT, 15))
+            .label_style((FONT, WORDS))
+            .axis_desc_style((FONT, fitting(&self.x_label, 370).min(fitting(&self.y_label, 270))))
             .x_labels(7)
             .y_labels(8)
             .x_label_formatter(&|v| ticks::label(*v, self.log[0], spans[0]))
             .y_label_formatter(&|v| ticks::label(*v, self.log[1], spans[1]))
-            .light_line_style(WHITE)
+            .max_light_lines(0)
             .draw()
             .map_err(failed)?;
         for (k, curve) in self.curves.iter().enumerate() {
-            let colour = if curve.style == Style::Guide { RGBColor(120, 120, 120) } else { palette(k) };
-            self.draw_curve(&mut chart, k, curve, colour)?;
-            self.name(&names, k, curve, colour)?;
+            let [place, mark] = curve.look.unwrap_or([k; 2]);
+            let colour = if curve.style == Style::Guide { RGBColor(120, 120, 120) } else { palette(place) };
+            self.draw_curve(&mut chart, mark, curve, colour)?;
+            self.name(&names, (leaf.place(k), mark), curve, colour)?;
         }
         Ok(())
     }
@@ -190,7 +197,7 @@ impl LogPlot {
     fn draw_curve<B, X, Y>(
         &self,
         chart: &mut ChartContext<B, Cartesian2d<X, Y>>,
-        k: usize,
+        mark: usize,
         curve: &Curve,
         colour: RGBColor,
     ) -> Result<(), FigureError>
@@ -212,10 +219,11 @@ impl LogPlot {
             }
             Style::Points => {}
         }
-        if curve.style == Style::Points || (curve.style == Style::Data && points.len() <= MARKED) {
-            let mark =
-                |p: &[f64; 3]| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(k), colour.filled());
-            chart.draw_series(points.iter().map(mark)).map_err(failed)?;
+        if curve.style != Style::Guide {
+            let every = if curve.style == Style::Data { points.len().div_ceil(MARKED) } else { 1 };
+            let marked =
+                |p: &[f64; 3]| EmptyElement::at((p[0], p[1])) + Polygon::new(marker(mark), colour.filled());
+            chart.draw_series(points.iter().step_by(every.max(1)).map(marked)).map_err(failed)?;
         }
         let barred = |p: &&[f64; 3]| curve.style != Style::Guide && p[2] > 0.0;
         let bars =
@@ -230,28 +238,23 @@ impl LogPlot {
     fn name<B: DrawingBackend>(
         &self,
         area: &DrawingArea<B, Shift>,
-        k: usize,
+        ((x, y), mark): ((i32, i32), usize),
         curve: &Curve,
         colour: RGBColor,
     ) -> Result<(), FigureError> {
-        let y = 48 + 21 * k as i32;
-        let text = Text::new(curve.name.clone(), (34, y - 8), (FONT, 13).into_font());
+        let text = Text::new(curve.name.clone(), (x + KEY, y - 8), (FONT, WORDS).into_font());
         area.draw(&text).map_err(failed)?;
-        let dashes: &[[i32; 2]] = if curve.style == Style::Guide { &[[4, 11], [17, 24]] } else { &[[4, 28]] };
+        let dashes: &[[i32; 2]] = if curve.style == Style::Guide { &[[0, 9], [15, 24]] } else { &[[0, 24]] };
         for [a, b] in dashes.iter().filter(|_| curve.style != Style::Points) {
-            let line = PathElement::new([(*a, y), (*b, y)], colour.stroke_width(2));
+            let line = PathElement::new([(x + a, y), (x + b, y)], colour.stroke_width(2));
             area.draw(&line).map_err(failed)?;
         }
         if curve.style != Style::Guide {
-            let mark = EmptyElement::at((16, y)) + Polygon::new(marker(k), colour.filled());
+            let mark = EmptyElement::at((x + 12, y)) + Polygon::new(marker(mark), colour.filled());
             area.draw(&mark).map_err(failed)?;
         }
         Ok(())
     }
-}
-
-fn failed(error: impl std::fmt::Display) -> FigureError {
-    FigureError::Draw(error.to_string())
 }
 
 /// Outline of a curve with its bars: along the upper ends and back along the lower ones.

@@ -4,6 +4,7 @@ pub mod contact_sheet;
 mod curve_plot;
 mod error;
 pub mod figure;
+mod leaf;
 pub mod log_plot;
 mod packing_pictures;
 pub mod picture;

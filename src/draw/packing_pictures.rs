@@ -17,7 +17,7 @@ pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
         y: 0.0..ly,
         x_label: "x, µm".into(),
         y_label: "y, µm".into(),
-        caption: format!("From above, H = {} µm; deeper grains are paler", packing.thickness_um()),
+        caption: format!("From above, H = {:.3} µm; deeper grains are paler", packing.thickness_um()),
         size: ((lx * per_um) as u32, (ly * per_um) as u32),
     };
     framed(frame, "top view", |w, h| paint_top(packing, w, h))
@@ -117,7 +117,8 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
 /// The cell from above and aside, with its edges; the free face z = 0 is up.
 pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let [lx, ly] = packing.period_um();
-    let caption = format!("One period, {lx} × {ly} × {} µm (x × y × thickness)", packing.thickness_um());
+    let caption =
+        format!("One period, {lx:.3} × {ly:.3} × {:.3} µm (x × y × thickness)", packing.thickness_um());
     let (w, h) = (1200u32, 760u32);
     bitmap(w, h + 40, "perspective", |area| {
         let raster = paint_perspective(packing, 2 * w as usize, 2 * h as usize).halved();

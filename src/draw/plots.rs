@@ -4,8 +4,8 @@
 //! that plots survive colour blindness and a grey printer.
 
 use super::figure::{Bitmap, COLOURS, FONT, FigureError, register_fonts};
+use super::leaf::{Area, KEY, Leaf, WORDS, failed, fitting, svg_of};
 use crate::numerics::estimate::Estimate;
-use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::path::Path;
@@ -43,14 +43,7 @@ pub struct Plot {
     pub series: Vec<Series>,
 }
 
-const SIZE: (u32, u32) = (760, 480);
-
-type Area<B> = DrawingArea<B, Shift>;
 type Chart<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-
-fn failed(error: impl std::fmt::Display) -> FigureError {
-    FigureError::Draw(error.to_string())
-}
 
 impl Plot {
     /// Writes the plot; `.png` gives a bitmap, anything else SVG.
@@ -62,7 +55,8 @@ impl Plot {
         register_fonts();
         self.check()?;
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            let mut bitmap = Bitmap::white(SIZE.0 as usize, SIZE.1 as usize)?;
+            let (width, height) = self.leaf().size();
+            let mut bitmap = Bitmap::white(width as usize, height as usize)?;
             bitmap.draw(|area| self.draw(area))?;
             return bitmap.write_png(path, &[("Title", self.title.as_str())]);
         }
@@ -76,7 +70,13 @@ impl Plot {
     /// As [`Plot::write`], without the path.
     pub fn svg(&self) -> Result<String, FigureError> {
         self.check()?;
-        svg_of(SIZE, |area| self.draw(area))
+        svg_of(self.leaf().size(), |area| self.draw(area))
+    }
+
+    /// One series needs no name.
+    fn leaf(&self) -> Leaf {
+        let named = if self.series.len() < 2 { &[] } else { &self.series[..] };
+        Leaf::new(&self.title, named.iter().map(|series| series.name.as_str()))
     }
 
     fn check(&self) -> Result<(), FigureError> {
@@ -87,30 +87,32 @@ impl Plot {
         area.fill(&WHITE).map_err(failed)?;
         let [x0, x1] = self.x_range.unwrap_or_else(|| extent(self.numbers(|p| [p.0; 2]), 0.0, false));
         let [y0, y1] = self.y_range.unwrap_or_else(|| extent(self.numbers(|p| ends(&p.1)), 0.06, true));
-        let (plot, names) = split(area, &self.series);
+        let leaf = self.leaf();
+        let (plot, names) = leaf.split(area)?;
         let mut chart = ChartBuilder::on(&plot)
-            .caption(&self.title, (FONT, 18))
-            .margin(12)
-            .margin_right(24)
-            .x_label_area_size(46)
-            .y_label_area_size(62)
+            .margin(8)
+            .margin_right(20)
+            .x_label_area_size(48)
+            .y_label_area_size(66)
             .build_cartesian_2d(x0..x1, y0..y1)
             .map_err(failed)?;
         chart
             .configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
-            .label_style((FONT, 14))
-            .axis_desc_style((FONT, 15))
+            .x_labels(7)
+            .y_labels(8)
+            .label_style((FONT, WORDS))
+            .axis_desc_style((FONT, fitting(&self.x_label, 370).min(fitting(&self.y_label, 270))))
             .x_label_formatter(&|v| short(*v, x1 - x0))
             .y_label_formatter(&|v| short(*v, y1 - y0))
-            .light_line_style(WHITE)
+            .max_light_lines(0)
             .draw()
             .map_err(failed)?;
         for (k, series) in self.series.iter().enumerate() {
             curve(&mut chart, k, series)?;
         }
-        if self.series.len() < 2 { Ok(()) } else { legend(&names, &self.series) }
+        if self.series.len() < 2 { Ok(()) } else { legend(&leaf, &names, &self.series) }
     }
 
     fn numbers<'a>(
@@ -119,20 +121,6 @@ impl Plot {
     ) -> impl Iterator<Item = f64> + 'a {
         self.series.iter().flat_map(|s| &s.points).flat_map(f)
     }
-}
-
-fn svg_of(
-    size: (u32, u32),
-    paint: impl FnOnce(&DrawingArea<SVGBackend, Shift>) -> Result<(), FigureError>,
-) -> Result<String, FigureError> {
-    register_fonts();
-    let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        paint(&area)?;
-        area.present().map_err(failed)?;
-    }
-    Ok(text)
 }
 
 fn check_series(series: &[Series]) -> Result<(), FigureError> {
@@ -192,27 +180,20 @@ fn marker(k: usize) -> Vec<(i32, i32)> {
     }
 }
 
-/// Names beside the plot, where they cover no data.
-fn legend<B: DrawingBackend>(area: &Area<B>, series: &[Series]) -> Result<(), FigureError> {
+/// Names beneath the plot, where they cover no data.
+fn legend<B: DrawingBackend>(leaf: &Leaf, area: &Area<B>, series: &[Series]) -> Result<(), FigureError> {
     for (k, s) in series.iter().enumerate() {
         let colour = COLOURS[k % COLOURS.len()];
-        let entry = EmptyElement::at((8, 56 + 22 * k as i32))
+        let entry = EmptyElement::at(leaf.place(k))
             + PathElement::new([(0, 0), (24, 0)], colour.stroke_width(2))
             + Polygon::new(
                 marker(k).into_iter().map(|(x, y)| (x + 12, y)).collect::<Vec<_>>(),
                 colour.filled(),
             )
-            + Text::new(s.name.clone(), (32, -8), (FONT, 14).into_font());
+            + Text::new(s.name.clone(), (KEY, -8), (FONT, WORDS).into_font());
         area.draw(&entry).map_err(failed)?;
     }
     Ok(())
-}
-
-/// Room for the plot, and for the names of its series on the right (one series needs none).
-fn split<B: DrawingBackend>(area: &Area<B>, series: &[Series]) -> (Area<B>, Area<B>) {
-    let longest = series.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
-    let legend_px = if series.len() < 2 { 0 } else { (48 + 9 * longest as i32).min(320) };
-    area.split_horizontally(area.dim_in_pixel().0 as i32 - legend_px)
 }
 
 /// Up to three decimals, more where the axis is so short that its numbers differ later; no trailing zeros.

@@ -2,19 +2,21 @@
 
 use std::ops::Range;
 
-/// Most ticks of a logarithmic axis.
-const MOST: usize = 12;
+/// Most ticks of a logarithmic axis that runs along the page.
+pub(super) const MOST_ALONG: usize = 7;
+/// Most ticks of one that runs up the page.
+pub(super) const MOST_UP: usize = 12;
 /// Slack of comparisons between round numbers.
 const ROUNDING: f64 = 1e-9;
 
 /// 1, 2 and 5 times the powers of ten within a range; of long ranges the powers alone, or every second of them, and so on.
-pub(super) fn logarithmic(range: &Range<f64>) -> Vec<f64> {
+pub(super) fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
     let all = round_numbers(range, &[1.0, 2.0, 5.0]);
-    if all.len() <= MOST {
+    if all.len() <= most {
         return all;
     }
     let powers = round_numbers(range, &[1.0]);
-    let every = powers.len().div_ceil(MOST);
+    let every = powers.len().div_ceil(most);
     powers.into_iter().step_by(every).collect()
 }
 
@@ -26,7 +28,7 @@ fn round_numbers(range: &Range<f64>, leading: &[f64]) -> Vec<f64> {
 
 /// A logarithmic range with two ticks at least. It grows to the side where less is added.
 pub(super) fn wide(low: f64, high: f64) -> Range<f64> {
-    let there = |range: &Range<f64>| logarithmic(range).len();
+    let there = |range: &Range<f64>| logarithmic(range, MOST_ALONG).len();
     let (mut down, mut up) = (low..high, low..high);
     while there(&down) < 2 && there(&up) < 2 {
         down.start /= 1.02;
@@ -56,9 +58,12 @@ mod tests {
             assert_eq!(found.len(), wanted.len(), "{found:?}");
             found.iter().zip(wanted).for_each(|(a, b)| assert!((a / b - 1.0).abs() < 1e-12, "{found:?}"));
         };
-        near(logarithmic(&(0.15..12.0)), &[0.2, 0.5, 1.0, 2.0, 5.0, 10.0]);
-        near(logarithmic(&(1e-12..1.0)), &(-12..=0).step_by(2).map(|k| 10f64.powi(k)).collect::<Vec<_>>());
-        near(logarithmic(&(3e-9..2.0)), &(-8..=0).map(|k| 10f64.powi(k)).collect::<Vec<_>>());
+        near(logarithmic(&(0.15..12.0), MOST_ALONG), &[0.2, 0.5, 1.0, 2.0, 5.0, 10.0]);
+        near(
+            logarithmic(&(1e-12..1.0), MOST_UP),
+            &(-12..=0).step_by(2).map(|k| 10f64.powi(k)).collect::<Vec<_>>(),
+        );
+        near(logarithmic(&(3e-9..2.0), MOST_UP), &(-8..=0).map(|k| 10f64.powi(k)).collect::<Vec<_>>());
     }
 
     #[test]
@@ -66,7 +71,7 @@ mod tests {
         for (low, high) in [(2.1, 4.4), (1.1, 1.2), (0.9, 1.9), (3.0, 30.0)] {
             let range = wide(low, high);
             assert!(range.start <= low && range.end >= high, "{range:?}");
-            assert!(logarithmic(&range).len() >= 2, "{range:?}");
+            assert!(logarithmic(&range, MOST_ALONG).len() >= 2, "{range:?}");
             assert!(range.end / range.start < 6.0 * high / low, "{range:?}");
         }
     }

@@ -68,7 +68,8 @@ impl<'a> Packings<'a> {
         self.geometries.iter_mut().for_each(|kept| _ = kept.take_if(|((r, ..), _)| *r != realisation));
         self.geometries[place] = None;
         let scene = Scene::from_packing(&self.get(realisation)?);
-        let geometry = Geometry::new(wave, &scene, resolution, error)?;
+        let stop = || self.watch.stop();
+        let geometry = Geometry::new_unless(wave, &scene, (resolution, error), &stop)?;
         self.geometries[place] = Some((asked, geometry.clone()));
         Ok(geometry)
     }

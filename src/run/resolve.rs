@@ -189,7 +189,7 @@ fn settle<G: Discretisation>(
 ) -> Result<Resolved, AccuracyError> {
     let (draw, probes) = (study.draw(*realisation), probes(study, *realisation));
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
-    for task in &Prepared::<G>::new(study, scene, &probes, memory).tasks() {
+    for task in &Prepared::<G>::new(study, scene, &probes, memory, watch).tasks() {
         let probed = probe(study, &draw, task, resolution, watch)?;
         error_estimate = largest([error_estimate, probed.error_estimate]);
         resolution = Some(G::grid_of(&probed.problem).resolution);
@@ -210,7 +210,7 @@ fn grid_differences<G: Discretisation>(
     let probes = probes(study, *realisation);
     let own = resolved.for_cell(&study.draw(*realisation));
     GridError::differences(
-        &Prepared::<G>::new(study, scene, &probes, memory).tasks(),
+        &Prepared::<G>::new(study, scene, &probes, memory, watch).tasks(),
         own,
         &mut Stopper(watch),
     )
@@ -228,9 +228,16 @@ struct Prepared<'a, G> {
 }
 
 impl<'a, G: Discretisation> Prepared<'a, G> {
-    fn new(study: &'a Study, scene: &'a Scene, probes: &'a [Incidence], memory: f64) -> Self {
+    fn new(
+        study: &'a Study,
+        scene: &'a Scene,
+        probes: &'a [Incidence],
+        memory: f64,
+        watch: &'a dyn RunWatch,
+    ) -> Self {
         let media = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
         let coverages = Coverages::of_any(scene, study.resolution.coverage_error());
+        let coverages = coverages.unless(|| watch.stop());
         Self { study, coverages, solver: study.solver.build(), media, probes, memory }
     }
 

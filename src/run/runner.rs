@@ -10,7 +10,7 @@ use super::watch::RunWatch;
 use crate::ink::PackError;
 use crate::input::study::Study;
 use crate::store::folder::OutputFolder;
-use crate::wave::Scene;
+use crate::wave::{Scene, WaveError};
 
 pub(crate) use super::collected::Stores;
 pub use super::collected::{Collected, Failure, Realisation, Refused, RunSettings};
@@ -92,6 +92,7 @@ pub(crate) fn stopped(error: RunError) -> RunError {
     match error {
         RunError::Packing { source: PackError::Stopped { .. }, .. } => RunError::Stopped,
         RunError::Resolution(error) if error.is_stop() => RunError::Stopped,
+        RunError::Wave(WaveError::Stopped) => RunError::Stopped,
         other => other,
     }
 }

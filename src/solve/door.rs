@@ -4,6 +4,7 @@
 //! s and p share it, and in a [`WaveProblem`] the contrast's tensor and the mean operator's tables.
 
 use super::solver::{Account, Goal, SolveError, Solver, Watch};
+use crate::wave::contrast::coverage::{NEVER, Stop};
 use crate::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem};
 use crate::wave::{
     Coverage, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, WaveError,
@@ -112,9 +113,22 @@ impl Geometry {
     /// # Errors
     /// Grids and bodies that are refused.
     pub fn new(wave: Wave, scene: &Scene, resolution: Resolution, error: f64) -> Result<Geometry, WaveError> {
+        Geometry::new_unless(wave, scene, (resolution, error), NEVER)
+    }
+
+    /// The same until it is stopped.
+    ///
+    /// # Errors
+    /// [`WaveError::Stopped`]; grids and bodies that are refused.
+    pub fn new_unless(
+        wave: Wave,
+        scene: &Scene,
+        (resolution, error): (Resolution, f64),
+        stop: Stop,
+    ) -> Result<Geometry, WaveError> {
         Ok(match wave {
-            Wave::Scalar => Geometry::Scalar(Arc::new(Coverage::within(scene, resolution, error)?)),
-            _ => Geometry::Vector(Arc::new(NormalMoments::within(scene, resolution, error)?)),
+            Wave::Scalar => Geometry::Scalar(Coverage::within_unless(scene, resolution, error, stop)?.into()),
+            _ => Geometry::Vector(NormalMoments::within_unless(scene, resolution, error, stop)?.into()),
         })
     }
 

@@ -136,7 +136,10 @@ pub fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Fau
         let Some([from, to]) = claim.range_nm.or(one) else { continue };
         let dark = |v: &&usize| !wavelengths_nm[**v].iter().any(|nm| (from..=to).contains(nm));
         let mut named = claim.plus.iter().chain(&claim.minus).chain(claim.curve.iter().map(|(_, v)| v));
-        let Some(&v) = named.find(dark) else { continue };
+        let Some(&v) = named.find(dark) else {
+            faults.0.extend(claim.range_nm.and_then(|range| uneven(claim, i, wavelengths_nm, range)));
+            continue;
+        };
         let (key, found) = match claim.wavelength_nm {
             Some(nm) => ("wavelength_nm", nm.to_string()),
             None => ("range_nm", format!("[{from}, {to}]")),
@@ -146,6 +149,25 @@ pub fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Fau
         let remedy = "name one of these, or add it to [light]";
         faults.push(Fault::new(format!("conclusion[{i}].{key}"), found, allowed, remedy));
     }
+}
+
+/// A range holds wavelength by wavelength, so that all variants must be seen at the same ones of it.
+fn uneven(claim: &Claim, i: usize, wavelengths_nm: &[&[f64]], [from, to]: [f64; 2]) -> Option<Fault> {
+    let of = |v: usize| -> Vec<f64> {
+        wavelengths_nm[v].iter().copied().filter(|nm| (from..=to).contains(nm)).collect()
+    };
+    let mut all = claim.plus.iter().chain(&claim.minus).map(|&v| of(v));
+    let first = all.next()?;
+    let near = |a: &f64, b: &f64| (a - b).abs() < 1e-6;
+    let same =
+        |other: &Vec<f64>| other.len() == first.len() && other.iter().zip(&first).all(|(a, b)| near(a, b));
+    let other = all.find(|other| !same(other))?;
+    let [first, other] =
+        [&first, &other].map(|nm| nm.iter().map(f64::to_string).collect::<Vec<_>>().join(", "));
+    let (field, found) =
+        (format!("conclusion[{i}].range_nm"), format!("{first} nm of one variant, {other} nm of another"));
+    let remedy = "give them the same [light], or a range in which they agree";
+    Some(Fault::new(field, found, "the same wavelengths of the range in all variants", remedy))
 }
 
 fn one_variant(
@@ -169,4 +191,37 @@ fn one_variant(
         "name a value for every axis that has several",
     ));
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_needs_the_same_wavelengths_in_all_variants() {
+        let claim = Claim {
+            id: "1".into(),
+            statement: String::new(),
+            quantity: Quantity::Reflectance,
+            wavelength_nm: None,
+            range_nm: Some([500.0, 600.0]),
+            plus: vec![0],
+            minus: vec![1],
+            at_least: Some(0.0),
+            at_most: None,
+            curve: Vec::new(),
+        };
+        let told = |a: &[f64], b: &[f64]| {
+            let mut faults = Faults::default();
+            check_light(std::slice::from_ref(&claim), &[a, b], &mut faults);
+            faults.to_string()
+        };
+        assert_eq!(told(&[450.0, 500.0, 550.0], &[500.0, 550.0, 650.0]), "");
+        let uneven = told(&[500.0, 550.0], &[500.0, 560.0]);
+        assert!(
+            uneven.contains("conclusion[0].range_nm: found 500, 550 nm of one variant, 500, 560 nm"),
+            "{uneven}"
+        );
+        assert!(told(&[500.0, 550.0], &[500.0]).contains("the same wavelengths"));
+    }
 }

@@ -107,6 +107,9 @@ pub enum WaveError {
         /// What to try.
         remedy: &'static str,
     },
+    /// Someone asked to stop.
+    #[error("stopped before the geometry was on its grid")]
+    Stopped,
     /// A grid too coarse along z for the wave.
     #[error(
         "cell {cell} of the grid is {height_um:.4} µm high: phase k·h = {phase:.2} rad per cell, at most {limit} \

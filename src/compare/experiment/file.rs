@@ -1,6 +1,6 @@
 //! A comparison as written, read and checked.
 
-use crate::compare::error::CompareError;
+use crate::compare::error::{CompareError, applications};
 use crate::compare::layer::PackedLayer;
 use crate::compare::matrix::MatrixTable;
 use crate::compare::subject::{Packed, StudyWritten};
@@ -12,6 +12,7 @@ use crate::numerics::files;
 use crate::numerics::written::older_place;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
 use crate::wave::Scheme;
+use crate::wave::grid::MOST_POINTS;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -175,7 +176,7 @@ impl ComparisonFile {
         if let Some((field, _)) = empty.into_iter().find(|(_, e)| *e) {
             let allowed = "at least one".to_string();
             return Err(CompareError::Field {
-                field,
+                field: field.into(),
                 found: "empty".into(),
                 allowed,
                 remedy: "add one or leave it out",
@@ -185,21 +186,40 @@ impl ComparisonFile {
         let count = given.into_iter().filter(|given| *given).count();
         if count != 1 {
             return Err(CompareError::Field {
-                field: "geometry",
+                field: "geometry".into(),
                 found: format!("given {count} times"),
                 allowed: "exactly one of `study`, `case` and `[layer]`".into(),
                 remedy: "name a study file or a case file, or write a whole study as [study]",
             });
         }
-        Ok(())
+        self.check_numbers()
+    }
+
+    /// Refuses what no solve could do.
+    fn check_numbers(&self) -> Result<(), CompareError> {
+        let sides = self.resolutions.iter().enumerate();
+        let sides = sides.flat_map(|(k, grid)| [(k, "points", grid.points), (k, "cells", grid.cells)]);
+        let mut outside = sides.filter(|side| !(1..=MOST_POINTS).contains(&side.2));
+        if let Some((k, side, count)) = outside.next() {
+            let (field, found) = (format!("resolutions[{k}].{side}"), count.to_string());
+            let allowed = format!("whole numbers from 1 to {MOST_POINTS}");
+            let remedy = "a wavelength in the binder takes some 10 points and 8 cells";
+            return Err(CompareError::Field { field, found, allowed, remedy });
+        }
+        let Goal { tolerance, max_applications } = self.goal;
+        if !limits::TOLERANCE.holds(tolerance) {
+            let remedy = "1e-6 tells strategies apart, and costs little";
+            return Err(CompareError::number("goal.tolerance", tolerance, limits::TOLERANCE, remedy));
+        }
+        applications("goal.max_applications", max_applications)
     }
 
     /// The study, whichever way it is written; none for a case.
     pub(super) fn packed(&self) -> Result<Option<Packed>, CompareError> {
         let values = |faults| StudyError::Values { path: self.origin.clone(), text: String::new(), faults };
         let packed = match (&self.study, &self.layer) {
-            (Some(study), _) => Packed::read(study, self.folder())?,
-            (None, Some(layer)) => layer.packed().map_err(values)?,
+            (Some(study), _) => Packed::read(study, &self.origin)?,
+            (None, Some(layer)) => layer.packed(&self.origin).map_err(values)?,
             (None, None) => return Ok(None),
         };
         Ok(Some(packed.lit(self.wavelength_nm, self.polar_deg)))

@@ -8,7 +8,7 @@ use crate::numerics::files;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task};
 use crate::solve::{Coverages, Gmres, Goal, Watch};
-use crate::wave::{FarField, Mean, Order, Physical, Scheme, TotalErrors};
+use crate::wave::{FarField, Mean, Order, Physical, Problem, Resolution, Scheme, TotalErrors};
 use num_complex::Complex64;
 
 /// The geometry, and the reference amplitudes if its file has them.
@@ -32,27 +32,35 @@ impl ComparisonFile {
         Ok(Subject { case: packed.case()?, known: None })
     }
 
+    /// The grid of the reference.
+    fn finer(&self, case: &Case) -> Resolution {
+        let most = |f: fn(&Points) -> usize| self.resolutions.iter().map(f).max().unwrap_or(1);
+        let finer = Points { points: 3 * most(|p| p.points) / 2, cells: 3 * most(|p| p.cells) / 2 };
+        resolution(&case.scene, finer, Scheme::Cubic)
+    }
+
+    /// All that [`ComparisonFile::reference`] asks for before it solves.
+    ///
+    /// # Errors
+    /// No memory for the grid; a geometry or a direction that makes no problem on it.
+    pub(super) fn check_reference(&self, Subject { case, .. }: &Subject) -> Result<(), CompareError> {
+        let (resolution, coverages) = (self.finer(case), Coverages::of(&case.scene));
+        let solver = Gmres::default();
+        let task = task(case, &coverages, &solver);
+        task.admitted(resolution).map_err(AccuracyError::Memory)?;
+        Problem::new(&coverages.at(resolution)?, task.media, task.incidence, task.mean)?;
+        Ok(())
+    }
+
     /// Amplitudes to compare with: those of the case file, or a solve at half as many points and cells again.
     pub(super) fn reference(
         &self,
         subject: &Subject,
         watch: &mut dyn Watch,
     ) -> Result<(FarField, String), CompareError> {
-        let most = |f: fn(&Points) -> usize| self.resolutions.iter().map(f).max().unwrap_or(1);
-        let finest = Points { points: 3 * most(|p| p.points) / 2, cells: 3 * most(|p| p.cells) / 2 };
-        let resolution = resolution(&subject.case.scene, finest, Scheme::Cubic);
-        let case = &subject.case;
-        let task = Task {
-            coverages: &Coverages::of(&case.scene),
-            media: &case.media,
-            incidence: &case.incidence,
-            mean: Mean::default(),
-            scheme: Scheme::Cubic,
-            solver: &Gmres::default(),
-            goal: Goal { tolerance: 1e-9, ..Goal::default() },
-            memory: memory::usable(),
-        };
-        let (problem, solution, _) = task.solve(resolution, watch)?;
+        let (resolution, coverages) = (self.finer(&subject.case), Coverages::of(&subject.case.scene));
+        let (problem, solution, _) =
+            task(&subject.case, &coverages, &Gmres::default()).solve(resolution, watch)?;
         let errors = TotalErrors::of_totals([1.0; 2], solution.account.residual);
         let mut far = Physical::judge(problem.far_field(&solution.field), errors)
             .map_err(AccuracyError::Unphysical)?
@@ -66,6 +74,20 @@ impl ComparisonFile {
             resolution.nx, resolution.ny, resolution.cells
         );
         Ok((far, name))
+    }
+}
+
+/// The reference's solve, but for its grid.
+fn task<'a>(case: &'a Case, coverages: &'a Coverages<'a>, solver: &'a Gmres) -> Task<'a> {
+    Task {
+        coverages,
+        media: &case.media,
+        incidence: &case.incidence,
+        mean: Mean::default(),
+        scheme: Scheme::Cubic,
+        solver,
+        goal: Goal { tolerance: 1e-9, ..Goal::default() },
+        memory: memory::usable(),
     }
 }
 

@@ -4,8 +4,9 @@ use super::files::write_whole;
 use super::{grains_csv, packing_json, spheres_vtp};
 use crate::draw::curve_plot;
 use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
-use crate::ink::statistics::{Curve, Statistics, gather};
+use crate::ink::statistics::{Curve, Estimate as Spread, Statistics, gather};
 use crate::ink::{Packing, Shape};
+use crate::numerics::estimate::Estimate;
 use std::path::{Path, PathBuf};
 
 /// Writes everything about the realisations of one study into `folder`; every file is whole or absent.
@@ -32,10 +33,11 @@ pub fn write_report(
     write_whole(&folder.join("statistics.csv"), &scalars_csv(&statistics)?)?;
     for curve in &statistics.curves {
         write_whole(&folder.join(format!("{}.csv", curve.name)), &curve_csv(curve)?)?;
-        write_whole(&folder.join(format!("{}.svg", curve.name)), curve_plot(curve)?.as_bytes())?;
+        let plot = curve_plot(&called(curve, pigments))?;
+        write_whole(&folder.join(format!("{}.svg", curve.name)), plot.as_bytes())?;
     }
     let page = folder.join("index.html");
-    write_whole(&page, html(title, packings, &statistics).as_bytes())?;
+    write_whole(&page, html(title, pigments, packings, &statistics).as_bytes())?;
     Ok((statistics, page))
 }
 
@@ -47,9 +49,7 @@ fn scalars_csv(statistics: &Statistics) -> Result<Vec<u8>, OutputError> {
 }
 
 fn curve_csv(curve: &Curve) -> Result<Vec<u8>, OutputError> {
-    let point = |(x, y): (&f64, &crate::ink::statistics::Estimate)| {
-        vec![x.to_string(), y.mean.to_string(), or_empty(y.standard_error)]
-    };
+    let point = |(x, y): (&f64, &Spread)| vec![x.to_string(), y.mean.to_string(), or_empty(y.standard_error)];
     csv_of(&[&curve.x_label, &curve.y_label, "standard error"], curve.x.iter().zip(&curve.y).map(point))
 }
 
@@ -69,7 +69,7 @@ fn csv_of(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Result<Ve
     writer.into_inner().map_err(|e| fail(e.to_string()))
 }
 
-fn html(title: &str, packings: &[Packing], statistics: &Statistics) -> String {
+fn html(title: &str, pigments: &[(String, Shape)], packings: &[Packing], statistics: &Statistics) -> String {
     let mut page = format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
@@ -91,19 +91,43 @@ fn html(title: &str, packings: &[Packing], statistics: &Statistics) -> String {
             a.method, a.steps, a.sweeps
         );
     }
-    page += "</table></div>\n<h2>Figures</h2><div class=\"scroll\"><table><tr><th>quantity<th>mean<th>standard error<th>unit</tr>\n";
+    page += "</table></div>\n<h2>Figures</h2><div class=\"scroll\"><table><tr><th>quantity<th>mean ± standard error<th>unit</tr>\n";
     for (name, unit, value) in &statistics.scalars {
-        let error = value.standard_error.map_or("–".into(), |e| format!("{e:.2e}"));
-        page += &format!("<tr><td>{}<td>{:.6}<td>{error}<td>{unit}</tr>\n", escaped(name), value.mean);
+        let (name, unit) = (escaped(&named(name, pigments)), if unit == "1" { "" } else { unit });
+        page += &format!("<tr><td>{name}<td>{}<td>{unit}</tr>\n", rounded(*value));
     }
     page += "</table></div>\n<h2>Pictures</h2>\n";
     page += "<p>Effective diameter: of the sphere of equal union volume; R is the thickest radius.</p>\n";
-    let curves = statistics.curves.iter().map(|c| format!("{}.svg", c.name));
-    let pictures = ["shapes.png", "top.png", "cut.png", "perspective.png"].map(String::from);
-    for file in pictures.into_iter().chain(curves) {
-        page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{file}\"></figure>\n");
+    for file in ["shapes.png", "top.png", "cut.png", "perspective.png"] {
+        page += &format!("<figure><img src=\"{file}\" alt=\"{file}\"></figure>\n");
+    }
+    for curve in statistics.curves.iter().map(|curve| called(curve, pigments)) {
+        let (file, label) = (format!("{}.svg", curve.name), escaped(&curve.y_label));
+        page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{label}\"></figure>\n");
     }
     page
+}
+
+/// A curve whose axis calls its pigment by name.
+fn called(curve: &Curve, pigments: &[(String, Shape)]) -> Curve {
+    Curve { y_label: named(&curve.y_label, pigments), ..curve.clone() }
+}
+
+/// Numbers of pigments are for tables; people know their names.
+fn named(quantity: &str, pigments: &[(String, Shape)]) -> String {
+    let name = |(of, k): (&str, &str)| Some(format!("{of} of {}", pigments.get(k.parse::<usize>().ok()?)?.0));
+    quantity.split_once(" of pigment ").and_then(name).unwrap_or_else(|| quantity.to_owned())
+}
+
+/// As far as the error lets it speak; where there is none, four digits without zeros that say nothing.
+fn rounded(Spread { mean: value, standard_error }: Spread) -> String {
+    let digits = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    let decimals = (3.0 - digits).clamp(0.0, 12.0) as usize;
+    let words = Estimate { value, standard_error }.in_words(decimals);
+    if words.contains('±') || !words.contains('.') {
+        return words;
+    }
+    words.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn escaped(text: &str) -> String {

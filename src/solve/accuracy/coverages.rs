@@ -16,13 +16,15 @@ pub struct Coverages<'a, G = Coverage> {
     pub scene: &'a Scene,
     /// Relative error of the coefficients, see [`Coverage::within`].
     error: f64,
+    /// Asked whether to go on.
+    stop: Box<dyn Fn() -> bool + Send + Sync + 'a>,
     latest: Mutex<Vec<Arc<G>>>,
 }
 
 impl<'a> Coverages<'a> {
     /// Coverages that are exact for all purposes.
     pub fn of(scene: &'a Scene) -> Self {
-        Self { scene, error: EXACT, latest: Mutex::default() }
+        Self::of_any(scene, EXACT)
     }
 
     /// Coverages with coefficients of a relative error, see [`Coverage::within`].
@@ -41,7 +43,12 @@ impl<'a> Coverages<'a, NormalMoments> {
 impl<'a, G: Discretisation> Coverages<'a, G> {
     /// For any discretisation, with coefficients of a relative error.
     pub fn of_any(scene: &'a Scene, error: f64) -> Self {
-        Self { scene, error, latest: Mutex::default() }
+        Self { scene, error, stop: Box::new(|| false), latest: Mutex::default() }
+    }
+
+    /// The same, given up with [`WaveError::Stopped`] as soon as `stop` says so.
+    pub fn unless(self, stop: impl Fn() -> bool + Send + Sync + 'a) -> Self {
+        Self { stop: Box::new(stop), ..self }
     }
 
     /// The coverage on a grid, kept or new.
@@ -53,7 +60,7 @@ impl<'a, G: Discretisation> Coverages<'a, G> {
             return Ok(found);
         }
         // Made without the lock: parallel loops inside may run other tasks that ask for a coverage.
-        let new = Arc::new(G::build(self.scene, resolution, self.error)?);
+        let new = Arc::new(G::build(self.scene, resolution, self.error, &*self.stop)?);
         let mut latest = self.lock();
         if latest.len() == KEPT {
             latest.remove(0);
@@ -89,5 +96,22 @@ mod tests {
         assert!(Arc::ptr_eq(&first, &at(2)));
         (3..3 + KEPT).for_each(|cells| drop(at(cells)));
         assert!(!Arc::ptr_eq(&first, &at(2)), "older ones make room");
+    }
+
+    /// Stopped within the only cell: what is done of it is no coverage.
+    #[test]
+    fn a_stop_between_two_grains_is_heard() {
+        use crate::ink::{PackingRequest, PigmentGrains, pack};
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        let pigments = vec![PigmentGrains::spheres(100.0, 0.1)];
+        let request =
+            PackingRequest { period_um: [0.6; 2], thickness_um: 0.3, pigments, ..PackingRequest::default() };
+        let scene = Scene::from_packing(&pack(&request, &mut ()).unwrap());
+        let asked = AtomicUsize::new(0);
+        let coverages = Coverages::of(&scene).unless(|| asked.fetch_add(1, Ordering::Relaxed) >= 3);
+        let end = coverages.at(Resolution { nx: 5, ny: 5, cells: 1, scheme: Scheme::Cubic });
+        assert_eq!(end.err(), Some(WaveError::Stopped));
+        let (asked, grains) = (asked.load(Ordering::Relaxed), scene.bodies.len());
+        assert!(asked < grains, "asked {asked} times for {grains} grains");
     }
 }

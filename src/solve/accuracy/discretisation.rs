@@ -3,6 +3,7 @@
 use super::difference::largest_difference;
 use crate::solve::demand::Size;
 use crate::solve::solver::{Account, Goal, Solution, SolveError, Solver, Watch};
+use crate::wave::contrast::coverage::Stop;
 use crate::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorFarField, VectorProblem};
 use crate::wave::{
     Coverage, FarField, Grid, Incidence, Mean, Media, Physical, Problem, Resolution, Scene, TotalErrors,
@@ -28,7 +29,7 @@ pub trait Discretisation: Sized + Send + Sync {
     const PLANE_ORDER: i32;
 
     /// The geometry of a scene on a grid, with coefficients of a relative error.
-    fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<Self, WaveError>;
+    fn build(scene: &Scene, resolution: Resolution, error: f64, stop: Stop) -> Result<Self, WaveError>;
 
     /// The grid it was made for.
     fn grid(&self) -> &Grid;
@@ -87,8 +88,8 @@ impl Discretisation for Coverage {
     const START: [f64; 2] = [3.0, 5.4];
     const PLANE_ORDER: i32 = 4;
 
-    fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<Coverage, WaveError> {
-        Coverage::within(scene, resolution, error)
+    fn build(scene: &Scene, resolution: Resolution, error: f64, stop: Stop) -> Result<Coverage, WaveError> {
+        Coverage::within_unless(scene, resolution, error, stop)
     }
 
     fn grid(&self) -> &Grid {
@@ -175,8 +176,13 @@ impl Discretisation for NormalMoments {
     const START: [f64; 2] = [3.2, 7.0];
     const PLANE_ORDER: i32 = 3;
 
-    fn build(scene: &Scene, resolution: Resolution, error: f64) -> Result<NormalMoments, WaveError> {
-        NormalMoments::within(scene, resolution, error)
+    fn build(
+        scene: &Scene,
+        resolution: Resolution,
+        error: f64,
+        stop: Stop,
+    ) -> Result<NormalMoments, WaveError> {
+        NormalMoments::within_unless(scene, resolution, error, stop)
     }
 
     fn grid(&self) -> &Grid {

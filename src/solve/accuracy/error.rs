@@ -98,7 +98,8 @@ pub enum AccuracyError {
 impl AccuracyError {
     /// True when the user stopped the search, which is no failure.
     pub fn is_stop(&self) -> bool {
-        matches!(self, AccuracyError::Solve(SolveError::Cancelled { .. }))
+        let of_solve = matches!(self, AccuracyError::Solve(SolveError::Cancelled { .. }));
+        of_solve || matches!(self, AccuracyError::Wave(WaveError::Stopped))
     }
 }
 

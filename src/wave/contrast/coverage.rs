@@ -43,6 +43,12 @@ pub fn error_among(accuracy: f64, contrast: f64) -> f64 {
     error_for(accuracy) / (contrast / INK_LIKE).powi(3).max(1.0)
 }
 
+/// Asked while a geometry is put on its grid, which takes long where there are many grains: true ends it with [`WaveError::Stopped`].
+pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync + 'a);
+
+/// Never stops.
+pub const NEVER: Stop<'static> = &|| false;
+
 /// Moments of every channel's indicator function on every plane.
 pub struct Coverage {
     /// The grid it was computed for.
@@ -79,6 +85,7 @@ struct Builder<'a, T: Real> {
     /// None where no body is round in the plane.
     transform: Option<SourceTransform<T>>,
     sampling: Sampling,
+    stop: Stop<'a>,
 }
 
 impl Coverage {
@@ -92,11 +99,24 @@ impl Coverage {
     /// Amplitudes then move by less than `error`: they depend on the contrast's relative error times the share of
     /// light that is scattered. Errors: see [`Grid::new`].
     pub fn within(scene: &Scene, resolution: Resolution, error: f64) -> Result<Coverage, WaveError> {
+        Coverage::within_unless(scene, resolution, error, NEVER)
+    }
+
+    /// The same until it is stopped.
+    ///
+    /// # Errors
+    /// [`WaveError::Stopped`], and as [`Grid::new`].
+    pub fn within_unless(
+        scene: &Scene,
+        resolution: Resolution,
+        error: f64,
+        stop: Stop,
+    ) -> Result<Coverage, WaveError> {
         let error = error.clamp(EXACT, LOOSEST);
         if error < SINGLE {
-            build::<f64>(scene, resolution, error)
+            build::<f64>(scene, resolution, error, stop)
         } else {
-            build::<f32>(scene, resolution, error)
+            build::<f32>(scene, resolution, error, stop)
         }
     }
 
@@ -116,14 +136,22 @@ impl Coverage {
     }
 }
 
-fn build<T: Real>(scene: &Scene, resolution: Resolution, error: f64) -> Result<Coverage, WaveError> {
+fn build<T: Real>(
+    scene: &Scene,
+    resolution: Resolution,
+    error: f64,
+    stop: Stop,
+) -> Result<Coverage, WaveError> {
     let clock = std::time::Instant::now();
     let grid = Grid::new(scene, resolution)?;
     let channels = find_channels(scene, &grid);
     let folding = Folding::<T>::new(&resolution, grid.period_um);
-    let builder = Builder::<T>::new(scene, &grid, &channels, &folding.harmonics, error);
+    let builder = Builder::<T> { stop, ..Builder::new(scene, &grid, &channels, &folding.harmonics, error) };
     let cells: Vec<Vec<Option<CellCoefficients<T>>>> =
         (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
+    if stop() {
+        return Err(WaveError::Stopped);
+    }
     let Planes { moments, pairs, folded } = folding.planes(&grid, &cells, channels.len());
     let fraction = |c: usize, j: usize| {
         let means = cells[j][c].as_ref().map_or(0.0, |cell| cell.means.iter().sum());
@@ -185,7 +213,7 @@ impl<'a, T: Real> Builder<'a, T> {
         let round = scene.bodies.iter().any(|b| matches!(b.shape, Shape::Balls(_)));
         let transform = round.then(|| SourceTransform::new(widest[0], widest[1], Spreading::within(error)));
         let sampling = Sampling { demands, degree: grid.element.degree, rules: GaussRules::default() };
-        Builder { scene, grid, channels, harmonics, widest, transform, sampling }
+        Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: NEVER }
     }
 
     fn columns(&self, cell: usize) -> CellColumns<'_> {
@@ -210,7 +238,9 @@ impl<'a, T: Real> Builder<'a, T> {
             return None;
         }
         let mut sum = CellSum::new(self, cell);
-        present.iter().for_each(|(body, range)| sum.add_body(body, *range));
+        // What a stop leaves out is never seen: the whole is refused then.
+        let going = present.iter().take_while(|_| !(self.stop)());
+        going.for_each(|(body, range)| sum.add_body(body, *range));
         Some(sum.finish())
     }
 }

@@ -5,7 +5,7 @@
 
 use super::sources::{self, FIELDS, Slab, Source, VALUES};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
-use crate::wave::contrast::coverage::{Channel, EXACT, find_channels, overlap};
+use crate::wave::contrast::coverage::{Channel, EXACT, NEVER, Stop, find_channels, overlap};
 use crate::wave::contrast::nufft::{Patch, SourceTransform, Spreading};
 use crate::wave::contrast::section::{Demands, GaussRules, Sampling};
 use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Scheme, Shape, WaveError};
@@ -58,13 +58,31 @@ impl NormalMoments {
     ///
     /// Errors: see [`Grid::new`]; rough surfaces are refused.
     pub fn within(scene: &Scene, resolution: Resolution, error: f64) -> Result<NormalMoments, WaveError> {
+        NormalMoments::within_unless(scene, resolution, error, NEVER)
+    }
+
+    /// The same until it is stopped.
+    ///
+    /// # Errors
+    /// [`WaveError::Stopped`], and as [`NormalMoments::within`].
+    pub fn within_unless(
+        scene: &Scene,
+        resolution: Resolution,
+        error: f64,
+        stop: Stop,
+    ) -> Result<NormalMoments, WaveError> {
         let clock = std::time::Instant::now();
         check(scene, resolution)?;
         let grid = Grid::new(scene, resolution)?;
         let channels = find_channels(scene, &grid);
         let builder = Builder::new(scene, &grid, &channels, error.clamp(EXACT, 1e-3));
-        let cells: Vec<Vec<Option<CellFields>>> =
-            (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
+        let cells: Vec<Vec<Option<CellFields>>> = (0..grid.cells())
+            .into_par_iter()
+            .map(|j| if stop() { Vec::new() } else { builder.cell(j) })
+            .collect();
+        if stop() {
+            return Err(WaveError::Stopped);
+        }
         let mut planes: Vec<Vec<(usize, Fields)>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
         let mut fractions = vec![vec![0.0; grid.cells()]; channels.len()];
         for (j, cell) in cells.into_iter().enumerate() {

@@ -1,0 +1,75 @@
+//! What a comparison leaves aside of the files it reads: said, so that nobody waits for the effect of a key that has none.
+
+use super::file::ComparisonFile;
+use crate::compare::subject::StudyWritten;
+use crate::input::tree::{Node, parse_toml};
+use crate::numerics::files;
+use std::path::Path;
+
+/// Keys of a study that a comparison has its own of, or no use for.
+const OF_STUDIES: [&str; 15] = [
+    "paper",
+    "resolution",
+    "solver",
+    "output",
+    "colour",
+    "compare",
+    "realisations",
+    "run.realisations",
+    "run.target_delta_e",
+    "run.target_colour",
+    "light.step_nm",
+    "light.per_realisation",
+    "light.sampling",
+    "angles.count",
+    "angles.picture_max_deg",
+];
+/// Keys of a study that the matrix has its own of.
+const OF_VARIED_STUDIES: [&str; 3] = ["layer.cell", "layer.period_um", "pigment[0].index"];
+/// Keys of a comparison that a matrix does without: its grids follow from its accuracy.
+const BESIDE_MATRICES: [&str; 6] =
+    ["schemes", "resolutions", "repeats", "absorbing_mean", "mean_depends_on_z", "goal"];
+/// Keys of a comparison that a case has its own of.
+const BESIDE_CASES: [&str; 2] = ["wavelength_nm", "polar_deg"];
+
+impl ComparisonFile {
+    /// Keys of the comparison and of its study that are written and have no effect; none where a file cannot be read again.
+    pub fn unused(&self) -> Vec<String> {
+        let own = table(&self.origin);
+        let beside = if self.matrix.is_some() { &BESIDE_MATRICES[..] } else { &[] };
+        let case = if self.case.is_some() { &BESIDE_CASES[..] } else { &[] };
+        let mut unused = written(&own, "", beside.iter().chain(case));
+        let varied = if self.matrix.is_some() { &OF_VARIED_STUDIES[..] } else { &[] };
+        let of_study = OF_STUDIES.iter().chain(varied);
+        match &self.study {
+            Some(StudyWritten::File(path)) => {
+                let file = format!("{}: ", path.display());
+                unused.extend(written(&table(&self.folder().join(path)), &file, of_study));
+            }
+            Some(StudyWritten::Table(table)) => {
+                unused.extend(written(&table.clone().into(), "study.", of_study));
+            }
+            None => {}
+        }
+        unused
+    }
+}
+
+fn table(path: &Path) -> Node {
+    let text = files::read_text(path, files::STUDY).unwrap_or_default();
+    parse_toml(&text).map_or(Node::Null, Node::from)
+}
+
+/// The keys of a list that a table has.
+fn written<'a>(table: &Node, before: &str, keys: impl Iterator<Item = &'a &'a str>) -> Vec<String> {
+    keys.filter(|key| has(table, key)).map(|key| format!("{before}{key}")).collect()
+}
+
+fn has(table: &Node, key: &str) -> bool {
+    let mut steps = key.split(['.', '[', ']']).filter(|step| !step.is_empty());
+    let found = steps.try_fold(table, |here, step| match here {
+        Node::List(items) => items.get(step.parse::<usize>().ok()?),
+        _ => here.get(step),
+    });
+    found.is_some()
+}

@@ -1,0 +1,138 @@
+//! The leaf that a plot stands on: no wider than a phone shows with its words still read, the title above the axes and the names
+//! of the curves beneath them.
+
+use super::figure::{FONT, FigureError, register_fonts};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+/// Width of all plots, pixels. A phone leaves 358 of its 390 to a page: words of 13 are 10 there.
+pub(super) const WIDTH: u32 = 480;
+/// Height of the axes with their words, pixels.
+const AXES: u32 = 320;
+/// Size of words; the library draws them 1.24 times smaller, in pixels.
+pub(super) const WORDS: u32 = 16;
+const TITLE: u32 = 18;
+const TITLE_STEP: u32 = 24;
+const NAME_STEP: u32 = 22;
+const MARGIN: u32 = 12;
+/// Room for a curve's line and marker before its name.
+pub(super) const KEY: i32 = 32;
+
+pub(super) type Area<B> = DrawingArea<B, Shift>;
+
+/// The parts of a leaf.
+pub(super) struct Leaf {
+    title: Vec<String>,
+    names: usize,
+    columns: usize,
+}
+
+impl Leaf {
+    /// Room for a title and for names, in as many columns as fit.
+    pub fn new<'a>(title: &str, names: impl IntoIterator<Item = &'a str>) -> Leaf {
+        let widths: Vec<u32> =
+            names.into_iter().map(|name| KEY as u32 + MARGIN + width(name, WORDS)).collect();
+        let widest = widths.iter().copied().max().unwrap_or(WIDTH);
+        let columns = ((WIDTH - MARGIN) / widest.max(1)).max(1) as usize;
+        Leaf { title: lines(title), names: widths.len(), columns }
+    }
+
+    fn title_height(&self) -> u32 {
+        MARGIN + self.title.len() as u32 * TITLE_STEP
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        let rows = self.names.div_ceil(self.columns) as u32;
+        let names = if rows == 0 { 0 } else { rows * NAME_STEP + MARGIN };
+        (WIDTH, self.title_height() + AXES + names)
+    }
+
+    /// Writes the title; what is left are the axes and the names beneath.
+    pub fn split<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(Area<B>, Area<B>), FigureError> {
+        let (title, rest) = area.split_vertically(self.title_height());
+        for (k, line) in self.title.iter().enumerate() {
+            let left = (WIDTH.saturating_sub(width(line, TITLE)) / 2) as i32;
+            let at = (left, (MARGIN + k as u32 * TITLE_STEP) as i32);
+            title.draw(&Text::new(line.clone(), at, (FONT, TITLE).into_font())).map_err(failed)?;
+        }
+        Ok(rest.split_vertically(AXES))
+    }
+
+    /// Where the key of a curve begins, in the area of the names: its left end and the middle of its line.
+    pub fn place(&self, k: usize) -> (i32, i32) {
+        let step = (WIDTH - MARGIN) / self.columns as u32;
+        let (row, column) = ((k / self.columns) as u32, (k % self.columns) as u32);
+        ((MARGIN + column * step) as i32, (NAME_STEP / 2 + row * NAME_STEP) as i32)
+    }
+}
+
+/// The size at which words fit into a room of so many pixels; as small as can be read where they do not.
+pub(super) fn fitting(words: &str, room: u32) -> u32 {
+    (11..=WORDS).rev().find(|&px| width(words, px) <= room).unwrap_or(11)
+}
+
+/// Width of words, pixels.
+fn width(words: &str, px: u32) -> u32 {
+    register_fonts(); // a font is looked up when its description is made
+    (FONT, px).into_font().box_size(words).map_or(0, |size| size.0)
+}
+
+/// A title in lines that fit.
+fn lines(title: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in title.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if width(&format!("{line} {word}"), TITLE) <= WIDTH - 2 * MARGIN => {
+                *line += &format!(" {word}");
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// A drawing as SVG, without what says nothing.
+pub(super) fn svg_of(
+    size: (u32, u32),
+    paint: impl FnOnce(&Area<SVGBackend>) -> Result<(), FigureError>,
+) -> Result<String, FigureError> {
+    register_fonts();
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        paint(&area)?;
+        area.present().map_err(failed)?;
+    }
+    Ok(text.replace(" opacity=\"1\"", ""))
+}
+
+pub(super) fn failed(error: impl std::fmt::Display) -> FigureError {
+    FigureError::Draw(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 358 pixels are left to a plot on a phone of 390.
+    #[test]
+    fn words_are_read_on_a_phone() {
+        let shown = f64::from(WORDS) / 1.24 * 358.0 / f64::from(WIDTH);
+        assert!(shown >= 9.5, "{shown}");
+    }
+
+    #[test]
+    fn titles_break_and_names_stand_in_columns_beneath() {
+        let long =
+            "yellow + blue · cylinders of 300 nm, standing · transmittance of the layer over the wavelength";
+        let names = ["15 %", "30 %", "50 %", "60 %", "70 %"];
+        let leaf = Leaf::new(long, names);
+        assert!(leaf.title.len() == 2 && leaf.title.concat().len() + 1 == long.len(), "{:?}", leaf.title);
+        assert!((2..5).contains(&leaf.columns), "{}", leaf.columns);
+        assert!(leaf.place(leaf.columns).1 > leaf.place(0).1 && leaf.place(1).0 > leaf.place(0).0);
+        let one = Leaf::new("short", [long]);
+        assert_eq!((one.columns, one.title.len()), (1, 1));
+        assert_eq!(Leaf::new("", []).size(), (WIDTH, MARGIN + AXES));
+    }
+}
