@@ -90,8 +90,8 @@ fn refused(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>,
             ("run", outcome(&["run", "--plan"], name), "walls"),
             ("compare", outcome(&["compare", "--plan"], name), "walls"),
         ],
-        Kind::Study => vec![("sweep", outcome(&["sweep", "--plan"], name), "base")],
-        Kind::Sweep => vec![("run", outcome(&["run", "--plan"], name), "layer")],
+        Kind::Study => vec![("sweep", outcome(&["sweep", "--plan"], name), "inkwave run")],
+        Kind::Sweep => vec![("run", outcome(&["run", "--plan"], name), "inkwave sweep")],
         Kind::Compare => vec![("run", outcome(&["run", "--plan"], name), "layer")],
     }
 }

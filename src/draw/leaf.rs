@@ -129,7 +129,7 @@ mod tests {
         let names = ["15 %", "30 %", "50 %", "60 %", "70 %"];
         let leaf = Leaf::new(long, names);
         assert!(leaf.title.len() == 2 && leaf.title.concat().len() + 1 == long.len(), "{:?}", leaf.title);
-        assert!((2..5).contains(&leaf.columns), "{}", leaf.columns);
+        assert!((2..=6).contains(&leaf.columns), "{}", leaf.columns);
         assert!(leaf.place(leaf.columns).1 > leaf.place(0).1 && leaf.place(1).0 > leaf.place(0).0);
         let one = Leaf::new("short", [long]);
         assert_eq!((one.columns, one.title.len()), (1, 1));
