@@ -78,14 +78,7 @@ fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
     // Rounding both numbers towards zero stays within reach, so the nearest vector is less than a diagonal away: at most
     // √2 rows along the axis of the wider step. In each row it is the nearest that the circle lets in.
     let wide = usize::from(step[1] > step[0]);
-    let in_row = |row: i32| {
-        let height = step[wide] * f64::from(row);
-        let chord = (reach * reach - height * height).sqrt();
-        let most = (chord / step[1 - wide]) as i32;
-        let mut vector = [row; 2];
-        vector[1 - wide] = nearest_order(whole[1 - wide] / step[1 - wide]).clamp(-most, most);
-        (!chord.is_nan()).then_some(vector)
-    };
+    let in_row = |row: i32| nearest_in_row([wide, 1 - wide], row, whole, step, reach);
     let length = |v: [i32; 2]| lateral(v, step)[0].hypot(lateral(v, step)[1]);
     let distance = |v: [i32; 2]| (lateral(v, step)[0] - whole[0]).hypot(lateral(v, step)[1] - whole[1]);
     let middle = nearest_order(whole[wide] / step[wide]);
@@ -95,6 +88,22 @@ fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
     let slack = TIE * step[wide];
     let nearer = |a, b| if distance(b) < distance(a) - slack { b } else { a };
     found.into_iter().reduce(nearer).unwrap_or_default()
+}
+
+/// The vector nearest to `whole` among those with `row` along the axis `wide` that are no longer than `reach`, if any is.
+fn nearest_in_row(
+    [wide, other]: [usize; 2],
+    row: i32,
+    whole: [f64; 2],
+    step: [f64; 2],
+    reach: f64,
+) -> Option<[i32; 2]> {
+    let height = step[wide] * f64::from(row);
+    let chord = (reach * reach - height * height).sqrt();
+    let most = (chord / step[other]) as i32;
+    let mut vector = [row; 2];
+    vector[other] = nearest_order(whole[other] / step[other]).clamp(-most, most);
+    (!chord.is_nan()).then_some(vector)
 }
 
 #[cfg(test)]

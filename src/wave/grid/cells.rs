@@ -127,14 +127,9 @@ pub const MOST_POINTS: usize = 100_000;
 fn check_counts(resolution: &Resolution) -> Result<(), WaveError> {
     let counts = [("nx", resolution.nx), ("ny", resolution.ny), ("nz (cells)", resolution.cells)];
     let wrong = counts.into_iter().find(|&(_, count)| count == 0 || count > MOST_POINTS);
-    wrong.map_or(Ok(()), |(field, count)| {
-        Err(WaveError::Range {
-            field,
-            value: count as f64,
-            allowed: "1 … 100000",
-            remedy: "choose another resolution",
-        })
-    })
+    let Some((field, count)) = wrong else { return Ok(()) };
+    let (value, allowed) = (count as f64, "1 … 100000");
+    Err(WaveError::Range { field, value, allowed, remedy: "choose another resolution" })
 }
 
 /// Largest-remainder shares with at least one cell a stratum.

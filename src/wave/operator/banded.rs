@@ -7,7 +7,7 @@
 use super::cell::NodeCoefficients;
 use crate::wave::Problem;
 use crate::wave::grid::element::MAX_DEGREE;
-use ndarray::{Array2, Array3, Axis, s};
+use ndarray::{Array2, Array3, ArrayView3, ArrayViewMut1, ArrayViewMut2, Axis, s};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -33,36 +33,44 @@ impl ShiftedMean {
         let mut factors = Array3::zeros((rows, degree + 1, harmonics));
         let columns = factors.axis_iter_mut(Axis(2)).into_par_iter().enumerate();
         columns.with_min_len(BLOCK).for_each(|(i, mut out)| {
-            let mut band = problem.mean.plane_band(i, problem.end_conditions(i));
-            band.iter_mut().for_each(|z| *z *= mean_factor);
-            band.column_mut(0).iter_mut().zip(&mass).for_each(|(z, &m)| *z += mass_factor * m);
-            factorise(&mut band, degree);
-            out.assign(&band);
+            out.assign(&shifted_factors(problem, i, &mass, [mass_factor, mean_factor]));
         });
         ShiftedMean { factors, degree, mass }
     }
 
     /// Solves in place; rows are planes, columns harmonics.
     pub fn solve(&self, y: &mut Array2<Complex64>) {
-        let rows = y.nrows();
         y.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter().enumerate().for_each(|(b, mut y)| {
             let factors = self.factors.slice(s![.., .., b * BLOCK..b * BLOCK + y.ncols()]);
-            for r in 0..rows {
-                for k in 1..=self.degree.min(r) {
-                    let (before, mut here) = y.multi_slice_mut((s![r - k, ..], s![r, ..]));
-                    let step = ndarray::Zip::from(&mut here).and(&before).and(factors.slice(s![r, k, ..]));
-                    step.for_each(|y, &b, &l| *y -= l * b);
-                }
-            }
-            for r in (0..rows).rev() {
-                y.row_mut(r).zip_mut_with(&factors.slice(s![r, 0, ..]), |y, d| *y *= d);
-                for k in 1..=self.degree.min(rows - 1 - r) {
-                    let (mut here, after) = y.multi_slice_mut((s![r, ..], s![r + k, ..]));
-                    let step = ndarray::Zip::from(&mut here).and(&after).and(factors.slice(s![r + k, k, ..]));
-                    step.for_each(|y, &a, &l| *y -= l * a);
-                }
-            }
+            self.forward_substitution(&factors, &mut y);
+            self.back_substitution(&factors, &mut y);
         });
+    }
+
+    /// y ← L⁻¹ y for a block of harmonics, with its columns of the factors.
+    #[inline]
+    fn forward_substitution(&self, factors: &ArrayView3<Complex64>, y: &mut ArrayViewMut2<Complex64>) {
+        for r in 0..y.nrows() {
+            for k in 1..=self.degree.min(r) {
+                let (before, mut here) = y.multi_slice_mut((s![r - k, ..], s![r, ..]));
+                let step = ndarray::Zip::from(&mut here).and(&before).and(factors.slice(s![r, k, ..]));
+                step.for_each(|y, &b, &l| *y -= l * b);
+            }
+        }
+    }
+
+    /// y ← L⁻ᵀ D⁻¹ y for a block of harmonics, with its columns of the factors.
+    #[inline]
+    fn back_substitution(&self, factors: &ArrayView3<Complex64>, y: &mut ArrayViewMut2<Complex64>) {
+        let rows = y.nrows();
+        for r in (0..rows).rev() {
+            y.row_mut(r).zip_mut_with(&factors.slice(s![r, 0, ..]), |y, d| *y *= d);
+            for k in 1..=self.degree.min(rows - 1 - r) {
+                let (mut here, after) = y.multi_slice_mut((s![r, ..], s![r + k, ..]));
+                let step = ndarray::Zip::from(&mut here).and(&after).and(factors.slice(s![r + k, k, ..]));
+                step.for_each(|y, &a, &l| *y -= l * a);
+            }
+        }
     }
 
     /// planes ← (a D + b Ã)⁻¹ D f of values f at the points of all planes.
@@ -83,6 +91,20 @@ impl ShiftedMean {
     pub fn bytes(&self) -> usize {
         self.factors.len() * size_of::<Complex64>()
     }
+}
+
+/// Factors L D Lᵀ of a D + b Ã in one harmonic, as a band; `mass` is D, and a and b are the two factors.
+fn shifted_factors(
+    problem: &Problem,
+    harmonic: usize,
+    mass: &[f64],
+    [a, b]: [Complex64; 2],
+) -> Array2<Complex64> {
+    let mut band = problem.mean.plane_band(harmonic, problem.end_conditions(harmonic));
+    band.iter_mut().for_each(|z| *z *= b);
+    band.column_mut(0).iter_mut().zip(mass).for_each(|(z, &m)| *z += a * m);
+    factorise(&mut band, problem.coverage.grid.element.degree);
+    band
 }
 
 /// In place: column 0 becomes 1/pivot, column k the factor L(r, r − k).
@@ -168,16 +190,19 @@ impl super::mean::MeanOperator {
         for cell in (0..self.heights.len()).filter(|_| degree > 1) {
             let rows = s![degree * cell..=degree * (cell + 1), ..];
             let mut part = planes.slice_mut(rows);
-            part.axis_iter_mut(Axis(1)).into_par_iter().enumerate().with_min_len(256).for_each(
-                |(i, mut u)| {
-                    let values: [Complex64; SIZE] =
-                        std::array::from_fn(|q| if q <= degree { u[q] } else { 0.0.into() });
-                    for bubble in 0..degree - 1 {
-                        let g = self.bubble_functional(cell, bubble, i);
-                        u[1 + bubble] = g.iter().zip(&values).map(|(g, v)| g * v).sum();
-                    }
-                },
-            );
+            let columns = part.axis_iter_mut(Axis(1)).into_par_iter().enumerate().with_min_len(256);
+            columns.for_each(|(i, u)| self.cell_to_unknowns(cell, i, u));
+        }
+    }
+
+    /// One cell's plane values in one harmonic → its nodes and bubbles, in place.
+    #[inline]
+    fn cell_to_unknowns(&self, cell: usize, harmonic: usize, mut u: ArrayViewMut1<Complex64>) {
+        let degree = self.element.degree;
+        let values: [Complex64; SIZE] = std::array::from_fn(|q| if q <= degree { u[q] } else { 0.0.into() });
+        for bubble in 0..degree - 1 {
+            let g = self.bubble_functional(cell, bubble, harmonic);
+            u[1 + bubble] = g.iter().zip(&values).map(|(g, v)| g * v).sum();
         }
     }
 

@@ -8,7 +8,7 @@ pub use super::cell::{NodeCoefficients, decaying_root, left_share};
 use super::cell::cell_factors;
 use crate::wave::grid::element::{Element, MAX_DEGREE};
 use crate::wave::{Grid, Scheme};
-use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
+use ndarray::{Array2, ArrayView1, ArrayView2, ArrayViewMut1, ArrayViewMut2, Axis, s};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -73,11 +73,8 @@ impl MeanOperator {
             rows.iter_mut().zip(table.outer_iter_mut()).for_each(|(row, part)| row.push(part));
         }
         rows.into_par_iter().enumerate().for_each(|(j, mut tables)| {
-            for (i, &q) in lateral_k2.iter().enumerate() {
-                let (node, shares) = cell_factors(mean_k2[j] - q, heights[j], points, scheme);
-                let values = [node.off, node.diagonal].into_iter().chain(shares);
-                tables.iter_mut().zip(values).for_each(|(table, value)| table[i] = value);
-            }
+            let factors = |q: f64| cell_factors(mean_k2[j] - q, heights[j], points, scheme);
+            tabulate(lateral_k2, factors, &mut tables);
         });
     }
 
@@ -199,21 +196,37 @@ impl MeanOperator {
         let mut out = Array2::zeros(u.dim());
         let columns = u.axis_iter(Axis(1)).into_par_iter().zip(out.axis_iter_mut(Axis(1)));
         columns.enumerate().for_each(|(i, (u, mut out))| {
-            let (cells, stride) = (self.heights.len(), self.element.degree);
-            out[0] += Complex64::I * kappa[0][i] * u[0];
-            out[stride * cells] += Complex64::I * kappa[1][i] * u[stride * cells];
-            for j in 0..cells {
-                let (own, off) = (self.diagonal[[j, i]], self.off[[j, i]]);
-                let (a, b) = (u[stride * j], u[stride * (j + 1)]);
-                out[stride * j] += own * a + off * b; // −o cos(kz h) u_j + o u_{j+1}
-                out[stride * (j + 1)] += own * b + off * a; // o u_j − o cos(kz h) u_{j+1}
-                for bubble in 0..stride - 1 {
-                    let row = stride * j + 1 + bubble;
-                    out[row] += self.bubble(j, bubble, i) * u[row]; // (kz² h λ − 1/h) b
-                }
-            }
+            self.apply_ends(kappa.map(|k| Complex64::I * k[i]), &u, &mut out);
+            (0..self.heights.len()).for_each(|j| self.apply_cell(j, i, &u, &mut out));
         });
         out
+    }
+
+    /// out ← out + iκ u on both faces, in one harmonic; `ends` are iκ of the half-spaces.
+    #[inline]
+    fn apply_ends(
+        &self,
+        ends: [Complex64; 2],
+        u: &ArrayView1<Complex64>,
+        out: &mut ArrayViewMut1<Complex64>,
+    ) {
+        let last = self.element.degree * self.heights.len();
+        out[0] += ends[0] * u[0];
+        out[last] += ends[1] * u[last];
+    }
+
+    /// out ← out + A u of cell j in harmonic i.
+    #[inline]
+    fn apply_cell(&self, j: usize, i: usize, u: &ArrayView1<Complex64>, out: &mut ArrayViewMut1<Complex64>) {
+        let stride = self.element.degree;
+        let (own, off) = (self.diagonal[[j, i]], self.off[[j, i]]);
+        let (a, b) = (u[stride * j], u[stride * (j + 1)]);
+        out[stride * j] += own * a + off * b; // −o cos(kz h) u_j + o u_{j+1}
+        out[stride * (j + 1)] += own * b + off * a; // o u_j − o cos(kz h) u_{j+1}
+        for bubble in 0..stride - 1 {
+            let row = stride * j + 1 + bubble;
+            out[row] += self.bubble(j, bubble, i) * u[row]; // (kz² h λ − 1/h) b
+        }
     }
 
     /// k̄² of each cell.
@@ -253,22 +266,40 @@ impl MeanOperator {
 
     /// Values on all planes of the mean solution through given node values.
     pub fn profile_on_planes(&self, harmonic: usize, nodes: &[f64]) -> Vec<Complex64> {
+        let last = self.element.degree * self.heights.len();
+        (0..=last).map(|plane| self.profile_on_plane(harmonic, nodes, plane)).collect()
+    }
+
+    /// Value on one plane of the mean solution through given node values.
+    #[inline]
+    fn profile_on_plane(&self, harmonic: usize, nodes: &[f64], plane: usize) -> Complex64 {
         let degree = self.element.degree;
-        let value = |plane: usize| {
-            let (cell, point) = (plane / degree, plane % degree);
-            if point == 0 {
-                return nodes[cell].into();
-            }
-            let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1][[cell, harmonic]]);
-            left * nodes[cell] + right * nodes[cell + 1]
-        };
-        (0..=degree * self.heights.len()).map(value).collect()
+        let (cell, point) = (plane / degree, plane % degree);
+        if point == 0 {
+            return nodes[cell].into();
+        }
+        let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1][[cell, harmonic]]);
+        left * nodes[cell] + right * nodes[cell + 1]
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let shares = self.left_share.iter().map(|s| s.len()).sum::<usize>();
         (2 * self.off.len() + self.inverse_pivot.len() + shares) * size_of::<Complex64>()
+    }
+}
+
+/// Off-diagonal, diagonal and left shares of one cell, a table each, at every harmonic's kx² + ky².
+#[inline]
+fn tabulate(
+    lateral_k2: &[f64],
+    factors: impl Fn(f64) -> (NodeCoefficients, [Complex64; MAX_DEGREE]),
+    tables: &mut [ArrayViewMut1<Complex64>],
+) {
+    for (i, &q) in lateral_k2.iter().enumerate() {
+        let (node, shares) = factors(q);
+        let values = [node.off, node.diagonal].into_iter().chain(shares);
+        tables.iter_mut().zip(values).for_each(|(table, value)| table[i] = value);
     }
 }
 

@@ -25,15 +25,8 @@ impl Default for Mean {
 /// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
 pub(super) fn mean_wavenumbers(layout: &Layout, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
     let grid = layout.grid;
-    let square = |eta: Complex64| eta * eta * (k0 * k0);
-    let in_cell = |j: usize| {
-        let background = square(media.backgrounds[grid.background[j]]);
-        let parts = layout.channels.iter().zip(layout.fractions);
-        let parts = parts.filter(|(c, _)| c.background == grid.background[j]);
-        background
-            + parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[j]).sum::<Complex64>()
-    };
-    let mut values: Vec<Complex64> = (0..grid.cells()).map(in_cell).collect();
+    let mut values: Vec<Complex64> =
+        (0..grid.cells()).map(|j| mean_wavenumber(layout, media, k0, j)).collect();
     if !mean.depends_on_z {
         let weighted = values.iter().enumerate().map(|(j, v)| v * grid.height_um(j)).sum::<Complex64>();
         values.fill(weighted / grid.nodes_um[grid.cells()]);
@@ -42,6 +35,16 @@ pub(super) fn mean_wavenumbers(layout: &Layout, media: &Media, k0: f64, mean: Me
         values.iter_mut().for_each(|v| v.im = 0.0);
     }
     values
+}
+
+/// k̄² of one cell over the plane.
+fn mean_wavenumber(layout: &Layout, media: &Media, k0: f64, cell: usize) -> Complex64 {
+    let own = layout.grid.background[cell];
+    let square = |eta: Complex64| eta * eta * (k0 * k0);
+    let background = square(media.backgrounds[own]);
+    let parts = layout.channels.iter().zip(layout.fractions).filter(|(c, _)| c.background == own);
+    let contrasts = parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[cell]);
+    background + contrasts.sum::<Complex64>()
 }
 
 /// Moments of (background − mean) k² on each plane, over the points of a plane.
@@ -67,15 +70,17 @@ pub(super) fn plane_offsets(
 
 /// Cells of a grid `other` that the phase limit allows, from k̄² of the cells of a grid that it has allowed.
 pub(in crate::wave) fn cells_needed(own: &Grid, means: &[Complex64], other: &Grid) -> usize {
-    let phase = |j: usize| {
-        let [lo, hi] = [other.nodes_um[j], other.nodes_um[j + 1]];
-        let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
-        let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
-        (sum / (hi - lo)).sqrt().re * (hi - lo)
-    };
-    let largest = (0..other.cells()).map(phase).fold(0.0, f64::max);
+    let cells = other.nodes_um.windows(2);
+    let largest = cells.map(|ends| phase_between(own, means, [ends[0], ends[1]])).fold(0.0, f64::max);
     let needed = (largest / PHASE_LIMIT * other.cells() as f64).ceil() as usize;
     if largest > PHASE_LIMIT { needed.max(other.cells() + 1) } else { other.cells() }
+}
+
+/// Phase k̄h between two heights, with k̄² averaged over the cells in between.
+fn phase_between(own: &Grid, means: &[Complex64], [lo, hi]: [f64; 2]) -> f64 {
+    let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
+    let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
+    (sum / (hi - lo)).sqrt().re * (hi - lo)
 }
 
 /// Refuses cells that are too high for the wave: with contrast by accuracy, without it only near kz h = mπ.

@@ -35,11 +35,15 @@ impl Problem {
             || self.fft.scratch(),
             |scratch, (mut out, row)| {
                 scratch.plane.iter_mut().zip(row).for_each(|(p, v)| *p = v * scale);
-                self.fft.forward(scratch, &self.harmonics.rows);
-                let out = out.as_slice_mut().expect("rows are contiguous");
-                self.harmonics.gather(&scratch.spectrum, out);
+                self.to_harmonics(scratch, out.as_slice_mut().expect("rows are contiguous"));
             },
         );
+    }
+
+    /// Values at the points of `scratch.plane` → harmonics, unnormalised.
+    fn to_harmonics(&self, scratch: &mut PlaneScratch, harmonics: &mut [Complex64]) {
+        self.fft.forward(scratch, &self.harmonics.rows);
+        self.harmonics.gather(&scratch.spectrum, harmonics);
     }
 
     fn to_points(&self, harmonics: &[Complex64], scratch: &mut PlaneScratch) {
