@@ -86,21 +86,37 @@ impl<T: Real> Folding<T> {
         let rows = planes.rows(grid.planes());
         rows.into_par_iter().enumerate().for_each_init(
             || self.buffers(channels),
-            |buffers, (plane, (mut moments, mut folded))| {
-                for c in 0..channels {
-                    self.plane_spectrum(grid, cells, plane, c, &mut buffers.spectra[c]);
-                    self.outer_fields(c, buffers);
-                }
+            |buffers, (plane, rows)| {
+                self.spectra(grid, cells, plane, buffers);
                 let weight = plane_weight(grid, plane) * self.wide_points as f64;
-                // A channel's moments share a transform with a folded field: both are real.
-                for (p, out) in folded.iter_mut().enumerate() {
-                    self.product(pairs[p], T::of(weight), buffers);
-                    let own = moments.get_mut(p).map(|view| (buffers.spectra[p].as_slice(), view));
-                    self.to_grid(own, out, &buffers.compact, &mut buffers.narrow);
-                }
+                self.fold(&pairs, T::of(weight), rows, buffers);
             },
         );
         planes
+    }
+
+    /// One plane's wide spectrum and outer fields of every channel, in `buffers`.
+    fn spectra(
+        &self,
+        grid: &Grid,
+        cells: &[Vec<Option<CellCoefficients<T>>>],
+        plane: usize,
+        buffers: &mut Buffers<T>,
+    ) {
+        for c in 0..buffers.spectra.len() {
+            self.plane_spectrum(grid, cells, plane, c, &mut buffers.spectra[c]);
+            self.outer_fields(c, buffers);
+        }
+    }
+
+    /// One plane's moments and folded fields on the grid, from what [`Folding::spectra`] left in `buffers`.
+    fn fold(&self, pairs: &[[usize; 2]], weight: T, (mut moments, folded): Rows, buffers: &mut Buffers<T>) {
+        // A channel's moments share a transform with a folded field: both are real.
+        for (p, mut out) in folded.into_iter().enumerate() {
+            self.product(pairs[p], weight, buffers);
+            let own = moments.get_mut(p).map(|view| (buffers.spectra[p].as_slice(), view));
+            self.to_grid(own, &mut out, &buffers.compact, &mut buffers.narrow);
+        }
     }
 
     fn buffers(&self, channels: usize) -> Buffers<T> {

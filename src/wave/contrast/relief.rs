@@ -96,14 +96,7 @@ fn chords(
     let mut chords = Vec::new();
     let near = |b: &&Ball| b.center_um[2] - b.radius_um < hi && b.center_um[2] + b.radius_um > lo;
     for ball in balls.iter().filter(near) {
-        // Indices of the columns that it may cross, each once.
-        let range = |axis: usize| {
-            let step = period_um[axis] / count[axis] as f64;
-            let first = ((ball.center_um[axis] - ball.radius_um) / step).floor() as i64;
-            let last = ((ball.center_um[axis] + ball.radius_um) / step).ceil() as i64;
-            let n = count[axis] as i64;
-            (first..=last.min(first + n - 1)).map(move |k| k.rem_euclid(n) as usize)
-        };
+        let range = |axis: usize| crossed(ball, axis, period_um[axis], count[axis]);
         for column in range(1).flat_map(|y| range(0).map(move |x| y * count[0] + x)) {
             let [x, y] = place(column, count, period_um);
             chords.extend(chord(ball, x, y, period_um).map(|chord| (column, chord)));
@@ -111,6 +104,15 @@ fn chords(
     }
     chords.sort_by(|(a, c), (b, d)| a.cmp(b).then(c[0].total_cmp(&d[0])));
     chords
+}
+
+/// Indices along an axis of the columns that a ball may cross, each once.
+fn crossed(ball: &Ball, axis: usize, period_um: f64, count: usize) -> impl Iterator<Item = usize> + use<> {
+    let step = period_um / count as f64;
+    let first = ((ball.center_um[axis] - ball.radius_um) / step).floor() as i64;
+    let last = ((ball.center_um[axis] + ball.radius_um) / step).ceil() as i64;
+    let n = count as i64;
+    (first..=last.min(first + n - 1)).map(move |k| k.rem_euclid(n) as usize)
 }
 
 /// The stretch of the vertical line at (x, y) inside a ball or its nearest image.

@@ -89,8 +89,7 @@ impl Sampling {
             let whole = is_whole(&middle);
             for &(x, w) in self.rules.of(self.height_count(length, whole)) {
                 let t = 0.5 * (x + 1.0);
-                let (s, ds) =
-                    if whole { (t, 1.0) } else { ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()) };
+                let (s, ds) = if whole { (t, 1.0) } else { sine_squared(t) };
                 let z = lo + length * s;
                 points.clear();
                 let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
@@ -150,12 +149,17 @@ impl Sampling {
         let count = if round { self.height_count(length, false) } else { self.degree };
         let height = |&(x, w): &(f64, f64)| {
             let t = 0.5 * (x + 1.0);
-            let (s, ds) =
-                if round { ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()) } else { (t, 1.0) };
+            let (s, ds) = if round { sine_squared(t) } else { (t, 1.0) };
             (lo + length * s, 0.5 * w * length * ds)
         };
         self.rules.of(count).iter().map(height).collect()
     }
+}
+
+/// s = sin²(πt/2) and ds/dt: the substitution that removes square roots at both ends of 0 ≤ s ≤ 1.
+#[inline]
+fn sine_squared(t: f64) -> (f64, f64) {
+    ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin())
 }
 
 /// The strip x₀ … x₁ that a body along y covers at height `z`, or all.

@@ -68,28 +68,37 @@ impl<'a, T: Real> CellSum<'a, T> {
             self.sources = vec![vec![Complex::default(); transform.points()]; planes];
         }
         let center = [own.center_um[0] / lx, own.center_um[1] / ly];
-        let (mut patch, mut points) =
-            (std::mem::replace(&mut self.patch, Patch::empty()), std::mem::take(&mut self.points));
-        transform.open(&mut patch, 2 * planes, center, [own.radius_um / lx, own.radius_um / ly]);
-        let mut value = [T::default(); 2 * (MAX_DEGREE + 1)];
+        transform.open(&mut self.patch, 2 * planes, center, [own.radius_um / lx, own.radius_um / ly]);
+        let mut points = std::mem::take(&mut self.points);
         let mut ring = |z: f64, weight: f64, points: &[EdgePoint]| {
             let shares = self.shares(z, weight);
-            let mut moment = 0.0;
-            for EdgePoint { position, normal } in points {
-                let [x, y] = [position[0] - balls[0].center_um[0], position[1] - balls[0].center_um[1]];
-                moment += x * normal[0] + y * normal[1]; // Gauss: 2 · area = ∮ (x n_x + y n_y) ds
-                for (pair, share) in value.as_chunks_mut::<2>().0.iter_mut().zip(&shares) {
-                    *pair = [T::of(normal[0] * share), T::of(normal[1] * share)]; // ψ_p(z) n dS
-                }
-                let (x, y) =
-                    (transform.footprint(0, position[0] / lx), transform.footprint(1, position[1] / ly));
-                transform.spread(&mut patch, &x, &y, &value[..2 * planes]);
-            }
+            let moment = self.add_ring(transform, balls[0].center_um, &shares, points);
             add_mean(&mut self.direct.means, 0.5 * moment / (lx * ly), &shares);
         };
         builder.sampling.rings(balls, i, range, &mut points, &mut ring);
-        transform.close(&patch, &mut self.sources);
-        (self.patch, self.points) = (patch, points);
+        transform.close(&self.patch, &mut self.sources);
+        self.points = points;
+    }
+
+    /// Spreads the sources of a ring of points over the patch; twice the area that it encloses, taken about `origin`.
+    #[inline]
+    fn add_ring(
+        &mut self,
+        transform: &SourceTransform<T>,
+        origin: [f64; 3],
+        shares: &[f64; MAX_DEGREE + 1],
+        points: &[EdgePoint],
+    ) -> f64 {
+        let [lx, ly] = self.builder.grid.period_um;
+        let mut moment = 0.0;
+        for EdgePoint { position, normal } in points {
+            let [x, y] = [position[0] - origin[0], position[1] - origin[1]];
+            moment += x * normal[0] + y * normal[1]; // Gauss: 2 · area = ∮ (x n_x + y n_y) ds
+            let value = source(*normal, shares);
+            let (x, y) = (transform.footprint(0, position[0] / lx), transform.footprint(1, position[1] / ly));
+            transform.spread(&mut self.patch, &x, &y, &value[..2 * self.direct.means.len()]);
+        }
+        moment
     }
 
     /// (1/Lx) ∫ e^{−ikx} dx over a strip; only orders n = 0.
@@ -125,6 +134,16 @@ impl<'a, T: Real> CellSum<'a, T> {
         }
         self.direct
     }
+}
+
+/// ψ_p(z) n dS of a point: the components along x and y of every plane in turn.
+#[inline]
+fn source<T: Real>(normal: [f64; 2], shares: &[f64; MAX_DEGREE + 1]) -> [T; 2 * (MAX_DEGREE + 1)] {
+    let mut value = [T::default(); 2 * (MAX_DEGREE + 1)];
+    for (pair, share) in value.as_chunks_mut::<2>().0.iter_mut().zip(shares) {
+        *pair = [T::of(normal[0] * share), T::of(normal[1] * share)];
+    }
+    value
 }
 
 fn add_mean(means: &mut [f64], share: f64, shares: &[f64]) {
