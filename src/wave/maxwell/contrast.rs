@@ -70,9 +70,7 @@ fn plane_tensors(
     let at = |point: usize| {
         let fields = present.iter().map(|(_, fields)| &fields[point]);
         let effective = effective(background, epsilon.iter().copied().zip(fields), averaging)?;
-        let mut v = effective.map(|e| e * scale / points as f64);
-        [0, 2, 5].into_iter().for_each(|i| v[i] -= mean / points as f64);
-        Ok(v)
+        Ok(less_mean(effective.map(|e| e * scale / points as f64), mean / points as f64))
     };
     (0..points).map(at).collect()
 }
@@ -80,6 +78,13 @@ fn plane_tensors(
 fn diagonal(value: Complex64) -> Symmetric {
     let zero = Complex64::default();
     [value, zero, value, zero, zero, value]
+}
+
+/// A symmetric tensor less an isotropic one.
+#[inline]
+fn less_mean(mut tensor: Symmetric, mean: Complex64) -> Symmetric {
+    [0, 2, 5].into_iter().for_each(|i| tensor[i] -= mean);
+    tensor
 }
 
 /// ε_eff of one point from the inclusions' (ε_i, fields).

@@ -38,6 +38,22 @@ pub struct VectorOrder {
 }
 
 impl VectorOrder {
+    /// What incident polarisation `i` sends into this order.
+    fn polarised(&self, i: usize) -> Order {
+        Order {
+            m: self.m,
+            n: self.n,
+            direction: self.direction,
+            reflected_propagates: self.reflected_propagates,
+            transmitted_propagates: self.transmitted_propagates,
+            reflected: self.reflected[i][i],
+            transmitted: self.transmitted[i][i],
+            reflected_efficiency: self.reflected_efficiency[i],
+            transmitted_efficiency: self.transmitted_efficiency[i],
+            further: crossed(self.reflected[i][1 - i], self.transmitted[i][1 - i]),
+        }
+    }
+
     fn difference(&self, other: &VectorOrder) -> f64 {
         let amplitudes = |o: &VectorOrder| [o.reflected, o.transmitted];
         let own = amplitudes(self).into_iter().flatten().flatten();
@@ -83,22 +99,10 @@ impl VectorFarField {
     /// polarisations together; the first complex amplitude is the one whose polarisation is unchanged.
     pub fn polarised(&self, polarisation: Polarisation) -> FarField {
         let i = polarisation as usize;
-        let order = |o: &VectorOrder| Order {
-            m: o.m,
-            n: o.n,
-            direction: o.direction,
-            reflected_propagates: o.reflected_propagates,
-            transmitted_propagates: o.transmitted_propagates,
-            reflected: o.reflected[i][i],
-            transmitted: o.transmitted[i][i],
-            reflected_efficiency: o.reflected_efficiency[i],
-            transmitted_efficiency: o.transmitted_efficiency[i],
-            further: crossed(o.reflected[i][1 - i], o.transmitted[i][1 - i]),
-        };
         FarField {
             incidence: self.incidence,
             period_um: self.period_um,
-            orders: self.orders.iter().map(order).collect(),
+            orders: self.orders.iter().map(|o| o.polarised(i)).collect(),
             reflectance: self.reflectance[i],
             transmittance: self.transmittance[i],
             absorptance: self.absorptance()[i],

@@ -16,7 +16,7 @@ use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::scattering::row_of;
 use crate::wave::operator::sharing::SHARED;
 use crate::wave::{Field, Grid};
-use ndarray::{Array2, ArrayViewMut2, Axis};
+use ndarray::{Array2, ArrayViewMut1, ArrayViewMut2, Axis};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 
@@ -115,14 +115,20 @@ fn cell_tables(heights: &[f64], mean_k2: &[Complex64], lateral: &[f64]) -> [Arra
     let [b, c, off, own] = &mut tables;
     let rows = (b.outer_iter_mut().into_par_iter().zip(c.outer_iter_mut()))
         .zip(off.outer_iter_mut().into_par_iter().zip(own.outer_iter_mut()));
-    rows.enumerate().for_each(|(j, ((mut b, mut c), (mut off, mut own)))| {
-        for (i, q) in lateral.iter().enumerate() {
-            let (cell, node) = cell_functions(mean_k2[j] - q * q, heights[j]);
-            (b[i], c[i]) = (cell.b, cell.c);
-            (off[i], own[i]) = (node.off, node.diagonal);
-        }
+    rows.enumerate().for_each(|(j, ((b, c), (off, own)))| {
+        cell_row(heights[j], mean_k2[j], lateral, [b, c, off, own]);
     });
     tables
+}
+
+/// One cell's row of [`cell_tables`].
+fn cell_row(height: f64, mean_k2: Complex64, lateral: &[f64], row: [ArrayViewMut1<Complex64>; 4]) {
+    let [mut b, mut c, mut off, mut own] = row;
+    for (i, q) in lateral.iter().enumerate() {
+        let (cell, node) = cell_functions(mean_k2 - q * q, height);
+        (b[i], c[i]) = (cell.b, cell.c);
+        (off[i], own[i]) = (node.off, node.diagonal);
+    }
 }
 
 /// One block of harmonics under way: its columns of the field, of the faces, and buffers of the nodes.

@@ -9,7 +9,7 @@ use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::sharing::Idle;
 use multiversion::multiversion;
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -78,15 +78,24 @@ impl<T: Real> VectorScattering<T> {
     /// out ← V e: three inverse and three forward transforms a plane.
     pub fn contrast_product(&self, e: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>) {
         let new = || PlaneWork::new(self);
-        self.idle.in_chunks(out, Axis(0), 3, new, |plane, mut out, work| {
-            if self.contrast[plane].is_empty() {
-                return out.fill(Complex::default());
-            }
-            let rows = [0, 1, 2].map(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
-            work.to_points(self, rows);
-            work.multiply(&self.contrast[plane]);
-            work.to_harmonics(self, out.as_slice_mut().expect("rows are contiguous"));
-        });
+        self.idle.in_chunks(out, Axis(0), 3, new, |plane, out, work| self.plane_product(e, plane, out, work));
+    }
+
+    /// out ← V e of one plane.
+    fn plane_product(
+        &self,
+        e: ArrayView2<Complex<T>>,
+        plane: usize,
+        mut out: ArrayViewMut2<Complex<T>>,
+        work: &mut PlaneWork<T>,
+    ) {
+        if self.contrast[plane].is_empty() {
+            return out.fill(Complex::default());
+        }
+        let rows = [0, 1, 2].map(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
+        work.to_points(self, rows);
+        work.multiply(&self.contrast[plane]);
+        work.to_harmonics(self, out.as_slice_mut().expect("rows are contiguous"));
     }
 }
 
