@@ -106,15 +106,24 @@ fn add_combination<T: Real>(w: &mut [T], factors: &[Complex64], vectors: &[Vec<T
     let length = w.len() / 2;
     let (re, im) = w.split_at_mut(length);
     let chunks = re.par_chunks_mut(CHUNK).zip(im.par_chunks_mut(CHUNK)).with_min_len(FEW).enumerate();
-    let add = |(c, (re, im)): (usize, (&mut [T], &mut [T]))| {
-        for (a, v) in factors.iter().zip(vectors) {
-            let (v_re, v_im) = part(v, c * CHUNK);
-            add_scaled([&mut *re, &mut *im], [T::of(a.re), T::of(a.im)], [v_re, v_im]);
-        }
-        dot((re, im), (re, im)).re
-    };
+    let add =
+        |(c, (re, im)): (usize, (&mut [T], &mut [T]))| add_to_chunk([re, im], factors, vectors, c * CHUNK);
     let parts: Vec<f64> = chunks.map(add).collect();
     parts.iter().sum::<f64>().sqrt()
+}
+
+/// w ← w + Σ a_i v_i on the chunk that begins at `from`, as real and imaginary part; returns its Σ |w|² afterwards.
+fn add_to_chunk<T: Real>(
+    [re, im]: [&mut [T]; 2],
+    factors: &[Complex64],
+    vectors: &[Vec<T>],
+    from: usize,
+) -> f64 {
+    for (a, v) in factors.iter().zip(vectors) {
+        let (v_re, v_im) = part(v, from);
+        add_scaled([&mut *re, &mut *im], [T::of(a.re), T::of(a.im)], [v_re, v_im]);
+    }
+    dot((re, im), (re, im)).re
 }
 
 /// Real and imaginary parts of the chunk that begins at `from`.

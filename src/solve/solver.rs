@@ -235,14 +235,19 @@ pub trait Solver: Send + Sync {
 
 /// The scalar problem behind a system, for a strategy that splits its operator point by point.
 pub(in crate::solve) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result<&'a Problem, SolveError> {
-    system.scalar().ok_or_else(|| SolveError::Setting {
+    system.scalar().ok_or_else(|| not_scalar(name))
+}
+
+/// The refusal of a strategy for Maxwell's equations.
+fn not_scalar(name: &str) -> SolveError {
+    SolveError::Setting {
         field: "solver",
         value: name.to_string(),
         allowed: "krylov, bicgstab, born or direct for Maxwell's equations".to_string(),
         remedy:
             "this strategy works on field values at points, and the unknowns here are moments: use krylov"
                 .to_string(),
-    })
+    }
 }
 
 /// What to try where a strategy diverges.

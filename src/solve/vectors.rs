@@ -35,15 +35,16 @@ pub fn dots(basis: &[Vec<Complex64>], w: &[Complex64]) -> Vec<Complex64> {
 /// w ← w + Σ a_i v_i, writing each chunk of w once; returns ‖w‖ afterwards.
 pub fn add_combination(w: &mut [Complex64], factors: &[Complex64], basis: &[Vec<Complex64>]) -> f64 {
     let chunks = w.par_chunks_mut(CHUNK).enumerate();
-    let add = |(c, w): (usize, &mut [Complex64])| {
-        let from = c * CHUNK;
-        for (&a, v) in factors.iter().zip(basis) {
-            axpy_chunk(w, a, &v[from..from + w.len()]);
-        }
-        square_chunk(w)
-    };
-    let parts: Vec<f64> = chunks.map(add).collect();
+    let parts: Vec<f64> = chunks.map(|(c, w)| add_to_chunk(w, factors, basis, c * CHUNK)).collect();
     parts.iter().sum::<f64>().sqrt()
+}
+
+/// w ← w + Σ a_i v_i on the chunk that begins at `from`; returns its Σ |w|² afterwards.
+fn add_to_chunk(w: &mut [Complex64], factors: &[Complex64], basis: &[Vec<Complex64>], from: usize) -> f64 {
+    for (&a, v) in factors.iter().zip(basis) {
+        axpy_chunk(w, a, &v[from..from + w.len()]);
+    }
+    square_chunk(w)
 }
 
 /// w ← factor · w.

@@ -40,14 +40,7 @@ impl GridError {
     /// the largest of them over the probes. A single packing counts with its difference.
     pub fn from_differences(differences: &[Vec<[f64; 2]>]) -> Self {
         let probes = differences.first().map_or(0, Vec::len);
-        let of = |i: usize| {
-            let probe = |p: usize| {
-                let samples: Vec<f64> = differences.iter().map(|packing| packing[p][i]).collect();
-                let Estimate { value, standard_error } = Estimate::of_mean(&samples);
-                value.hypot(standard_error.unwrap_or(0.0))
-            };
-            largest((0..probes).map(probe))
-        };
+        let of = |i: usize| largest((0..probes).map(|p| probe_error(differences, p, i)));
         Self { reflectance: of(0), transmittance: of(1) }
     }
 
@@ -75,6 +68,13 @@ impl GridError {
         }
         Ok(differences)
     }
+}
+
+/// Mean over the packings of one probe's difference in R (`i` = 0) or T (1), with its own standard error.
+fn probe_error(differences: &[Vec<[f64; 2]>], probe: usize, i: usize) -> f64 {
+    let samples: Vec<f64> = differences.iter().map(|packing| packing[probe][i]).collect();
+    let Estimate { value, standard_error } = Estimate::of_mean(&samples);
+    value.hypot(standard_error.unwrap_or(0.0))
 }
 
 /// R and T of one probe, for each polarisation, on this grid; on one with more cells where these are too high for the wave, as

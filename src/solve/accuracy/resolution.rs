@@ -33,16 +33,21 @@ pub fn smooth_size(n: usize) -> usize {
 
 /// The points times `factor`, rounded away from the present ones to sizes that transform fast.
 pub(crate) fn scaled_plane(r: Resolution, factor: f64, uniform: [bool; 2]) -> Resolution {
-    let scale = |n: usize, uniform: bool| match n {
-        n if uniform => n,
+    let scale = |n: usize, uniform: bool| if uniform { n } else { scaled_points(n, factor) };
+    Resolution { nx: scale(r.nx, uniform[0]), ny: scale(r.ny, uniform[1]), ..r }
+}
+
+/// The points along one axis times `factor`, as [`scaled_plane`].
+fn scaled_points(n: usize, factor: f64) -> usize {
+    match n {
         1 if factor > 1.0 => 3,
         n if factor > 1.0 => smooth_size((n as f64 * factor).ceil() as usize),
-        n => (2..n)
-            .rev()
-            .find(|&k| (k as f64) <= n as f64 * factor && crate::wave::contrast::nufft::is_smooth(k))
-            .unwrap_or(n),
-    };
-    Resolution { nx: scale(r.nx, uniform[0]), ny: scale(r.ny, uniform[1]), ..r }
+        n => {
+            let fits =
+                |&k: &usize| (k as f64) <= n as f64 * factor && crate::wave::contrast::nufft::is_smooth(k);
+            (2..n).rev().find(fits).unwrap_or(n)
+        }
+    }
 }
 
 /// The cells times `factor`, rounded away from the present ones.

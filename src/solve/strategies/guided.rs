@@ -11,7 +11,7 @@ use crate::solve::demand::Size;
 use crate::wave::Problem;
 use faer::linalg::solvers::{DenseSolveCore, PartialPivLu, Solve};
 use faer::{ColRef, Mat, Side};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -46,6 +46,22 @@ struct Mode {
     /// |eigenvalue| of the mean operator, damping included.
     eigenvalue: f64,
     nodes: Vec<f64>,
+}
+
+impl Mode {
+    /// A times the mode, at the nodes.
+    fn image(&self, problem: &Problem) -> Vec<Complex64> {
+        let (diagonal, off) = problem.mean.node_matrix(self.harmonic, problem.end_conditions(self.harmonic));
+        (0..diagonal.len()).map(|j| tridiagonal_row(&diagonal, &off, &self.nodes, j)).collect()
+    }
+}
+
+/// Row j of a symmetric tridiagonal matrix times x.
+#[inline]
+fn tridiagonal_row(diagonal: &[Complex64], off: &[Complex64], x: &[f64], j: usize) -> Complex64 {
+    let previous = if j > 0 { off[j - 1] * x[j - 1] } else { Complex64::default() };
+    let next = if j < off.len() { off[j] * x[j + 1] } else { Complex64::default() };
+    diagonal[j] * x[j] + previous + next
 }
 
 /// C, ready to be applied to fields.
@@ -148,23 +164,10 @@ fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
 
 impl Correction {
     fn new(problem: &Problem, modes: Vec<Mode>) -> Correction {
-        let image = |m: &Mode| {
-            let (diagonal, off) = problem.mean.node_matrix(m.harmonic, problem.end_conditions(m.harmonic));
-            (0..diagonal.len())
-                .map(|j| {
-                    let previous = if j > 0 { off[j - 1] * m.nodes[j - 1] } else { Complex64::default() };
-                    let next = if j < off.len() { off[j] * m.nodes[j + 1] } else { Complex64::default() };
-                    diagonal[j] * m.nodes[j] + previous + next
-                })
-                .collect::<Vec<_>>()
-        };
-        let images: Vec<Vec<Complex64>> = modes.iter().map(image).collect();
-        let mean_block = |i: usize, j: usize| {
-            if modes[i].harmonic != modes[j].harmonic {
-                return Complex64::default();
-            }
-            modes[i].nodes.iter().zip(&images[j]).map(|(a, b)| a * b).sum::<Complex64>()
-        };
+        let images: Vec<Vec<Complex64>> = modes.iter().map(|mode| mode.image(problem)).collect();
+        // Called for modes of one harmonic only: between others A has no entries.
+        let mean_block =
+            |i: usize, j: usize| modes[i].nodes.iter().zip(&images[j]).map(|(a, b)| a * b).sum::<Complex64>();
         let mut galerkin = contrast_block(problem, &modes);
         let mut mean_inverses = Vec::new();
         let mut first = 0;
@@ -186,15 +189,8 @@ impl Correction {
 
     /// v ← C v.
     pub fn apply<T: Real>(&self, v: &mut [Complex<T>]) {
-        let at = |node: usize, harmonic: usize| node * self.stride * self.harmonics + harmonic;
-        let project = |(mode, image): (&Mode, &Vec<Complex64>)| {
-            let value = |j: usize| {
-                let z = v[at(j, mode.harmonic)];
-                Complex64::new(z.re.wide(), z.im.wide())
-            };
-            image.iter().enumerate().map(|(j, a)| a * value(j)).sum::<Complex64>()
-        };
-        let projected: Vec<Complex64> = self.modes.iter().zip(&self.images).map(project).collect();
+        let parts = self.modes.iter().zip(&self.images);
+        let projected: Vec<Complex64> = parts.map(|(mode, image)| self.product(mode, image, v)).collect();
         let projected = ColRef::from_slice(&projected);
         let mut change = self.galerkin.solve(projected);
         for (first, inverse) in &self.mean_inverses {
@@ -203,10 +199,32 @@ impl Correction {
         }
         for (mode, c) in self.modes.iter().zip(change.iter()) {
             for (j, a) in mode.nodes.iter().enumerate() {
-                v[at(j, mode.harmonic)] += narrow(a * c);
+                v[self.place(j, mode.harmonic)] += narrow(a * c);
             }
         }
     }
+
+    /// Where a field has a node's value in a harmonic.
+    #[inline]
+    fn place(&self, node: usize, harmonic: usize) -> usize {
+        node * self.stride * self.harmonics + harmonic
+    }
+
+    /// (Aφ)ᵀ v of one mode φ, of which `image` is Aφ.
+    #[inline]
+    fn product<T: Real>(&self, mode: &Mode, image: &[Complex64], v: &[Complex<T>]) -> Complex64 {
+        let value = |j: usize| {
+            let z = v[self.place(j, mode.harmonic)];
+            Complex64::new(z.re.wide(), z.im.wide())
+        };
+        image.iter().enumerate().map(|(j, a)| a * value(j)).sum::<Complex64>()
+    }
+}
+
+/// Σ_p w(p) f(p) g(p) over the planes.
+#[inline]
+fn coupling(f: &[Complex64], g: &[Complex64], w: ArrayView1<Complex64>) -> Complex64 {
+    f.iter().zip(g).zip(w).map(|((f, g), w)| w * f * g).sum()
 }
 
 /// ΦᵀVΦ: Σ_p Ŵ_p(l − l') f_i(p) f_j(p), with the mean solution's values f on the planes.
@@ -226,10 +244,7 @@ fn contrast_block(problem: &Problem, modes: &[Mode]) -> Mat<Complex64> {
         spectra.row(wrap(0, nx) * ny + wrap(1, ny))
     };
     let column = |j: usize| {
-        let entry = |i: usize| {
-            let products = profiles[i].iter().zip(&profiles[j]).zip(spectrum_of(i, j));
-            products.map(|((f, g), w)| w * f * g).sum::<Complex64>()
-        };
+        let entry = |i: usize| coupling(&profiles[i], &profiles[j], spectrum_of(i, j));
         (0..modes.len()).map(entry).collect::<Vec<_>>()
     };
     let columns: Vec<Vec<Complex64>> = (0..modes.len()).into_par_iter().map(column).collect();

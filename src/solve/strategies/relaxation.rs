@@ -109,12 +109,6 @@ impl Solver for Relaxation {
 
 impl Relaxation {
     fn check(&self, problem: &Problem) -> Result<(), SolveError> {
-        let setting = |field, value: String, allowed: &str, remedy: &str| SolveError::Setting {
-            field,
-            value,
-            allowed: allowed.to_string(),
-            remedy: remedy.to_string(),
-        };
         if !problem.mean.is_real() {
             let remedy =
                 "both halves of the splitting must be dissipative: choose the real mean (--real-mean)";
@@ -128,6 +122,11 @@ impl Relaxation {
         }
         Ok(())
     }
+}
+
+/// The refusal of one setting's value.
+fn setting(field: &'static str, value: String, allowed: &str, remedy: &str) -> SolveError {
+    SolveError::Setting { field, value, allowed: allowed.to_string(), remedy: remedy.to_string() }
 }
 
 /// A march from the best field so far, which is all that is remembered.
