@@ -257,16 +257,18 @@ fn centred(rows: &[[f64; 4]]) -> Vec<Sphere> {
     arms.iter().zip(rows).map(sphere).collect()
 }
 
+/// Σ w a (a · v): the arms' second moment times v.
+fn spread(arms: &[V3], weights: &[f64], v: V3) -> V3 {
+    arms.iter().zip(weights).fold([0.0; 3], |sum, (a, w)| {
+        let along = w * crate::numerics::vector::dot(*a, v);
+        add(sum, scale(*a, along))
+    })
+}
+
 /// Direction of largest spread by power iteration on Σ w a aᵀ; z when there is no spread.
 fn long_axis(arms: &[V3], weights: &[f64]) -> V3 {
-    let spread = |v: V3| {
-        arms.iter().zip(weights).fold([0.0; 3], |sum, (a, w)| {
-            let along = w * crate::numerics::vector::dot(*a, v);
-            add(sum, scale(*a, along))
-        })
-    };
     let start = arms.iter().copied().max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or([0.0; 3]);
-    (0..200).fold(unit(start), |v, _| unit(spread(v)))
+    (0..200).fold(unit(start), |v, _| unit(spread(arms, weights, v)))
 }
 
 #[cfg(test)]

@@ -90,18 +90,23 @@ fn integrated(spheres: &[Sphere]) -> Volume {
     let mut chords = Vec::new();
     let means: [f64; SHIFTS] = std::array::from_fn(|_| {
         let shift = [draws.uniform(), draws.uniform()];
-        let sum: f64 = (0..POINTS)
-            .map(|k| {
-                let u = (k as f64 / POINTS as f64 + shift[0]).fract();
-                let v = ((k * GENERATOR % POINTS) as f64 / POINTS as f64 + shift[1]).fract();
-                chord_length(spheres, [low[0] + u * size[0], low[1] + v * size[1]], &mut chords)
-            })
-            .sum();
-        sum / POINTS as f64 * size[0] * size[1]
+        let at = |[u, v]: [f64; 2]| [low[0] + u * size[0], low[1] + v * size[1]];
+        lattice_mean(shift, |place| chord_length(spheres, at(place), &mut chords)) * size[0] * size[1]
     });
     let mean = means.iter().sum::<f64>() / SHIFTS as f64;
     let scatter = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
     Volume { um3: mean, error_um3: (scatter / (SHIFTS * (SHIFTS - 1)) as f64).sqrt() }
+}
+
+/// Mean of a function of the unit square over the rank-1 lattice moved by `shift`.
+#[inline]
+fn lattice_mean(shift: [f64; 2], mut f: impl FnMut([f64; 2]) -> f64) -> f64 {
+    let value = |k: usize| {
+        let u = (k as f64 / POINTS as f64 + shift[0]).fract();
+        let v = ((k * GENERATOR % POINTS) as f64 / POINTS as f64 + shift[1]).fract();
+        f([u, v])
+    };
+    (0..POINTS).map(value).sum::<f64>() / POINTS as f64
 }
 
 /// Length of the vertical line through (x, y) inside the union.

@@ -119,6 +119,13 @@ impl<'a> Bodies<'a> {
         self.bodies[b].parts.iter().map(move |p| self.rotation[b].turn(p.axis))
     }
 
+    /// Sphere s of body b in the image of the cell that takes `lead` to `inside`.
+    fn image(&self, b: usize, s: usize, lead: V3, inside: V3) -> Sphere {
+        let p = add(self.centre[b], self.arm[s]);
+        let shifted = |a: usize| if inside[a] == lead[a] { p[a] } else { p[a] + (inside[a] - lead[a]) };
+        Sphere { center_um: std::array::from_fn(shifted), radius_um: self.radius[s] }
+    }
+
     /// The grains of the bodies in `keep`, coordinates contiguous.
     pub fn grains(&self) -> Vec<Grain> {
         let mut agglomerates = 0;
@@ -130,15 +137,9 @@ impl<'a> Bodies<'a> {
                 let range = self.first[b] + part.spheres.start..self.first[b] + part.spheres.end;
                 let lead = add(self.centre[b], self.arm[range.start]);
                 let inside = self.cell.wrap(lead);
-                let sphere = |s: usize| {
-                    let p = add(self.centre[b], self.arm[s]);
-                    let shifted =
-                        |a: usize| if inside[a] == lead[a] { p[a] } else { p[a] + (inside[a] - lead[a]) };
-                    Sphere { center_um: std::array::from_fn(shifted), radius_um: self.radius[s] }
-                };
                 let axis = if part.spheres.len() == 1 { part.axis } else { self.rotation[b].turn(part.axis) };
                 let volume_um3 = part.volume_um3;
-                let spheres = range.map(sphere).collect();
+                let spheres = range.map(|s| self.image(b, s, lead, inside)).collect();
                 grains.push(Grain { spheres, pigment: body.pigment, axis, agglomerate, volume_um3 });
             }
         }

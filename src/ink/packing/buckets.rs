@@ -55,21 +55,20 @@ pub(crate) fn grid_count(cell: &Cell, reach: f64, points: usize) -> [usize; 3] {
     std::array::from_fn(|a| (cell.size[a] / wide).floor().clamp(1.0, most) as usize)
 }
 
+/// Indices next to `place` along an axis of `count` cells, itself included, ascending and without repetition.
+fn along(place: usize, count: usize, periodic: bool) -> Vec<usize> {
+    let n = count as isize;
+    let near = (-1..=1).map(|step| place as isize + step).filter(|i| periodic || (0..n).contains(i));
+    let mut found: Vec<usize> = near.map(|i| i.rem_euclid(n) as usize).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
 /// The cells that touch cell `c`, itself included, without repetition, in a fixed order.
 pub(crate) fn neighbours(c: usize, count: [usize; 3], cell: &Cell) -> Vec<u32> {
     let place = [c % count[0], c / count[0] % count[1], c / (count[0] * count[1])];
-    let along = |a: usize| -> Vec<usize> {
-        let n = count[a] as isize;
-        let mut found: Vec<usize> = (-1..=1)
-            .map(|step| place[a] as isize + step)
-            .filter(|i| cell.periodic(a) || (0..n).contains(i))
-            .map(|i| i.rem_euclid(n) as usize)
-            .collect();
-        found.sort_unstable();
-        found.dedup();
-        found
-    };
-    let (xs, ys, zs) = (along(0), along(1), along(2));
+    let [xs, ys, zs] = [0, 1, 2].map(|a| along(place[a], count[a], cell.periodic(a)));
     let mut all = Vec::with_capacity(27);
     for z in &zs {
         for y in &ys {

@@ -88,11 +88,9 @@ fn image_gap(a: &Sphere, b: &Sphere, period: [f64; 2], thickness: f64, walls: bo
 
 fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<Entry> {
     let spheres = grains.iter().enumerate().flat_map(|(grain, g)| g.spheres.iter().map(move |s| (grain, *s)));
-    let entry = |(grain, sphere): (usize, Sphere)| Entry {
-        x: sphere.center_um[0].rem_euclid(period[0]),
-        y: sphere.center_um[1].rem_euclid(period[1]),
-        grain,
-        sphere,
+    let entry = |(grain, sphere): (usize, Sphere)| {
+        let [x, y] = [0, 1].map(|i| sphere.center_um[i].rem_euclid(period[i]));
+        Entry { x, y, grain, sphere }
     };
     let mut entries: Vec<Entry> = spheres.map(entry).collect();
     entries.sort_by(|a, b| a.x.total_cmp(&b.x));

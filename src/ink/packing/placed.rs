@@ -33,6 +33,17 @@ pub struct Share {
     pub size_factor: f64,
 }
 
+impl Share {
+    /// The share that given grains have: what they fill counts as asked for.
+    fn of_given(grains: &[Grain], pigment: usize, box_um3: f64) -> Self {
+        let own = grains.iter().filter(|g| g.pigment == pigment);
+        let fraction = own.clone().map(|g| g.volume_um3).sum::<f64>() / box_um3;
+        let (requested_fraction, achieved_fraction) = (fraction, fraction);
+        let grains = own.count();
+        Self { requested_fraction, achieved_fraction, fraction_error: 0.0, grains, size_factor: 1.0 }
+    }
+}
+
 /// How a packing was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Account {
@@ -99,14 +110,7 @@ impl Packing {
     ) -> Result<Self, PackError> {
         let kinds = grains.iter().map(|g| g.pigment + 1).max().unwrap_or(0);
         let box_um3 = period_um[0] * period_um[1] * thickness_um;
-        let share = |pigment: usize| {
-            let own = grains.iter().filter(|g| g.pigment == pigment);
-            let fraction = own.clone().map(|g| g.volume_um3).sum::<f64>() / box_um3;
-            let (requested_fraction, achieved_fraction) = (fraction, fraction);
-            let grains = own.count();
-            Share { requested_fraction, achieved_fraction, fraction_error: 0.0, grains, size_factor: 1.0 }
-        };
-        let shares = (0..kinds).map(share).collect();
+        let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
         let account = Account::new(Method::Given, 0, 0);
         Self::proven(period_um, thickness_um, walls, grains, shares, account)
     }

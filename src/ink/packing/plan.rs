@@ -11,7 +11,7 @@ use crate::ink::grains::shape::Template;
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::relief;
 use crate::numerics::Draws;
-use crate::numerics::vector::{V3, norm, scale};
+use crate::numerics::vector::{V3, dot, norm, scale};
 use std::ops::Range;
 
 /// A rigid body in its own frame: one grain, or the grains of one agglomerate.
@@ -123,23 +123,31 @@ fn reach(spheres: &[Sphere]) -> f64 {
     spheres.iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
 }
 
+/// Directions that are tried for the smallest extent.
+const DIRECTIONS: usize = 400;
+
 /// The smallest extent among the directions of a fine half sphere: what a wall can ask for.
 fn thinnest(spheres: &[Sphere]) -> f64 {
-    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    let directions = (0..400).map(|i| {
-        let z = (i as f64 + 0.5) / 400.0;
-        let (s, c) = (golden * i as f64).sin_cos();
-        let planar = (1.0 - z * z).sqrt();
-        [planar * c, planar * s, z]
-    });
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let extent = |n: V3| {
-        let end = |sign: f64| {
-            spheres.iter().map(move |s| sign * crate::numerics::vector::dot(s.center_um, n) + s.radius_um)
-        };
-        end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max)
-    };
-    directions.chain(axes).map(extent).fold(f64::MAX, f64::min)
+    let directions = (0..DIRECTIONS).map(direction).chain(axes);
+    directions.map(|n| extent(spheres, n)).fold(f64::MAX, f64::min)
+}
+
+/// Unit vector i of a golden spiral over the half sphere z > 0.
+#[inline]
+fn direction(i: usize) -> V3 {
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let z = (i as f64 + 0.5) / DIRECTIONS as f64;
+    let (s, c) = (golden * i as f64).sin_cos();
+    let planar = (1.0 - z * z).sqrt();
+    [planar * c, planar * s, z]
+}
+
+/// Extent of a union of spheres along the unit vector n.
+#[inline]
+fn extent(spheres: &[Sphere], n: V3) -> f64 {
+    let end = |sign: f64| spheres.iter().map(move |s| sign * dot(s.center_um, n) + s.radius_um);
+    end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max)
 }
 
 fn grain(template: &Template, radius: f64) -> Body {

@@ -64,13 +64,17 @@ pub(crate) fn is_free(bodies: &Bodies, grid: &Buckets, b: usize) -> bool {
     if bodies.cell.walls && !between_walls(&bodies.cell, bodies.centre[b], bodies.span_z(b)) {
         return false;
     }
-    range.into_iter().all(|s| {
-        let (p, r) = (bodies.at[s], bodies.radius[s]);
-        grid.around(grid.cell_of(p)).all(|t| {
-            let d = bodies.cell.delta(p, bodies.at[t]);
-            let reach = (r + bodies.radius[t]) * (1.0 + MARGIN);
-            dot(d, d) >= reach * reach || bodies.owner[t] == b as u32
-        })
+    range.into_iter().all(|s| is_free_sphere(bodies, grid, b, s))
+}
+
+/// True when sphere s of body b overlaps no sphere of another body in the grid.
+#[inline]
+fn is_free_sphere(bodies: &Bodies, grid: &Buckets, b: usize, s: usize) -> bool {
+    let (p, r) = (bodies.at[s], bodies.radius[s]);
+    grid.around(grid.cell_of(p)).all(|t| {
+        let d = bodies.cell.delta(p, bodies.at[t]);
+        let reach = (r + bodies.radius[t]) * (1.0 + MARGIN);
+        dot(d, d) >= reach * reach || bodies.owner[t] == b as u32
     })
 }
 

@@ -195,19 +195,20 @@ fn tensors(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
     }
 }
 
-/// Grains nearer to a wall than a hundredth of their thickest radius count as touching it.
+/// Grains per µm² with a sphere nearer than a hundredth of its radius to the wall z = 0 (`top`) or z = H.
+fn touching(packing: &Packing, top: bool) -> f64 {
+    let near = |s: &crate::ink::Sphere| {
+        let z = if top { s.center_um[2] } else { packing.thickness_um() - s.center_um[2] };
+        z < 1.01 * s.radius_um
+    };
+    let touches = packing.grains().iter().filter(|g| g.spheres.iter().any(near)).count();
+    touches as f64 / (packing.period_um()[0] * packing.period_um()[1])
+}
+
 fn walls(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
     if !packings[0].walls() {
         return;
     }
-    let touching = |p: &Packing, top: bool| {
-        let near = |s: &crate::ink::Sphere| {
-            let z = if top { s.center_um[2] } else { p.thickness_um() - s.center_um[2] };
-            z < 1.01 * s.radius_um
-        };
-        let touches = p.grains().iter().filter(|g| g.spheres.iter().any(near)).count();
-        touches as f64 / (p.period_um()[0] * p.period_um()[1])
-    };
     put("grains touching the wall z = 0", "1/µm²", packings.iter().map(|p| touching(p, true)).collect());
     put("grains touching the wall z = H", "1/µm²", packings.iter().map(|p| touching(p, false)).collect());
 }

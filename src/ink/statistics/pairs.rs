@@ -98,15 +98,17 @@ fn ideal_share(packing: &Packing, edges: &[f64]) -> Vec<f64> {
     let thickest = |g: &crate::ink::Grain| g.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
     let margin = packing.grains().iter().map(thickest).fold(f64::MAX, f64::min);
     let w = packing.thickness_um() - 2.0 * margin;
-    let within = |r: f64| {
-        if w <= 1e-9 * packing.thickness_um() {
-            return PI * r * r / area;
-        }
-        let m = r.min(w);
-        let integral = w * (r * r * m - m.powi(3) / 3.0) - (0.5 * r * r * m * m - 0.25 * m.powi(4));
-        2.0 * PI / (area * w * w) * integral
-    };
-    edges.iter().map(|r| within(*r)).collect()
+    if w <= 1e-9 * packing.thickness_um() {
+        return edges.iter().map(|r| PI * r * r / area).collect();
+    }
+    edges.iter().map(|r| share_between_walls(*r, w, area)).collect()
+}
+
+/// ∫₀^min(r,w) 2(w − u)/w² · π(r² − u²)/A du.
+fn share_between_walls(r: f64, w: f64, area: f64) -> f64 {
+    let m = r.min(w);
+    let integral = w * (r * r * m - m.powi(3) / 3.0) - (0.5 * r * r * m * m - 0.25 * m.powi(4));
+    2.0 * PI / (area * w * w) * integral
 }
 
 #[cfg(test)]

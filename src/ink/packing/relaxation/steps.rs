@@ -61,14 +61,17 @@ impl Relaxation<'_, '_> {
 
     /// Pigments whose order still falls short of what their field asks for.
     fn aligning(&self, ramp: f64) -> Vec<bool> {
-        let falls_short = |(pigment, field): (usize, &Option<Field>)| {
-            let Some(field) = field.filter(|f| ramp > 0.0 && f.kappa != 0.0) else { return false };
-            let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
-            let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
-            let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));
-            n > 0.0 && field.wants_more(sum / n)
-        };
-        self.plan.fields.iter().enumerate().map(falls_short).collect()
+        let active = |field: &Field| ramp > 0.0 && field.kappa != 0.0;
+        let fields = self.plan.fields.iter().map(|field| field.filter(active)).enumerate();
+        fields.map(|(k, field)| field.is_some_and(|field| self.falls_short(k, field))).collect()
+    }
+
+    /// True when the mean square cosine of a pigment's axes to its field is below what the field asks for.
+    fn falls_short(&self, pigment: usize, field: Field) -> bool {
+        let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
+        let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
+        let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));
+        n > 0.0 && field.wants_more(sum / n)
     }
 
     /// The turn that the aligning field adds to a step.
