@@ -64,12 +64,11 @@ impl Lattice {
             let [x, y] = self.direction(*place);
             (x - direction[0]).hypot(y - direction[1])
         };
-        let inside = |place: &Place| {
-            *place != (0, 0) && {
-                let [x, y] = self.direction(*place);
-                x.hypot(y) < reach
-            }
+        let cosine = |place: &Place| {
+            let [x, y] = self.direction(*place);
+            x.hypot(y)
         };
+        let inside = |place: &Place| *place != (0, 0) && cosine(place) < reach;
         let best = around.filter(inside).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         best.unwrap_or((nearest(0), nearest(1)))
     }

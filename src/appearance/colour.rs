@@ -144,20 +144,7 @@ impl Colour {
     /// Root mean square of ΔE₀₀ that this colour's uncertainty alone would show: √tr(M C), with M the local metric of ΔE₀₀.
     pub fn delta_e_2000_noise(&self) -> Option<f64> {
         let covariance = self.lab_covariance?;
-        let square = |by: [f64; 3]| {
-            let moved: [f64; 3] = std::array::from_fn(|i| self.lab[i] + METRIC_STEP * by[i]);
-            (ciede2000(self.lab, moved) / METRIC_STEP).powi(2)
-        };
-        let unit = |i: usize| std::array::from_fn::<f64, 3, _>(|k| if k == i { 1.0 } else { 0.0 });
-        let pair = |i: usize, j: usize| std::array::from_fn::<f64, 3, _>(|k| unit(i)[k] + unit(j)[k]);
-        let metric = |i: usize, j: usize| {
-            if i == j {
-                square(unit(i))
-            } else {
-                (square(pair(i, j)) - square(unit(i)) - square(unit(j))) / 2.0
-            }
-        };
-        let trace: f64 = (0..9).map(|k| metric(k / 3, k % 3) * covariance[k / 3][k % 3]).sum();
+        let trace: f64 = (0..9).map(|k| metric(self.lab, k / 3, k % 3) * covariance[k / 3][k % 3]).sum();
         Some(trace.max(0.0).sqrt())
     }
 
@@ -223,19 +210,39 @@ fn quadratic_form(c: &[[f64; 3]; 3], g: [f64; 3]) -> f64 {
 
 /// Step of the metric of ΔE₀₀, Lab units.
 const METRIC_STEP: f64 = 1e-2;
+
+/// Component (i, j) of the local metric of ΔE₀₀ at `lab`, by polarisation of its quadratic form.
+fn metric(lab: [f64; 3], i: usize, j: usize) -> f64 {
+    let unit = |i: usize| std::array::from_fn::<f64, 3, _>(|k| if k == i { 1.0 } else { 0.0 });
+    if i == j {
+        return quadratic_metric(lab, unit(i));
+    }
+    let pair = std::array::from_fn(|k| unit(i)[k] + unit(j)[k]);
+    (quadratic_metric(lab, pair) - quadratic_metric(lab, unit(i)) - quadratic_metric(lab, unit(j))) / 2.0
+}
+
+/// Quadratic form of the metric at `lab`: (ΔE₀₀/h)² of a displacement by h times `by`.
+fn quadratic_metric(lab: [f64; 3], by: [f64; 3]) -> f64 {
+    let moved: [f64; 3] = std::array::from_fn(|i| lab[i] + METRIC_STEP * by[i]);
+    (ciede2000(lab, moved) / METRIC_STEP).powi(2)
+}
+
 /// Step of the numerical gradients, Lab units.
 const STEP: f64 = 1e-3;
 
 /// Central differences.
 fn gradient(f: &impl Fn([f64; 3]) -> f64, at: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| {
-        let shifted = |by: f64| {
-            let mut p = at;
-            p[i] += by;
-            f(p)
-        };
-        (shifted(STEP) - shifted(-STEP)) / (2.0 * STEP)
-    })
+    std::array::from_fn(|i| derivative(f, at, i))
+}
+
+/// Central difference along component i.
+fn derivative(f: &impl Fn([f64; 3]) -> f64, at: [f64; 3], i: usize) -> f64 {
+    let shifted = |by: f64| {
+        let mut p = at;
+        p[i] += by;
+        f(p)
+    };
+    (shifted(STEP) - shifted(-STEP)) / (2.0 * STEP)
 }
 
 #[cfg(test)]

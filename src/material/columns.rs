@@ -152,11 +152,9 @@ fn row(
         // a decimal comma, where commas do not separate columns
         let text = if separator == b',' { cell.to_owned() } else { cell.replace(',', ".") };
         let number = (!text.is_empty()).then(|| text.parse()).transpose();
-        let no_number = |_| ColumnsError::NoNumber {
-            path: path.clone(),
-            line,
-            column: column.clone(),
-            found: cell.to_owned(),
+        let no_number = |_| {
+            let (path, column, found) = (path.clone(), column.clone(), cell.to_owned());
+            ColumnsError::NoNumber { path, line, column, found }
         };
         numbers.push(number.map_err(no_number)?);
     }
