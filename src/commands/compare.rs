@@ -5,6 +5,8 @@ use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
 use inkwave::compare::experiment::{CompareError, ComparisonFile, Plan};
+use inkwave::compare::matrix::Cell;
+use inkwave::compare::pages::Row;
 use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
@@ -36,26 +38,14 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let mut stop = Stop(super::stop::StopFlag::listen());
-    let told = |cell: &inkwave::compare::matrix::Cell| {
-        let (n, kappa, period, outcome) = (cell.n, cell.kappa, cell.period_um, &cell.outcome);
-        let cost = format!("{} applications, {:.2} s", cell.operator_applications, cell.seconds);
-        note(format_args!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy));
-    };
-    let matrix = file.run_matrix(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty());
+    let matrix = file.run_matrix(&registry, &mut stop, tell_cell).inspect_err(|_| output.discard_when_empty());
     if let Some(matrix) = matrix.map_err(report)? {
         matrix.write(output.path()).into_diagnostic()?;
         say(format_args!("Comparison: {}", output.path().join("matrix.html").display()))?;
         return ended(matrix.cells.len(), matrix.asked);
     }
-    let told = |row: &inkwave::compare::pages::Row| {
-        let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
-        note(format_args!(
-            "{:16} {:?} {} × {} × {}: {error}, {} applications, {:.2} s",
-            row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
-        ));
-    };
     let comparison =
-        file.run(&registry, &mut stop, told).inspect_err(|_| output.discard_when_empty()).map_err(report)?;
+        file.run(&registry, &mut stop, tell_row).inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     ended(comparison.rows.len(), comparison.asked)?;
@@ -64,6 +54,22 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let reason = comparison.rows.first().map_or("no rows", |row| row.outcome.as_str());
     Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
+}
+
+/// One finished solve of a matrix: index, period, strategy, cost and outcome.
+fn tell_cell(cell: &Cell) {
+    let (n, kappa, period, outcome) = (cell.n, cell.kappa, cell.period_um, &cell.outcome);
+    let cost = format!("{} applications, {:.2} s", cell.operator_applications, cell.seconds);
+    note(format_args!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy));
+}
+
+/// One finished row of a comparison: strategy, grid, error and cost.
+fn tell_row(row: &Row) {
+    let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
+    note(format_args!(
+        "{:16} {:?} {} × {} × {}: {error}, {} applications, {:.2} s",
+        row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
+    ));
 }
 
 /// Nobody shall wait for the effect of a key that has none.

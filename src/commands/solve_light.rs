@@ -77,13 +77,10 @@ impl LightArgs {
         let Some(side) = self.illuminated_um else { return Ok(()) };
         let [polar, azimuth] = [(90.0, true), (360.0, false)].map(|(end, closed)| self.angles(end, closed));
         let mut first_zero_deg = f64::INFINITY;
-        let mut side_of = |lobe: Lobe| match FiniteArea::new(far, media, lobe, side) {
-            Ok(lit) => {
-                first_zero_deg = first_zero_deg.min(lit.first_zero_deg());
-                lobes(&lit, &polar, &azimuth)
-            }
-            Err(FiniteAreaError::Absorber { .. }) => Ok(Value::Null),
-            Err(error) => Err(error),
+        let mut side_of = |lobe: Lobe| -> Result<Value, FiniteAreaError> {
+            let Some(lit) = lit_square(far, media, lobe, side)? else { return Ok(Value::Null) };
+            first_zero_deg = first_zero_deg.min(lit.first_zero_deg());
+            lobes(&lit, &polar, &azimuth)
         };
         report["finite_area"] = json!({
             "side_um": side,
@@ -121,6 +118,19 @@ impl LightArgs {
         // Rounding of the step must not add or lose the last direction.
         let slack = if closed { 1e-9 } else { -1e-9 };
         angles.take_while(|a| *a < end + slack).map(|a| a.min(end)).collect()
+    }
+}
+
+/// The lit square seen from one side; `None` where that half-space absorbs.
+fn lit_square(
+    far: &FarField,
+    media: &Media,
+    lobe: Lobe,
+    side: f64,
+) -> Result<Option<FiniteArea>, FiniteAreaError> {
+    match FiniteArea::new(far, media, lobe, side) {
+        Err(FiniteAreaError::Absorber { .. }) => Ok(None),
+        lit => lit.map(Some),
     }
 }
 

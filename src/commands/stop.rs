@@ -17,13 +17,7 @@ impl StopFlag {
     pub fn listen() -> Self {
         let flag = Self::default();
         let raised = flag.0.clone();
-        let listening = ctrlc::set_handler(move || {
-            if raised.swap(true, Ordering::SeqCst) {
-                std::process::exit(INTERRUPTED);
-            }
-            note(format_args!("\nStopping after the present step; once more to end at once."));
-        });
-        if let Err(error) = listening {
+        if let Err(error) = ctrlc::set_handler(move || interrupt(&raised)) {
             note(format_args!("Ctrl-C will end the program at once ({error})."));
         }
         flag
@@ -32,4 +26,12 @@ impl StopFlag {
     pub fn is_raised(&self) -> bool {
         self.0.load(Ordering::SeqCst)
     }
+}
+
+/// Raises the flag; ends the program where it is raised already.
+fn interrupt(raised: &AtomicBool) {
+    if raised.swap(true, Ordering::SeqCst) {
+        std::process::exit(INTERRUPTED);
+    }
+    note(format_args!("\nStopping after the present step; once more to end at once."));
 }

@@ -116,11 +116,12 @@ impl ComparisonFile {
         let grids = self.schemes.iter().flat_map(|&scheme| on(scheme));
         let tasks: Vec<_> = grids.flat_map(|grid| strategies.iter().map(move |s| (grid, s))).collect();
         let mut rows = Vec::new();
-        let end = tasks.iter().try_for_each(|(grid, (name, solver))| {
-            let row = self.row((name, &**solver), *grid, case, &coverages, &truth, watch)?;
+        let mut keep = |row: Row| {
             told(&row);
             rows.push(row);
-            Ok(())
+        };
+        let end = tasks.iter().try_for_each(|(grid, (name, solver))| {
+            self.row((name, &**solver), *grid, case, &coverages, &truth, watch).map(&mut keep)
         });
         let (rows, asked) = (kept(rows, end)?, tasks.len());
         Ok(Comparison { title: self.title.clone(), reference, registry: names_of(registry), asked, rows })

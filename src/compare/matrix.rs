@@ -158,19 +158,32 @@ impl MatrixTable {
     ) -> Result<Vec<Cell>, CompareError> {
         self.check()?;
         let mut cells = Vec::new();
+        let mut keep = |cell: Cell| {
+            told(&cell);
+            cells.push(cell);
+        };
         let with = |&period_um| self.pigments.iter().map(move |&pigment| (period_um, pigment));
-        let end = self.periods_um.iter().flat_map(with).try_for_each(|(period_um, pigment)| {
-            let case = packed.varied(period_um, pigment)?.case()?;
-            let reference = self.reference(&case, watch)?;
-            strategies.iter().try_for_each(|(name, solver)| {
-                let strategy = (name.as_ref(), &**solver);
-                let cell = self.cell(strategy, pigment, period_um, &reference, watch)?;
-                told(&cell);
-                cells.push(cell);
-                Ok(())
-            })
-        });
+        let mut cases = self.periods_um.iter().flat_map(with);
+        let end = cases.try_for_each(|varied| self.run_case(packed, strategies, varied, watch, &mut keep));
         kept(cells, end)
+    }
+
+    /// Solves the case of one period and pigment with every strategy; `keep` takes each finished one.
+    fn run_case(
+        &self,
+        packed: &Packed,
+        strategies: &[(impl AsRef<str>, Box<dyn Solver>)],
+        (period_um, pigment): (f64, [f64; 2]),
+        watch: &mut dyn Watch,
+        keep: &mut dyn FnMut(Cell),
+    ) -> Result<(), CompareError> {
+        let case = packed.varied(period_um, pigment)?.case()?;
+        let reference = self.reference(&case, watch)?;
+        for (name, solver) in strategies {
+            let strategy = (name.as_ref(), &**solver);
+            keep(self.cell(strategy, pigment, period_um, &reference, watch)?);
+        }
+        Ok(())
     }
 
     fn goal(&self) -> Goal {

@@ -70,18 +70,21 @@ impl Matrix {
         shown.map(|(k, plot)| (format!("applications-{}.svg", k + 1), plot)).collect()
     }
 
-    /// Colour and marker of a strategy are the same in every plot.
+    /// Operator applications of every strategy on a pigment against the period.
     fn plot(&self, pigment: [f64; 2]) -> LogPlot {
-        let of = |name: &String| {
-            let own = self.cells.iter().filter(|c| [c.n, c.kappa] == pigment && &c.strategy == name);
-            let points = own.filter(|c| c.converged() && c.operator_applications > 0);
-            let costs = points.map(|c| (c.period_um, c.operator_applications as f64));
-            let place = place_in(&self.registry, name);
-            Curve::new(name.clone(), Style::Data, costs).looking(place, place)
-        };
-        let curves = self.strategies.iter().map(of).filter(|c| !c.points.is_empty()).collect();
+        let curves = self.strategies.iter().map(|name| self.curve(pigment, name));
+        let curves = curves.filter(|c| !c.points.is_empty()).collect();
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
         LogPlot::log_log(&title, "period, µm", "operator applications", curves)
+    }
+
+    /// Operator applications of one strategy; its colour and marker are the same in every plot.
+    fn curve(&self, pigment: [f64; 2], strategy: &str) -> Curve {
+        let own = self.cells.iter().filter(|c| [c.n, c.kappa] == pigment && c.strategy == strategy);
+        let points = own.filter(|c| c.converged() && c.operator_applications > 0);
+        let costs = points.map(|c| (c.period_um, c.operator_applications as f64));
+        let place = place_in(&self.registry, strategy);
+        Curve::new(strategy.to_owned(), Style::Data, costs).looking(place, place)
     }
 
     fn markdown(&self, pictures: &[(String, String, String)]) -> String {

@@ -4,9 +4,12 @@ use super::OutputError;
 use super::curve_plot::{Frame, bitmap, framed};
 use super::raster::{BACKGROUND, BINDER, Camera, Raster, mix, pigment_colour, shade};
 use crate::ink::{Packing, Shape, Sphere};
+use plotters::coord::Shift;
 use plotters::prelude::*;
 
 const WIDE: f64 = 860.0;
+/// Pixels along the side of a grain's picture on a sheet of shapes.
+const TILE: usize = 300;
 
 /// The layer seen along +z (from the light): pigment dimmed with its depth below the binder's surface.
 pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
@@ -51,20 +54,24 @@ fn paint_top(packing: &Packing, w: usize, h: usize) -> Raster {
 
 /// Spheres and those periodic images that reach into the cell.
 fn images(packing: &Packing) -> impl Iterator<Item = (Sphere, usize)> + '_ {
-    let [lx, ly] = packing.period_um();
+    let period_um = packing.period_um();
+    let spheres = packing.grains().iter().flat_map(|g| g.spheres.iter().map(move |s| (*s, g.pigment)));
+    spheres.flat_map(move |(s, pigment)| images_of(s, period_um).map(move |image| (image, pigment)))
+}
+
+/// Those of a sphere's nine nearest periodic images, itself among them, that reach into the cell.
+fn images_of(sphere: Sphere, [lx, ly]: [f64; 2]) -> impl Iterator<Item = Sphere> {
+    let [x, y, z] = sphere.center_um;
     let shifts = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (f64::from(i), f64::from(j))));
-    let reaches = |c: f64, r: f64, l: f64| c + r > 0.0 && c - r < l;
-    packing.grains().iter().flat_map(|g| g.spheres.iter().map(move |s| (*s, g.pigment))).flat_map(
-        move |(s, p)| {
-            shifts.clone().filter_map(move |(i, j)| {
-                let [x, y, z] = s.center_um;
-                let moved = Sphere { center_um: [x + i * lx, y + j * ly, z], ..s };
-                let inside = reaches(moved.center_um[0], s.radius_um, lx)
-                    && reaches(moved.center_um[1], s.radius_um, ly);
-                inside.then_some((moved, p))
-            })
-        },
-    )
+    let moved = move |(i, j)| Sphere { center_um: [x + i * lx, y + j * ly, z], ..sphere };
+    shifts.map(moved).filter(move |image| reaches_into(image, [lx, ly]))
+}
+
+/// True where a sphere reaches into a cell with these sides.
+fn reaches_into(sphere: &Sphere, [lx, ly]: [f64; 2]) -> bool {
+    let ([x, y, _], r) = (sphere.center_um, sphere.radius_um);
+    let reaches = |c: f64, l: f64| c + r > 0.0 && c - r < l;
+    reaches(x, lx) && reaches(y, ly)
 }
 
 /// The plane y = Ly/2: pigment, binder and vacuum above the binder; z grows downwards to the paper.
@@ -116,19 +123,35 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
 
 /// The cell from above and aside, with its edges; the free face z = 0 is up.
 pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+    let (w, h) = (1200u32, 760u32);
+    bitmap(w, h + 40, "perspective", |area| draw_perspective(&area, packing, (w, h)))
+}
+
+/// What pictures are drawn on.
+type Canvas<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
+
+/// The perspective picture of `size` pixels beneath its caption.
+fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Result<(), String> {
     let [lx, ly] = packing.period_um();
     let caption =
         format!("One period, {lx:.3} × {ly:.3} × {:.3} µm (x × y × thickness)", packing.thickness_um());
-    let (w, h) = (1200u32, 760u32);
-    bitmap(w, h + 40, "perspective", |area| {
-        let raster = paint_perspective(packing, 2 * w as usize, 2 * h as usize).halved();
-        let style = ("sans-serif", 20).into_font();
-        area.fill(&WHITE).map_err(|e| e.to_string())?;
-        area.draw(&Text::new(caption, (20, 12), style)).map_err(|e| e.to_string())?;
-        let bits = BitMapElement::with_owned_buffer((0, 40), (w, h), raster.rgb());
-        bits.map_or(Ok(()), |b| area.draw(&b)).map_err(|e| e.to_string())?;
-        area.present().map_err(|e| e.to_string())
-    })
+    let raster = paint_perspective(packing, 2 * size.0 as usize, 2 * size.1 as usize).halved();
+    canvas.fill(&WHITE).map_err(|e| e.to_string())?;
+    write_line(canvas, caption, (20, 12), 20)?;
+    place(canvas, &raster, (0, 40), size)?;
+    canvas.present().map_err(|e| e.to_string())
+}
+
+/// Writes a line with its upper left corner at `at`, its letters `height` pixels high.
+fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> Result<(), String> {
+    let text = Text::new(line, at, ("sans-serif", height).into_font());
+    canvas.draw(&text).map_err(|e| e.to_string())
+}
+
+/// Puts a picture with its upper left corner at `at`.
+fn place(canvas: &Canvas, raster: &Raster, at: (i32, i32), size: (u32, u32)) -> Result<(), String> {
+    let bits = BitMapElement::with_owned_buffer(at, size, raster.rgb());
+    bits.map_or(Ok(()), |b| canvas.draw(&b)).map_err(|e| e.to_string())
 }
 
 fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
@@ -156,29 +179,27 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
 
 /// Each pigment's grain side by side, at one scale, with its name and figures.
 pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
-    const TILE: usize = 300;
     let n = shapes.len().max(1);
     bitmap((n * TILE) as u32, 400, "sheet of shapes", |area| {
         area.fill(&WHITE).map_err(|e| e.to_string())?;
-        for (k, (name, shape)) in shapes.iter().enumerate() {
-            let template = shape.template();
-            let raster = paint_shape(&template.spheres, k, 2 * TILE).halved();
-            let left = (k * TILE) as i32;
-            let bits = BitMapElement::with_owned_buffer((left, 0), (TILE as u32, TILE as u32), raster.rgb());
-            bits.map_or(Ok(()), |b| area.draw(&b)).map_err(|e| e.to_string())?;
-            let lines = [
-                format!("{name}: {}, {} sphere(s)", shape.name(), template.spheres.len()),
-                format!("length {:.2} R", template.length),
-                format!("effective diameter {:.3} R", template.effective_diameter()),
-            ];
-            for (row, line) in lines.into_iter().enumerate() {
-                let at = (left + 12, (TILE + 26 * row) as i32);
-                let text = Text::new(line, at, ("sans-serif", 16).into_font());
-                area.draw(&text).map_err(|e| e.to_string())?;
-            }
-        }
+        shapes.iter().enumerate().try_for_each(|(k, shape)| draw_shape(&area, k, shape))?;
         area.present().map_err(|e| e.to_string())
     })
+}
+
+/// The grain of pigment `k` in its place on the sheet, with its name and figures beneath.
+fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Result<(), String> {
+    let template = shape.template();
+    let raster = paint_shape(&template.spheres, k, 2 * TILE).halved();
+    let left = (k * TILE) as i32;
+    place(canvas, &raster, (left, 0), (TILE as u32, TILE as u32))?;
+    let lines = [
+        format!("{name}: {}, {} sphere(s)", shape.name(), template.spheres.len()),
+        format!("length {:.2} R", template.length),
+        format!("effective diameter {:.3} R", template.effective_diameter()),
+    ];
+    let at = |row: usize| (left + 12, (TILE + 26 * row) as i32);
+    lines.into_iter().enumerate().try_for_each(|(row, line)| write_line(canvas, line, at(row), 16))
 }
 
 fn paint_shape(spheres: &[Sphere], colour: usize, side: usize) -> Raster {

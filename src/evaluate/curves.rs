@@ -1,12 +1,13 @@
 //! What all solves of an ensemble say together: curves over the angles, fitted to the difference from the coherent film.
 
-use super::films::Films;
+use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Total, film_totals};
 use super::on_paper::{
     AZIMUTHAL, Anchors, BENDS, DIFFUSE, SYMMETRIC, anchor_shares, azimuthal, diffuse_functions, symmetric,
 };
 use super::regression::{Fits, Normal, Sums};
-use super::samples::SolvedRealisation;
+use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::wavelengths::SpectralBasis;
 
 /// Differences at 0° and 45° from a source of them.
 pub(super) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
@@ -42,26 +43,39 @@ pub(super) fn curves(
     solved: &[SolvedRealisation],
     films: &Films,
 ) -> Fits {
-    let part = |(r, realisation): (usize, &SolvedRealisation)| {
-        let mut normal = Normal::new(layer.basis.len() * BENDS, 3);
-        for (j, at) in realisation.wavelengths.iter().enumerate() {
-            let film = films.of_thickness(at.wavelength_nm, realisation.thickness_um);
-            let own = anchors(anchored, |angle, total| layer.measured(r, j, layer.column(angle, total)));
-            let mut sums = Sums::new(BENDS, 3);
-            for s in &at.strata {
-                let (between, bends) = anchor_shares(s.polar_deg.to_radians().cos());
-                let [film_r, _, film_t, ..] = film_totals(&film, s.polar_deg);
-                let values =
-                    [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
-                let rest: [f64; 3] =
-                    std::array::from_fn(|q| values[q] - between[0] * own[0][q] - between[1] * own[1][q]);
-                sums.add(&bends, &rest);
-            }
-            normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
-        }
-        normal
-    };
-    Fits::new(&solved.iter().enumerate().map(part).collect::<Vec<_>>(), &layer.basis, BENDS)
+    let parts = solved.iter().enumerate();
+    let parts: Vec<Normal> = parts.map(|part| normal_of_curves(layer, anchored, part, films)).collect();
+    Fits::new(&parts, &layer.basis, BENDS)
+}
+
+/// Normal equations of the curves from realisation number `r`.
+fn normal_of_curves(
+    layer: &LayerEnsemble,
+    anchored: [usize; 2],
+    (r, realisation): (usize, &SolvedRealisation),
+    films: &Films,
+) -> Normal {
+    let mut normal = Normal::new(layer.basis.len() * BENDS, 3);
+    for (j, at) in realisation.wavelengths.iter().enumerate() {
+        let film = films.of_thickness(at.wavelength_nm, realisation.thickness_um);
+        let own = anchors(anchored, |angle, total| layer.measured(r, j, layer.column(angle, total)));
+        normal.add(&layer.basis.shares(at.wavelength_nm), &sums_of_strata(&at.strata, &film, &own));
+    }
+    normal
+}
+
+/// Sums over the strata of one wavelength: the bends with the rest of R, T and specular R beyond film and anchors.
+fn sums_of_strata(strata: &[Solved], film: &FilmAt, own: &Anchors) -> Sums {
+    let mut sums = Sums::new(BENDS, 3);
+    for s in strata {
+        let (between, bends) = anchor_shares(s.polar_deg.to_radians().cos());
+        let [film_r, _, film_t, ..] = film_totals(film, s.polar_deg);
+        let values = [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
+        let rest: [f64; 3] =
+            std::array::from_fn(|q| values[q] - between[0] * own[0][q] - between[1] * own[1][q]);
+        sums.add(&bends, &rest);
+    }
+    sums
 }
 
 /// Functions of a sample: cosines of light and order, and sin θ_i sin θ_o cos Δφ.
@@ -87,19 +101,31 @@ fn diffuse<const N: usize>(
     solved: &[SolvedRealisation],
     functions: &Functions<N>,
 ) -> Fits {
-    let part = |realisation: &SolvedRealisation| {
-        let mut normal = Normal::new(layer.basis.len() * N, 1);
-        for at in &realisation.wavelengths {
-            let mut sums = Sums::new(N, 1);
-            for s in at.exact.iter().chain(&at.strata) {
-                let (sine, lit) = s.polar_deg.to_radians().sin_cos();
-                s.scattered.iter().for_each(|order| {
-                    sums.add(&functions(lit, order.cosine, sine * order.along), &[order.density])
-                });
-            }
-            normal.add(&layer.basis.shares(at.wavelength_nm), &sums);
+    let parts = solved.iter().map(|realisation| normal_of_orders(&layer.basis, realisation, functions));
+    Fits::new(&parts.collect::<Vec<_>>(), &layer.basis, N)
+}
+
+/// Normal equations of the diffuse BRDF from one realisation.
+fn normal_of_orders<const N: usize>(
+    basis: &SpectralBasis,
+    realisation: &SolvedRealisation,
+    functions: &Functions<N>,
+) -> Normal {
+    let mut normal = Normal::new(basis.len() * N, 1);
+    for at in &realisation.wavelengths {
+        normal.add(&basis.shares(at.wavelength_nm), &sums_of_orders(at, functions));
+    }
+    normal
+}
+
+/// Sums over the reflected orders of all solves from the incident side at one wavelength: the functions with the BRDF.
+fn sums_of_orders<const N: usize>(at: &SolvedWavelength, functions: &Functions<N>) -> Sums {
+    let mut sums = Sums::new(N, 1);
+    for s in at.exact.iter().chain(&at.strata) {
+        let (sine, lit) = s.polar_deg.to_radians().sin_cos();
+        for order in &s.scattered {
+            sums.add(&functions(lit, order.cosine, sine * order.along), &[order.density]);
         }
-        normal
-    };
-    Fits::new(&solved.iter().map(part).collect::<Vec<_>>(), &layer.basis, N)
+    }
+    sums
 }

@@ -25,14 +25,15 @@ impl Profile {
     /// η² of every slice: Σ φ η² of the inclusions, and the background's for the rest.
     pub fn squared_indices(&self, background: Complex64, inclusions: &[Complex64]) -> Vec<Complex64> {
         let base = background * background;
-        let slice = |fractions: &Vec<f64>| {
-            fractions
-                .iter()
-                .zip(inclusions)
-                .fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
-        };
-        self.fractions.iter().map(slice).collect()
+        let slices = self.fractions.iter();
+        slices.map(|fractions| mean_squared_index(base, fractions, inclusions)).collect()
     }
+}
+
+/// η² of one slice with a background of η² = `base`.
+fn mean_squared_index(base: Complex64, fractions: &[f64], inclusions: &[Complex64]) -> Complex64 {
+    let each = fractions.iter().zip(inclusions);
+    each.fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
 }
 
 /// A stack of equal slices at one wavelength.

@@ -159,14 +159,9 @@ impl Question<'_> {
     /// A measured spectrum beside the prediction.
     fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> Comparison {
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
-        let nm = self.ink.wavelengths_nm();
-        let row = |(i, estimate): (usize, Estimate)| {
-            let layer = &self.ink.layers()[i];
-            let moved = |by: Shift| self.factor(layer, by) - self.factor(layer, UNMOVED);
-            let predicted = self.uncertainty.widen_by(estimate, moved);
-            Some(ComparedRow { wavelength_nm: nm[i], measured: measured.at(nm[i])?, predicted })
-        };
-        let rows: Vec<ComparedRow> = predicted.estimates().into_iter().enumerate().filter_map(row).collect();
+        let predicted = predicted.estimates().into_iter().enumerate();
+        let rows: Vec<ComparedRow> =
+            predicted.filter_map(|(i, by_chance)| self.compared_row(measured, i, by_chance)).collect();
         let square: f64 = rows.iter().map(|r| (r.measured - r.predicted.value).powi(2)).sum();
         Comparison {
             source: measured.source.clone(),
@@ -175,6 +170,14 @@ impl Question<'_> {
             rms: (square / rows.len().max(1) as f64).sqrt(),
             rows,
         }
+    }
+
+    /// The wavelength number `i` of the spectra, if it lies inside the measurement; the prediction gets its shared errors.
+    fn compared_row(&self, measured: &MeasuredSpectrum, i: usize, by_chance: Estimate) -> Option<ComparedRow> {
+        let (layer, wavelength_nm) = (&self.ink.layers()[i], self.ink.wavelengths_nm()[i]);
+        let moved = |by: Shift| self.factor(layer, by) - self.factor(layer, UNMOVED);
+        let predicted = self.uncertainty.widen_by(by_chance, moved);
+        Some(ComparedRow { wavelength_nm, measured: measured.at(wavelength_nm)?, predicted })
     }
 
     /// ΔE₀₀ on the wavelengths that prediction and measurement share.

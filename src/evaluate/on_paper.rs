@@ -88,15 +88,17 @@ impl PolarAngle {
         }
         let mu = polar_deg.to_radians().cos();
         let (between, bends) = anchor_shares(mu);
-        let of_film = |film: &FilmAt| {
-            let [r, t] = film.reflectance_transmittance(polar_deg);
-            match film.returned() {
-                Cow::Borrowed(_) => [r, t, t],
-                Cow::Owned(back) => [r, t, back.reflectance_transmittance(polar_deg)[1]],
-            }
-        };
-        let film = nodes.films.iter().map(of_film).collect();
+        let film = nodes.films.iter().map(|film| both_ways(film, polar_deg)).collect();
         Ok(Self { polar_deg, mu, between, bends, film })
+    }
+}
+
+/// The film's R and T, and its T in the light that the paper gives back.
+fn both_ways(film: &FilmAt, polar_deg: f64) -> [f64; 3] {
+    let [r, t] = film.reflectance_transmittance(polar_deg);
+    match film.returned() {
+        Cow::Borrowed(_) => [r, t, t],
+        Cow::Owned(back) => [r, t, back.reflectance_transmittance(polar_deg)[1]],
     }
 }
 

@@ -8,7 +8,7 @@ use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
-use crate::input::study::Study;
+use crate::input::study::{Angles, Study};
 use crate::input::variation::{CellRule, LightRule};
 use crate::run::runner::{Collected, Realisation};
 use crate::solve::door::Wave;
@@ -148,20 +148,22 @@ fn basis(study: &Study) -> SpectralBasis {
 /// The solves of a realisation in their order: wavelength; exact angles, strata, strata from the exit side.
 fn solved(study: &Study, realisation: &Realisation, fields: &[FarField]) -> SolvedRealisation {
     let angles = &study.angles;
-    let wavelength = |fields: &[FarField]| {
-        let all: Vec<Solved> = fields.iter().map(Solved::from).collect();
-        let (exact, rest) = all.split_at(angles.exact_deg.len());
-        let (strata, exit) = rest.split_at(angles.strata);
-        SolvedWavelength {
-            wavelength_nm: 1e3 * fields[0].incidence.wavelength_um,
-            exact: exact.to_vec(),
-            strata: strata.to_vec(),
-            exit: exit.to_vec(),
-        }
-    };
     SolvedRealisation {
         thickness_um: realisation.packing.thickness_um,
-        wavelengths: fields.chunks(angles.count()).map(wavelength).collect(),
+        wavelengths: fields.chunks(angles.count()).map(|fields| solved_at(angles, fields)).collect(),
+    }
+}
+
+/// The solves of one wavelength: exact angles, strata, strata from the exit side.
+fn solved_at(angles: &Angles, fields: &[FarField]) -> SolvedWavelength {
+    let all: Vec<Solved> = fields.iter().map(Solved::from).collect();
+    let (exact, rest) = all.split_at(angles.exact_deg.len());
+    let (strata, exit) = rest.split_at(angles.strata);
+    SolvedWavelength {
+        wavelength_nm: 1e3 * fields[0].incidence.wavelength_um,
+        exact: exact.to_vec(),
+        strata: strata.to_vec(),
+        exit: exit.to_vec(),
     }
 }
 
@@ -207,16 +209,21 @@ fn on_paper(
 
 /// Distributions at every exact angle, one for each stratum of wavelengths.
 fn distributions(study: &Study, fields: &[Vec<FarField>]) -> Result<Vec<Bdf>, BdfError> {
-    let alike = study.variation.cell == CellRule::Fixed && study.variation.light == LightRule::Listed;
     let each = study.angles.count();
     let places = (0..study.solved_wavelengths())
         .flat_map(|w| (0..study.angles.exact_deg.len()).map(move |a| w * each + a));
     let of = |place: usize| {
         let ensemble: Vec<FarField> = fields.iter().map(|fields| fields[place].clone()).collect();
-        match alike && study.variation.thickness_std_um == 0.0 {
-            true => Bdf::from_ensemble(&ensemble),
-            false => Bdf::from_varied_cells(&ensemble, study.layer.period_um),
-        }
+        distribution(study, &ensemble)
     };
     places.map(of).collect()
+}
+
+/// The distribution of one direction and stratum of wavelengths, from its far field in every realisation.
+fn distribution(study: &Study, ensemble: &[FarField]) -> Result<Bdf, BdfError> {
+    let alike = study.variation.cell == CellRule::Fixed && study.variation.light == LightRule::Listed;
+    match alike && study.variation.thickness_std_um == 0.0 {
+        true => Bdf::from_ensemble(ensemble),
+        false => Bdf::from_varied_cells(ensemble, study.layer.period_um),
+    }
 }

@@ -2,10 +2,10 @@
 
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
-use super::layer::{Mean, Total};
+use super::layer::{LayerEnsemble, Mean, Total};
 use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
 use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::samples::SolvedWavelength;
+use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::uncertainty::{Shift, Sure, Uncertainty, lit, lit_moved, natural_light_moved};
 use crate::appearance::paper::PRINT_DEG;
@@ -94,19 +94,24 @@ pub(crate) fn aimed_at<'a>(
 }
 
 fn failures(collected: &Collected) -> Vec<FailureNote> {
-    let packing = |refused: &Refused| FailureNote {
-        realisation: refused.realisation,
-        wavelength_nm: None,
-        polar_deg: None,
-        reason: refused.reason.clone(),
-    };
-    let solve = |failure: &Failure| FailureNote {
+    let packings = collected.refused.iter().map(packing_failure);
+    packings.chain(collected.failures().map(solve_failure)).collect()
+}
+
+/// A packing that did not come about.
+fn packing_failure(refused: &Refused) -> FailureNote {
+    let (realisation, reason) = (refused.realisation, refused.reason.clone());
+    FailureNote { realisation, wavelength_nm: None, polar_deg: None, reason }
+}
+
+/// A solve without a result.
+fn solve_failure(failure: &Failure) -> FailureNote {
+    FailureNote {
         realisation: failure.point.realisation,
         wavelength_nm: Some(1e3 * failure.point.incidence.wavelength_um),
         polar_deg: Some(failure.point.incidence.polar_deg),
         reason: failure.reason.clone(),
-    };
-    collected.refused.iter().map(packing).chain(collected.failures().map(solve)).collect()
+    }
 }
 
 fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> Certainty {
@@ -135,19 +140,20 @@ fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> 
 /// Even and odd strata take turns from realisation to realisation, each counted twice: (1/n) Σ ± T_k about the film.
 fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
     let layer = seen.layer.as_ref().filter(|layer| layer.ensemble().strata > 1)?;
-    let alternating = |r: usize, w: &SolvedWavelength| {
-        let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
-        let film = layer.film(w.wavelength_nm);
-        let difference =
-            |s: &super::samples::Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
-        let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
-        sum / w.strata.len() as f64
-    };
-    let of = |(r, realisation): (usize, &super::samples::SolvedRealisation)| {
-        let all: Vec<f64> = realisation.wavelengths.iter().map(|w| alternating(r, w)).collect();
+    let of = |(r, realisation): (usize, &SolvedRealisation)| {
+        let all: Vec<f64> = realisation.wavelengths.iter().map(|w| alternating_mean(layer, r, w)).collect();
         all.iter().sum::<f64>() / all.len().max(1) as f64
     };
     Some(Estimate::of_mean(&seen.solved.iter().enumerate().map(of).collect::<Vec<_>>()))
+}
+
+/// Mean over the strata of what T differs from the film's, with alternating signs that realisation number `r` begins.
+fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
+    let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
+    let film = layer.film(w.wavelength_nm);
+    let difference = |s: &Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
+    let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
+    sum / w.strata.len() as f64
 }
 
 /// Both ways to R̄ from the exit side, realisation by realisation; the film obeys both.
@@ -158,16 +164,19 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
         return None;
     }
     let index = layer.index_out()?;
+    let realisations = 0..ensemble.realisations();
+    let samples: Vec<f64> = realisations.map(|r| exit_difference(ensemble, index, r)).collect();
+    Some(Estimate::of_mean(&samples))
+}
+
+/// Mean over the wavelengths of R̄ + T̄/n² + Ā, all as differences from the film, of one realisation.
+fn exit_difference(ensemble: &LayerEnsemble, index: f64, realisation: usize) -> f64 {
     let [t, a, r] =
         [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
-    let of = |realisation: usize| {
-        let wavelengths = ensemble.wavelengths_nm(realisation).len();
-        let value = |j: usize, column: usize| ensemble.measured(realisation, j, column);
-        let apart = |j: usize| value(j, r) + value(j, t) / (index * index) + value(j, a);
-        (0..wavelengths).map(apart).sum::<f64>() / wavelengths.max(1) as f64
-    };
-    let samples: Vec<f64> = (0..ensemble.realisations()).map(of).collect();
-    Some(Estimate::of_mean(&samples))
+    let wavelengths = ensemble.wavelengths_nm(realisation).len();
+    let value = |j: usize, column: usize| ensemble.measured(realisation, j, column);
+    let apart = |j: usize| value(j, r) + value(j, t) / (index * index) + value(j, a);
+    (0..wavelengths).map(apart).sum::<f64>() / wavelengths.max(1) as f64
 }
 
 /// Directions of the two standard conditions.
@@ -201,17 +210,24 @@ impl Conditions {
 /// Colours under both conditions, or why there are none.
 fn colours(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Result<Vec<ColourNote>, String> {
     let ink = seen.ink.as_ref().map_err(NoInk::to_string)?;
-    let of = || -> Result<Vec<ColourNote>, InkError> {
-        let conditions = Conditions::new(ink)?;
-        let natural = conditions.natural_light(study);
-        let sky =
-            uncertainty.colour(ink, &seen.solved, natural, &|l, by| conditions.natural_light_moved(l, by))?;
-        let print = uncertainty.colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| {
-            conditions.lit_at_45_moved(l, by)
-        })?;
-        Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
-    };
-    of().map_err(|error| error.to_string())
+    colours_of(study, seen, ink, uncertainty).map_err(|error| error.to_string())
+}
+
+/// Colours of an ink under natural light and at 45:0.
+fn colours_of(
+    study: &Study,
+    seen: &Seen,
+    ink: &InkOnPaper,
+    uncertainty: &Uncertainty,
+) -> Result<Vec<ColourNote>, InkError> {
+    let conditions = Conditions::new(ink)?;
+    let natural = conditions.natural_light(study);
+    let sky =
+        uncertainty.colour(ink, &seen.solved, natural, &|l, by| conditions.natural_light_moved(l, by))?;
+    let print = uncertainty.colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| {
+        conditions.lit_at_45_moved(l, by)
+    })?;
+    Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
 }
 
 fn note(conditions: &str, Sure { colour, budget, deviations }: Sure, seen: &Seen) -> ColourNote {
@@ -256,35 +272,63 @@ fn rows_of(
     (layer, angle): (&LayerSeen, usize),
     uncertainty: &Uncertainty,
 ) -> Vec<SpectrumRow> {
-    let moved =
-        [Total::Reflectance, Total::Transmittance].map(|total| layer.spectrum(angle, total).replicates);
-    let deviations = |i: usize| {
-        let [r, t] = &moved;
+    let totals = AngleTotals::new(layer, angle, uncertainty);
+    let wavelengths = study.wavelengths_nm.iter().enumerate();
+    wavelengths.map(|(i, &nm)| totals.row(i, nm, &seen.realisations)).collect()
+}
+
+/// The layer's totals at one angle against wavelength, with all errors.
+struct AngleTotals {
+    polar_deg: f64,
+    reflectance: Vec<Estimate>,
+    specular_reflectance: Vec<Estimate>,
+    transmittance: Vec<Estimate>,
+    specular_transmittance: Vec<Estimate>,
+    absorptance: Vec<Estimate>,
+    /// R and T as \[realisation left out\]\[wavelength\].
+    replicates: [Vec<Vec<f64>>; 2],
+}
+
+impl AngleTotals {
+    fn new(layer: &LayerSeen, angle: usize, uncertainty: &Uncertainty) -> Self {
+        let of = |total: Total, moved: fn(Shift) -> f64| -> Vec<Estimate> {
+            let estimates = layer.spectrum(angle, total).estimates();
+            estimates.into_iter().map(|estimate| uncertainty.widen_by(estimate, moved)).collect()
+        };
+        let (reflected, transmitted): (fn(Shift) -> f64, fn(Shift) -> f64) = (|[r, _]| r, |[_, t]| t);
+        let varied = [Total::Reflectance, Total::Transmittance];
+        Self {
+            polar_deg: layer.angles_deg()[angle],
+            reflectance: of(Total::Reflectance, reflected),
+            specular_reflectance: of(Total::SpecularReflectance, reflected),
+            transmittance: of(Total::Transmittance, transmitted),
+            specular_transmittance: of(Total::SpecularTransmittance, transmitted),
+            // A's error: what both others may miss.
+            absorptance: of(Total::Absorptance, |[r, t]| r + t),
+            replicates: varied.map(|total| layer.spectrum(angle, total).replicates),
+        }
+    }
+
+    /// The totals at the wavelength number `i`, without the ink on its paper.
+    fn row(&self, i: usize, wavelength_nm: f64, realisations: &[usize]) -> SpectrumRow {
+        SpectrumRow {
+            wavelength_nm,
+            polar_deg: self.polar_deg,
+            reflectance: self.reflectance[i],
+            specular_reflectance: self.specular_reflectance[i],
+            transmittance: self.transmittance[i],
+            specular_transmittance: self.specular_transmittance[i],
+            absorptance: self.absorptance[i],
+            natural_light: None,
+            lit_at_45: None,
+            deviations: self.deviations(i, realisations),
+        }
+    }
+
+    /// What each of the realisations moves R and T by at the wavelength number `i`.
+    fn deviations(&self, i: usize, realisations: &[usize]) -> Vec<(usize, [f64; 2])> {
+        let [r, t] = &self.replicates;
         let replicates: Vec<[f64; 2]> = r.iter().zip(t).map(|(r, t)| [r[i], t[i]]).collect();
-        seen.realisations.iter().copied().zip(jackknife_deviations(&replicates)).collect()
-    };
-    let of = |total: Total, moved: fn(Shift) -> f64| -> Vec<Estimate> {
-        let estimates = layer.spectrum(angle, total).estimates();
-        estimates.into_iter().map(|estimate| uncertainty.widen_by(estimate, moved)).collect()
-    };
-    let (reflected, transmitted): (fn(Shift) -> f64, fn(Shift) -> f64) = (|[r, _]| r, |[_, t]| t);
-    let (reflectance, specular) =
-        (of(Total::Reflectance, reflected), of(Total::SpecularReflectance, reflected));
-    let (transmittance, straight) =
-        (of(Total::Transmittance, transmitted), of(Total::SpecularTransmittance, transmitted));
-    // A's error: what both others may miss.
-    let absorptance = of(Total::Absorptance, |[r, t]| r + t);
-    let row = |(i, &wavelength_nm): (usize, &f64)| SpectrumRow {
-        wavelength_nm,
-        polar_deg: layer.angles_deg()[angle],
-        reflectance: reflectance[i],
-        specular_reflectance: specular[i],
-        transmittance: transmittance[i],
-        specular_transmittance: straight[i],
-        absorptance: absorptance[i],
-        natural_light: None,
-        lit_at_45: None,
-        deviations: deviations(i),
-    };
-    study.wavelengths_nm.iter().enumerate().map(row).collect()
+        realisations.iter().copied().zip(jackknife_deviations(&replicates)).collect()
+    }
 }

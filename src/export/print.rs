@@ -97,15 +97,19 @@ fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option
 
 /// Text inside an XML element or attribute.
 pub fn xml(text: &str) -> String {
-    let escape = |c: char| match c {
+    text.chars().map(escaped).collect()
+}
+
+/// A character as XML writes it.
+fn escaped(c: char) -> String {
+    match c {
         '&' => "&amp;".to_owned(),
         '<' => "&lt;".to_owned(),
         '>' => "&gt;".to_owned(),
         '"' => "&quot;".to_owned(),
         c if c.is_control() => " ".to_owned(),
         c => c.to_string(),
-    };
-    text.chars().map(escape).collect()
+    }
 }
 
 #[cfg(test)]

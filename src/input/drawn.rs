@@ -82,16 +82,9 @@ impl Study {
             .collect();
         let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };
         let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;
-        let miss = |n: usize| {
-            let of = |quantum: &f64| {
-                let count = n as f64 * largest / quantum;
-                (count - count.round()).abs() / count
-            };
-            quanta.iter().map(of).fold(0.0, f64::max)
-        };
         let nearest = grains(1.0);
         let distance = |n: usize| (n as f64 - nearest as f64).abs();
-        let key = |&n: &usize| (1e9 * miss(n)).round() as u64;
+        let key = |&n: &usize| (1e9 * miss(n, largest, &quanta)).round() as u64;
         // Among very many grains the nearest are as good as any.
         let fewest = grains(1.0 - AREA_SEARCH).max(nearest.saturating_sub(MOST_TRIED));
         let candidates = fewest..=grains(1.0 + AREA_SEARCH).min(nearest.saturating_add(MOST_TRIED));
@@ -103,6 +96,16 @@ impl Study {
     fn dry_um(&self, thickness_um: f64) -> f64 {
         self.packing.relief.as_ref().map_or(thickness_um, |relief| thickness_um - relief.depth_um)
     }
+}
+
+/// Largest relative distance from a whole number of grains, over pigments that need an area of a quantum for each grain, in
+/// an area of `n` times the largest quantum.
+fn miss(n: usize, largest: f64, quanta: &[f64]) -> f64 {
+    let of = |quantum: &f64| {
+        let count = n as f64 * largest / quantum;
+        (count - count.round()).abs() / count
+    };
+    quanta.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Area of the cell for one grain of a pigment whose grains are all alike, µm².

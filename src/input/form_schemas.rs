@@ -23,18 +23,6 @@ impl JsonSchema for IndexWritten {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let real = number(INDEX, "Real part.", 1.4);
-        let absorption = number(ABSORPTION, "Imaginary part κ, which absorbs; 0 when left out.", 0.1);
-        let constant = |name: &str| {
-            let other = if name == "k" { "kappa" } else { "k" };
-            json_schema!({
-                "description": format!("The same at all wavelengths: n + iκ; κ is called {name} here ({other} elsewhere)."),
-                "type": "object",
-                "properties": { "n": real, name: absorption },
-                "required": if name == "k" { vec!["n"] } else { vec!["n", name] },
-                "additionalProperties": false,
-            })
-        };
         let path = |key: &str, what: &str| {
             let example = format!("measured.{key}");
             table(key, json_schema!({ "description": what, "type": "string", "examples": [example] }))
@@ -53,6 +41,20 @@ impl JsonSchema for IndexWritten {
             ],
         })
     }
+}
+
+/// A table of n and κ, which is called `name`.
+fn constant(name: &str) -> Schema {
+    let real = number(INDEX, "Real part.", 1.4);
+    let absorption = number(ABSORPTION, "Imaginary part κ, which absorbs; 0 when left out.", 0.1);
+    let other = if name == "k" { "kappa" } else { "k" };
+    json_schema!({
+        "description": format!("The same at all wavelengths: n + iκ; κ is called {name} here ({other} elsewhere)."),
+        "type": "object",
+        "properties": { "n": real, name: absorption },
+        "required": if name == "k" { vec!["n"] } else { vec!["n", name] },
+        "additionalProperties": false,
+    })
 }
 
 /// A table of one key.

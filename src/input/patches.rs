@@ -99,15 +99,15 @@ pub(super) fn from_cgats(text: &str, patch: Option<&str>) -> Result<Taken, Strin
 
 /// Words of a line; quotes keep blanks together.
 fn words(line: &str) -> Vec<String> {
-    let pieces = line.split('"').enumerate();
-    let of = |(i, piece): (usize, &str)| -> Vec<String> {
-        if i % 2 == 1 {
-            vec![piece.to_owned()]
-        } else {
-            piece.split_whitespace().map(str::to_owned).collect()
-        }
-    };
-    pieces.flat_map(of).collect()
+    line.split('"').enumerate().flat_map(words_of_piece).collect()
+}
+
+/// Words of what stands before the quote number `i`: one word where it stands between two.
+fn words_of_piece((i, piece): (usize, &str)) -> Vec<String> {
+    if i % 2 == 1 {
+        return vec![piece.to_owned()];
+    }
+    piece.split_whitespace().map(str::to_owned).collect()
 }
 
 fn parsed(word: &str) -> Result<f64, String> {

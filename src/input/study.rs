@@ -6,7 +6,7 @@ mod wanted;
 pub use layer::{Dissolved, Layer, Material, Paper, Pigment};
 pub use wanted::{Angles, Judgement, Output, WantedResolution};
 
-use super::variation::{Turn, Variation, stratified_deg};
+use super::variation::{Draw, Turn, Variation, stratified_deg};
 use crate::ink::PackingRequest;
 use crate::material::spectra::Spectrum;
 use crate::solve::door::Wave;
@@ -184,20 +184,33 @@ impl Study {
     /// polarisation.
     pub fn points(&self, realisation: usize) -> Vec<Point> {
         let draw = self.draw(realisation);
-        let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
         let at = |(wavelength, nm): (usize, f64)| {
-            let Turn { azimuth_deg, direction } = self.turn(&draw, wavelength);
-            let incident = exact_deg.iter().copied().chain(stratified_deg(*strata, direction));
-            let incident = incident.map(|deg| (Side::Incident, deg));
-            let exit = stratified_deg(*exit_strata, direction).into_iter().map(|deg| (Side::Exit, deg));
-            let points = |(from, polar_deg): (Side, f64)| {
-                let incidence = Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
-                let point = move |&polarisation| Point { realisation, wavelength, incidence, polarisation };
-                self.polarisations().iter().map(point)
-            };
-            incident.chain(exit).flat_map(points).collect::<Vec<_>>()
+            let incidences = self.incidences(&draw, wavelength, nm).into_iter();
+            incidences.flat_map(move |incidence| self.points_of(realisation, wavelength, incidence))
         };
         self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
+    }
+
+    /// All directions of a realisation at its wavelength number `wavelength`: exact angles, strata, strata from the exit side.
+    fn incidences(&self, draw: &Draw, wavelength: usize, nm: f64) -> Vec<Incidence> {
+        let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
+        let Turn { azimuth_deg, direction } = self.turn(draw, wavelength);
+        let incident = exact_deg.iter().copied().chain(stratified_deg(*strata, direction));
+        let incident = incident.map(|deg| (Side::Incident, deg));
+        let exit = stratified_deg(*exit_strata, direction).into_iter().map(|deg| (Side::Exit, deg));
+        let lit = |(from, polar_deg)| Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
+        incident.chain(exit).map(lit).collect()
+    }
+
+    /// The solves of one direction, one for each polarisation.
+    fn points_of(
+        &self,
+        realisation: usize,
+        wavelength: usize,
+        incidence: Incidence,
+    ) -> impl Iterator<Item = Point> {
+        let point = move |&polarisation| Point { realisation, wavelength, incidence, polarisation };
+        self.polarisations().iter().map(point)
     }
 
     /// Volume of the cell, µm³.

@@ -171,20 +171,26 @@ pub fn parse_toml(text: &str) -> Result<toml::Table, SyntaxFault> {
 /// # Errors
 /// The text is no JSON, or a key is there twice; NaN and Infinity have a remedy of their own.
 pub fn parse_json(text: &str) -> Result<Node, SyntaxFault> {
-    serde_json::from_str(text).map_err(|error| {
-        let lines = text.split_inclusive('\n').take(error.line().saturating_sub(1));
-        let place = lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1);
-        let place = floor_char_boundary(text, place);
-        let message = error.to_string();
-        let message = message.split(" at line ").next().unwrap_or(&message).to_owned();
-        let none = ["NaN", "Infinity"].iter().any(|word| text.contains(word));
-        let remedy = if none {
-            "JSON knows neither NaN nor Infinity: give finite numbers"
-        } else if message.ends_with(TWICE) {
-            "keep the value that you mean"
-        } else {
-            "correct the JSON here, or write TOML in a file that ends in .toml"
-        };
-        SyntaxFault { message, remedy, span: Some(place..place) }
-    })
+    serde_json::from_str(text).map_err(|error| json_fault(text, &error))
+}
+
+/// What the parser of JSON says, with its place in bytes instead of lines.
+fn json_fault(text: &str, error: &serde_json::Error) -> SyntaxFault {
+    let lines = text.split_inclusive('\n').take(error.line().saturating_sub(1));
+    let place = lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1);
+    let place = floor_char_boundary(text, place);
+    let message = error.to_string();
+    let message = message.split(" at line ").next().unwrap_or(&message).to_owned();
+    SyntaxFault { remedy: json_remedy(text, &message), message, span: Some(place..place) }
+}
+
+/// What to try where JSON is wrong.
+fn json_remedy(text: &str, message: &str) -> &'static str {
+    if ["NaN", "Infinity"].iter().any(|word| text.contains(word)) {
+        "JSON knows neither NaN nor Infinity: give finite numbers"
+    } else if message.ends_with(TWICE) {
+        "keep the value that you mean"
+    } else {
+        "correct the JSON here, or write TOML in a file that ends in .toml"
+    }
 }

@@ -111,26 +111,20 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
         name: name.to_owned(),
         values: manifest.colours.iter().map(|note| of(note).in_words(2)).collect(),
     };
-    let lab = |i: usize| {
-        move |note: &ColourNote| Estimate {
-            value: note.colour.lab[i],
-            standard_error: note.lab_standard_error.map(|errors| errors[i]),
-        }
-    };
     let srgb = |note: &ColourNote| note.colour.srgb8.map(|c| c.to_string()).join(" ");
     let mut rows = vec![
-        row("L*", &lab(0)),
-        row("a*", &lab(1)),
-        row("b*", &lab(2)),
+        row("L*", &|note| lab(note, 0)),
+        row("a*", &|note| lab(note, 1)),
+        row("b*", &|note| lab(note, 2)),
         row("C*", &|note| note.chroma),
         row("h, °", &|note| note.hue_deg),
     ];
     rows.push(ColourRow { name: "sRGB".into(), values: manifest.colours.iter().map(srgb).collect() });
     let in_words = format!(
         "L* {}, a* {}, b* {}, C* {} under {}",
-        lab(0)(first).in_words(2),
-        lab(1)(first).in_words(2),
-        lab(2)(first).in_words(2),
+        lab(first, 0).in_words(2),
+        lab(first, 1).in_words(2),
+        lab(first, 2).in_words(2),
         first.chroma.in_words(2),
         first.conditions
     );
@@ -141,6 +135,12 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
         note: colour_note(manifest),
         in_words,
     })
+}
+
+/// L*, a* or b* of a colour.
+fn lab(note: &ColourNote, i: usize) -> Estimate {
+    let standard_error = note.lab_standard_error.map(|errors| errors[i]);
+    Estimate { value: note.colour.lab[i], standard_error }
 }
 
 fn colour_note(manifest: &Manifest<&Study>) -> String {

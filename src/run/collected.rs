@@ -6,6 +6,7 @@ use crate::store::Store;
 use crate::store::damage::Damage;
 use crate::store::database::Database;
 use crate::store::folder::OutputFolder;
+use crate::store::identity::Key;
 use crate::store::packing_record::PackingRecord;
 use crate::store::record::{FailureRecord, PointRecord};
 use std::io;
@@ -117,6 +118,12 @@ impl Stores {
     /// The same, remembering failures.
     pub fn with_failures(self) -> Self {
         Self { failures: Some(Store::of(&self.database)), ..self }
+    }
+
+    /// How a solve has failed before; `None` where it has not, and where that is not remembered.
+    pub fn failure(&self, (point, key): &(Point, Key)) -> Option<Failure> {
+        let record = self.failures.as_ref()?.get(key.as_str())?;
+        Some(Failure { point: *point, reason: record.reason })
     }
 
     /// What all of them are part of.

@@ -38,13 +38,16 @@ impl Crew {
         let (take, work) = (&take, &work);
         std::thread::scope(|scope| {
             for pool in &self.pools {
-                scope.spawn(move || {
-                    while let Some(task) = take() {
-                        pool.install(|| work(task));
-                    }
-                });
+                scope.spawn(move || work_off_in(pool, take, work));
             }
         });
+    }
+}
+
+/// One worker's part: what `take` gives it, one task after the other.
+fn work_off_in(pool: &ThreadPool, take: &impl Fn() -> Option<usize>, work: &(impl Fn(usize) + Sync)) {
+    while let Some(task) = take() {
+        pool.install(|| work(task));
     }
 }
 

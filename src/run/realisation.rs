@@ -79,13 +79,16 @@ impl<'a> Packings<'a> {
 pub(crate) fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
     let packing = Key::of_packing(&study.packing_request(realisation));
     let resolution = resolved.for_cell(&study.draw(realisation));
-    let key = |point: &Point| {
-        let error = study.resolution.coverage_error();
-        let method = (&resolution, Mean::default(), &study.solver, &study.goal, error);
-        let indices = study.indices(point.incidence.wavelength_um);
-        Key::of_wave("point", &(&packing, indices, &point.incidence, method), point.polarisation)
-    };
-    study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
+    let points = study.points(realisation).into_iter();
+    points.map(|point| (point, point_key(study, &packing, &resolution, &point))).collect()
+}
+
+/// Content hash of all that one solve depends on.
+fn point_key(study: &Study, packing: &Key, resolution: &Resolution, point: &Point) -> Key {
+    let error = study.resolution.coverage_error();
+    let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
+    let indices = study.indices(point.incidence.wavelength_um);
+    Key::of_wave("point", &(packing, indices, &point.incidence, method), point.polarisation)
 }
 
 /// What one realisation needs.
@@ -107,15 +110,13 @@ impl RealisationRun<'_> {
         for point in &mut points {
             *point = point.take().filter(|record| is_physical(record, self.resolved.grid_error));
         }
-        let mut failures = Vec::new();
-        let mut missing: Vec<usize> = (0..points.len()).filter(|&i| points[i].is_none()).collect();
-        missing.retain(|&i| match self.failed_before(&keyed[i].1) {
-            Some(reason) => {
-                failures.push(Failure { point: keyed[i].0, reason });
-                false
+        let (mut missing, mut failures) = (Vec::new(), Vec::new());
+        for i in (0..points.len()).filter(|&i| points[i].is_none()) {
+            match self.stores.failure(&keyed[i]) {
+                Some(failure) => failures.push(failure),
+                None => missing.push(i),
             }
-            None => true,
-        });
+        }
         self.watch.kept(self.study, points.len() - missing.len());
         let packing_key = Key::of_packing(&self.study.packing_request(self.realisation));
         let kept = self.stores.packings.get(packing_key.as_str());
@@ -158,10 +159,6 @@ impl RealisationRun<'_> {
         asked.min(fitting.max(1))
     }
 
-    fn failed_before(&self, key: &Key) -> Option<String> {
-        Some(self.stores.failures.as_ref()?.get(key.as_str())?.reason)
-    }
-
     fn note_failure(&self, (point, key): &(Point, Key), reason: String) -> io::Result<Failure> {
         if let Some(store) = &self.stores.failures {
             let (variant, realisation) = (self.study.title.clone(), point.realisation);
@@ -190,9 +187,8 @@ impl RealisationRun<'_> {
         let places: Vec<usize> = starts(&groups);
         work_through(groups.len(), jobs, stop, |g| {
             let own = &results[places[g]..places[g] + groups[g].len()];
-            if let Err(error) = self.solve_group(solver, grids, groups[g], own) {
-                *lock(&trouble) = Some(error);
-            }
+            let ended = self.solve_group(solver, grids, groups[g], own);
+            ended.unwrap_or_else(|error| *lock(&trouble) = Some(error));
         })?;
         match trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(RunError::Store(error)),

@@ -152,21 +152,10 @@ pub(crate) fn key(study: &Study) -> Key {
 }
 
 fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
-    let azimuth_deg = study.draw(realisation).azimuth_deg;
-    let incidence = |nm: f64, polar_deg: f64| Incidence {
-        wavelength_um: nm * 1e-3,
-        polar_deg,
-        azimuth_deg,
-        from: Side::Incident,
-    };
-    let contrast = |nm: f64| {
-        let binder = study.layer.binder.index_at(1e-3 * nm);
-        let of = |p: &Pigment| {
-            let eta = p.material.index_at(1e-3 * nm);
-            ((eta * eta - binder * binder) / (nm * nm)).norm()
-        };
-        study.pigments.iter().map(of).fold(0.0, f64::max)
-    };
+    let (azimuth_deg, from) = (study.draw(realisation).azimuth_deg, Side::Incident);
+    let incidence =
+        |nm: f64, polar_deg: f64| Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
+    let contrast = |nm: f64| largest_contrast(study, nm);
     let slanted =
         stratified_deg(study.angles.strata, 0.5).into_iter().chain(study.angles.exact_deg.iter().copied());
     let (smallest, largest) = (study.angles.exact_deg[0], slanted.fold(0.0, f64::max));
@@ -179,6 +168,16 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     }
     probes.dedup();
     probes
+}
+
+/// Largest |η² − η_b²|/λ² of any pigment in the binder, what its contrast V grows with, 1/nm².
+fn largest_contrast(study: &Study, nm: f64) -> f64 {
+    let binder = study.layer.binder.index_at(1e-3 * nm);
+    let of = |p: &Pigment| {
+        let eta = p.material.index_at(1e-3 * nm);
+        ((eta * eta - binder * binder) / (nm * nm)).norm()
+    };
+    study.pigments.iter().map(of).fold(0.0, f64::max)
 }
 
 fn settle<G: Discretisation>(
@@ -242,7 +241,13 @@ impl<'a, G: Discretisation> Prepared<'a, G> {
     }
 
     fn tasks(&self) -> Vec<Task<'_, G>> {
-        let task = |(media, incidence)| Task {
+        let probes = self.media.iter().zip(self.probes);
+        probes.map(|(media, incidence)| self.task(media, incidence)).collect()
+    }
+
+    /// The solve of one probe.
+    fn task<'b>(&'b self, media: &'b Media, incidence: &'b Incidence) -> Task<'b, G> {
+        Task {
             coverages: &self.coverages,
             media,
             incidence,
@@ -251,8 +256,7 @@ impl<'a, G: Discretisation> Prepared<'a, G> {
             solver: &*self.solver,
             goal: self.study.goal,
             memory: self.memory,
-        };
-        self.media.iter().zip(self.probes).map(task).collect()
+        }
     }
 }
 

@@ -112,17 +112,19 @@ fn table_shape(root: &Value, form: &Value) -> String {
     if form["properties"].as_object().is_some_and(|keys| keys.len() > MOST_KEYS) {
         return "a table".into();
     }
-    let entry = |(key, value): (&String, &Value)| {
-        let whole = resolve(root, value);
-        let given =
-            value.get("const").or(value.get("default")).or(value.get("examples").and_then(|e| e.get(0)));
-        match given.or(whole.get("examples").and_then(|e| e.get(0))) {
-            Some(value) => format!("{key} = {}", toml(value)),
-            None if whole.get("properties").is_some() => format!("{key} = {}", table_shape(root, whole)),
-            None => format!("{key} = …"),
-        }
-    };
-    format!("{{ {} }}", keys.map(entry).collect::<Vec<_>>().join(", "))
+    let entries = keys.map(|(key, value)| format!("{key} = {}", value_shape(root, value)));
+    format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+}
+
+/// How a key's value looks: by its constant, default or example where it has one.
+fn value_shape(root: &Value, value: &Value) -> String {
+    let whole = resolve(root, value);
+    let given = value.get("const").or(value.get("default")).or(value.get("examples").and_then(|e| e.get(0)));
+    match given.or(whole.get("examples").and_then(|e| e.get(0))) {
+        Some(value) => toml(value),
+        None if whole.get("properties").is_some() => table_shape(root, whole),
+        None => "…".into(),
+    }
 }
 
 /// A value as TOML; a choice that can be written by its name alone is.

@@ -62,23 +62,32 @@ pub(super) fn put_aside(
 pub(super) fn take_over(damaged: &Path, into: &Rows) -> rusqlite::Result<usize> {
     let Ok(from) = Rows::read(damaged) else { return Ok(0) };
     let mut saved = HashSet::new();
-    let mut keep = |row: Row| -> Result<(), Interruption> {
-        if row.sealed.check(&row.kind, &row.key).is_ok() && saved.insert((row.kind.clone(), row.key.clone()))
-        {
-            into.put(&row).map_err(Interruption::Here)?;
-        }
-        Ok(())
-    };
+    let mut keep = |row: Row| save(&row, into, &mut saved);
     into.at_once(|| {
-        for end in [End::First, End::Last] {
-            // The damage of the file read is known already.
-            if let Err(Interruption::Here(error)) = from.scan(end, &mut keep) {
-                return Err(error);
-            }
-        }
-        Ok(())
+        save_from(&from, End::First, &mut keep)?;
+        save_from(&from, End::Last, &mut keep)
     })?;
     Ok(saved.len())
+}
+
+/// Copies a sound record whose kind and key are not among those `saved` before.
+fn save(row: &Row, into: &Rows, saved: &mut HashSet<(String, String)>) -> Result<(), Interruption> {
+    if row.sealed.check(&row.kind, &row.key).is_ok() && saved.insert((row.kind.clone(), row.key.clone())) {
+        into.put(row).map_err(Interruption::Here)?;
+    }
+    Ok(())
+}
+
+/// Gives the records to `keep`, from one end on as far as they can be read: the damage of this file is known already.
+fn save_from(
+    damaged: &Rows,
+    end: End,
+    keep: impl FnMut(Row) -> Result<(), Interruption>,
+) -> rusqlite::Result<()> {
+    match damaged.scan(end, keep) {
+        Err(Interruption::Here(error)) => Err(error),
+        _ => Ok(()),
+    }
 }
 
 /// Files with this extension, in the order of their numbers.

@@ -153,33 +153,43 @@ impl Database {
     ) -> io::Result<Option<(Sealed, Row)>> {
         let mut files = lock(&self.files);
         let into = &self.own(&mut files)?.rows;
-        let mut adopt = |row: Row| -> Result<(), Interruption> {
-            if !kinds.is_empty() && !kinds.contains(&row.kind.as_str()) {
-                return Ok(());
-            }
-            if let Err(fault) = row.sealed.check(&row.kind, &row.key) {
-                return Ok(from.note(Damage::Record { kind: row.kind, key: row.key, fault }));
-            }
-            match into.get(&row.kind, &row.key).map_err(Interruption::Here)? {
-                None => into.put(&row).map_err(Interruption::Here),
-                Some(here) if same(&row.kind, &here.content, &row.sealed.content) => Ok(()),
-                Some(here) => Err(Interruption::Contradiction(Box::new((here, row)))),
-            }
-        };
+        let wanted = |row: &Row| kinds.is_empty() || kinds.contains(&row.kind.as_str());
+        let mut adopt = |row: Row| if wanted(&row) { from.hand_over(row, into, &same) } else { Ok(()) };
         let others = lock(&from.files);
-        let all = into.at_once(|| {
-            for rows in others.all() {
-                match rows.scan(End::First, &mut adopt) {
-                    Err(Interruption::There(error)) => from.note_file(rows.path(), &error.to_string(), None),
-                    end => end?,
-                }
-            }
-            Ok(())
-        });
+        let all = into.at_once(|| others.all().try_for_each(|rows| from.scan(rows, &mut adopt)));
         match all {
             Ok(()) => Ok(None),
             Err(Interruption::Contradiction(both)) => Ok(Some(*both)),
             Err(Interruption::Here(error) | Interruption::There(error)) => Err(failed(into.path(), &error)),
+        }
+    }
+
+    /// Gives all records of one of the files to `each`; what cannot be read of it is noted.
+    fn scan(
+        &self,
+        rows: &Rows,
+        each: impl FnMut(Row) -> Result<(), Interruption>,
+    ) -> Result<(), Interruption> {
+        match rows.scan(End::First, each) {
+            Err(Interruption::There(error)) => Ok(self.note_file(rows.path(), &error.to_string(), None)),
+            end => end,
+        }
+    }
+
+    /// Copies a sound record of this store into a file that has none of its name; a damaged one is noted.
+    fn hand_over(
+        &self,
+        row: Row,
+        into: &Rows,
+        same: &dyn Fn(&str, &[u8], &[u8]) -> bool,
+    ) -> Result<(), Interruption> {
+        if let Err(fault) = row.sealed.check(&row.kind, &row.key) {
+            return Ok(self.note(Damage::Record { kind: row.kind, key: row.key, fault }));
+        }
+        match into.get(&row.kind, &row.key).map_err(Interruption::Here)? {
+            None => into.put(&row).map_err(Interruption::Here),
+            Some(here) if same(&row.kind, &here.content, &row.sealed.content) => Ok(()),
+            Some(here) => Err(Interruption::Contradiction(Box::new((here, row)))),
         }
     }
 

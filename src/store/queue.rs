@@ -109,21 +109,24 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn claim(&self) -> Result<Claim, QueueError> {
-        self.turn(|transaction| {
-            if let Some(task) = next(transaction)? {
-                take(transaction, task, self.worker)?;
-                return Ok(Claim::Task(task));
-            }
-            let left: usize =
-                transaction.query_row("select count(*) from tasks where not done", [], |row| row.get(0))?;
-            if left == 0 {
-                return Ok(Claim::Finished);
-            }
-            free_claims_of_the_dead(transaction, &self.folder)?;
-            let Some(task) = next(transaction)? else { return Ok(Claim::Wait) };
+        self.turn(|transaction| self.claim_in(transaction))
+    }
+
+    /// A task that is free, or was a dead worker's.
+    fn claim_in(&self, transaction: &Transaction) -> rusqlite::Result<Claim> {
+        if let Some(task) = next(transaction)? {
             take(transaction, task, self.worker)?;
-            Ok(Claim::Task(task))
-        })
+            return Ok(Claim::Task(task));
+        }
+        let left: usize =
+            transaction.query_row("select count(*) from tasks where not done", [], |row| row.get(0))?;
+        if left == 0 {
+            return Ok(Claim::Finished);
+        }
+        free_claims_of_the_dead(transaction, &self.folder)?;
+        let Some(task) = next(transaction)? else { return Ok(Claim::Wait) };
+        take(transaction, task, self.worker)?;
+        Ok(Claim::Task(task))
     }
 
     /// A task is finished, with so many solves, of which some have no result.
@@ -167,12 +170,16 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn standing(&self) -> Result<Standing, QueueError> {
-        self.turn(|transaction| {
-            let sql = "select coalesce(sum(done), 0), coalesce(sum(solves), 0), coalesce(sum(failed), 0) from tasks";
-            let (tasks, solves, failed) =
-                transaction.query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?;
-            Ok(Standing { workers: living(transaction, &self.folder)?.len(), tasks, solves, failed })
-        })
+        self.turn(|transaction| self.standing_in(transaction))
+    }
+
+    /// Sums over all tasks, and the workers that live.
+    fn standing_in(&self, transaction: &Transaction) -> rusqlite::Result<Standing> {
+        let sql =
+            "select coalesce(sum(done), 0), coalesce(sum(solves), 0), coalesce(sum(failed), 0) from tasks";
+        let (tasks, solves, failed) =
+            transaction.query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?;
+        Ok(Standing { workers: living(transaction, &self.folder)?.len(), tasks, solves, failed })
     }
 
     /// True for the one worker that shall write the report.
@@ -180,30 +187,37 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn publishes(&self) -> Result<bool, QueueError> {
-        self.turn(|transaction| {
-            let publisher: Option<u32> =
-                transaction.query_row("select publisher from work", [], |row| row.get(0))?;
-            let taken = publisher.is_some_and(|number| {
-                number != self.worker
-                    && living(transaction, &self.folder).is_ok_and(|all| all.contains(&number))
-            });
-            if !taken {
-                transaction.execute("update work set publisher = ?1", [self.worker])?;
-            }
-            Ok(!taken)
-        })
+        self.turn(|transaction| self.publishes_in(transaction))
+    }
+
+    /// Signs this worker in as the one that publishes, unless another one that lives is.
+    fn publishes_in(&self, transaction: &Transaction) -> rusqlite::Result<bool> {
+        let publisher: Option<u32> =
+            transaction.query_row("select publisher from work", [], |row| row.get(0))?;
+        let lives = |number| living(transaction, &self.folder).is_ok_and(|all| all.contains(&number));
+        let taken = publisher.is_some_and(|number| number != self.worker && lives(number));
+        if !taken {
+            transaction.execute("update work set publisher = ?1", [self.worker])?;
+        }
+        Ok(!taken)
     }
 
     fn turn<T>(&self, work: impl FnOnce(&Transaction) -> rusqlite::Result<T>) -> Result<T, QueueError> {
         let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
-        let at_it = || {
-            let transaction = Transaction::new(&mut connection, TransactionBehavior::Immediate)?;
-            let done = work(&transaction)?;
-            transaction.commit()?;
-            Ok(done)
-        };
-        at_it().map_err(|source| QueueError::File { folder: self.folder.clone(), source })
+        let done = in_transaction(&mut connection, work);
+        done.map_err(|source| QueueError::File { folder: self.folder.clone(), source })
     }
+}
+
+/// Does all of the work or, after an error, nothing; other processes wait meanwhile.
+fn in_transaction<T>(
+    connection: &mut Connection,
+    work: impl FnOnce(&Transaction) -> rusqlite::Result<T>,
+) -> rusqlite::Result<T> {
+    let transaction = Transaction::new(connection, TransactionBehavior::Immediate)?;
+    let done = work(&transaction)?;
+    transaction.commit()?;
+    Ok(done)
 }
 
 #[cfg(test)]

@@ -119,6 +119,12 @@ impl From<Row> for OrderRow {
 #[error("the far field holds a number that is not finite")]
 pub struct NotFinite;
 
+/// Amplitudes and efficiencies of an order.
+fn amplitudes(order: &Order) -> [f64; 6] {
+    let (r, t) = (order.reflected, order.transmitted);
+    [r.re, r.im, t.re, t.im, order.reflected_efficiency, order.transmitted_efficiency]
+}
+
 fn crossed(order: &Order) -> [f64; 4] {
     let [r, t] = order.further[0];
     [r.re, r.im, t.re, t.im]
@@ -182,12 +188,7 @@ impl PointRecord {
 
     fn is_finite(&self) -> bool {
         let totals = [self.reflectance, self.transmittance, self.absorptance, self.account.residual];
-        let amplitudes = self.orders.iter().flat_map(|OrderRow(o)| {
-            let efficiencies = [o.reflected_efficiency, o.transmitted_efficiency];
-            [o.reflected.re, o.reflected.im, o.transmitted.re, o.transmitted.im]
-                .into_iter()
-                .chain(efficiencies)
-        });
+        let amplitudes = self.orders.iter().flat_map(|row| amplitudes(&row.0));
         let crossed = self.crossed.iter().flatten().copied();
         totals.into_iter().chain(amplitudes).chain(crossed).all(f64::is_finite)
     }

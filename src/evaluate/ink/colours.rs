@@ -108,18 +108,20 @@ impl InkOnPaper {
     /// What the placing of the directions may cost in T̄ at each wavelength of the spectra: standard deviation over realisations of the
     /// quadrature error of the fitted curve, over √n.
     pub fn angle_errors(&self, solved: &[SolvedRealisation]) -> Vec<f64> {
-        let at = |node: usize| {
-            let nm = self.nodes.wavelengths_nm[node];
-            let error = |realisation: &SolvedRealisation| {
-                let strata = &realisation.wavelengths[nearest(&realisation.wavelengths, nm)].strata;
-                let polar_deg = strata.iter().map(|s| s.polar_deg);
-                self.whole[node].quadrature_error(polar_deg, self.layer.exit).transmittance
-            };
-            let errors: Vec<f64> = solved.iter().map(error).collect();
-            let square = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
-            (square / errors.len() as f64).sqrt()
+        self.places.outputs.clone().map(|node| self.angle_error(node, solved)).collect()
+    }
+
+    /// The same at one wavelength.
+    fn angle_error(&self, node: usize, solved: &[SolvedRealisation]) -> f64 {
+        let nm = self.nodes.wavelengths_nm[node];
+        let error = |realisation: &SolvedRealisation| {
+            let strata = &realisation.wavelengths[nearest(&realisation.wavelengths, nm)].strata;
+            let polar_deg = strata.iter().map(|s| s.polar_deg);
+            self.whole[node].quadrature_error(polar_deg, self.layer.exit).transmittance
         };
-        self.places.outputs.clone().map(at).collect()
+        let errors: Vec<f64> = solved.iter().map(error).collect();
+        let square = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
+        (square / errors.len() as f64).sqrt()
     }
 
     /// XYZ = ∫ w F(m̂) + ⟨Σ_j w_j F′(m̂)·(x_j − m̂)⟩: the fitted means m̂, and to first order what the solves x_j say beyond

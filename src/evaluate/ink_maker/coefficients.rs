@@ -29,24 +29,7 @@ pub(super) fn kubelka_munk(
     uncertainty: &Uncertainty,
     thickness_um: f64,
 ) -> Vec<KubelkaMunkRow> {
-    let part = |get: fn(KubelkaMunk) -> f64| -> Vec<Estimate> {
-        let value = |layer: &LayerOnPaper| {
-            let [r, t] = fluxes(layer, [0.0; 2]);
-            KubelkaMunk::from_layer(r, t, thickness_um).map_or(f64::NAN, get)
-        };
-        // Where K stops at 0 its spread would stop too: errors are those of the continuation.
-        let noisy = |layer: &LayerOnPaper, by: Shift| {
-            let [r, t] = fluxes(layer, by);
-            KubelkaMunk::continued(r, t, thickness_um).map_or(f64::NAN, get)
-        };
-        let estimates = ink.spectrum(|layer| noisy(layer, [0.0; 2])).estimates();
-        let widened = |(estimate, layer): (Estimate, &LayerOnPaper)| {
-            let moved = |by: Shift| noisy(layer, by) - estimate.value;
-            let errors = uncertainty.widen_by(estimate, |[r, t]| worse(moved([r, t]), moved([r, -t])));
-            Estimate { value: value(layer), ..errors }
-        };
-        estimates.into_iter().zip(ink.layers()).map(widened).collect()
-    };
+    let part = |get| Coefficient { thickness_um, get }.estimates(ink, uncertainty);
     let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
     let rows = ink.wavelengths_nm().iter().zip(k.into_iter().zip(s));
     let row = |(&wavelength_nm, (absorption_per_um, scattering_per_um)): (&f64, (Estimate, Estimate))| {
@@ -55,6 +38,39 @@ pub(super) fn kubelka_munk(
     // Where hardly any light comes through, T is within its error of none: K and S are anything.
     let known = |e: &Estimate| e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite);
     rows.map(row).filter(|row| known(&row.absorption_per_um) && known(&row.scattering_per_um)).collect()
+}
+
+/// K or S of a layer of known thickness.
+struct Coefficient {
+    thickness_um: f64,
+    get: fn(KubelkaMunk) -> f64,
+}
+
+impl Coefficient {
+    /// At every wavelength, with all errors.
+    fn estimates(&self, ink: &InkOnPaper, uncertainty: &Uncertainty) -> Vec<Estimate> {
+        let estimates = ink.spectrum(|layer| self.continued(layer, [0.0; 2])).estimates().into_iter();
+        estimates.zip(ink.layers()).map(|(e, layer)| self.estimate(layer, e, uncertainty)).collect()
+    }
+
+    /// At one wavelength, where the continuation is `continued` by chance.
+    fn estimate(&self, layer: &LayerOnPaper, continued: Estimate, uncertainty: &Uncertainty) -> Estimate {
+        let moved = |by: Shift| self.continued(layer, by) - continued.value;
+        let errors = uncertainty.widen_by(continued, |[r, t]| worse(moved([r, t]), moved([r, -t])));
+        Estimate { value: self.value(layer), ..errors }
+    }
+
+    /// The coefficient itself, no number where R̄ and T̄ have none.
+    fn value(&self, layer: &LayerOnPaper) -> f64 {
+        let [r, t] = fluxes(layer, [0.0; 2]);
+        KubelkaMunk::from_layer(r, t, self.thickness_um).map_or(f64::NAN, self.get)
+    }
+
+    /// Its continuation, moved by errors of R and T: where K stops at 0 its spread would stop too.
+    fn continued(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
+        let [r, t] = fluxes(layer, by);
+        KubelkaMunk::continued(r, t, self.thickness_um).map_or(f64::NAN, self.get)
+    }
 }
 
 /// The larger one, or no number. The signs of errors of R and T are unknown: S is the more wrong where they differ, as they do

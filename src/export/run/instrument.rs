@@ -56,17 +56,24 @@ pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> Res
 
 /// Both spectra of the print.
 fn known(manifest: &Manifest<&Study>) -> Vec<Known> {
-    // the ink on its paper stands beside the layer at the normal alone
-    let normal = || manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
-    let spectrum = |geometry, of: fn(&SpectrumRow) -> Option<Estimate>, swatch: fn(&InkMaker) -> &Swatch| {
-        let values = normal().map(of).collect::<Option<Vec<Estimate>>>()?;
-        let lab_covariance =
-            manifest.ink_maker.as_ref().and_then(|maker| swatch(maker).colour.lab_covariance);
-        Some(Known { geometry, values, lab_covariance })
-    };
+    let (lit, sky) = (Geometry::LitAt45, Geometry::NaturalLight);
     let both = [
-        spectrum(Geometry::LitAt45, |row| row.lit_at_45, |maker| &maker.print),
-        spectrum(Geometry::NaturalLight, |row| row.natural_light, |maker| &maker.natural_light),
+        known_at(manifest, lit, |row| row.lit_at_45, |maker| &maker.print),
+        known_at(manifest, sky, |row| row.natural_light, |maker| &maker.natural_light),
     ];
     both.into_iter().flatten().collect()
+}
+
+/// The spectrum at one geometry; `None` where it is not known at every wavelength.
+fn known_at(
+    manifest: &Manifest<&Study>,
+    geometry: Geometry,
+    of: fn(&SpectrumRow) -> Option<Estimate>,
+    swatch: fn(&InkMaker) -> &Swatch,
+) -> Option<Known> {
+    // the ink on its paper stands beside the layer at the normal alone
+    let normal = manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
+    let values = normal.map(of).collect::<Option<Vec<Estimate>>>()?;
+    let lab_covariance = manifest.ink_maker.as_ref().and_then(|maker| swatch(maker).colour.lab_covariance);
+    Some(Known { geometry, values, lab_covariance })
 }

@@ -18,13 +18,7 @@ pub(crate) fn tabulate(
     folder: &Path,
     faults: &mut Faults,
 ) -> Material {
-    let vacuum = || Material {
-        source: String::new(),
-        index: vec![Complex64::ONE; wavelengths_nm.len()],
-        spectrum: Spectrum::VACUUM,
-        dissolved: Vec::new(),
-        mixing: MixingRule::default(),
-    };
+    let vacuum = || vacuum(wavelengths_nm.len());
     let Some(spectrum) = spectrum(field, written, folder, faults) else { return vacuum() };
     if let Some(fault) = outside(field, &spectrum, wavelengths_nm) {
         faults.push(fault);
@@ -39,6 +33,17 @@ pub(crate) fn tabulate(
     }
     let (source, dissolved) = (source(&spectrum), Vec::new());
     Material { source, index, spectrum, dissolved, mixing: MixingRule::default() }
+}
+
+/// The index 1 at so many wavelengths.
+fn vacuum(wavelengths: usize) -> Material {
+    Material {
+        source: String::new(),
+        index: vec![Complex64::ONE; wavelengths],
+        spectrum: Spectrum::VACUUM,
+        dissolved: Vec::new(),
+        mixing: MixingRule::default(),
+    }
 }
 
 /// An index that no passive medium has: records are taken as they come, and their formulas have poles.

@@ -62,15 +62,20 @@ fn viewing(file: &StudyFile, faults: &mut Faults) -> Viewing {
     let or = |name: &Option<String>, default: &str| name.clone().unwrap_or_else(|| default.to_owned());
     let (illuminant, observer) = (or(&table.illuminant, "D65"), or(&table.observer, "2"));
     Viewing::new(&illuminant, &observer, table.summation).unwrap_or_else(|error| {
-        let remedy = "write for example illuminant = \"D50\", observer = \"2\"";
-        faults.push(match error {
-            ColourError::UnknownName { what, value, allowed } => {
-                Fault::new(format!("colour.{what}"), format!("{value:?}"), allowed, remedy)
-            }
-            other => Fault::new("colour", other, "an illuminant and an observer", remedy),
-        });
+        faults.push(viewing_fault(error));
         Viewing::default()
     })
+}
+
+/// Conditions of viewing that there are none of.
+fn viewing_fault(error: ColourError) -> Fault {
+    let remedy = "write for example illuminant = \"D50\", observer = \"2\"";
+    match error {
+        ColourError::UnknownName { what, value, allowed } => {
+            Fault::new(format!("colour.{what}"), format!("{value:?}"), allowed, remedy)
+        }
+        other => Fault::new("colour", other, "an illuminant and an observer", remedy),
+    }
 }
 
 fn target(file: &StudyFile, faults: &mut Faults) -> Option<[f64; 3]> {

@@ -42,13 +42,13 @@ pub(crate) fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
 pub(crate) fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String> {
     let (to, step, &last) = (light.to_nm?, light.step_nm?, wavelengths_nm.last()?);
     let count = wavelengths_nm.len() - 1;
-    let short = last < to - 1e-6 * step;
-    short.then(|| {
-        format!(
+    if last < to - 1e-6 * step {
+        return Some(format!(
             "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
              choose a step that divides the range to reach {to} nm"
-        )
-    })
+        ));
+    }
+    None
 }
 
 fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f64> {

@@ -68,12 +68,14 @@ fn read(path: &Path, faults: &mut Faults) -> Option<Vec<[f64; 2]>> {
     let rows = files::read_bytes(path, files::TABLE).map_err(csv::Error::from).and_then(|bytes| {
         builder.from_reader(bytes.as_slice()).deserialize().collect::<Result<Vec<Row>, _>>()
     });
-    let fault = |error: csv::Error| {
-        let found = format!("{} ({error})", path.display());
-        let allowed = "a readable table with the header wavelength_nm,albedo";
-        let remedy = "correct the table; its path is relative to the study file";
-        faults.push(Fault::new("paper.albedo.csv", found, allowed, remedy));
-    };
-    let rows = rows.map_err(fault).ok()?;
+    let rows = rows.map_err(|error| faults.push(unreadable(path, &error))).ok()?;
     Some(rows.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())
+}
+
+/// A table of albedos that cannot be read.
+fn unreadable(path: &Path, error: &csv::Error) -> Fault {
+    let found = format!("{} ({error})", path.display());
+    let allowed = "a readable table with the header wavelength_nm,albedo";
+    let remedy = "correct the table; its path is relative to the study file";
+    Fault::new("paper.albedo.csv", found, allowed, remedy)
 }

@@ -145,24 +145,29 @@ fn as_written(table: &PigmentTable, size: SizeDistribution) -> PigmentGrains {
 
 /// Nominal period unless told: the usual one, or what the largest grains need, µm.
 pub(super) fn nominal_period_um(file: &StudyFile) -> f64 {
-    let need = |table: &PigmentTable| {
-        let size = match (table.diameter_nm, &table.size) {
-            (Some(Diameter::Nm(diameter)), None) if diameter > 0.0 => SizeDistribution::diameter_nm(diameter),
-            (None, Some(size)) if size.defect().is_none() => size.clone(),
-            _ => return 0.0,
-        };
-        let grains = as_written(table, size);
-        if grains.shape.defect().is_some() {
-            return 0.0;
-        }
-        let (_, longest) = largest_extents_nm(&grains);
-        let diameter =
-            grains.shape.template().effective_diameter() / grains.shape.template().length * longest;
-        1e-3 * (DIAMETERS * diameter).max(LONGEST * longest)
-    };
-    let need =
-        file.pigments.iter().filter(|table| !is_molecular(table)).map(need).fold(USUAL_PERIOD_UM, f64::max);
+    let grains = file.pigments.iter().filter(|table| !is_molecular(table));
+    let need = grains.filter_map(needed_period_um).fold(USUAL_PERIOD_UM, f64::max);
     (need / PERIOD_STEP_UM - 1e-9).ceil() * PERIOD_STEP_UM
+}
+
+/// Period that a pigment's largest grains need, µm; `None` where their size or shape has a fault.
+fn needed_period_um(table: &PigmentTable) -> Option<f64> {
+    let grains = as_written(table, sound_size(table)?);
+    if grains.shape.defect().is_some() {
+        return None;
+    }
+    let (_, longest) = largest_extents_nm(&grains);
+    let diameter = grains.shape.template().effective_diameter() / grains.shape.template().length * longest;
+    Some(1e-3 * (DIAMETERS * diameter).max(LONGEST * longest))
+}
+
+/// A pigment's distribution of sizes as written; `None` where it has a fault.
+fn sound_size(table: &PigmentTable) -> Option<SizeDistribution> {
+    match (table.diameter_nm, &table.size) {
+        (Some(Diameter::Nm(nm)), None) if nm > 0.0 => Some(SizeDistribution::diameter_nm(nm)),
+        (None, Some(size)) if size.defect().is_none() => Some(size.clone()),
+        _ => None,
+    }
 }
 
 /// Usual nominal period, µm: no bias seen in R and T of three inks (40 cells; 1.2 µm has one at 50 %).

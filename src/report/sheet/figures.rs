@@ -94,16 +94,8 @@ fn other_angles(rows: &[SpectrumRow]) -> Drawing {
         against_wavelength("share of the light", angles.iter().flat_map(of).collect())?
     } else {
         let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
-        let of = |w: usize| {
-            let rows: Vec<&SpectrumRow> =
-                rows.iter().filter(|row| row.wavelength_nm == wavelengths[w]).collect();
-            let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| Series {
-                name: format!("{name}, {:.0} nm", wavelengths[w]),
-                points: rows.iter().map(|row| (row.polar_deg, of(row))).collect(),
-            };
-            [curve("R", &|row| row.reflectance), curve("T", &|row| row.transmittance)]
-        };
-        let series = shown(&wavelengths).into_iter().flat_map(of).collect();
+        let places = shown(&wavelengths).into_iter();
+        let series = places.flat_map(|w| against_angle(rows, wavelengths[w])).collect();
         let plot = Plot {
             x_label: "angle of incidence, °".into(),
             y_label: "share of the light".into(),
@@ -112,6 +104,16 @@ fn other_angles(rows: &[SpectrumRow]) -> Drawing {
         Plot { series, y_range: Some([0.0, 1.0]), ..plot }
     };
     Some(("Every angle solved", plot, caption.to_owned()))
+}
+
+/// R and T at one wavelength against the angle of incidence.
+fn against_angle(rows: &[SpectrumRow], nm: f64) -> [Series; 2] {
+    let rows: Vec<&SpectrumRow> = rows.iter().filter(|row| row.wavelength_nm == nm).collect();
+    let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| Series {
+        name: format!("{name}, {nm:.0} nm"),
+        points: rows.iter().map(|row| (row.polar_deg, of(row))).collect(),
+    };
+    [curve("R", &|row| row.reflectance), curve("T", &|row| row.transmittance)]
 }
 
 fn at_angle(rows: &[SpectrumRow], polar_deg: f64) -> Vec<SpectrumRow> {

@@ -6,11 +6,12 @@ use crate::evaluate::manifest::{Budget, Certainty, ColourNote, FailureNote, Mani
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
 use crate::ink::Method;
-use crate::input::study::{Study, WantedResolution};
+use crate::input::study::{Dissolved, Pigment, Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
 use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
 use crate::report::scalar_error;
 use crate::solve::door::Wave;
+use crate::store::packing_record::{PackingRecord, ShareRecord};
 
 fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
     Meant { name: name.to_owned(), value, meaning: meaning.into() }
@@ -127,21 +128,8 @@ pub(crate) fn asked(study: &Study) -> Vec<Named> {
         Named::new("binder", format!("index {}", layer.binder.source)),
         Named::new("half-spaces", format!("index {surroundings}")),
     ];
-    rows.extend(study.pigments.iter().map(|pigment| {
-        let grains = &pigment.grains;
-        let size = format!("{}, {}", grains.shape.name(), super::size(grains));
-        let share = percent(grains.volume_fraction);
-        Named::new(
-            format!("pigment {}", pigment.name),
-            format!("{share} %, {size}; index {}", pigment.material.source),
-        )
-    }));
-    rows.extend(study.dissolved.iter().map(|d| {
-        let share = percent(d.volume_fraction);
-        let value =
-            format!("{share} %, dissolved in the binder (grain size → 0); index {}", d.material.source);
-        Named::new(format!("pigment {}", d.name), value)
-    }));
+    rows.extend(study.pigments.iter().map(with_grains));
+    rows.extend(study.dissolved.iter().map(without_grains));
     if study.angles.strata > 0 {
         rows.push(Named::new("paper", paper(study)));
     }
@@ -150,6 +138,21 @@ pub(crate) fn asked(study: &Study) -> Vec<Named> {
         Named::new("angles", angles(study)),
     ]);
     rows
+}
+
+/// A pigment with its volume fraction, its grains and its index.
+fn with_grains(pigment: &Pigment) -> Named {
+    let (grains, source) = (&pigment.grains, &pigment.material.source);
+    let size = format!("{}, {}", grains.shape.name(), super::size(grains));
+    let share = percent(grains.volume_fraction);
+    Named::new(format!("pigment {}", pigment.name), format!("{share} %, {size}; index {source}"))
+}
+
+/// A pigment of vanishing grains with its volume fraction and its index.
+fn without_grains(pigment: &Dissolved) -> Named {
+    let (share, source) = (percent(pigment.volume_fraction), &pigment.material.source);
+    let value = format!("{share} %, dissolved in the binder (grain size → 0); index {source}");
+    Named::new(format!("pigment {}", pigment.name), value)
 }
 
 /// What the bars hold.
@@ -204,32 +207,45 @@ fn list(values: &[f64], unit: &str) -> String {
 
 pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<PackingRow> {
     let rows = manifest.packings.iter().flat_map(|packing| {
-        study.pigments.iter().zip(&packing.shares).map(|(pigment, share)| PackingRow {
-            realisation: packing.realisation + 1,
-            pigment: pigment.name.clone(),
-            grains: share.grains,
-            asked: format!("{:.2}", 100.0 * share.requested_fraction),
-            reached: format!("{:.2}", 100.0 * share.achieved_fraction),
-            method: match packing.method {
-                Method::SequentialAddition => format!("sequential addition, {} attempts", packing.steps),
-                Method::Relaxation => format!("relaxation of overlaps, {} steps", packing.steps),
-                Method::Given => "given".to_owned(),
-            },
-        })
+        let pigments = study.pigments.iter().zip(&packing.shares);
+        pigments.map(|(pigment, share)| packing_row(packing, &pigment.name, share))
     });
     rows.collect()
 }
 
+/// A pigment's volume fractions, asked and reached, in one packing.
+fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> PackingRow {
+    PackingRow {
+        realisation: packing.realisation + 1,
+        pigment: pigment.to_owned(),
+        grains: share.grains,
+        asked: format!("{:.2}", 100.0 * share.requested_fraction),
+        reached: format!("{:.2}", 100.0 * share.achieved_fraction),
+        method: method(packing),
+    }
+}
+
+/// How the grains came to their places, with the steps that it took.
+fn method(packing: &PackingRecord) -> String {
+    match packing.method {
+        Method::SequentialAddition => format!("sequential addition, {} attempts", packing.steps),
+        Method::Relaxation => format!("relaxation of overlaps, {} steps", packing.steps),
+        Method::Given => "given".to_owned(),
+    }
+}
+
 pub(crate) fn failures(manifest: &Manifest<&Study>) -> Vec<FailureRow> {
-    let row = |note: &FailureNote| {
-        let realisation = format!("realisation {}", note.realisation + 1);
-        let point = match note.wavelength_nm.zip(note.polar_deg) {
-            Some((nm, deg)) => format!("{realisation}, {nm} nm, {deg:.1}°"),
-            None => format!("{realisation}, packing"),
-        };
-        FailureRow { point, reason: note.reason.clone() }
+    manifest.failures.iter().map(failure_row).collect()
+}
+
+/// A solve or packing without a result, and the reason.
+fn failure_row(note: &FailureNote) -> FailureRow {
+    let realisation = format!("realisation {}", note.realisation + 1);
+    let point = match note.wavelength_nm.zip(note.polar_deg) {
+        Some((nm, deg)) => format!("{realisation}, {nm} nm, {deg:.1}°"),
+        None => format!("{realisation}, packing"),
     };
-    manifest.failures.iter().map(row).collect()
+    FailureRow { point, reason: note.reason.clone() }
 }
 
 pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> {
