@@ -35,7 +35,7 @@ pub enum PaperError {
     },
     /// A closed box without losses.
     #[error(
-        "the layer reflects all light from below (R̄_b = {mean}) on paper of albedo 1: the light never leaves; lower the albedo"
+        "the layer reflects all light from the exit side (R̄_b = {mean}) on paper of albedo 1: the light never leaves; lower the albedo"
     )]
     TrapsAllLight {
         /// R̄_b.

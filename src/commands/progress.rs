@@ -57,6 +57,8 @@ pub struct Progress {
     whole: AtomicBool,
     /// Processes that share the work.
     workers: AtomicUsize,
+    /// A wanted bar may end the work before all is solved.
+    ends_early: AtomicBool,
 }
 
 impl Progress {
@@ -80,11 +82,13 @@ impl Progress {
             busy: Mutex::new(Busy::new()),
             whole: AtomicBool::new(false),
             workers: AtomicUsize::new(1),
+            ends_early: AtomicBool::new(false),
         }
     }
 
-    /// So many solves are to come.
-    pub fn expect(&self, solves: usize) {
+    /// So many solves are to come, or fewer where a wanted bar ends the work.
+    pub fn expect(&self, solves: usize, ends_early: bool) {
+        self.ends_early.store(ends_early, Ordering::Relaxed);
         if let Ok(mut started) = self.started.lock() {
             *started = Instant::now();
         }
@@ -134,10 +138,11 @@ impl Progress {
         let workers = self.workers.load(Ordering::Relaxed);
         let seconds = started.elapsed().as_secs_f64() * left as f64 / (solved * workers) as f64;
         let left = HumanDuration(Duration::from_secs_f64(seconds));
+        let most = if self.ends_early.load(Ordering::Relaxed) { "at most" } else { "about" };
         if workers == 1 {
-            format!("about {left} left")
+            format!("{most} {left} left")
         } else {
-            format!("about {left} left for {workers} processes")
+            format!("{most} {left} left for {workers} processes")
         }
     }
 
@@ -162,6 +167,7 @@ impl RunWatch for Progress {
             *started = Instant::now();
         }
         let all = study.solves();
+        self.ends_early.store(study.target_delta_e.is_some(), Ordering::Relaxed);
         self.bar.set_length(all as u64);
         self.bar.set_position(kept as u64);
         self.left.store(all.saturating_sub(kept), Ordering::Relaxed);
@@ -197,10 +203,10 @@ impl RunWatch for Progress {
         }
         let Point { realisation, incidence, .. } = point;
         let (nm, angle) = (1e3 * incidence.wavelength_um, incidence.polar_deg);
-        let below = if incidence.from == Side::Exit { " from below" } else { "" };
+        let side = if incidence.from == Side::Exit { " from the exit side" } else { "" };
         let of = study.realisations;
         self.bar
-            .set_message(format!("realisation {}/{of} · {nm:.0} nm · {angle:.0}°{below}", realisation + 1));
+            .set_message(format!("realisation {}/{of} · {nm:.0} nm · {angle:.0}°{side}", realisation + 1));
         self.bar.set_prefix(self.time_left());
     }
 

@@ -84,7 +84,8 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let folder = begin(&sweep, &output_path(args, shard), args)?;
     let progress = Progress::new(StopFlag::listen());
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
-    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) });
+    let ends_early = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
+    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early);
     let live = LiveSweep::new(&sweep, &folder, &progress);
     let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
     let tally = runner::run(&sweep, &folder, (part, scope), settings, watch);

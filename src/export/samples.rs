@@ -67,7 +67,7 @@ fn halton(mut k: usize, base: usize) -> f64 {
 }
 
 /// The mirror part R_s(θ, λ) that the material leaves out, the albedo of what it holds as the totals R and T say it, and as
-/// its BRDF integrates, with the standard error of the difference of both.
+/// its BRDF integrates, with the standard error of the difference of both. Fits that fall below 0, at grazing light, count as 0.
 ///
 /// # Errors
 /// What [`DirectionalInk::disagreement`] refuses.
@@ -85,8 +85,9 @@ pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
     for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
         let disagreement = ink.disagreement(deg)?;
         for (w, (nm, apart)) in ink.ink().wavelengths_nm().iter().zip(disagreement).enumerate() {
-            let albedo = ink.diffuse_albedo(w, deg);
-            let row = (nm, deg, ink.specular(w, deg), albedo, albedo + apart.value, apart.standard_error);
+            let (mirrored, albedo) = (ink.specular(w, deg).max(0.0), ink.diffuse_albedo(w, deg).max(0.0));
+            let of_brdf = (albedo + apart.value).max(0.0);
+            let row = (nm, deg, mirrored, albedo, of_brdf, apart.standard_error);
             table.serialize(row)?;
         }
     }

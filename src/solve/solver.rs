@@ -254,6 +254,6 @@ fn not_scalar(name: &str) -> SolveError {
 fn instead_of(solver: &str) -> &'static str {
     match solver {
         "krylov" => "give lengths in µm and refractive indices of matter, and more points and cells",
-        _ => "use solver = \"krylov\", which converges on the same problem",
+        _ => "use strategy = \"krylov\", which converges on the same problem",
     }
 }

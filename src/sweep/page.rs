@@ -49,11 +49,17 @@ pub(crate) fn page(
 }
 
 fn partial(reported: &Reported, complete: usize, all: usize) -> String {
-    let failures = reported.failures();
-    let failed = if failures == 0 {
-        String::new()
-    } else {
-        format!(" {failures} failures are recorded; --retry-failed tries them again.")
+    let unfinished = |o: &&Outcome| o.solves.finished < o.solves.asked;
+    if reported.outcomes.iter().filter(unfinished).all(|outcome| outcome.reason.is_some()) {
+        return format!(
+            "{complete} of {all} variants are finished; nothing more can be computed of the other {}, for the reasons in the \
+             table. --retry-failed tries them again.",
+            all - complete
+        );
+    }
+    let failed = match reported.failures() {
+        0 => String::new(),
+        failures => format!(" {failures} failures are recorded; --retry-failed tries them again."),
     };
     let solves =
         |count: fn(&Count) -> usize| reported.outcomes.iter().map(|o| count(&o.solves)).sum::<usize>();

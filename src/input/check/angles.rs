@@ -73,13 +73,13 @@ fn alone(table: &AnglesTable, exact_deg: Vec<f64>, reason: String) -> Angles {
 }
 
 fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, coupling: Coupling) -> Angles {
-    let exit_strata = if same_from_below(file, coupling) { 0 } else { strata };
+    let exit_strata = if same_from_both_sides(file, coupling) { 0 } else { strata };
     Angles { strata, exit_strata, no_paper: None, ..alone(&file.angles, exact_deg, String::new()) }
 }
 
-/// A layer between two plane walls with vacuum on both sides is statistically the same from above and from below:
-/// its solves from above give Ā_b. A relief or a medium below breaks that symmetry.
-fn same_from_below(file: &StudyFile, coupling: Coupling) -> bool {
+/// A layer between two plane walls with vacuum on both sides is statistically the same from both sides:
+/// its solves from the incident side give Ā_b. A relief or another medium on the exit side breaks that symmetry.
+fn same_from_both_sides(file: &StudyFile, coupling: Coupling) -> bool {
     coupling == Coupling::Gap && file.layer.relief.is_none()
 }
 

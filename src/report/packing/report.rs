@@ -119,11 +119,24 @@ fn named(quantity: &str, pigments: &[(String, Shape)]) -> String {
     quantity.split_once(" of pigment ").and_then(name).unwrap_or_else(|| quantity.to_owned())
 }
 
+/// Spreads below this share of the mean are rounding of the arithmetic, not chance.
+const ROUNDING: f64 = 1e-9;
+
+/// Means below this are written with a power of ten.
+const SMALL: f64 = 1e-4;
+
 /// As far as the error lets it speak; where there is none, four digits without zeros that say nothing.
 fn rounded(Spread { mean: value, standard_error }: Spread) -> String {
     let digits = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    let decimals = (3.0 - digits).clamp(0.0, 12.0) as usize;
-    let words = Estimate { value, standard_error }.in_words(decimals);
+    let standard_error = standard_error.filter(|error| *error > ROUNDING * value.abs());
+    if value != 0.0 && value.abs() < SMALL {
+        let unit = 10f64.powf(digits);
+        let scaled = Estimate { value: value / unit, standard_error: standard_error.map(|error| error / unit) };
+        let words = scaled.in_words(3);
+        let words = if words.contains('±') { format!("({words})") } else { words };
+        return format!("{words} · 10<sup>−{}</sup>", -digits);
+    }
+    let words = Estimate { value, standard_error }.in_words((3.0 - digits).clamp(0.0, 12.0) as usize);
     if words.contains('±') || !words.contains('.') {
         return words;
     }
@@ -132,4 +145,19 @@ fn rounded(Spread { mean: value, standard_error }: Spread) -> String {
 
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_means_have_a_power_of_ten_and_rounding_is_no_error() {
+        let words = |mean: f64, error: f64| rounded(Spread { mean, standard_error: Some(error) });
+        assert_eq!(words(7.5e-8, 1e-23), "7.500 · 10<sup>−8</sup>");
+        assert_eq!(words(7.5e-8, 1.2e-9), "(7.50 ± 0.12) · 10<sup>−8</sup>");
+        assert_eq!(words(0.2, 1e-17), "0.2");
+        assert_eq!(words(0.2, 1.2e-3), "0.2000 ± 0.0012");
+        assert_eq!(words(0.0, 0.0), "0");
+    }
 }

@@ -55,10 +55,10 @@ impl Solver for Bicgstab {
                 return Err(ledger.diverged(f64::INFINITY));
             }
             if !ledger.reached() {
-                ledger.judge("use solver = \"krylov\"")?;
+                ledger.judge("use strategy = \"krylov\"")?;
             }
         }
-        Err(ledger.not_converged("the recurrence keeps breaking down; use solver = \"krylov\""))
+        Err(ledger.not_converged("the recurrence keeps breaking down; use strategy = \"krylov\""))
     }
 
     fn most_bytes(&self, size: &Size) -> f64 {

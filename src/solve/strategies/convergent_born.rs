@@ -70,7 +70,7 @@ impl Solver for ConvergentBorn {
                 return Ok(ledger.finish(field));
             }
             ledger.judge(
-                "it converges slowly without absorption: use solver = \"krylov\" or allow more applications",
+                "it converges slowly without absorption: use strategy = \"krylov\" or allow more applications",
             )?;
         }
     }

@@ -42,7 +42,7 @@ impl Solver for Direct {
         let n = problem.unknowns();
         if n > self.max_unknowns {
             return Err(SolveError::Setting {
-                field: "unknowns for solver = \"direct\"",
+                field: "unknowns for strategy = \"direct\"",
                 value: n.to_string(),
                 allowed: format!("at most {}", self.max_unknowns),
                 remedy: "use a coarser grid, another solver, or raise direct.max_unknowns".into(),

@@ -96,7 +96,7 @@ impl Solver for Relaxation {
                 // Rounding has carried the blend's residual away from the field's: go on from the field.
                 march = anew(problem, tau, &mut memory, &mut ledger);
             }
-            ledger.judge("try another tau or window, or solver = \"krylov\"")?;
+            ledger.judge("try another tau or window, or strategy = \"krylov\"")?;
         }
     }
 
