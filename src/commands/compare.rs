@@ -38,14 +38,17 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let mut stop = Stop(super::stop::StopFlag::listen());
-    let matrix = file.run_matrix(&registry, &mut stop, tell_cell).inspect_err(|_| output.discard_when_empty());
+    let matrix =
+        file.run_matrix(&registry, &mut stop, tell_cell).inspect_err(|_| output.discard_when_empty());
     if let Some(matrix) = matrix.map_err(report)? {
         matrix.write(output.path()).into_diagnostic()?;
         say(format_args!("Comparison: {}", output.path().join("matrix.html").display()))?;
         return ended(matrix.cells.len(), matrix.asked);
     }
-    let comparison =
-        file.run(&registry, &mut stop, tell_row).inspect_err(|_| output.discard_when_empty()).map_err(report)?;
+    let comparison = file
+        .run(&registry, &mut stop, tell_row)
+        .inspect_err(|_| output.discard_when_empty())
+        .map_err(report)?;
     comparison.write(output.path()).into_diagnostic()?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     ended(comparison.rows.len(), comparison.asked)?;

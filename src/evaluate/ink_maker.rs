@@ -173,7 +173,12 @@ impl Question<'_> {
     }
 
     /// The wavelength number `i` of the spectra, if it lies inside the measurement; the prediction gets its shared errors.
-    fn compared_row(&self, measured: &MeasuredSpectrum, i: usize, by_chance: Estimate) -> Option<ComparedRow> {
+    fn compared_row(
+        &self,
+        measured: &MeasuredSpectrum,
+        i: usize,
+        by_chance: Estimate,
+    ) -> Option<ComparedRow> {
         let (layer, wavelength_nm) = (&self.ink.layers()[i], self.ink.wavelengths_nm()[i]);
         let moved = |by: Shift| self.factor(layer, by) - self.factor(layer, UNMOVED);
         let predicted = self.uncertainty.widen_by(by_chance, moved);

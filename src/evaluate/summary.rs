@@ -224,9 +224,8 @@ fn colours_of(
     let natural = conditions.natural_light(study);
     let sky =
         uncertainty.colour(ink, &seen.solved, natural, &|l, by| conditions.natural_light_moved(l, by))?;
-    let print = uncertainty.colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| {
-        conditions.lit_at_45_moved(l, by)
-    })?;
+    let print = uncertainty
+        .colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| conditions.lit_at_45_moved(l, by))?;
     Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
 }
 

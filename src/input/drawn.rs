@@ -84,7 +84,7 @@ impl Study {
         let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;
         let nearest = grains(1.0);
         let distance = |n: usize| (n as f64 - nearest as f64).abs();
-        let key = |&n: &usize| (1e9 * miss(n, largest, &quanta)).round() as u64;
+        let key = |&n: &usize| (1e9 * largest_remainder(n, largest, &quanta)).round() as u64;
         // Among very many grains the nearest are as good as any.
         let fewest = grains(1.0 - AREA_SEARCH).max(nearest.saturating_sub(MOST_TRIED));
         let candidates = fewest..=grains(1.0 + AREA_SEARCH).min(nearest.saturating_add(MOST_TRIED));
@@ -98,9 +98,8 @@ impl Study {
     }
 }
 
-/// Largest relative distance from a whole number of grains, over pigments that need an area of a quantum for each grain, in
-/// an area of `n` times the largest quantum.
-fn miss(n: usize, largest: f64, quanta: &[f64]) -> f64 {
+/// Largest relative distance of the pigments' numbers of grains from whole ones, in an area of `n` times `largest`.
+fn largest_remainder(n: usize, largest: f64, quanta: &[f64]) -> f64 {
     let of = |quantum: &f64| {
         let count = n as f64 * largest / quantum;
         (count - count.round()).abs() / count

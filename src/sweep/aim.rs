@@ -28,6 +28,19 @@ pub struct Found {
     pub hex: String,
 }
 
+impl Found {
+    /// The numbers of a variant that states a colour.
+    fn of(maker: &InkMaker) -> Option<Self> {
+        let target = maker.target.as_ref()?;
+        Some(Self {
+            delta_e_2000: target.delta_e_2000,
+            deviations: target.deviations.clone(),
+            contrast_ratio: maker.contrast_ratio,
+            hex: maker.print.hex.clone(),
+        })
+    }
+}
+
 impl Aim {
     /// The aim of a study that states one.
     pub fn of(study: &Study) -> Option<Self> {
@@ -37,16 +50,7 @@ impl Aim {
 
     /// The same with what a variant has come to.
     pub fn with(self, maker: Option<&InkMaker>) -> Self {
-        let found = maker.and_then(|maker| {
-            let target = maker.target.as_ref()?;
-            Some(Found {
-                delta_e_2000: target.delta_e_2000,
-                deviations: target.deviations.clone(),
-                contrast_ratio: maker.contrast_ratio,
-                hex: maker.print.hex.clone(),
-            })
-        });
-        Self { found, ..self }
+        Self { found: maker.and_then(Found::of), ..self }
     }
 
     /// `L* 70, a* 5, b* −40 (D65, 2° observer)`.

@@ -52,12 +52,7 @@ pub fn claims(
 }
 
 fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Claim {
-    let mut places = |key: &str, list: &[Where]| -> Vec<usize> {
-        let one = |(k, condition): (usize, &Where)| {
-            one_variant(&format!("{at}.{key}[{k}]"), condition, axes, drafts, faults)
-        };
-        list.iter().enumerate().filter_map(one).collect()
-    };
+    let mut places = |key: &str, list: &[Where]| variants(&format!("{at}.{key}"), list, axes, drafts, faults);
     let (plus, minus) = (places("plus", &table.plus), places("minus", &table.minus));
     let among = places("among", &table.among);
     check(at, table, faults);
@@ -168,6 +163,12 @@ fn uneven(claim: &Claim, i: usize, wavelengths_nm: &[&[f64]], [from, to]: [f64; 
         (format!("conclusion[{i}].range_nm"), format!("{first} nm of one variant, {other} nm of another"));
     let remedy = "give them the same [light], or a range in which they agree";
     Some(Fault::new(field, found, "the same wavelengths of the range in all variants", remedy))
+}
+
+/// The variants that a list of conditions names, one each.
+fn variants(field: &str, list: &[Where], axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Vec<usize> {
+    let one = |(k, condition)| one_variant(&format!("{field}[{k}]"), condition, axes, drafts, faults);
+    list.iter().enumerate().filter_map(one).collect()
 }
 
 fn one_variant(

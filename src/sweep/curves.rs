@@ -58,22 +58,24 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_cur
 /// Tells apart what is made alike but stands on other papers, is seen by another wave, and so on.
 fn with_others(sweep: &Sweep, mut made: Vec<(usize, Make)>) -> Vec<(usize, Make)> {
     let place = |v: usize| &sweep.outline.variants[v].place;
-    let all_dissolved = made.iter().all(|(_, make)| make.size == 0);
-    // An axis counts where it alone tells two variants of one make apart; grains speak for molecular mixtures.
-    let counts = |a: &usize| {
-        let mut seen: HashMap<(Vec<usize>, &Make), usize> = HashMap::new();
-        made.iter().filter(|(_, make)| all_dissolved || make.size > 0).any(|(v, make)| {
-            let mut elsewhere = place(*v).clone();
-            let here = elsewhere.remove(*a);
-            *seen.entry((elsewhere, make)).or_insert(here) != here
-        })
-    };
-    let axes: Vec<usize> = (0..sweep.outline.axes.len()).filter(counts).collect();
+    let axes = 0..sweep.outline.axes.len();
+    let axes: Vec<usize> = axes.filter(|&a| tells_apart(sweep, &made, a)).collect();
     for (v, make) in &mut made {
         let captions = axes.iter().map(|&a| sweep.outline.axes[a].named(place(*v)[a]));
         make.others = captions.collect::<Vec<_>>().join(", ");
     }
     made
+}
+
+/// Whether an axis alone tells two variants of one make apart; grains speak for molecular mixtures.
+fn tells_apart(sweep: &Sweep, made: &[(usize, Make)], axis: usize) -> bool {
+    let all_dissolved = made.iter().all(|(_, make)| make.size == 0);
+    let mut seen: HashMap<(Vec<usize>, &Make), usize> = HashMap::new();
+    made.iter().filter(|(_, make)| all_dissolved || make.size > 0).any(|(v, make)| {
+        let mut elsewhere = sweep.outline.variants[*v].place.clone();
+        let here = elsewhere.remove(axis);
+        *seen.entry((elsewhere, make)).or_insert(here) != here
+    })
 }
 
 fn plot(
@@ -99,13 +101,16 @@ fn plot(
         }
     }
     series.truncate(most_curves);
+    if series.is_empty() {
+        return None;
+    }
     let x_label = match x {
         Abscissa::Share => "pigment volume concentration, %",
         Abscissa::Size => "effective grain diameter, nm (0: molecular)",
     };
     let title = if sheet.caption.is_empty() { String::new() } else { format!("{}: ", sheet.caption) };
     let against = if x == Abscissa::Share { "concentration" } else { "grain size" };
-    (!series.is_empty()).then(|| Plot {
+    Some(Plot {
         title: format!("{title}{y_label} against {against}"),
         x_label: x_label.into(),
         y_label: y_label.into(),

@@ -68,18 +68,26 @@ pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
 /// # Errors
 /// No sweep there, or files of it that were changed or lost.
 pub fn read(path: &Path) -> Result<Sweep, OpenError> {
-    let no_sweep = |reason: String| OpenError::NoSweep { path: path.to_owned(), reason };
+    let no_sweep = |reason: String| no_sweep(path, reason);
     let text = std::fs::read(path.join(OUTLINE)).map_err(|e| no_sweep(format!("{OUTLINE}: {e}")))?;
     let outline: Outline = serde_json::from_slice(&text).map_err(|e| no_sweep(format!("{OUTLINE}: {e}")))?;
-    let variant = |place: &Place| -> Result<Variant, OpenError> {
-        let file = path.join(VARIANTS).join(&place.name).join("study.toml");
-        let text =
-            std::fs::read_to_string(&file).map_err(|e| no_sweep(format!("{}: {e}", file.display())))?;
-        Ok(Variant { name: place.name.clone(), study: crate::input::load::load(&file)?, text })
-    };
-    let variants = outline.variants.iter().map(variant).collect::<Result<Vec<_>, _>>()?;
+    let variants = outline.variants.iter().map(|place| variant(path, place));
+    let variants = variants.collect::<Result<Vec<_>, _>>()?;
     let inputs = inputs(path).map_err(|e| no_sweep(format!("inputs: {e}")))?;
     Ok(Sweep { outline, variants, inputs })
+}
+
+/// The refusal of a folder.
+fn no_sweep(path: &Path, reason: String) -> OpenError {
+    OpenError::NoSweep { path: path.to_owned(), reason }
+}
+
+/// One variant from its own folder.
+fn variant(path: &Path, place: &Place) -> Result<Variant, OpenError> {
+    let file = path.join(VARIANTS).join(&place.name).join("study.toml");
+    let unreadable = |error| no_sweep(path, format!("{}: {error}", file.display()));
+    let text = std::fs::read_to_string(&file).map_err(unreadable)?;
+    Ok(Variant { name: place.name.clone(), study: crate::input::load::load(&file)?, text })
 }
 
 /// Copies the grids that another folder has, with those that could not be chosen; gives their number.

@@ -135,12 +135,7 @@ fn figure(
     row: &[Option<usize>],
     outcomes: &[Outcome],
 ) -> Result<Option<Picture>, FigureError> {
-    let curve = |(name, v): (&String, &Option<usize>)| {
-        let rows = outcomes[(*v)?].at_first_angle();
-        let x: Vec<f64> = rows.iter().map(|row| row.wavelength_nm).collect();
-        let y: Vec<Estimate> = rows.iter().map(|row| row.transmittance).collect();
-        (!x.is_empty()).then(|| Series::new(name, &x, &y))
-    };
+    let curve = |(name, v): (&String, &Option<usize>)| transmittance(name, &outcomes[(*v)?]);
     let series: Vec<Series> = columns.iter().zip(row).filter_map(curve).take(MOST_CURVES).collect();
     if series.is_empty() {
         return Ok(None);
@@ -153,6 +148,14 @@ fn figure(
         ..Plot::default()
     };
     drawn(&plot).map(Some)
+}
+
+/// A variant's transmittance against wavelength; `None` where there is none yet.
+fn transmittance(name: &str, outcome: &Outcome) -> Option<Series> {
+    let rows = outcome.at_first_angle();
+    let x: Vec<f64> = rows.iter().map(|row| row.wavelength_nm).collect();
+    let y: Vec<Estimate> = rows.iter().map(|row| row.transmittance).collect();
+    (!x.is_empty()).then(|| Series::new(name, &x, &y))
 }
 
 fn drawn(plot: &Plot) -> Result<Picture, FigureError> {

@@ -98,26 +98,41 @@ fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
 
 /// For each wanted resolution, variants with grains in the order of their density of grains, evenly spread over it.
 fn representatives(sweep: &Sweep, groups: &[Vec<usize>]) -> Vec<usize> {
-    let study = |v: usize| &sweep.variants[v].study;
     let wanted = resolutions(sweep, &(0..sweep.variants.len()).collect::<Vec<_>>());
     let each = (TRIALS / wanted.len()).max(2);
     let of_resolution = |(n, wanted): (usize, &WantedResolution)| {
-        let here = |v: &&usize| study(**v).resolution == *wanted;
-        // The inks of a group take turns, so that not all trials are of the first one.
-        let member = |(k, group): (usize, &Vec<usize>)| {
-            let members: Vec<usize> = group.iter().filter(here).copied().collect();
-            members.get((k + n) % members.len().max(1)).copied()
-        };
-        let all: Vec<usize> = groups.iter().enumerate().filter_map(member).collect();
-        let mut some: Vec<usize> = all.iter().copied().filter(|&v| !study(v).pigments.is_empty()).collect();
-        if some.is_empty() {
-            some = all.into_iter().take(1).collect();
-        }
-        some.sort_by(|&a, &b| density(study(a)).total_cmp(&density(study(b))));
-        let (count, last) = (some.len().min(each), some.len().saturating_sub(1));
-        (0..count).map(move |k| some[k * last / (count - 1).max(1)]).collect::<Vec<_>>()
+        let all = one_of_each(sweep, groups, n, wanted);
+        spread(&by_density(sweep, all), each)
     };
     wanted.iter().enumerate().flat_map(of_resolution).collect()
+}
+
+/// One variant of each group with the wanted resolution number `n`.
+fn one_of_each(sweep: &Sweep, groups: &[Vec<usize>], n: usize, wanted: &WantedResolution) -> Vec<usize> {
+    let here = |v: &&usize| sweep.variants[**v].study.resolution == *wanted;
+    // The inks of a group take turns, so that not all trials are of the first one.
+    let member = |(k, group): (usize, &Vec<usize>)| {
+        let members: Vec<usize> = group.iter().filter(here).copied().collect();
+        members.get((k + n) % members.len().max(1)).copied()
+    };
+    groups.iter().enumerate().filter_map(member).collect()
+}
+
+/// Those of the variants that have grains, in the order of their density of grains; the first alone where none has.
+fn by_density(sweep: &Sweep, all: Vec<usize>) -> Vec<usize> {
+    let study = |v: usize| &sweep.variants[v].study;
+    let mut some: Vec<usize> = all.iter().copied().filter(|&v| !study(v).pigments.is_empty()).collect();
+    if some.is_empty() {
+        some = all.into_iter().take(1).collect();
+    }
+    some.sort_by(|&a, &b| density(study(a)).total_cmp(&density(study(b))));
+    some
+}
+
+/// So many at most of the variants in a list, evenly spread from its first to its last.
+fn spread(list: &[usize], most: usize) -> Vec<usize> {
+    let (count, last) = (list.len().min(most), list.len().saturating_sub(1));
+    (0..count).map(|k| list[k * last / (count - 1).max(1)]).collect()
 }
 
 /// Different wanted resolutions among variants.

@@ -13,6 +13,7 @@ use super::sheets::{Sheet, sheets};
 use super::stored::stage_key;
 use super::target;
 use crate::appearance::picture::InkPicture;
+use crate::draw::contact_sheet::ContactSheet;
 use crate::draw::figure::FigureError;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
@@ -23,6 +24,7 @@ use crate::report::publish::{PublishError, publish_seen};
 use crate::run::runner::Stores;
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
+use std::path::Path;
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;
@@ -154,14 +156,15 @@ fn draw(
     let scratch = tempfile::tempdir()?;
     let path = scratch.path().join("sheet.png");
     let one = |sheet: &Sheet| -> Result<Vec<u8>, PublishError> {
-        let sheet = sheet.contact_sheet(title, pictures, outcomes);
-        let write = || -> Result<(), FigureError> {
-            sheet.render(&SHEET_STYLE)?.write_png(&path, &[("Title", sheet.title.as_str())])
-        };
-        write()?;
+        write_sheet(&sheet.contact_sheet(title, pictures, outcomes), &path)?;
         Ok(std::fs::read(&path)?)
     };
     sheets.iter().map(one).collect()
+}
+
+/// Draws a contact sheet into a PNG file with its title.
+fn write_sheet(sheet: &ContactSheet, path: &Path) -> Result<(), FigureError> {
+    sheet.render(&SHEET_STYLE)?.write_png(path, &[("Title", sheet.title.as_str())])
 }
 
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];

@@ -12,6 +12,7 @@ use crate::evaluate::summary::enough;
 use crate::input::study::Study;
 use crate::run::realisation::point_keys;
 use crate::run::resolve;
+use crate::run::resolve::Resolved;
 use crate::run::runner::{BATCH, Stores};
 
 use std::ops::Range;
@@ -76,17 +77,17 @@ fn has_failed(study: &Study, stores: &Stores, realisation: usize) -> bool {
 /// Whether each of the first realisations has all its solves, or failed.
 fn has_ended(study: &Study, stores: &Stores, realisations: usize) -> bool {
     let resolved = resolve::kept(study, &stores.grids);
-    let is_kept = |key: &str| {
-        stores.points.has(key) || stores.failures.as_ref().is_some_and(|failures| failures.has(key))
-    };
-    let ended = |r: usize| {
-        has_failed(study, stores, r)
-            || resolved.as_ref().is_some_and(|resolved| {
-                point_keys(study, resolved, r).iter().all(|(_, key)| is_kept(key.as_str()))
-            })
-    };
+    let solved = |r: usize| resolved.as_ref().is_some_and(|grid| has_all_solves(study, stores, grid, r));
+    let ended = |r: usize| has_failed(study, stores, r) || solved(r);
     // The last ones are the likeliest to be missing.
     (0..realisations).rev().all(ended)
+}
+
+/// Whether all solves of a realisation are in the store, with or without a result.
+fn has_all_solves(study: &Study, stores: &Stores, resolved: &Resolved, realisation: usize) -> bool {
+    let failed = |key: &str| stores.failures.as_ref().is_some_and(|failures| failures.has(key));
+    let is_kept = |key: &str| stores.points.has(key) || failed(key);
+    point_keys(study, resolved, realisation).iter().all(|(_, key)| is_kept(key.as_str()))
 }
 
 /// The rounds of a sweep, one after the other.

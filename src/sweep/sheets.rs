@@ -52,12 +52,7 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
     let on_sheet: Vec<usize> = (0..outline.variants.len()).filter(here).collect();
     let at = |v: usize, axis: Option<usize>| axis.map_or(0, |a| outline.variants[v].place[a]);
     // Values without any variant on this sheet take no room.
-    let used = |axis: Option<usize>| -> Vec<usize> {
-        let mut used: Vec<usize> = on_sheet.iter().map(|&v| at(v, axis)).collect();
-        used.sort_unstable();
-        used.dedup();
-        used
-    };
+    let used = |axis: Option<usize>| distinct(on_sheet.iter().map(|&v| at(v, axis)).collect());
     let (rows, columns) = (used(row), used(column));
     let find = |r: usize, c: usize| on_sheet.iter().copied().find(|&v| at(v, row) == r && at(v, column) == c);
     let names = |axis: Option<usize>, used: &[usize]| -> Vec<String> {
@@ -74,6 +69,13 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
         rows: names(row, &rows),
         columns: names(column, &columns),
     }
+}
+
+/// Each value once, rising.
+fn distinct(mut values: Vec<usize>) -> Vec<usize> {
+    values.sort_unstable();
+    values.dedup();
+    values
 }
 
 impl Sheet {

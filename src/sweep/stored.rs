@@ -1,31 +1,29 @@
 //! What the store has of a variant, without computing anything.
 
-use crate::input::study::{Point, Study};
+use crate::input::study::Study;
 use crate::run::realisation::point_keys;
 use crate::run::resolve;
-use crate::run::runner::{Collected, Failure, Realisation, Stores};
+use crate::run::resolve::Resolved;
+use crate::run::runner::{Collected, Realisation, Stores};
 use crate::store::identity::Key;
 
 /// What the store has of the first realisations.
 pub(super) fn collect_some(study: &Study, stores: &Stores, realisations: usize) -> Option<Collected> {
     let resolved = resolve::kept(study, &stores.grids)?;
-    let realisation = |r: usize| {
-        let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
-        let keyed = point_keys(study, &resolved, r);
-        let points: Vec<_> = keyed.iter().map(|(_, key)| stores.points.get(key.as_str())).collect();
-        let failed = |((point, key), found): (&(Point, Key), &Option<_>)| match found {
-            Some(_) => None,
-            None => {
-                let record = stores.failures.as_ref()?.get(key.as_str())?;
-                Some(Failure { point: *point, reason: record.reason })
-            }
-        };
-        let failures = keyed.iter().zip(&points).filter_map(failed).collect();
-        Some(Realisation { packing, points, failures })
-    };
-    let realisations: Vec<Realisation> = (0..realisations).filter_map(realisation).collect();
+    let realisations: Vec<Realisation> =
+        (0..realisations).filter_map(|r| collect_one(study, stores, &resolved, r)).collect();
     let (refused, enough, damages) = (Vec::new(), false, Vec::new());
     (!realisations.is_empty()).then_some(Collected { resolved, realisations, refused, enough, damages })
+}
+
+/// What the store has of one realisation, once that is packed.
+fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) -> Option<Realisation> {
+    let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
+    let keyed = point_keys(study, resolved, r);
+    let points: Vec<_> = keyed.iter().map(|(_, key)| stores.points.get(key.as_str())).collect();
+    let missing = keyed.iter().zip(&points).filter(|(_, found)| found.is_none());
+    let failures = missing.filter_map(|(keyed, _)| stores.failure(keyed)).collect();
+    Some(Realisation { packing, points, failures })
 }
 
 /// What a realisation's packing and grid depend on.

@@ -89,14 +89,20 @@ fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
     all.retain(|(_, to_target)| to_target.estimate.value.is_finite());
     all.sort_by(|a, b| a.1.estimate.value.total_cmp(&b.1.estimate.value));
     let Some((best, least)) = all.first().cloned() else { return Vec::new() };
-    let near = |(variant, to_target): (usize, Linked)| {
-        // realisations that both share move both alike
-        let farther = Linked::sum([(1.0, &to_target), (-1.0, &least)]).estimate;
-        let factor = factor_of(&[&outcomes[best], &outcomes[variant]]);
-        let bar = if variant == best { Some(0.0) } else { farther.standard_error.map(|s| factor * s) };
-        Near { variant, to_target, farther, bar }
-    };
-    all.into_iter().map(near).collect()
+    all.into_iter().map(|one| near(outcomes, (best, &least), one)).collect()
+}
+
+/// A variant with its distance to the target, beside the nearest one with its own.
+fn near(
+    outcomes: &[Outcome],
+    (best, least): (usize, &Linked),
+    (variant, to_target): (usize, Linked),
+) -> Near {
+    // realisations that both share move both alike
+    let farther = Linked::sum([(1.0, &to_target), (-1.0, least)]).estimate;
+    let factor = factor_of(&[&outcomes[best], &outcomes[variant]]);
+    let bar = if variant == best { Some(0.0) } else { farther.standard_error.map(|s| factor * s) };
+    Near { variant, to_target, farther, bar }
 }
 
 /// Standard errors in half of a 95 % interval, by the fewest realisations behind the number.

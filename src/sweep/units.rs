@@ -64,16 +64,19 @@ pub fn units(sweep: &Sweep) -> Vec<Unit> {
 
 /// The units of some realisations of each variant, group by group.
 pub fn units_within(sweep: &Sweep, realisations: &[Range<usize>]) -> Vec<Unit> {
-    let of_group = |(group, members): (usize, Vec<usize>)| {
-        let first = members.iter().map(|&v| realisations[v].start).min().unwrap_or(0);
-        let end = members.iter().map(|&v| realisations[v].end).max().unwrap_or(0);
-        let unit = move |realisation| {
-            let asks = |v: &usize| realisations[*v].contains(&realisation);
-            Unit { group, variants: members.iter().copied().filter(asks).collect(), realisation }
-        };
-        (first..end).map(unit).filter(|unit| !unit.variants.is_empty())
+    let groups = groups(sweep).into_iter().enumerate();
+    groups.flat_map(|(group, members)| units_of(group, &members, realisations)).collect()
+}
+
+/// The units of one group.
+fn units_of(group: usize, members: &[usize], realisations: &[Range<usize>]) -> Vec<Unit> {
+    let first = members.iter().map(|&v| realisations[v].start).min().unwrap_or(0);
+    let end = members.iter().map(|&v| realisations[v].end).max().unwrap_or(0);
+    let unit = |realisation| {
+        let asks = |v: &usize| realisations[*v].contains(&realisation);
+        Unit { group, variants: members.iter().copied().filter(asks).collect(), realisation }
     };
-    groups(sweep).into_iter().enumerate().flat_map(of_group).collect()
+    (first..end).map(unit).filter(|unit| !unit.variants.is_empty()).collect()
 }
 
 #[cfg(test)]

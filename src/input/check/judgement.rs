@@ -67,7 +67,7 @@ fn viewing(file: &StudyFile, faults: &mut Faults) -> Viewing {
     })
 }
 
-/// Conditions of viewing that there are none of.
+/// A light or an observer that is not known.
 fn viewing_fault(error: ColourError) -> Fault {
     let remedy = "write for example illuminant = \"D50\", observer = \"2\"";
     match error {

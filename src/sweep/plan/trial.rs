@@ -11,6 +11,7 @@ use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
 use crate::run::runner::RunError;
 use crate::run::watch::RunWatch;
+use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::solve::door::Geometry;
@@ -139,13 +140,7 @@ pub(crate) fn time_solves(
 ) -> Result<f64, RunError> {
     let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
     let solver = study.solver.build();
-    let solve = |i: usize| {
-        // A failure costs about what a success does.
-        let problem = problem_of(study, geometry, &chosen[i]);
-        let _ = problem.map(|problem| {
-            solve_point(study, &*solver, &problem, &chosen[i], GridError::default(), "trial", watch)
-        });
-    };
+    let solve = |i: usize| try_solve(study, &*solver, geometry, &chosen[i], watch);
     let (mut seconds, mut solves) = (0.0, 0);
     while seconds < LEAST_SECONDS && solves < MOST_SOLVES {
         let (more, ()) = timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?;
@@ -156,6 +151,13 @@ pub(crate) fn time_solves(
         solves += chosen.len();
     }
     Ok(seconds / solves as f64)
+}
+
+/// One solve, whose result is not needed: a failure costs about what a success does.
+fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Point, watch: &dyn RunWatch) {
+    if let Ok(problem) = problem_of(study, geometry, point) {
+        let _ = solve_point(study, solver, &problem, point, GridError::default(), "trial", watch);
+    }
 }
 
 /// The points and cells a µm of a trial in another cell.
