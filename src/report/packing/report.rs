@@ -131,7 +131,8 @@ fn rounded(Spread { mean: value, standard_error }: Spread) -> String {
     let standard_error = standard_error.filter(|error| *error > ROUNDING * value.abs());
     if value != 0.0 && value.abs() < SMALL {
         let unit = 10f64.powf(digits);
-        let scaled = Estimate { value: value / unit, standard_error: standard_error.map(|error| error / unit) };
+        let scaled =
+            Estimate { value: value / unit, standard_error: standard_error.map(|error| error / unit) };
         let words = scaled.in_words(3);
         let words = if words.contains('±') { format!("({words})") } else { words };
         return format!("{words} · 10<sup>−{}</sup>", -digits);
