@@ -70,8 +70,8 @@ const SLIPS: &[Slip] = &[
     ),
     slip(
         "thickness_um = 0.5",
-        "thickness_um = 0.5\nindex_above = 1.5",
-        ["layer.index_above", "1.5", "1, air above", "angles.polar_deg"],
+        "thickness_um = 0.5\nindex_in = 1.5",
+        ["layer.index_in", "1.5", "1, air above", "angles.polar_deg"],
     ),
     // pigments
     slip(

@@ -13,7 +13,9 @@ const RECORDS: &str = "records/1.sqlite";
 /// Everything published of a study, without what tells of time and files.
 fn published(out: &Path) -> Vec<(String, Vec<u8>)> {
     let timeless = |text: String| -> Vec<u8> {
-        let line = |l: &&str| !["solve_seconds", "time in solves"].iter().any(|word| l.contains(word));
+        let line = |l: &&str| {
+            !["solve_seconds", "process_seconds", "time in solves"].iter().any(|word| l.contains(word))
+        };
         text.lines().filter(line).collect::<Vec<_>>().join("\n").into_bytes()
     };
     let read = |name: &str| {

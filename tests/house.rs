@@ -227,3 +227,33 @@ fn planted_faults_are_seen() {
     assert_eq!(house.circles()[0], "a::x → a::y → b::z → a::x");
     assert_eq!(house.circles().len(), 3);
 }
+
+/// First lines (counted from 0) of closures whose bodies have more than three lines: such steps deserve names. Relies on the
+/// format of `cargo fmt`.
+fn long_closures(text: &str) -> Vec<usize> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or("");
+    let lines: Vec<&str> = code.lines().collect();
+    let indent = |line: &str| line.len() - line.trim_start().len();
+    let body = |at: usize| {
+        lines[at + 1..].iter().take_while(|l| l.is_empty() || indent(l) > indent(lines[at])).count()
+    };
+    (0..lines.len()).filter(|&at| lines[at].ends_with("| {") && body(at) > 3).collect()
+}
+
+#[test]
+fn long_steps_have_names() {
+    let places = |(path, text): &(String, String)| {
+        long_closures(text).into_iter().map(|at| format!("{path}:{}", at + 1)).collect::<Vec<_>>()
+    };
+    let found: Vec<String> = library().iter().flat_map(places).collect();
+    assert!(found.is_empty(), "closures of more than three lines:\n{}", found.join("\n"));
+}
+
+/// The planted fault: a body of four lines is seen, one of three is not.
+#[test]
+fn a_long_closure_is_seen() {
+    let closure =
+        |lines: usize| format!("fn f() {{\n    g(|x| {{\n{}    }})\n}}\n", "        x;\n".repeat(lines));
+    assert_eq!(long_closures(&closure(4)), [1]);
+    assert!(long_closures(&closure(3)).is_empty());
+}

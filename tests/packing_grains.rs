@@ -2,11 +2,12 @@
 
 use inkwave::ink::grains::shape::Template;
 use inkwave::ink::pack;
-use inkwave::ink::statistics::{Estimate, orientation_tensor, section_statistics};
+use inkwave::ink::statistics::{orientation_tensor, section_statistics};
 use inkwave::ink::{
     Agglomeration, EquilibrationSettings, Grain, MethodChoice, Orientation, Packing, PackingRequest,
     PigmentGrains, Shape, ShareRule, SizeDistribution,
 };
+use inkwave::numerics::estimate::Estimate;
 use rayon::prelude::*;
 
 fn request(pigments: Vec<PigmentGrains>) -> PackingRequest {
@@ -213,11 +214,11 @@ fn relaxed_layers_are_symmetric_isotropic_and_have_an_honest_s2() {
     let sections: Vec<_> =
         packings.par_iter().map(|p| section_statistics(p, 100, 0.03, 0.0125, 1.25)).collect();
     let estimate = |of: &dyn Fn(&inkwave::ink::statistics::SectionStatistics) -> f64| {
-        Estimate::of(&sections.iter().map(of).collect::<Vec<_>>())
+        Estimate::of_mean(&sections.iter().map(of).collect::<Vec<_>>())
     };
     let zero_within = |what: &str, e: Estimate, sigmas: f64, floor: f64| {
         let bar = sigmas * e.standard_error.unwrap() + floor;
-        assert!(e.mean.abs() < bar, "{what}: {} beyond {bar}", e.mean);
+        assert!(e.value.abs() < bar, "{what}: {} beyond {bar}", e.value);
     };
     // Significance: five standard errors of eight realisations (t with 7 degrees of freedom: 1.6e-3 each), ten tests.
     for k in (0..50).step_by(10) {
@@ -237,5 +238,5 @@ fn relaxed_layers_are_symmetric_isotropic_and_have_an_honest_s2() {
     zero_within("limit", estimate(&|s| tail(s) - s.mean_square_profile), 5.0, 2e-3);
     // And the power of the last one: φ² itself is not the limit between walls.
     let layered = estimate(&|s| s.mean_square_profile - phi * phi);
-    assert!(layered.mean > 5e-3, "{layered:?}");
+    assert!(layered.value > 5e-3, "{layered:?}");
 }

@@ -20,7 +20,7 @@ cell = "varied"
 period_um = 0.8
 thickness_um = 0.4
 binder.index = 1.558
-index_below = 1.0
+index_out = 1.0
 [[pigment]]
 name = "yellow"
 diameter_nm = 160
@@ -100,8 +100,8 @@ const CHANGES: &[Change] = &[
         )],
         Spectra,
     ),
-    (&[("layer.index_above", "1.2"), ONE_ANGLE, LISTED], Spectra),
-    (&[("layer.index_below", "1.2"), ONE_ANGLE, LISTED], Spectra),
+    (&[("layer.index_in", "1.2"), ONE_ANGLE, LISTED], Spectra),
+    (&[("layer.index_out", "1.2"), ONE_ANGLE, LISTED], Spectra),
     (&[("pigment.1.name", "'colourless'")], Nothing),
     (&[("pigment.0.diameter_nm", "161")], Spectra),
     (&[("pigment.0.diameter_nm", "'molecular'")], Spectra),
@@ -138,7 +138,7 @@ const CHANGES: &[Change] = &[
     (&[("packing.equilibration", "{ sweeps = 3 }")], Spectra),
     (&[("paper.albedo", "0.8")], Spectra),
     (&[("paper.albedo", "[[400, 0.8], [700, 0.9]]")], Spectra),
-    (&[("paper.coupling", "'optical_contact'"), ("layer.index_below", "1.4")], Spectra),
+    (&[("paper.coupling", "'optical_contact'"), ("layer.index_out", "1.4")], Spectra),
     (&[("light.from_nm", "410"), ("light.step_nm", "145")], Spectra),
     (&[("light.to_nm", "690"), ("light.step_nm", "145")], Spectra),
     (&[("light.step_nm", "100")], Spectra),

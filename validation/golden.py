@@ -129,7 +129,7 @@ class Study:
         )
         period = layer.get("period_um")
         self.period_um = period if isinstance(period, list) else [period, period]
-        self.index_out = layer.get("index_below", 1.0)
+        self.index_out = layer.get("index_out", layer.get("index_below", 1.0))
         self.contact = self.file["paper"].get("coupling") == "optical_contact"
         if "wavelengths_nm" in light:
             self.wavelengths = [float(nm) for nm in light["wavelengths_nm"]]

@@ -20,7 +20,7 @@ pub enum Coupling {
 
 impl Coupling {
     /// Index of the half-space below that the solves must have.
-    pub fn index_below(self) -> f64 {
+    pub fn index_out(self) -> f64 {
         match self {
             Self::Gap => 1.0,
             Self::OpticalContact { index } => index,

@@ -90,11 +90,6 @@ impl<'a> LiveSweep<'a> {
         Self { progress, folder, page: Mutex::new((Rhythm::new(), Publisher::new(sweep))) }
     }
 
-    /// True once there is a page to be opened.
-    pub fn has_page(&self) -> bool {
-        self.page.lock().is_ok_and(|page| page.0.told)
-    }
-
     /// Writes the pages when they are due, while the other threads go on.
     fn show(&self) {
         // another thread writes them now, or has failed at it

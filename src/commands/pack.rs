@@ -38,6 +38,7 @@ pub struct PackArgs {
 /// Reads the study, packs every realisation, writes the report.
 pub fn run(args: &PackArgs) -> Result<()> {
     let mut study = load_packing(&args.study).map_err(study_report)?;
+    study.remarks.iter().for_each(super::say::note);
     study.packing.seed = args.seed.unwrap_or(study.packing.seed);
     study.realisations = args.realisations.map_or(study.realisations, usize::from);
     let stop = StopFlag::listen();

@@ -13,6 +13,7 @@ use inkwave::run::runner::RunSettings;
 use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
+use inkwave::sweep::outcome::Outcome;
 use inkwave::sweep::publish::{Reported, publish};
 use inkwave::sweep::run::Scope;
 use inkwave::sweep::units::Shard;
@@ -102,10 +103,8 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         return tell_grids(&folder, progress.stopped());
     }
     if shard.is_some() {
-        // The parts of a divided sweep are reported once they are merged; a page shown meanwhile ends up to date.
-        if live.has_page() {
-            publish(&sweep, &folder).into_diagnostic()?;
-        }
+        // The whole is reported once the parts are merged; until then the page shows what this one has.
+        publish(&sweep, &folder).into_diagnostic()?;
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
     if !tally.publishes {
@@ -147,7 +146,14 @@ pub(super) fn tell(
     if complete == all {
         return Ok(());
     }
-    let help = if failures > 0 && !stopped {
+    let waits =
+        |outcome: &&Outcome| outcome.solves.finished < outcome.solves.asked && outcome.reason.is_none();
+    let waiting = reported.outcomes.iter().filter(waits).count();
+    let help = if waiting > 0 && !stopped {
+        format!(
+            "{waiting} variants have not been computed to their end; to go on: {go_on}, or merge the missing shards"
+        )
+    } else if failures > 0 && !stopped {
         "the report lists the reasons; change the sweep, or try again with --retry-failed".to_owned()
     } else {
         format!("to go on: {go_on}")
@@ -227,7 +233,8 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     say(format_args!("unknowns          {} in the largest solve", plan.unknowns))?;
     say(format_args!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs))?;
     say(format_args!(
-        "time              about {} on {jobs} cores, {} on 100",
+        "time              {} {} on {jobs} cores, {} on 100",
+        if bars { "at most" } else { "about" },
         time(jobs as f64),
         time(100.0)
     ))?;

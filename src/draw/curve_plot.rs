@@ -39,10 +39,10 @@ type Fault<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
 fn draw_curve<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, curve: &Curve) -> Result<(), Fault<DB>> {
     area.fill(&WHITE)?;
     let bar = |i: usize| curve.y[i].standard_error.unwrap_or(0.0);
-    let shown: Vec<usize> = (0..curve.x.len()).filter(|i| curve.y[*i].mean.is_finite()).collect();
+    let shown: Vec<usize> = (0..curve.x.len()).filter(|i| curve.y[*i].value.is_finite()).collect();
     let x = span(shown.iter().map(|i| curve.x[*i]), 0.0);
     let y = span(
-        shown.iter().flat_map(|i| [curve.y[*i].mean - bar(*i), curve.y[*i].mean + bar(*i)]).chain([0.0]),
+        shown.iter().flat_map(|i| [curve.y[*i].value - bar(*i), curve.y[*i].value + bar(*i)]).chain([0.0]),
         0.05,
     );
     let mut chart = ChartBuilder::on(area)
@@ -52,10 +52,10 @@ fn draw_curve<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, curve: &Curve) 
         .y_label_area_size(68)
         .build_cartesian_2d(x, y)?;
     axes(&mut chart, &curve.x_label, &curve.y_label)?;
-    let means = shown.iter().map(|i| (curve.x[*i], curve.y[*i].mean));
+    let means = shown.iter().map(|i| (curve.x[*i], curve.y[*i].value));
     chart.draw_series(LineSeries::new(means, LINE.stroke_width(2)))?;
     let bars = shown.iter().filter(|i| bar(**i) > 0.0).map(|i| {
-        let (x, m, e) = (curve.x[*i], curve.y[*i].mean, bar(*i));
+        let (x, m, e) = (curve.x[*i], curve.y[*i].value, bar(*i));
         ErrorBar::new_vertical(x, m - e, m, m + e, LINE.filled(), 5)
     });
     chart.draw_series(bars)?;

@@ -171,7 +171,7 @@ impl InkOnPaper {
     /// As [`InkOnPaper::new`].
     pub fn homogeneous(inputs: &InkInputs) -> Result<Self, InkError> {
         let basis = SpectralBasis::Listed(inputs.outputs_nm.to_vec());
-        let exit = inputs.substrate.coupling.index_below() != 1.0;
+        let exit = inputs.substrate.coupling.index_out() != 1.0;
         Self::new(LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[], inputs)
     }
 
@@ -221,7 +221,7 @@ impl InkOnPaper {
             measured,
             curve,
             self.nodes.albedos[node],
-            self.substrate.coupling.index_below(),
+            self.substrate.coupling.index_out(),
         )
     }
 

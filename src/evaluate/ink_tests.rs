@@ -22,7 +22,7 @@ pub(crate) fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> In
     let index = |nm: f64| molecular_mixture(1.558.into(), &[(share, spectrum.index(1e-3 * nm).unwrap())]);
     let indices = |nm: f64| (index(nm), Vec::new());
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling };
-    let films = films(&indices, coupling.index_below());
+    let films = films(&indices, coupling.index_out());
     InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm })
         .unwrap()
 }

@@ -63,6 +63,10 @@ pub struct Manifest<Study: Serialize> {
     /// Seconds that the solves took, added up: of a clock on the wall, while several solves may run side by side on
     /// several threads each.
     pub solve_seconds: f64,
+    /// Processor seconds of the whole process that wrote this, of all its threads: packings, grids, solves and evaluation since it
+    /// was started. Absent in sweeps, whose process works for all variants at once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub process_seconds: Option<f64>,
     /// The study with every default filled in.
     pub study: Study,
 }

@@ -102,7 +102,7 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
         profile: mean_profile(&complete),
         indices: &indices,
         thicknesses_um: study.thicknesses_um(),
-        index_out: study.layer.index_below,
+        index_out: study.layer.index_out,
         wave: study.wave,
     };
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);

@@ -67,6 +67,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         no_ink_maker,
         spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
+        process_seconds: None,
         study,
     }
 }

@@ -94,8 +94,8 @@ impl Exporter<'_> {
 
     fn mitsuba(&self, out: &mut Exported) -> Result<(), ExportError> {
         let (ink, study) = (self.ink("mitsuba")?, self.study());
-        if study.layer.index_above != 1.0 {
-            return Err(ExportError::NotInAir { index: study.layer.index_above });
+        if study.layer.index_in != 1.0 {
+            return Err(ExportError::NotInAir { index: study.layer.index_in });
         }
         self.watch.stage("tabulating the material");
         let ink = DirectionalInk::new(ink)?;
@@ -236,7 +236,7 @@ impl Exporter<'_> {
     fn provenance(&self, out: &mut Exported) -> Result<(), ExportError> {
         let manifest = self.manifest();
         let amplitude_error = manifest.certainty.amplitude_error_estimate;
-        let index_out = self.study().layer.index_below;
+        let index_out = self.study().layer.index_out;
         let bdfs = tables::distributions(self.stored.seen.bdfs.iter(), amplitude_error, index_out)?;
         out.add(STUDY, serde_json::to_vec_pretty(self.study())?, "the study with every default filled in");
         out.add("results.json", serde_json::to_vec_pretty(&manifest)?, "all numbers with their errors");

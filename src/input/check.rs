@@ -141,13 +141,13 @@ fn layer(
         faults.number("layer.thickness_um.std", std, allowed, remedy);
     }
     let remedy = "give the real refractive index, 1 for air";
-    faults.number("layer.index_above", table.index_above, limits::INDEX, remedy);
-    faults.number("layer.index_below", table.index_below, limits::INDEX, remedy);
+    faults.number("layer.index_in", table.index_in, limits::INDEX, remedy);
+    faults.number("layer.index_out", table.index_out, limits::INDEX, remedy);
     Layer {
         period_um,
         thickness_um: mean,
-        index_above: table.index_above,
-        index_below: table.index_below,
+        index_in: table.index_in,
+        index_out: table.index_out,
         contrast: table.contrast,
         binder: index::tabulate("layer.binder.index", &table.binder.index, wavelengths_nm, folder, faults),
     }

@@ -18,6 +18,7 @@ pub mod load;
 pub mod locate;
 pub mod measured;
 mod misfit;
+pub mod older;
 mod patches;
 pub mod read;
 pub mod study;

@@ -149,8 +149,8 @@ impl Study {
         let shares: Vec<f64> = self.pigments.iter().map(|p| p.grains.volume_fraction).collect();
         let (binder, inclusions) = self.layer.contrast.of(binder, &shares, pigments);
         Media {
-            incident: self.layer.index_above.into(),
-            exit: self.layer.index_below.into(),
+            incident: self.layer.index_in.into(),
+            exit: self.layer.index_out.into(),
             backgrounds: vec![binder],
             inclusions,
         }

@@ -35,6 +35,11 @@ impl Estimate {
         Self { value: whole, standard_error: variance.map(f64::sqrt) }
     }
 
+    /// With a floor of the error, such as a counting error, which few realisations estimate badly.
+    pub fn at_least(self, floor: f64) -> Self {
+        Self { standard_error: Some(self.standard_error.unwrap_or(0.0).max(floor)), ..self }
+    }
+
     /// `35.55 ± 0.56`: the error with two digits, the value as far as the error lets it speak. A lone value with `decimals` where
     /// the error is unknown or zero; nothing for no number.
     pub fn in_words(&self, decimals: usize) -> String {

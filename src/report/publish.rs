@@ -11,6 +11,7 @@ use crate::evaluate::manifest::{Manifest, Status};
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
+use crate::run::crew::processor_seconds;
 use crate::run::runner::Collected;
 use crate::store::folder::{FolderError, OutputFolder};
 
@@ -72,7 +73,8 @@ pub fn publish(
     folder: &OutputFolder,
 ) -> Result<Published, PublishError> {
     let seen = see(study, collected)?;
-    publish_seen(study, &summarise(study, collected, &seen), &seen, folder)
+    let process_seconds = processor_seconds();
+    publish_seen(study, &Manifest { process_seconds, ..summarise(study, collected, &seen) }, &seen, folder)
 }
 
 /// Writes what has been seen already.
@@ -97,7 +99,7 @@ pub(crate) fn publish_seen(
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
     folder.write(
         "bdf.csv",
-        &tables::distributions(seen.bdfs.iter(), amplitude_error, study.layer.index_below)?,
+        &tables::distributions(seen.bdfs.iter(), amplitude_error, study.layer.index_out)?,
     )?;
     for (name, table) in
         tables::ink_maker(manifest.ink_maker.as_ref(), manifest.certainty.coverage_factor_95)?

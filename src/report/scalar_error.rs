@@ -128,7 +128,7 @@ const UNLIKE: &str = "nothing is known of the others";
 /// The measured ink that is nearest, where it is alike. All were between air and air, on paper behind a gap, flat.
 fn nearest(study: &Study) -> Option<Measured> {
     let layer = &study.layer;
-    let air = layer.index_above == 1.0 && layer.index_below == 1.0 && study.paper.coupling == Coupling::Gap;
+    let air = layer.index_in == 1.0 && layer.index_out == 1.0 && study.paper.coupling == Coupling::Gap;
     if !air || study.packing.relief.is_some() || !layer.contrast.is_full() {
         return None;
     }

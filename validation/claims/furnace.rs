@@ -37,7 +37,7 @@ fn measure(level: Level, findings: &mut Findings) {
     let contact = "coupling = 'optical_contact'";
     let cases = [
         ("gap", study("", "", realisations)),
-        ("optical contact", study("index_below = 1.558", contact, realisations)),
+        ("optical contact", study("index_out = 1.558", contact, realisations)),
         ("relief", study("relief = { depth_um = 0.1 }", "", realisations)),
     ];
     for (name, case) in &cases {

@@ -3,12 +3,11 @@
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::ink::pack;
-use inkwave::ink::statistics::{
-    Estimate, PairStatistics, orientation_tensor, pair_statistics_to, section_statistics,
-};
+use inkwave::ink::statistics::{PairStatistics, orientation_tensor, pair_statistics_to, section_statistics};
 use inkwave::ink::{
     EquilibrationSettings, MethodChoice, Orientation, Packing, PackingRequest, PigmentGrains, Shape,
 };
+use inkwave::numerics::estimate::Estimate;
 use rayon::prelude::*;
 use serde_json::Value;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
@@ -61,7 +60,7 @@ fn g_of(packings: &[Packing]) -> Vec<Estimate> {
     let bin = |i: usize| {
         let values: Vec<f64> = pairs.iter().map(|p| p.counts[i] / p.ideal[i]).collect();
         let (counts, ideal) = pairs.iter().fold((0.0, 0.0), |(c, e), p| (c + p.counts[i], e + p.ideal[i]));
-        Estimate::of(&values).at_least(f64::sqrt(counts) / ideal)
+        Estimate::of_mean(&values).at_least(f64::sqrt(counts) / ideal)
     };
     // Nothing may lie below contact, up to the bin that rounding of the edge can touch.
     assert!(pairs.iter().all(|p| p.counts[..49].iter().all(|c| *c == 0.0)));
@@ -72,7 +71,7 @@ fn g_of(packings: &[Packing]) -> Vec<Estimate> {
 /// with Bonferroni's factor for the number of bins); the larger of the two.
 fn misfit(measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> f64 {
     let deviation =
-        |((m, t), e): ((&Estimate, &f64), &f64)| (m.mean - t) / m.standard_error.unwrap().hypot(*e);
+        |((m, t), e): ((&Estimate, &f64), &f64)| (m.value - t) / m.standard_error.unwrap().hypot(*e);
     let z: Vec<f64> = measured.iter().zip(truth).zip(truth_error).map(deviation).collect();
     let n = z.len() as f64;
     let chi2: f64 = z.iter().map(|z| z * z).sum();
@@ -88,7 +87,7 @@ const CHANCE: &str = "χ² over 100 bins and the largest deviation, as shares of
 /// their limit for so many bins.
 fn excess(measured: &[Estimate], truth: &[f64], model_error: f64) -> f64 {
     let beyond = |(m, t): (&Estimate, &f64)| {
-        ((m.mean - t).abs() - model_error * t).max(0.0) / m.standard_error.unwrap()
+        ((m.value - t).abs() - model_error * t).max(0.0) / m.standard_error.unwrap()
     };
     let limit = Normal::standard().inverse_cdf(1.0 - 0.5 * SIGNIFICANCE / truth.len() as f64);
     measured.iter().zip(truth).map(beyond).fold(0.0, f64::max) / limit
@@ -97,7 +96,7 @@ fn excess(measured: &[Estimate], truth: &[f64], model_error: f64) -> f64 {
 /// g with bars of three standard errors against its truth with a band of three.
 fn plot(title: String, measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> LogPlot {
     let x = |i: usize| 1.01 + 0.02 * i as f64;
-    let bars = measured.iter().enumerate().map(|(i, g)| [x(i), g.mean, 3.0 * g.standard_error.unwrap()]);
+    let bars = measured.iter().enumerate().map(|(i, g)| [x(i), g.value, 3.0 * g.standard_error.unwrap()]);
     let known = truth.iter().zip(truth_error).enumerate().map(|(i, (&g, e))| [x(i), g, 3.0 * e]);
     LogPlot::linear(
         &title,
@@ -149,12 +148,12 @@ fn sequential(level: Level, findings: &mut Findings) {
         findings.significance(format!("RSA, φ = {fraction}"), misfit, 1.0, CHANCE);
         findings.plots.push(plot(format!("Sequential addition, φ = {fraction}"), &g, &truth, &error));
         let nearest = |p: &Packing| pair_statistics_to(p, 0.02, 3.0).mean_nearest_um() / DIAMETER_UM;
-        let mean = Estimate::of(&packings.iter().map(nearest).collect::<Vec<_>>());
+        let mean = Estimate::of_mean(&packings.iter().map(nearest).collect::<Vec<_>>());
         let expected = reference["mean_nearest_neighbour_over_d"].as_f64().unwrap();
         let bar = mean.standard_error.unwrap().hypot(reference["mean_nn_se"].as_f64().unwrap());
         findings.significance(
             format!("RSA nearest neighbour, φ = {fraction}, in standard errors"),
-            (mean.mean - expected).abs() / bar,
+            (mean.value - expected).abs() / bar,
             3.9,
             "|t| with five degrees of freedom or more: probability 1e-2",
         );
@@ -250,10 +249,10 @@ fn two_point(level: Level, findings: &mut Findings) {
     let left = |s: &inkwave::ink::statistics::SectionStatistics| {
         0.5 * (s.s2_x[last] + s.s2_y[last]) - s.mean_square_profile
     };
-    let left = Estimate::of(&sections.iter().map(left).collect::<Vec<_>>());
+    let left = Estimate::of_mean(&sections.iter().map(left).collect::<Vec<_>>());
     findings.significance(
         "S2(7 d) − ⟨φ(z)²⟩, in standard errors",
-        left.mean.abs() / left.standard_error.unwrap(),
+        left.value.abs() / left.standard_error.unwrap(),
         13.0,
         "correlations of RSA have died out by 7 diameters; |t| of three degrees of freedom or more, probability 1e-3",
     );

@@ -36,7 +36,7 @@ fn ink(case: &Value, index: Complex64, coupling: Coupling, solved: Option<usize>
     let wavelength_um = case.get("lambda_um").map_or(0.55, |l| l.as_f64().expect("a number"));
     let thickness_um = thickness_um * 1e-3 * OUTPUT_NM / wavelength_um;
     let indices = |_: f64| (index, Vec::new());
-    let index_out = coupling.index_below();
+    let index_out = coupling.index_out();
     let films = Films {
         profile: Profile::homogeneous(),
         indices: &indices,

@@ -18,7 +18,7 @@ pub enum ExportError {
         reason: String,
     },
     /// The material's frame is vacuum.
-    #[error("layer.index_above is {index}; a renderer's material lies in air: allowed is 1")]
+    #[error("layer.index_in is {index}; a renderer's material lies in air: allowed is 1")]
     NotInAir {
         /// Index of the incident side.
         index: f64,

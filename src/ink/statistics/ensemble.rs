@@ -4,33 +4,9 @@ use super::orientation::orientation_tensor;
 use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
 use super::sections::{SectionStatistics, section_statistics};
 use crate::ink::Packing;
+use crate::numerics::estimate::Estimate;
 use rayon::prelude::*;
 use serde::Serialize;
-
-/// A mean over realisations; the error needs at least two of them (or a counting error).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Estimate {
-    /// Mean over the realisations.
-    pub mean: f64,
-    /// Its standard error; `None` for one realisation.
-    pub standard_error: Option<f64>,
-}
-
-impl Estimate {
-    /// Mean of one value per realisation, with its standard error.
-    pub fn of(values: &[f64]) -> Self {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let scatter = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-        let standard_error = (values.len() > 1).then(|| (scatter / (n * (n - 1.0))).sqrt());
-        Self { mean, standard_error }
-    }
-
-    /// With a counting error as the floor of the scatter, which few realisations estimate badly.
-    pub fn at_least(self, floor: f64) -> Self {
-        Self { standard_error: Some(self.standard_error.unwrap_or(0.0).max(floor)), ..self }
-    }
-}
 
 /// A function with error bars.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -79,7 +55,7 @@ pub fn gather(packings: &[Packing]) -> Statistics {
 
 /// Mean and error of the i-th entry of each realisation.
 fn pointwise<T>(of: &[T], n: usize, entry: impl Fn(&T, usize) -> f64) -> Vec<Estimate> {
-    let at = |i| Estimate::of(&of.iter().map(|p| entry(p, i)).collect::<Vec<_>>());
+    let at = |i| Estimate::of_mean(&of.iter().map(|p| entry(p, i)).collect::<Vec<_>>());
     (0..n).map(at).collect()
 }
 
@@ -119,9 +95,10 @@ fn nearest(pairs: &[PairStatistics]) -> Curve {
 }
 
 fn two_point(sections: &[SectionStatistics]) -> [Curve; 3] {
-    let r = &sections[0].r_um;
+    // Cells of varied size have separations of their own, in the same steps.
+    let r = sections.iter().map(|s| &s.r_um).min_by_key(|r| r.len()).map_or(&[][..], Vec::as_slice);
     let named = |name: &str, label: &str, entry: &dyn Fn(&SectionStatistics, usize) -> f64| {
-        curve(name, "separation in the plane r, µm", label, r.clone(), pointwise(sections, r.len(), entry))
+        curve(name, "separation in the plane r, µm", label, r.to_vec(), pointwise(sections, r.len(), entry))
     };
     [
         named("two_point", "two-point probability S2(r)", &|s, i| 0.5 * (s.s2_x[i] + s.s2_y[i])),
@@ -157,7 +134,7 @@ fn scalars(
 ) {
     let mut put = |name: &str, unit: &str, values: Vec<f64>| {
         if !values.is_empty() {
-            all.scalars.push((name.into(), unit.into(), Estimate::of(&values)));
+            all.scalars.push((name.into(), unit.into(), Estimate::of_mean(&values)));
         }
     };
     for k in 0..packings[0].shares().len() {
@@ -225,4 +202,23 @@ fn relief(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
     );
     let below = reliefs.iter().map(|r| r.fraction_below());
     put("pigment fraction below the binder's surface", "1", below.collect());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ink::{Grain, Sphere};
+
+    /// Cells of varied size: the curves reach as far as the smallest cell lets them, whichever comes first.
+    #[test]
+    fn curves_of_varied_cells_end_with_the_smallest() {
+        let packing = |period: f64| {
+            let sphere = Sphere { center_um: [0.3, 0.3, 0.5], radius_um: 0.2 };
+            Packing::from_grains([period; 2], 1.0, true, vec![Grain::new(vec![sphere], 0)]).unwrap()
+        };
+        let curve = |periods: [f64; 2]| gather(&periods.map(packing)).curves[2].x.clone();
+        let (smaller_last, smaller_first) = (curve([1.6, 1.2]), curve([1.2, 1.6]));
+        assert_eq!(smaller_last, smaller_first);
+        assert!((smaller_last.last().unwrap() - 0.6).abs() < 0.02, "{smaller_last:?}");
+    }
 }

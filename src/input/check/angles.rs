@@ -86,11 +86,11 @@ fn same_from_both_sides(file: &StudyFile, coupling: Coupling) -> bool {
 /// The picture is of an ink in air, on paper behind a gap of air or in contact with it.
 fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
     let otherwise = "list angles.polar_deg for a study without paper and picture";
-    if file.layer.index_above != 1.0 {
-        let found = file.layer.index_above;
-        faults.push(Fault::new("layer.index_above", found, "1, air above the ink", otherwise));
+    if file.layer.index_in != 1.0 {
+        let found = file.layer.index_in;
+        faults.push(Fault::new("layer.index_in", found, "1, air above the ink", otherwise));
     }
-    let below = file.layer.index_below;
+    let below = file.layer.index_out;
     let (wrong, allowed) = match coupling {
         Coupling::Gap => (below != 1.0, "1, the thin gap to the paper"),
         Coupling::OpticalContact { .. } => {
@@ -99,6 +99,6 @@ fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
     };
     if wrong {
         let remedy = format!("choose paper.coupling to suit, or {otherwise}");
-        faults.push(Fault::new("layer.index_below", below, allowed, remedy));
+        faults.push(Fault::new("layer.index_out", below, allowed, remedy));
     }
 }

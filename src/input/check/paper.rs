@@ -15,7 +15,7 @@ const REMEDY: &str = "0 is black, 1 is a perfect white, 0.9 is good paper";
 pub(crate) fn paper(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Paper {
     let coupling = match file.paper.coupling {
         CouplingName::Gap => Coupling::Gap,
-        CouplingName::OpticalContact => Coupling::OpticalContact { index: file.layer.index_below },
+        CouplingName::OpticalContact => Coupling::OpticalContact { index: file.layer.index_out },
     };
     let (source, albedo) = match &file.paper.albedo {
         AlbedoWritten::Constant(value) => {

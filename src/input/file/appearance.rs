@@ -31,7 +31,7 @@ pub enum CouplingName {
     /// The paper's model (P1 section 5): a thin air gap, light goes back and forth incoherently.
     #[default]
     Gap,
-    /// The paper's scatterers sit in a medium of `layer.index_below` that touches the layer.
+    /// The paper's scatterers sit in a medium of `layer.index_out` that touches the layer.
     OpticalContact,
 }
 

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// `[layer]`: the periodic cell and what lies above and below it.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(transform = Alias::new("index_above", "index_in"), transform = Alias::new("index_below", "index_out"))]
+#[schemars(transform = Alias::new("index_in", "index_above"), transform = Alias::new("index_out", "index_below"))]
 pub struct LayerTable {
     /// Whether every realisation has a cell of its own; see [`variation`].
     #[serde(default)]
@@ -33,14 +33,14 @@ pub struct LayerTable {
     /// Hard walls at both faces; without them grains wrap around in z as well, for packings alone.
     #[serde(default = "yes")]
     pub walls: bool,
-    /// Refractive index of the half-space the light comes from.
-    #[serde(default = "vacuum", alias = "index_in")]
+    /// Refractive index of the incident side, the half-space that the light comes from.
+    #[serde(default = "vacuum", alias = "index_above")]
     #[schemars(transform = limits::INDEX.mark())]
-    pub index_above: f64,
-    /// Refractive index of the half-space behind the layer; 1 for the thin air gap to the paper.
-    #[serde(default = "vacuum", alias = "index_out")]
+    pub index_in: f64,
+    /// Refractive index of the exit side, the half-space behind the layer; 1 for the thin air gap to the paper.
+    #[serde(default = "vacuum", alias = "index_below")]
     #[schemars(transform = limits::INDEX.mark())]
-    pub index_below: f64,
+    pub index_out: f64,
     /// How `"molecular"` pigments mix with the binder: `"volume-average"` for the scalar wave and `"maxwell-garnett"` for
     /// Maxwell's equations when left out, the limits of vanishing grains of either.
     #[schemars(example = &"volume-average")]
@@ -48,7 +48,7 @@ pub struct LayerTable {
     /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
     #[serde(default)]
     pub contrast: ContrastPart,
-    /// A binder surface below the tops of the grains, with `index_above` between them.
+    /// A binder surface below the tops of the grains, with `index_in` between them.
     pub relief: Option<ReliefRequest>,
     /// Older place of `packing.method`.
     #[schemars(transform = older_place, example = &"auto")]

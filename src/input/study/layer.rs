@@ -16,9 +16,11 @@ pub struct Layer {
     /// Thickness, µm.
     pub thickness_um: f64,
     /// Real index of the incident side.
-    pub index_above: f64,
+    #[serde(rename = "index_above")]
+    pub index_in: f64,
     /// Real index of the exit side.
-    pub index_below: f64,
+    #[serde(rename = "index_below")]
+    pub index_out: f64,
     /// What is between the grains.
     pub binder: Material,
     /// Which part of the contrast scatters.

@@ -4,7 +4,7 @@ use super::files::write_whole;
 use super::{grains_csv, packing_json, spheres_vtp};
 use crate::draw::curve_plot;
 use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
-use crate::ink::statistics::{Curve, Estimate as Spread, Statistics, gather};
+use crate::ink::statistics::{Curve, Statistics, gather};
 use crate::ink::{Packing, Shape};
 use crate::numerics::estimate::Estimate;
 use std::path::{Path, PathBuf};
@@ -43,13 +43,14 @@ pub fn write_report(
 
 fn scalars_csv(statistics: &Statistics) -> Result<Vec<u8>, OutputError> {
     let rows = statistics.scalars.iter().map(|(name, unit, value)| {
-        vec![name.clone(), unit.clone(), value.mean.to_string(), or_empty(value.standard_error)]
+        vec![name.clone(), unit.clone(), value.value.to_string(), or_empty(value.standard_error)]
     });
     csv_of(&["quantity", "unit", "mean", "standard_error"], rows)
 }
 
 fn curve_csv(curve: &Curve) -> Result<Vec<u8>, OutputError> {
-    let point = |(x, y): (&f64, &Spread)| vec![x.to_string(), y.mean.to_string(), or_empty(y.standard_error)];
+    let point =
+        |(x, y): (&f64, &Estimate)| vec![x.to_string(), y.value.to_string(), or_empty(y.standard_error)];
     csv_of(&[&curve.x_label, &curve.y_label, "standard error"], curve.x.iter().zip(&curve.y).map(point))
 }
 
@@ -126,7 +127,7 @@ const ROUNDING: f64 = 1e-9;
 const SMALL: f64 = 1e-4;
 
 /// As far as the error lets it speak; where there is none, four digits without zeros that say nothing.
-fn rounded(Spread { mean: value, standard_error }: Spread) -> String {
+fn rounded(Estimate { value, standard_error }: Estimate) -> String {
     let digits = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     let standard_error = standard_error.filter(|error| *error > ROUNDING * value.abs());
     if value != 0.0 && value.abs() < SMALL {
@@ -154,7 +155,7 @@ mod tests {
 
     #[test]
     fn small_means_have_a_power_of_ten_and_rounding_is_no_error() {
-        let words = |mean: f64, error: f64| rounded(Spread { mean, standard_error: Some(error) });
+        let words = |mean: f64, error: f64| rounded(Estimate { value: mean, standard_error: Some(error) });
         assert_eq!(words(7.5e-8, 1e-23), "7.500 · 10<sup>−8</sup>");
         assert_eq!(words(7.5e-8, 1.2e-9), "(7.50 ± 0.12) · 10<sup>−8</sup>");
         assert_eq!(words(0.2, 1e-17), "0.2");

@@ -122,7 +122,7 @@ pub(crate) fn asked(study: &Study) -> Vec<Named> {
         std => format!(" ± {std}"),
     };
     let cell = format!("{cell}; {}{uneven} µm thick", layer.thickness_um);
-    let surroundings = format!("above {}, below {}", layer.index_above, layer.index_below);
+    let surroundings = format!("above {}, below {}", layer.index_in, layer.index_out);
     let mut rows = vec![
         Named::new("cell", cell),
         Named::new("binder", format!("index {}", layer.binder.source)),
@@ -302,6 +302,14 @@ fn missed_target(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
     ))
 }
 
+/// Of a clock on the wall for the solves, of the processors for the whole process.
+fn time_of(manifest: &Manifest<&Study>) -> String {
+    let process = manifest
+        .process_seconds
+        .map_or_else(String::new, |s| format!("; {s:.1} processor seconds of the whole process"));
+    format!("{:.1} s{process}", manifest.solve_seconds)
+}
+
 fn wave_in_words(wave: Wave) -> &'static str {
     match wave {
         Wave::Scalar => {
@@ -342,7 +350,7 @@ pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Provenan
             Named::new("grid", resolution),
             Named::new("solver", format!("{solver}, to a residual of {:.0e}", study.goal.tolerance)),
             Named::new("solves", format!("{} of {}", manifest.solves.finished, manifest.solves.asked)),
-            Named::new("time in solves", format!("{:.1} s", manifest.solve_seconds)),
+            Named::new("time in solves", time_of(manifest)),
         ],
     }
 }

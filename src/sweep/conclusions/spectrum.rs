@@ -15,8 +15,15 @@ struct AtWavelength {
     margin: f64,
 }
 
+impl AtWavelength {
+    /// The distance in standard errors: negative beyond the bound.
+    fn clearness(&self) -> f64 {
+        self.margin / self.measured.standard_error.unwrap_or(f64::INFINITY)
+    }
+}
+
 /// Confirmed where every wavelength confirms it (the intersection of tests needs no correction), refuted where one of
-/// them does although all had their chance; measured is the value at the wavelength nearest to refuting it.
+/// them does although all had their chance; measured is the value where it is refuted most clearly, or else nearest to that.
 pub(super) fn judge(
     claim: &Claim,
     outcomes: &[Outcome],
@@ -46,7 +53,10 @@ fn at_wavelength(claim: &Claim, outcomes: &[Outcome], nm: f64, count: usize) -> 
 }
 
 fn join(parts: &[AtWavelength], [from, to]: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
-    let Some(worst) = parts.iter().min_by(|a, b| a.margin.total_cmp(&b.margin)) else {
+    let clearest =
+        parts.iter().filter(|part| part.refuted).min_by(|a, b| a.clearness().total_cmp(&b.clearness()));
+    let nearest = || parts.iter().min_by(|a, b| a.margin.total_cmp(&b.margin));
+    let Some(worst) = clearest.or_else(nearest) else {
         return (Verdict::Undecided, None, format!("no wavelength of the study from {from} to {to} nm"));
     };
     let verdict = match parts {
@@ -54,7 +64,8 @@ fn join(parts: &[AtWavelength], [from, to]: [f64; 2]) -> (Verdict, Option<Estima
         _ if parts.iter().any(|part| part.refuted) => Verdict::Refuted,
         _ => Verdict::Undecided,
     };
-    let mut remark = format!("measured at {:.0} nm, where it is worst", worst.nm);
+    let why = if clearest.is_some() { "refuted most clearly" } else { "worst" };
+    let mut remark = format!("measured at {:.0} nm, where it is {why}", worst.nm);
     for (word, which) in [("refuted", Verdict::Refuted), ("undecided", Verdict::Undecided)] {
         let there: Vec<String> =
             parts.iter().filter(|part| part.verdict == which).map(|part| format!("{:.0}", part.nm)).collect();
@@ -81,6 +92,10 @@ mod tests {
         assert_eq!(verdict, Verdict::Refuted);
         assert_eq!(measured.map(|m| m.value), Some(-1.0));
         assert!(remark.contains("refuted at 520 nm"), "{remark}");
+        // The farther value may be the less certain one.
+        let uncertain = AtWavelength { refuted: false, ..part(540.0, -2.0, Verdict::Undecided) };
+        let measured = join(&[part(520.0, -1.0, Verdict::Refuted), uncertain], [520.0, 540.0]).1;
+        assert_eq!(measured.map(|m| m.value), Some(-1.0));
         assert_eq!(join(&parts[..1], [500.0, 500.0]).0, Verdict::Confirmed);
         assert_eq!(join(&[part(500.0, 0.1, Verdict::Undecided)], [500.0, 500.0]).0, Verdict::Undecided);
         assert_eq!(join(&[], [1.0, 2.0]).0, Verdict::Undecided);
