@@ -45,8 +45,8 @@ impl NodeCoefficients {
     }
 }
 
-/// One cell's coefficients for one harmonic, all from two exponentials: the nodes', and the first node's shares at the
-/// inner `points` (see [`left_share`]), which lie symmetrically.
+/// One cell's coefficients for one harmonic, all from two exponentials: the nodes', and the first node's basis function
+/// at the inner `points` (see [`left_share`]), which lie symmetrically.
 pub(super) fn cell_factors(
     kz2: Complex64,
     h: f64,
