@@ -79,7 +79,7 @@ pub(super) fn cell_factors(
     (NodeCoefficients::of_step(ikz, step), shares)
 }
 
-/// Share of the left node in the mean medium's solution at the fraction t of a cell: sin(kz h (1−t))/sin(kz h).
+/// The left node's basis function, the mean medium's solution, at the fraction t of a cell: sin(kz h (1−t))/sin(kz h).
 pub fn left_share(kz2: Complex64, h: f64, t: f64, scheme: Scheme) -> Complex64 {
     let s = 1.0 - t;
     if scheme == Scheme::SecondDifference {
