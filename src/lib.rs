@@ -35,7 +35,8 @@
 //!
 //! # The folders
 //!
-//! They follow the path of the light, and dependencies run one way only (`tests/house.rs` holds them to it):
+//! They follow the path of the light, and dependencies run one way only (`tests/house.rs` holds them to it, and sees that no
+//! files form a circle; a file and the folder of its name count as one room, within which uses may go both ways):
 //! `numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate ← draw ← report ← compare, sweep ← export, schema`.
 //! [`architecture`] draws the data flow with the shapes of all arrays.
 //!

@@ -191,6 +191,8 @@ fn a_matrix_tells_costs_and_reasons() {
     matrix.write(&folder.path().join("out")).expect("written");
     let page = std::fs::read_to_string(folder.path().join("out/matrix.html")).expect("the page");
     assert!(page.contains("1.5 + 0i") && page.contains("diverges"));
+    // the limit that nobody asked for, and how to make the page again
+    assert!(page.contains("after 1000 applications") && page.contains("inkwave compare"), "{page}");
     // Born is missing beside 2.5; all others keep their colours there.
     let [weak, strong] = [1, 2].map(|k| {
         let name = folder.path().join(format!("out/applications-{k}.svg"));

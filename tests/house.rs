@@ -1,6 +1,6 @@
 //! The house: dependencies between the folders of `src` run one way, in the order that `src/lib.rs` states, and no files
-//! form a circle. Both are read from `use` lines and from paths that begin with `crate::` or `super::`; names that a folder
-//! re-exports count as the file they come from.
+//! form a circle, where a file and those in the folder of its name count as one room. Both are read from `use` lines and
+//! from paths that begin with `crate::` or `super::`; names that a folder re-exports count as the file they come from.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -136,6 +136,60 @@ fn the_oldest_rust_is_stated_and_enough_for_every_dependency() {
     }
 }
 
+/// What `include_str!` and `include_bytes!` in files below a folder name, as their first folder or file below the root.
+fn included(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for path in std::fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path()) {
+        if path.is_dir() {
+            found.extend(included(&path));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            let text = std::fs::read_to_string(&path).expect("text");
+            for name in
+                ["include_str!(\"", "include_bytes!(\""].iter().flat_map(|call| text.split(call).skip(1))
+            {
+                let file = path.with_file_name(name.split('"').next().expect("a name")).canonicalize();
+                let file = file.unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+                let below =
+                    file.strip_prefix(root().canonicalize().expect("a root")).expect("a file of the project");
+                found.push(below.iter().next().expect("a name").to_string_lossy().into_owned());
+            }
+        }
+    }
+    found
+}
+
+/// The recipe for clusters copies all that cargo asks for before it builds the program.
+#[test]
+fn the_cluster_recipe_copies_what_the_build_needs() {
+    let recipe = read("scripts/inkwave.def");
+    let files = recipe.split("%files\n").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("%files");
+    let copied: Vec<&str> = files.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    for line in files.lines() {
+        let from = line.split_whitespace().next().expect("a path");
+        assert!(line.ends_with(&format!(" /src/{from}")) && root().join(from).exists(), "{line}");
+    }
+    let manifest: toml::Table = read("Cargo.toml").parse().expect("TOML");
+    let text = |value: &toml::Value| value.as_str().expect("text").to_owned();
+    let mut needed: Vec<String> = ["Cargo.toml", "Cargo.lock", "src"].map(str::to_owned).into();
+    needed.extend(manifest["workspace"]["members"].as_array().expect("members").iter().map(text));
+    needed.push(text(&manifest["package"]["build"]));
+    // Cargo refuses a manifest whose targets are not there, even those it does not build.
+    for (kind, folder) in [("test", "tests"), ("example", "examples"), ("bench", "benches")] {
+        for target in manifest[kind].as_array().expect("targets") {
+            let usual = || format!("{folder}/{}.rs", text(&target["name"]));
+            needed.push(target.get("path").map_or_else(usual, text));
+        }
+    }
+    let own = included(&root().join("src"));
+    assert!(own.iter().any(|name| name == "validation"), "{own:?}");
+    for path in needed.iter().chain(&own) {
+        assert!(
+            copied.iter().any(|from| Path::new(path).starts_with(from)),
+            "{path} is not copied: {copied:?}"
+        );
+    }
+}
+
 /// `forbid` would refuse ndarray's macro `s!`; `deny` with nobody who allows it is as good.
 #[test]
 fn no_code_is_unsafe() {

@@ -82,8 +82,16 @@ impl ComparisonFile {
         let cells = matrix.run(&packed, &strategies, watch, told)?;
         let asked = matrix.pigments.len() * matrix.periods_um.len() * strategies.len();
         let names = strategies.into_iter().map(|(name, _)| name.to_string()).collect();
-        let (title, accuracy, registry) = (self.title.clone(), matrix.accuracy, names_of(registry));
-        Ok(Matrix { title, accuracy, strategies: names, registry, asked, cells })
+        Ok(Matrix {
+            title: self.title.clone(),
+            file: self.origin.clone(),
+            accuracy: matrix.accuracy,
+            max_applications: matrix.max_applications,
+            strategies: names,
+            registry: names_of(registry),
+            asked,
+            cells,
+        })
     }
 
     /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison: rows solved

@@ -14,6 +14,7 @@ use crate::solve::{Account, Coverages, Gmres, Goal, SolveError, Solver, Watch};
 use crate::wave::{Mean, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// The axes around the comparison's study.
@@ -85,8 +86,12 @@ impl Cell {
 pub struct Matrix {
     /// Heading.
     pub title: String,
+    /// The comparison's file.
+    pub file: PathBuf,
     /// Wanted accuracy.
     pub accuracy: f64,
+    /// Operator applications after which a strategy starts no further step.
+    pub max_applications: usize,
     /// Strategies in their order.
     pub strategies: Vec<String>,
     /// All names of the registry, by whose order each strategy has its colour.

@@ -29,8 +29,8 @@ impl Matrix {
             save(&name, svg.as_bytes())?;
             pictures.push((name, plot.title, svg));
         }
-        save("README.md", sealed(&self.markdown(&pictures)).as_bytes())?;
-        save("matrix.html", self.html(&pictures)?.as_bytes())
+        save("README.md", sealed(&self.markdown(&pictures, &self.command(folder))).as_bytes())?;
+        save("matrix.html", self.html(&pictures, &self.command(folder))?.as_bytes())
     }
 
     fn csv(&self) -> Result<Vec<u8>, csv::Error> {
@@ -87,9 +87,9 @@ impl Matrix {
         Curve::new(strategy.to_owned(), Style::Data, costs).looking(place, place)
     }
 
-    fn markdown(&self, pictures: &[(String, String, String)]) -> String {
+    fn markdown(&self, pictures: &[(String, String, String)], command: &str) -> String {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-        let mut text = format!("# {}\n\n{}\n\n", self.title, self.lead());
+        let mut text = format!("# {}\n\n{}\n\nMade by `{command}`.\n\n", self.title, self.lead());
         text += &line(&self.header());
         text += &format!("|{}\n", "---|".repeat(self.header().len()));
         self.rows().iter().for_each(|row| text += &line(row));
@@ -100,7 +100,7 @@ impl Matrix {
         text
     }
 
-    fn html(&self, pictures: &[(String, String, String)]) -> Result<String, minijinja::Error> {
+    fn html(&self, pictures: &[(String, String, String)], command: &str) -> Result<String, minijinja::Error> {
         let mut templates = Environment::new();
         templates.add_template("style.css", STYLE)?;
         templates.add_template("matrix.html", include_str!("matrix.html"))?;
@@ -108,6 +108,7 @@ impl Matrix {
         templates.get_template("matrix.html")?.render(context! {
             title => &self.title,
             lead => self.lead(),
+            command,
             header => self.header(),
             rows => self.rows(),
             failures => self.failures(),
@@ -121,9 +122,15 @@ impl Matrix {
         format!(
             "{missing}Cost to a wanted amplitude error of {:.0e}: operator applications (seconds of one solve) on the grid that \
              the search chose; the residual goes to a hundredth of the error. One application is one inverse and one \
-             forward transform of every plane. Failures say after how many applications.",
-            self.accuracy
+             forward transform of every plane. A strategy that is not there after {} applications fails; it looks at its residual \
+             every few steps, so failures, which say after how many applications, may be some beyond.",
+            self.accuracy, self.max_applications
         )
+    }
+
+    /// What makes this page again.
+    fn command(&self, folder: &Path) -> String {
+        format!("inkwave compare {} --output {}", self.file.display(), folder.display())
     }
 }
 

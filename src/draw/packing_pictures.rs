@@ -1,4 +1,4 @@
-//! Pictures of a layer: from above, cut open, in perspective; and a sheet of grain shapes.
+//! Pictures of a layer: from the incident side, cut open, in perspective; and a sheet of grain shapes.
 
 use super::OutputError;
 use super::curve_plot::{Frame, bitmap, framed};
@@ -11,7 +11,7 @@ const WIDE: f64 = 860.0;
 /// Pixels along the side of a grain's picture on a sheet of shapes.
 const TILE: usize = 300;
 
-/// The layer seen along +z (from the light): pigment dimmed with its depth below the binder's surface.
+/// The layer seen along +z, from the incident side: pigment dimmed with its depth below the binder's surface.
 pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let [lx, ly] = packing.period_um();
     let per_um = WIDE / lx.max(ly);
@@ -20,7 +20,10 @@ pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
         y: 0.0..ly,
         x_label: "x, µm".into(),
         y_label: "y, µm".into(),
-        caption: format!("From above, H = {:.3} µm; deeper grains are paler", packing.thickness_um()),
+        caption: format!(
+            "From the incident side, H = {:.3} µm; deeper grains are paler",
+            packing.thickness_um()
+        ),
         size: ((lx * per_um) as u32, (ly * per_um) as u32),
     };
     framed(frame, "top view", |w, h| paint_top(packing, w, h))
@@ -74,7 +77,7 @@ fn reaches_into(sphere: &Sphere, [lx, ly]: [f64; 2]) -> bool {
     reaches(x, lx) && reaches(y, ly)
 }
 
-/// The plane y = Ly/2: pigment, binder and vacuum above the binder; z grows downwards to the paper.
+/// The plane y = Ly/2: pigment, binder and vacuum before the binder; z grows downwards to the exit side.
 pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let [lx, ly] = packing.period_um();
     let height = packing.thickness_um();
@@ -84,7 +87,7 @@ pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
         y: height..0.0,
         x_label: "x, µm".into(),
         y_label: "z, µm".into(),
-        caption: format!("Cut at y = {:.3} µm (light from above, paper below)", 0.5 * ly),
+        caption: format!("Cut at y = {:.3} µm (incident side up, exit side down)", 0.5 * ly),
         size: (wide as u32, (wide * height / lx).clamp(90.0, 1200.0) as u32),
     };
     framed(frame, "cut", |w, h| paint_cut(packing, w, h))
@@ -121,7 +124,7 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
     raster
 }
 
-/// The cell from above and aside, with its edges; the free face z = 0 is up.
+/// The cell from the incident side and aside, with its edges; the face z = 0 is up.
 pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let (w, h) = (1200u32, 760u32);
     bitmap(w, h + 40, "perspective", |area| draw_perspective(&area, packing, (w, h)))

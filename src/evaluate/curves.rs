@@ -3,7 +3,7 @@
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Total, film_totals};
 use super::on_paper::{
-    AZIMUTHAL, Anchors, BENDS, DIFFUSE, SYMMETRIC, anchor_shares, azimuthal, diffuse_functions, symmetric,
+    AZIMUTHAL, Anchors, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
 };
 use super::regression::{Fits, Normal, Sums};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
@@ -59,7 +59,7 @@ fn normal_of_curves(
     for (j, at) in realisation.wavelengths.iter().enumerate() {
         let film = films.of_thickness(at.wavelength_nm, realisation.thickness_um);
         let own = anchors(anchored, |angle, total| layer.measured(r, j, layer.column(angle, total)));
-        normal.add(&layer.basis.shares(at.wavelength_nm), &sums_of_strata(&at.strata, &film, &own));
+        normal.add(&layer.basis.weights(at.wavelength_nm), &sums_of_strata(&at.strata, &film, &own));
     }
     normal
 }
@@ -68,7 +68,7 @@ fn normal_of_curves(
 fn sums_of_strata(strata: &[Solved], film: &FilmAt, own: &Anchors) -> Sums {
     let mut sums = Sums::new(BENDS, 3);
     for s in strata {
-        let (between, bends) = anchor_shares(s.polar_deg.to_radians().cos());
+        let (between, bends) = anchor_weights(s.polar_deg.to_radians().cos());
         let [film_r, _, film_t, ..] = film_totals(film, s.polar_deg);
         let values = [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
         let rest: [f64; 3] =
@@ -113,7 +113,7 @@ fn normal_of_orders<const N: usize>(
 ) -> Normal {
     let mut normal = Normal::new(basis.len() * N, 1);
     for at in &realisation.wavelengths {
-        normal.add(&basis.shares(at.wavelength_nm), &sums_of_orders(at, functions));
+        normal.add(&basis.weights(at.wavelength_nm), &sums_of_orders(at, functions));
     }
     normal
 }

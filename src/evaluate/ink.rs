@@ -194,12 +194,12 @@ impl InkOnPaper {
     }
 
     fn layer_at(&self, node: usize, left_out: Option<usize>) -> Result<LayerOnPaper, PaperError> {
-        let shares = &self.nodes.shares[node];
+        let weights = &self.nodes.weights[node];
         let at = |fits: &Fits, row: usize, width: usize, column: usize| {
             let coefficients = left_out.map_or(&fits.whole, |r| &fits.without[r]);
-            SpectralBasis::at(shares, |i| coefficients[[i * width + row, column]])
+            SpectralBasis::at(weights, |i| coefficients[[i * width + row, column]])
         };
-        let measured = self.measured(|layer, column| layer.fitted(left_out, shares, column));
+        let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
         let bends =
             |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
@@ -277,9 +277,9 @@ fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
 fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<Nodes, InkError> {
     let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
     let albedos = nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
-    let shares = nodes_nm.iter().map(|&nm| layer.basis.shares(nm)).collect();
+    let weights = nodes_nm.iter().map(|&nm| layer.basis.weights(nm)).collect();
     let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
-    Ok(Nodes { wavelengths_nm: nodes_nm, films, albedos, shares, means })
+    Ok(Nodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
 }
 
 fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {

@@ -95,8 +95,8 @@ fn a_curve_that_is_bent_has_the_mean_measured() {
     for layer in ink.layers() {
         let lacking = layer.lacking_bends(&around);
         let mean = |bent: f64| -> f64 {
-            let t = |(at, share): &(PolarAngle, f64)| {
-                share * (layer.transmittance(at) + bent * at.bent(&lacking))
+            let t = |(at, weight): &(PolarAngle, f64)| {
+                weight * (layer.transmittance(at) + bent * at.bent(&lacking))
             };
             around.iter().map(t).sum()
         };

@@ -3,7 +3,7 @@
 use super::films::{FilmAt, Films};
 use super::regression::{Fits, Normal, Sums};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength, mean};
-use super::wavelengths::{Shares, SpectralBasis};
+use super::wavelengths::{SpectralBasis, Weights};
 use crate::numerics::estimate::Estimate;
 use ndarray::Array2;
 
@@ -99,7 +99,7 @@ impl LayerEnsemble {
         let columns = columns(exact_deg.len(), strata);
         let part = |(values, nm): (&Vec<Vec<f64>>, &Vec<f64>)| {
             let mut normal = Normal::new(basis.len(), columns);
-            values.iter().zip(nm).for_each(|(v, &nm)| normal.add(&basis.shares(nm), &Sums::plain(v)));
+            values.iter().zip(nm).for_each(|(v, &nm)| normal.add(&basis.weights(nm), &Sums::plain(v)));
             normal
         };
         let parts: Vec<Normal> = differences.iter().zip(&wavelengths_nm).map(part).collect();
@@ -155,9 +155,9 @@ impl LayerEnsemble {
     }
 
     /// Fitted difference from the film.
-    pub fn fitted(&self, without: Option<usize>, shares: &Shares, column: usize) -> f64 {
+    pub fn fitted(&self, without: Option<usize>, weights: &Weights, column: usize) -> f64 {
         let coefficients = self.coefficients(without);
-        SpectralBasis::at(shares, |i| coefficients[[i, column]])
+        SpectralBasis::at(weights, |i| coefficients[[i, column]])
     }
 
     /// A total at one of the exact angles, at the given wavelengths.
@@ -172,7 +172,7 @@ impl LayerEnsemble {
         let film: Vec<f64> =
             films.iter().map(|film| film_totals(film, self.exact_deg[angle])[total as usize]).collect();
         let of = |without: Option<usize>| -> Vec<f64> {
-            let fitted = |&nm: &f64| self.fitted(without, &self.basis.shares(nm), column);
+            let fitted = |&nm: &f64| self.fitted(without, &self.basis.weights(nm), column);
             wavelengths_nm.iter().map(fitted).zip(&film).map(|(difference, film)| film + difference).collect()
         };
         SpectrumEstimate {

@@ -3,11 +3,11 @@
 mod functions;
 
 pub use functions::{
-    AZIMUTHAL, BENDS, DIFFUSE, SYMMETRIC, anchor_shares, azimuthal, diffuse_functions, symmetric,
+    AZIMUTHAL, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
 };
 
 use super::films::FilmAt;
-use super::wavelengths::Shares;
+use super::wavelengths::Weights;
 use crate::appearance::paper::{MirroredSky, PaperError, returned};
 use gauss_quad::GaussLegendre;
 use std::borrow::Cow;
@@ -29,7 +29,7 @@ pub struct Nodes {
     /// The paper's albedo there.
     pub albedos: Vec<f64>,
     /// The spectral functions' values there.
-    pub shares: Vec<Shares>,
+    pub weights: Vec<Weights>,
     /// The film's means over the hemisphere, in the order of [`super::layer::Mean`].
     pub means: Vec<[f64; 4]>,
 }
@@ -87,7 +87,7 @@ impl PolarAngle {
             return Err(PaperError::AngleOutOfRange { value: polar_deg });
         }
         let mu = polar_deg.to_radians().cos();
-        let (between, bends) = anchor_shares(mu);
+        let (between, bends) = anchor_weights(mu);
         let film = nodes.films.iter().map(|film| both_ways(film, polar_deg)).collect();
         Ok(Self { polar_deg, mu, between, bends, film })
     }
@@ -231,7 +231,7 @@ impl LayerOnPaper {
     /// ∫ f cos θ_o dω of the layer's own diffuse f, by angles with the weights of 2∫₀¹ f μ dμ. It agrees with R less what is
     /// mirrored as well as the fits of f and of R do.
     pub fn own_albedo(&self, illumination: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
-        let own = |(at, share): &(PolarAngle, f64)| PI * share * self.diffuse_brdf(illumination, at);
+        let own = |(at, weight): &(PolarAngle, f64)| PI * weight * self.diffuse_brdf(illumination, at);
         hemisphere.iter().map(own).sum()
     }
 
@@ -240,11 +240,11 @@ impl LayerOnPaper {
     pub fn lacking_bends(&self, hemisphere: &[(PolarAngle, f64)]) -> [f64; BENDS] {
         let mut lack = self.mean_transmittance();
         let (mut means, mut squares) = ([0.0; BENDS], [[0.0; BENDS]; BENDS]);
-        for (at, share) in hemisphere {
-            lack -= share * self.transmittance_returned(at);
+        for (at, weight) in hemisphere {
+            lack -= weight * self.transmittance_returned(at);
             for (b, own) in at.bends.iter().enumerate() {
-                means[b] += share * own;
-                at.bends.iter().enumerate().for_each(|(c, other)| squares[b][c] += share * own * other);
+                means[b] += weight * own;
+                at.bends.iter().enumerate().for_each(|(c, other)| squares[b][c] += weight * own * other);
             }
         }
         // Cramer's rule: M x = m, then scaled so that the mean is what lacks
@@ -290,7 +290,7 @@ impl LayerOnPaper {
         exit: bool,
     ) -> Measured {
         let back = |quantity: usize, mu: f64| {
-            curve(&self.measured.returned, &self.curve.returned, quantity, anchor_shares(mu))
+            curve(&self.measured.returned, &self.curve.returned, quantity, anchor_weights(mu))
         };
         let rule = GaussLegendre::new(CURVE_NODES).expect("a positive number of nodes");
         let count = polar_deg.clone().count().max(1) as f64;
@@ -310,14 +310,14 @@ impl LayerOnPaper {
     }
 }
 
-/// A fitted difference from the film: shares of the anchors, and bends.
+/// A fitted difference from the film: weights of the anchors, and bends.
 fn curve(
     anchors: &Anchors,
     coefficients: &[[f64; BENDS]; 3],
     quantity: usize,
     (between, bends): ([f64; 2], [f64; BENDS]),
 ) -> f64 {
-    let anchored: f64 = between.iter().zip(anchors).map(|(s, a)| s * a[quantity]).sum();
+    let anchored: f64 = between.iter().zip(anchors).map(|(w, a)| w * a[quantity]).sum();
     anchored + bends.iter().zip(&coefficients[quantity]).map(|(b, c)| b * c).sum::<f64>()
 }
 

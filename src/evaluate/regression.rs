@@ -4,7 +4,7 @@
 //! its own normal equations; those of the ensemble are their sum, and leaving one out is a subtraction. A small
 //! penalty on the roughness over the wavelength decides where there are fewer samples than functions.
 
-use super::wavelengths::{Shares, SpectralBasis};
+use super::wavelengths::{SpectralBasis, Weights};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use ndarray::{Array2, s};
@@ -29,7 +29,7 @@ impl Normal {
 
     /// Adds samples of one wavelength: its functions, and the sums over the samples of the directions' products ddᵀ and of d yᵀ.
     /// Unknown (i, k) has the number i · width + k.
-    pub fn add(&mut self, wavelength: &Shares, products: &Sums) {
+    pub fn add(&mut self, wavelength: &Weights, products: &Sums) {
         let width = products.matrix.nrows();
         for &(i, a) in wavelength {
             for &(j, b) in wavelength {
@@ -143,14 +143,14 @@ mod tests {
                 for mu in [0.1 + 0.05 * r as f64, 0.9] {
                     sums.add(&[1.0, mu], &[truth(nm, mu)]);
                 }
-                normal.add(&basis.shares(nm), &sums);
+                normal.add(&basis.weights(nm), &sums);
             }
             parts.push(normal);
         }
         let fits = Fits::new(&parts, &basis, 2);
         for fit in fits.without.iter().chain([&fits.whole]) {
-            let shares = basis.shares(533.0);
-            let value = |k: usize| SpectralBasis::at(&shares, |i| fit[[2 * i + k, 0]]);
+            let weights = basis.weights(533.0);
+            let value = |k: usize| SpectralBasis::at(&weights, |i| fit[[2 * i + k, 0]]);
             // The penalty leaves straight lines alone; the ridge of 1e-12 and rounding remain.
             assert!((value(0) + 0.5 * value(1) - truth(533.0, 0.5)).abs() < 1e-8);
         }
@@ -163,7 +163,7 @@ mod tests {
         let values = [[1.0, 10.0], [2.0, 20.0], [6.0, 60.0]];
         let part = |v: &[f64; 2]| {
             let mut normal = Normal::new(2, 1);
-            (0..2).for_each(|w| normal.add(&basis.shares([450.0, 550.0][w]), &Sums::plain(&[v[w]])));
+            (0..2).for_each(|w| normal.add(&basis.weights([450.0, 550.0][w]), &Sums::plain(&[v[w]])));
             normal
         };
         let fits = Fits::new(&values.iter().map(part).collect::<Vec<_>>(), &basis, 1);

@@ -17,8 +17,8 @@ pub enum SpectralBasis {
 /// Functions that a wavelength can meet at once.
 const MOST: usize = 4;
 
-/// The functions that do not vanish at a wavelength, with their values.
-pub type Shares = Vec<(usize, f64)>;
+/// The basis functions that do not vanish at a wavelength, with their values: the weights of their coefficients.
+pub type Weights = Vec<(usize, f64)>;
 
 impl SpectralBasis {
     /// Number of functions.
@@ -36,7 +36,7 @@ impl SpectralBasis {
 
     /// Values at a wavelength in nm: splines are continued beyond their range by the outermost pieces, a list answers with its
     /// nearest entry.
-    pub fn shares(&self, nm: f64) -> Shares {
+    pub fn weights(&self, nm: f64) -> Weights {
         match self {
             Self::Listed(list) => {
                 let distance = |&(_, entry): &(usize, &f64)| (entry - nm).abs();
@@ -55,9 +55,9 @@ impl SpectralBasis {
         }
     }
 
-    /// Σ share · coefficient.
-    pub fn at(shares: &Shares, coefficients: impl Fn(usize) -> f64) -> f64 {
-        shares.iter().map(|&(i, share)| share * coefficients(i)).sum()
+    /// Σ weight · coefficient.
+    pub fn at(weights: &Weights, coefficients: impl Fn(usize) -> f64) -> f64 {
+        weights.iter().map(|&(i, weight)| weight * coefficients(i)).sum()
     }
 
     /// Pairs of neighbours' second differences to be kept small (Eilers and Marx 1996): rows of (function, factor).
@@ -87,10 +87,10 @@ mod tests {
         let basis = SpectralBasis::Splines { range_nm: [400.0, 700.0], intervals: 6 };
         assert_eq!(basis.len(), 9);
         for nm in [400.0, 401.3, 450.0, 612.0, 700.0] {
-            let shares = basis.shares(nm);
-            let sum: f64 = shares.iter().map(|s| s.1).sum();
+            let weights = basis.weights(nm);
+            let sum: f64 = weights.iter().map(|s| s.1).sum();
             // Coefficients at the Greville points 350, 400, … give the line λ itself.
-            let line = SpectralBasis::at(&shares, |i| 350.0 + 50.0 * i as f64);
+            let line = SpectralBasis::at(&weights, |i| 350.0 + 50.0 * i as f64);
             assert!((sum - 1.0).abs() < 1e-14 && (line - nm).abs() < 1e-11, "{nm}: {sum} {line}");
         }
         for row in basis.roughness() {
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn lists_answer_with_their_own_entry() {
         let basis = SpectralBasis::Listed(vec![450.0, 550.0]);
-        assert_eq!(basis.shares(550.0), [(1, 1.0)]);
+        assert_eq!(basis.weights(550.0), [(1, 1.0)]);
         assert!(basis.roughness().is_empty());
     }
 }

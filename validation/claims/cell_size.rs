@@ -10,7 +10,7 @@ use inkwave::wave::FarField;
 pub const CLAIM: Claim = Claim {
     id: "16-cell-size",
     statement: "From 2.4 µm on, the period changes R and T of an absorbing layer (κ = 0.1) by less than 0.005, its incoherent parts and BTDF by less than 0.002.",
-    because: "Packings decorrelate within some diameters, and the power of guided waves decays within 1/(2 k Im n), 1.6 µm here, so wider cells sample the infinite layer. Narrower ones do not (plots), and clear layers need more (reports/paper-study).",
+    because: "Packings decorrelate within some diameters, and the power of guided waves decays within 1/(2 k Im n), 1.6 µm here, so wider cells sample the infinite layer. Narrower ones do not (plots), and by the same length clearer layers need more, which is not measured here (examples/paper-study-errors.toml doubles the period of one ink).",
     file: file!(),
     measure,
 };

@@ -159,8 +159,8 @@ impl InkOnPaper {
 
     /// What a solve says beyond the fit.
     fn residual(&self, left_out: Option<usize>, r: usize, j: usize, node: usize) -> Measured {
-        let shares = &self.nodes.shares[node];
-        self.measured(|layer, column| layer.measured(r, j, column) - layer.fitted(left_out, shares, column))
+        let weights = &self.nodes.weights[node];
+        self.measured(|layer, column| layer.measured(r, j, column) - layer.fitted(left_out, weights, column))
     }
 
     /// Differences from the film at the anchors and of the means, by a source of them for any column of an ensemble.

@@ -11,9 +11,9 @@ pub const DIFFUSE: usize = 9;
 /// Functions of the azimuth between both planes that it has besides.
 pub const AZIMUTHAL: usize = 4;
 
-/// A curve over μ: shares of its values at 0° and 45° (Lagrange through these and zero at grazing, where every layer reflects all), and
+/// A curve over μ: weights of its values at 0° and 45° (Lagrange through these and zero at grazing, where every layer reflects all), and
 /// functions that vanish at all three.
-pub fn anchor_shares(mu: f64) -> ([f64; 2], [f64; BENDS]) {
+pub fn anchor_weights(mu: f64) -> ([f64; 2], [f64; BENDS]) {
     let print = FRAC_1_SQRT_2;
     let normal = mu * (mu - print) / (1.0 - print);
     let slanted = mu * (1.0 - mu) / (print * (1.0 - print));
@@ -47,10 +47,10 @@ mod tests {
 
     #[test]
     fn curves_pass_through_their_anchors_and_vanish_at_grazing() {
-        let ([normal, slanted], bends) = anchor_shares(1.0);
+        let ([normal, slanted], bends) = anchor_weights(1.0);
         assert!(normal == 1.0 && slanted == 0.0 && bends == [0.0; BENDS]);
-        let (between, bends) = anchor_shares(FRAC_1_SQRT_2);
+        let (between, bends) = anchor_weights(FRAC_1_SQRT_2);
         assert!(between[0].abs() < 1e-15 && (between[1] - 1.0).abs() < 1e-15 && bends[0].abs() < 1e-15);
-        assert_eq!(anchor_shares(0.0), ([0.0; 2], [0.0; BENDS]));
+        assert_eq!(anchor_weights(0.0), ([0.0; 2], [0.0; BENDS]));
     }
 }

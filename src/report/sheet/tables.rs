@@ -122,7 +122,7 @@ pub(crate) fn asked(study: &Study) -> Vec<Named> {
         std => format!(" ± {std}"),
     };
     let cell = format!("{cell}; {}{uneven} µm thick", layer.thickness_um);
-    let surroundings = format!("above {}, below {}", layer.index_in, layer.index_out);
+    let surroundings = format!("incident side {}, exit side {}", layer.index_in, layer.index_out);
     let mut rows = vec![
         Named::new("cell", cell),
         Named::new("binder", format!("index {}", layer.binder.source)),

@@ -45,8 +45,8 @@ impl NodeCoefficients {
     }
 }
 
-/// One cell's coefficients for one harmonic, all from two exponentials: the nodes', and the first node's shares at the
-/// inner `points` (see [`left_share`]), which lie symmetrically.
+/// One cell's coefficients for one harmonic, all from two exponentials: the nodes', and the first node's basis function
+/// at the inner `points` (see [`left_share`]), which lie symmetrically.
 pub(super) fn cell_factors(
     kz2: Complex64,
     h: f64,
@@ -79,7 +79,7 @@ pub(super) fn cell_factors(
     (NodeCoefficients::of_step(ikz, step), shares)
 }
 
-/// Share of the left node in the mean medium's solution at the fraction t of a cell: sin(kz h (1−t))/sin(kz h).
+/// The left node's basis function, the mean medium's solution, at the fraction t of a cell: sin(kz h (1−t))/sin(kz h).
 pub fn left_share(kz2: Complex64, h: f64, t: f64, scheme: Scheme) -> Complex64 {
     let s = 1.0 - t;
     if scheme == Scheme::SecondDifference {

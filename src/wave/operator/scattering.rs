@@ -31,7 +31,7 @@ pub struct Scattering<T: Real> {
     bubbles: Vec<Vec<T>>,
     /// W_p over the points of a plane: planes × points.
     weights: Array2<Complex<T>>,
-    /// The first node's share at each inner point of a cell: point → cells × harmonics.
+    /// The first node's basis function at each inner point of a cell: point → cells × harmonics.
     left_share: Vec<Array2<Complex<T>>>,
     /// L: coupling of each node with the next over its pivot.
     factor: Array2<Complex<T>>,

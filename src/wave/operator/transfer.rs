@@ -41,7 +41,7 @@ impl Problem {
         grid.nodes_um[cell] + grid.height_um(cell) * grid.element.points[plane - degree * cell]
     }
 
-    /// Planes that a value at a height depends on, with their shares.
+    /// Planes that a value at a height depends on, with the values of their basis functions there.
     fn planes_around(&self, z_um: f64) -> Vec<(usize, f64)> {
         let grid = &self.coverage.grid;
         let degree = grid.element.degree;

@@ -6,7 +6,7 @@ use std::process::Command;
 fn main() {
     let [folder, name, version] = ["CARGO_MANIFEST_DIR", "CARGO_PKG_NAME", "CARGO_PKG_VERSION"]
         .map(|key| std::env::var(key).unwrap_or_default());
-    for path in ["scripts/commit.rs", "src", "Cargo.toml"] {
+    for path in ["build.rs", "src", "Cargo.toml"] {
         println!("cargo:rerun-if-changed={path}");
     }
     let commit = commit(Path::new(&folder)).map_or_else(String::new, |commit| format!(" ({commit})"));
