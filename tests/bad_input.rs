@@ -347,3 +347,19 @@ fn paths_that_cannot_be_read_or_written_are_told() {
     );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing was added");
 }
+
+/// Wide gaps between rows may be meant so: they are told of once, and the study goes on to its next fault, or runs.
+#[test]
+fn wide_gaps_between_rows_are_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("two.csv"), "wavelength_nm,kappa\n400,0.1\n700,0.2\n").unwrap();
+    std::fs::write(folder.path().join("print.csv"), "wavelength_nm,reflectance\n400,0.1\n700,0.2\n").unwrap();
+    let text = TINY.replacen(K, "index = { csv = \"two.csv\" }", 1);
+    let text = text.replace("[output]", "[compare]\nmeasured = \"print.csv\"\n[output]");
+    let done = run(&study(folder.path(), &text), &folder.path().join("out"), &["--plan"]);
+    let said = plain(&done.stderr);
+    assert!(done.status.success(), "{said}");
+    for file in ["two.csv: no row between 400 and 700 nm", "print.csv: no row between 400 and 700 nm"] {
+        assert_eq!(said.matches(file).count(), 1, "{said}");
+    }
+}

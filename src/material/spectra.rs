@@ -6,6 +6,7 @@ pub use error::SpectrumError;
 
 use super::columns::Columns;
 use super::dispersion::Dispersion;
+use super::gaps;
 use super::synthetic::{SYNTHETIC_RANGE_NM, Synthetic};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -158,6 +159,15 @@ impl Spectrum {
         }
     }
 
+    /// The widest gap between a file's rows that a range of wavelengths reaches into, nm, where it is worth telling.
+    pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
+        match self {
+            Self::Constant { .. } | Self::Synthetic(_) => None,
+            Self::Recorded(record) => record.widest_gap_nm(range_nm),
+            Self::Tabulated(table) => gaps::widest_gap_nm(&table.rows_nm(), range_nm),
+        }
+    }
+
     /// A name for messages and tables; synthetic spectra say that they are.
     pub fn name(&self) -> String {
         match self {
@@ -198,6 +208,10 @@ impl Table {
     /// The rows, increasing in wavelength.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    fn rows_nm(&self) -> Vec<f64> {
+        self.samples.iter().map(|sample| sample.wavelength_nm).collect()
     }
 
     /// Linear between the rows, n and κ apart.
