@@ -102,6 +102,26 @@ const SLIPS: &[Slip] = &[
     ),
     slip(
         K,
+        "index = { csv = \"empty.csv\" }",
+        ["pigment[0].index.csv", "line 3, column kappa: an empty cell", "kappa ≥ 0", "correct the table"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"micrometres.csv\" }",
+        ["pigment[0].index.csv", "0.7: these look like µm", "the column wants nm", "multiply it by 1000"],
+    ),
+    slip(
+        "[output]",
+        "[paper]\nalbedo = [[0.4, 0.8], [0.7, 0.8]]\n[output]",
+        ["paper.albedo", "up to 0.7, which look like µm", "wavelengths in nm", "by 1000"],
+    ),
+    slip(
+        "[output]",
+        "[compare]\nmeasured = \"comma.csv\"\n[output]",
+        ["compare.measured", "line 2: 3 cells", "(wavelength_nm,reflectance)", "(wavelength_nm;reflectance)"],
+    ),
+    slip(
+        K,
         "index = { csv = \"narrow.csv\" }",
         ["pigment[0].index", "400 nm", "from 500 to 600 nm", "[light]"],
     ),
@@ -257,6 +277,9 @@ fn every_slip_is_told_with_field_value_range_and_remedy() {
     };
     csv("negative.csv", "400,-0.2\n700,0.1\n");
     csv("narrow.csv", "500,0.1\n600,0.1\n");
+    csv("empty.csv", "400,0.1\n550,\n700,0.1\n");
+    csv("micrometres.csv", "0.4,0.1\n0.7,0.1\n");
+    std::fs::write(folder.path().join("comma.csv"), "wavelength_nm,reflectance\n400,0,5\n").unwrap();
     let mut missed = Vec::new();
     for Slip { from, to, says } in SLIPS {
         assert!(TINY.contains(from), "{from}");
