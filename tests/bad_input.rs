@@ -155,6 +155,16 @@ const SLIPS: &[Slip] = &[
         "thickness_um = 0.15",
         ["pigment[0].diameter_nm", "200", "150 nm, the layer's thickness", "smaller grains"],
     ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = 1",
+        ["pigment[0].diameter_nm", "may hold 1.2e8", "at most 5000000 grains in a cell", "sizes are in nm"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = 1e-12",
+        ["pigment[0].volume_fraction", "found 1e-12", "from 4.2e-9, which is half a grain", "smaller grains"],
+    ),
     slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
     slip(
         "name = \"yellow\"",

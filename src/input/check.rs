@@ -2,6 +2,7 @@
 
 mod angles;
 mod gaps;
+mod grain_count;
 mod index;
 mod judgement;
 mod light;
