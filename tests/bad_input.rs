@@ -165,6 +165,11 @@ const SLIPS: &[Slip] = &[
         "volume_fraction = 1e-12",
         ["pigment[0].volume_fraction", "found 1e-12", "from 4.2e-9, which is half a grain", "smaller grains"],
     ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = \"big\"",
+        ["pigment[0].diameter_nm", "\"big\"", "a number of nm such as 250, or \"molecular\"", "in that form"],
+    ),
     slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
     slip(
         "name = \"yellow\"",
@@ -204,11 +209,12 @@ const SLIPS: &[Slip] = &[
         ["light.wavelengths_nm[0]", "0.45", "from 100 to 10000 nm", "in nm"],
     ),
     slip(RANGE, "from_nm = 400", ["light", "found from_nm alone", "wavelengths_nm", "from_nm = 400"]),
+    slip("from_nm = 400", "from_nm = 1", ["light.from_nm", "found 1", "from 100 to 10000 nm", "400 is usual"]),
     slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
     slip(
         "step_nm = 100",
         "step_nm = 1e-9",
-        ["light.step_nm", "0.000000001", "fewer than 10000", "20 is usual"],
+        ["light.step_nm", "1e-9", "fewer than 10000", "20 is usual"],
     ),
     slip(
         "step_nm = 100",
@@ -317,6 +323,17 @@ fn all_faults_are_told_at_once() {
         said.contains("2 fields") && said.contains("paper.albedo") && said.contains("angles.count"),
         "{said}"
     );
+}
+
+#[test]
+fn a_fault_of_the_light_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("from_nm = 400", "from_nm = 1");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(!said.contains("fields") && !said.contains("pigment[0].index"), "{said}");
+    let text = TINY.replace("seed = 7", "seed = 7\ntarget_delta_e = 1e-300");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(said.contains("run.target_delta_e: found 1e-300;"), "{said}");
 }
 
 #[test]
