@@ -102,6 +102,26 @@ const SLIPS: &[Slip] = &[
     ),
     slip(
         K,
+        "index = { csv = \"empty.csv\" }",
+        ["pigment[0].index.csv", "line 3, column kappa: an empty cell", "kappa ≥ 0", "correct the table"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"micrometres.csv\" }",
+        ["pigment[0].index.csv", "0.7: these look like µm", "the column wants nm", "multiply it by 1000"],
+    ),
+    slip(
+        "[output]",
+        "[paper]\nalbedo = [[0.4, 0.8], [0.7, 0.8]]\n[output]",
+        ["paper.albedo", "up to 0.7, which look like µm", "wavelengths in nm", "by 1000"],
+    ),
+    slip(
+        "[output]",
+        "[compare]\nmeasured = \"comma.csv\"\n[output]",
+        ["compare.measured", "line 2: 3 cells", "(wavelength_nm,reflectance)", "(wavelength_nm;reflectance)"],
+    ),
+    slip(
+        K,
         "index = { csv = \"narrow.csv\" }",
         ["pigment[0].index", "400 nm", "from 500 to 600 nm", "[light]"],
     ),
@@ -134,6 +154,21 @@ const SLIPS: &[Slip] = &[
         "thickness_um = 0.5",
         "thickness_um = 0.15",
         ["pigment[0].diameter_nm", "200", "150 nm, the layer's thickness", "smaller grains"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = 1",
+        ["pigment[0].diameter_nm", "may hold 1.2e8", "at most 5000000 grains in a cell", "sizes are in nm"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = 1e-12",
+        ["pigment[0].volume_fraction", "found 1e-12", "from 4.2e-9, which is half a grain", "smaller grains"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = \"big\"",
+        ["pigment[0].diameter_nm", "\"big\"", "a number of nm such as 250, or \"molecular\"", "in that form"],
     ),
     slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
     slip(
@@ -174,11 +209,12 @@ const SLIPS: &[Slip] = &[
         ["light.wavelengths_nm[0]", "0.45", "from 100 to 10000 nm", "in nm"],
     ),
     slip(RANGE, "from_nm = 400", ["light", "found from_nm alone", "wavelengths_nm", "from_nm = 400"]),
+    slip("from_nm = 400", "from_nm = 1", ["light.from_nm", "found 1", "from 100 to 10000 nm", "400 is usual"]),
     slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
     slip(
         "step_nm = 100",
         "step_nm = 1e-9",
-        ["light.step_nm", "0.000000001", "fewer than 10000", "20 is usual"],
+        ["light.step_nm", "1e-9", "fewer than 10000", "20 is usual"],
     ),
     slip(
         "step_nm = 100",
@@ -257,6 +293,9 @@ fn every_slip_is_told_with_field_value_range_and_remedy() {
     };
     csv("negative.csv", "400,-0.2\n700,0.1\n");
     csv("narrow.csv", "500,0.1\n600,0.1\n");
+    csv("empty.csv", "400,0.1\n550,\n700,0.1\n");
+    csv("micrometres.csv", "0.4,0.1\n0.7,0.1\n");
+    std::fs::write(folder.path().join("comma.csv"), "wavelength_nm,reflectance\n400,0,5\n").unwrap();
     let mut missed = Vec::new();
     for Slip { from, to, says } in SLIPS {
         assert!(TINY.contains(from), "{from}");
@@ -284,6 +323,17 @@ fn all_faults_are_told_at_once() {
         said.contains("2 fields") && said.contains("paper.albedo") && said.contains("angles.count"),
         "{said}"
     );
+}
+
+#[test]
+fn a_fault_of_the_light_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("from_nm = 400", "from_nm = 1");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(!said.contains("fields") && !said.contains("pigment[0].index"), "{said}");
+    let text = TINY.replace("seed = 7", "seed = 7\ntarget_delta_e = 1e-300");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(said.contains("run.target_delta_e: found 1e-300;"), "{said}");
 }
 
 #[test]
@@ -346,4 +396,20 @@ fn paths_that_cannot_be_read_or_written_are_told() {
         "{said}"
     );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing was added");
+}
+
+/// Wide gaps between rows may be meant so: they are told of once, and the study goes on to its next fault, or runs.
+#[test]
+fn wide_gaps_between_rows_are_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("two.csv"), "wavelength_nm,kappa\n400,0.1\n700,0.2\n").unwrap();
+    std::fs::write(folder.path().join("print.csv"), "wavelength_nm,reflectance\n400,0.1\n700,0.2\n").unwrap();
+    let text = TINY.replacen(K, "index = { csv = \"two.csv\" }", 1);
+    let text = text.replace("[output]", "[compare]\nmeasured = \"print.csv\"\n[output]");
+    let done = run(&study(folder.path(), &text), &folder.path().join("out"), &["--plan"]);
+    let said = plain(&done.stderr);
+    assert!(done.status.success(), "{said}");
+    for file in ["two.csv: no row between 400 and 700 nm", "print.csv: no row between 400 and 700 nm"] {
+        assert_eq!(said.matches(file).count(), 1, "{said}");
+    }
 }

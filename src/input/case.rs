@@ -4,6 +4,7 @@ pub use super::case_inputs::{
     BarInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, PeriodInput, SphereInput,
     SublayerInput,
 };
+use super::case_names::with_names;
 use super::fault::Faults;
 use super::read::read;
 use super::tree::{Node, SyntaxFault, parse_json, parse_toml};
@@ -61,10 +62,10 @@ impl Case {
             azimuth_deg: inputs.phi_deg,
             from: inputs.from,
         };
-        scene.check(&media)?;
+        scene.check(&media).map_err(|error| with_names(error, inputs))?;
         incidence.check()?;
         check_thickness(inputs, &scene)?;
-        scene.check_overlaps()?;
+        scene.check_overlaps().map_err(|error| with_names(error, inputs))?;
         Ok(Case { scene, media, incidence })
     }
 }

@@ -1,6 +1,8 @@
 //! From the file as written to a [`Study`]: every fault found at once, none let through.
 
 mod angles;
+mod gaps;
+mod grain_count;
 mod index;
 mod judgement;
 mod light;
@@ -87,7 +89,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
     let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut faults);
     let remarks =
         [light::short_of_end(&file.light, &wavelengths_nm), judgement::first_of_several(file, &judgement)];
-    let study = Study {
+    let mut study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
         pigments,
@@ -108,6 +110,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         judgement,
         remarks: remarks.into_iter().flatten().collect(),
     };
+    study.remarks.extend(gaps::bridged(&study));
     wave::refusals(file, &study, &mut faults);
     if faults.0.is_empty() {
         faults.0.extend(aim(&study));

@@ -1,6 +1,7 @@
 //! What can be wrong with a study, said so that it can be put right.
 
 pub use crate::numerics::allowed::Allowed;
+use crate::numerics::allowed::shown;
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -109,7 +110,7 @@ impl Faults {
     /// Notes a fault unless the number is finite and allowed.
     pub fn number(&mut self, field: &str, value: f64, allowed: Allowed, remedy: &str) {
         if !allowed.holds(value) {
-            self.push(Fault::new(field, value, allowed.to_string(), remedy));
+            self.push(Fault::new(field, shown(value), allowed.to_string(), remedy));
         }
     }
 }

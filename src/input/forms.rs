@@ -35,7 +35,7 @@ impl<'de> Deserialize<'de> for Diameter {
         impl Visitor<'_> for DiameterVisitor {
             type Value = Diameter;
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a diameter in nm, or \"molecular\"")
+                f.write_str("a number of nm such as 250, or \"molecular\"")
             }
             fn visit_f64<E: de::Error>(self, v: f64) -> Result<Diameter, E> {
                 Ok(Diameter::Nm(v))
@@ -46,7 +46,7 @@ impl<'de> Deserialize<'de> for Diameter {
             fn visit_str<E: de::Error>(self, name: &str) -> Result<Diameter, E> {
                 match name {
                     "molecular" => Ok(Diameter::Molecular),
-                    _ => Err(de::Error::unknown_variant(name, &["molecular"])),
+                    _ => Err(de::Error::invalid_value(de::Unexpected::Str(name), &self)),
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Spectra that someone has measured: CSV, CxF3 or CGATS.17.
 
 use super::patches::{self, Taken, place};
-use crate::material::columns::{Columns, ColumnsError};
+use crate::material::columns::{Columns, ColumnsError, micrometres};
 use crate::numerics::files;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -67,7 +67,10 @@ impl MeasuredSpectrum {
             patches::from_cgats(&text, patch).map_err(no_spectrum)?
         } else {
             place(&[], patch).map_err(no_spectrum)?;
-            let rows = from_table(&Columns::read(path)?).map_err(no_spectrum)?;
+            let columns = Columns::read(path)?;
+            let [nm, value] = places(&columns).map_err(no_spectrum)?;
+            let (nm, values) = (columns.wavelengths_nm(nm)?, columns.numbers(value)?);
+            let rows = nm.into_iter().zip(values).map(|(nm, value)| [nm, value]).collect();
             Taken { rows, name: String::new(), number: 1, of: 1 }
         };
         let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -82,6 +85,11 @@ impl MeasuredSpectrum {
         }
         if let Some([nm, value]) = rows.iter().find(|row| row.iter().any(|x| !x.is_finite())) {
             return Err(format!("{value} at {nm} nm is no number"));
+        }
+        if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
+            return Err(format!(
+                "the largest wavelength is {largest}: these look like µm; write them in nm, times 1000"
+            ));
         }
         if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
             return Err(format!("wavelengths do not rise: {} nm after {} nm", pair[1][0], pair[0][0]));
@@ -117,13 +125,13 @@ impl MeasuredSpectrum {
     }
 }
 
-fn from_table(columns: &Columns) -> Result<Vec<[f64; 2]>, String> {
+/// Where a table keeps wavelengths and values.
+fn places(columns: &Columns) -> Result<[usize; 2], String> {
     let need = |names: &[&str]| {
         let found = columns.find(names);
         found.ok_or_else(|| format!("column {} is missing; found {}", names[0], columns.names.join(", ")))
     };
-    let (nm, value) = (need(&["wavelength_nm", "wavelength", "nm"])?, need(&["reflectance", "r", "value"])?);
-    Ok(columns.rows.iter().map(|row| [nm, value].map(|i| row[i].unwrap_or(f64::NAN))).collect())
+    Ok([need(&["wavelength_nm", "wavelength", "nm"])?, need(&["reflectance", "r", "value"])?])
 }
 
 #[cfg(test)]
@@ -193,7 +201,10 @@ mod tests {
         let reason = |text: &str| read(text).unwrap_err().to_string();
         assert!(reason("wavelength_nm,lab\n400,1\n").contains("column reflectance is missing"));
         assert!(reason("wavelength_nm,reflectance\n410,1\n400,1\n").contains("do not rise"));
-        assert!(reason("wavelength_nm,reflectance\n410,\n420,1\n").contains("no number"));
+        assert!(reason("wavelength_nm,reflectance\n410,\n420,1\n").contains("line 2, column reflectance: an empty cell"));
+        assert!(reason("wavelength_nm,reflectance\n410,NaN\n420,1\n").contains("no number"));
+        assert!(reason("wavelength_nm,reflectance\n0.41,1\n0.42,1\n").contains("these look like µm"));
+        assert!(reason("wavelength_nm,reflectance\n410,0,5\n").contains("(wavelength_nm;reflectance)"));
         assert!(reason("<CxF/>").contains("no ReflectanceSpectrum"));
         assert!(reason("wavelength_nm,reflectance\n400,-0.5\n420,0.5\n").contains("-0.5 at 400 nm"));
         assert!(reason("wavelength_nm,reflectance\n400,30000\n420,0.5\n").contains("30000 at 400 nm"));

@@ -1,6 +1,7 @@
 //! A value that does not fit its type, as serde tells it, in our own words.
 
 use super::fault::Fault;
+use crate::numerics::allowed::shown;
 use serde::de::{self, Expected, Unexpected};
 use std::fmt;
 
@@ -95,6 +96,8 @@ pub(super) fn said(found: Unexpected) -> String {
         Unexpected::Unit => "null".into(),
         Unexpected::Map => "a table".into(),
         Unexpected::Seq => "a list".into(),
+        // The parser's own words have all digits of 1e-300.
+        Unexpected::Float(x) if x.to_string() != shown(x) => format!("the number `{}`", shown(x)),
         other => other.to_string(),
     }
 }

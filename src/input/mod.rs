@@ -6,6 +6,7 @@
 pub mod case;
 mod case_checks;
 pub mod case_inputs;
+mod case_names;
 pub mod check;
 pub mod contrast;
 mod drawn;

@@ -159,11 +159,19 @@ fn floor_char_boundary(text: &str, byte: usize) -> usize {
 /// # Errors
 /// The text is no TOML.
 pub fn parse_toml(text: &str) -> Result<toml::Table, SyntaxFault> {
-    text.parse().map_err(|error: toml::de::Error| SyntaxFault {
-        message: error.message().trim().to_owned(),
-        remedy: "correct the TOML here; https://toml.io shows its syntax",
-        span: error.span(),
-    })
+    text.parse().map_err(|error: toml::de::Error| toml_fault(text, &error))
+}
+
+/// What the parser of TOML says; of whole numbers that are too large it speaks in terms of its own code.
+fn toml_fault(text: &str, error: &toml::de::Error) -> SyntaxFault {
+    let (said, span) = (error.message().trim(), error.span());
+    if !["as i128", "was too large", "overflowed"].iter().any(|words| said.contains(words)) {
+        let remedy = "correct the TOML here; https://toml.io shows its syntax";
+        return SyntaxFault { message: said.to_owned(), remedy, span };
+    }
+    let found = span.clone().and_then(|span| text.get(span)).unwrap_or("a whole number");
+    let message = format!("found {found}; allowed: whole numbers of at most 9223372036854775807 (64 bits)");
+    SyntaxFault { message, remedy: "take a smaller number, or write it with a point or a power of ten", span }
 }
 
 /// Parses JSON.
@@ -192,5 +200,20 @@ fn json_remedy(text: &str, message: &str) -> &'static str {
         "keep the value that you mean"
     } else {
         "correct the JSON here, or write TOML in a file that ends in .toml"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_numbers_that_are_too_large_are_told_as_such() {
+        for number in ["9223372036854775808", "-99999999999999999999999", &"9".repeat(60)] {
+            let fault = parse_toml(&format!("a = 1\nb = {number}\n")).unwrap_err();
+            let found = format!("found {number}; allowed: whole numbers of at most 9223372036854775807");
+            assert!(fault.message.starts_with(&found), "{fault:?}");
+        }
+        assert!(parse_toml("a = \n").unwrap_err().remedy.contains("toml.io"));
     }
 }

@@ -3,82 +3,34 @@
 //! A spreadsheet in much of the world writes `;` between columns and `,` in numbers. Which one a file uses is read off
 //! its header line; a file that mixes them is refused with an explanation, never guessed at.
 
+mod error;
+
+pub use error::ColumnsError;
+
 use crate::numerics::files;
 use std::io;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
-/// A table that cannot be used.
-#[derive(Debug, Error)]
-pub enum ColumnsError {
-    /// The file cannot be read.
-    #[error("{}: {source}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        source: std::io::Error,
-    },
-    /// The file is no table.
-    #[error("{}: {source}", path.display())]
-    Broken {
-        /// The file.
-        path: PathBuf,
-        /// What the reader found.
-        source: csv::Error,
-    },
-    /// The file has no header line.
-    #[error("{}: it is empty; the first line names the columns", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Two columns have the same name.
-    #[error("{}: column {column} is there twice; keep one of them", path.display())]
-    Twice {
-        /// The file.
-        path: PathBuf,
-        /// Name of the columns.
-        column: String,
-    },
-    /// A line has another number of cells than the header.
-    #[error(
-        "{}, line {line}: {found} cells under {expected} columns{}", path.display(),
-        if *comma { "; numbers with a decimal comma need a semicolon between columns (wavelength_nm;kappa)" } else { "" }
-    )]
-    Ragged {
-        /// The file.
-        path: PathBuf,
-        /// Number of the line, from 1.
-        line: u64,
-        /// Its cells.
-        found: usize,
-        /// Columns of the header.
-        expected: usize,
-        /// Commas separate the columns, so that decimal commas may be the cause.
-        comma: bool,
-    },
-    /// A cell is no number.
-    #[error("{}, line {line}, column {column}: found {found:?} where a number is needed", path.display())]
-    NoNumber {
-        /// The file.
-        path: PathBuf,
-        /// Number of the line, from 1.
-        line: u64,
-        /// Name of the column.
-        column: String,
-        /// What the cell holds.
-        found: String,
-    },
+/// Light of fewer nm than this is none that a table of optical constants is made for.
+const LEAST_NM: f64 = 10.0;
+
+/// The largest of some wavelengths where they are too small for nm.
+pub fn micrometres(wavelengths_nm: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let largest = wavelengths_nm.into_iter().reduce(f64::max)?;
+    (0.0 < largest && largest < LEAST_NM).then_some(largest)
 }
 
 /// Columns by name, and rows of numbers; an empty cell is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns {
+    /// The file.
+    path: PathBuf,
     /// Names in lower case, as the header has them.
     pub names: Vec<String>,
     /// One list a line.
     pub rows: Vec<Vec<Option<f64>>>,
+    /// The rows' lines in the file, from 1.
+    lines: Vec<u64>,
 }
 
 impl Columns {
@@ -113,21 +65,51 @@ impl Columns {
         if let Some(i) = (0..names.len()).find(|&i| earlier(i)) {
             return Err(ColumnsError::Twice { path: path.into(), column: names[i].clone() });
         }
-        let mut rows = Vec::new();
+        let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
             let record = record.map_err(broken)?;
             // Spreadsheets end with lines of nothing but separators.
             if record.iter().any(|cell| !cell.is_empty()) {
                 rows.push(row(path, &names, separator, &record)?);
+                lines.push(line_of(&record));
             }
         }
-        Ok(Self { names, rows })
+        Ok(Self { path: path.into(), names, rows, lines })
     }
 
     /// Place of the first of these names that the table has.
     pub fn find(&self, names: &[&str]) -> Option<usize> {
         self.names.iter().position(|name| names.contains(&name.as_str()))
     }
+
+    /// A column without gaps.
+    ///
+    /// # Errors
+    /// An empty cell.
+    pub fn numbers(&self, place: usize) -> Result<Vec<f64>, ColumnsError> {
+        self.rows.iter().zip(&self.lines).map(|(row, &line)| self.number(row, line, place)).collect()
+    }
+
+    fn number(&self, row: &[Option<f64>], line: u64, place: usize) -> Result<f64, ColumnsError> {
+        let (path, column) = (&self.path, &self.names[place]);
+        let empty = || ColumnsError::EmptyCell { path: path.clone(), line, column: column.clone() };
+        row[place].ok_or_else(empty)
+    }
+
+    /// A column of wavelengths without gaps, nm.
+    ///
+    /// # Errors
+    /// An empty cell, or wavelengths that look like µm.
+    pub fn wavelengths_nm(&self, place: usize) -> Result<Vec<f64>, ColumnsError> {
+        let numbers = self.numbers(place)?;
+        let Some(largest) = micrometres(numbers.iter().copied()) else { return Ok(numbers) };
+        let (path, column) = (self.path.clone(), self.names[place].clone());
+        Err(ColumnsError::Micrometres { path, column, largest })
+    }
+}
+
+fn line_of(record: &csv::StringRecord) -> u64 {
+    record.position().map_or(0, csv::Position::line)
 }
 
 fn row(
@@ -136,18 +118,12 @@ fn row(
     separator: u8,
     record: &csv::StringRecord,
 ) -> Result<Vec<Option<f64>>, ColumnsError> {
-    let (path, line) = (path.to_owned(), record.position().map_or(0, csv::Position::line));
-    let (found, expected) = (record.len(), names.len());
-    if found != expected {
-        return Err(ColumnsError::Ragged {
-            path,
-            line,
-            found,
-            expected,
-            comma: separator == b',' && found > expected,
-        });
+    let (path, line, found) = (path.to_owned(), line_of(record), record.len());
+    if found != names.len() {
+        let comma = separator == b',' && found > names.len();
+        return Err(ColumnsError::Ragged { path, line, found, names: names.to_vec(), comma });
     }
-    let mut numbers = Vec::with_capacity(expected);
+    let mut numbers = Vec::with_capacity(found);
     for (cell, column) in record.iter().zip(names) {
         // a decimal comma, where commas do not separate columns
         let text = if separator == b',' { cell.to_owned() } else { cell.replace(',', ".") };
@@ -178,7 +154,8 @@ mod tests {
             plain.rows,
             vec![vec![Some(400.0), Some(0.125), None], vec![Some(500.0), Some(0.25), Some(1.5)]]
         );
-        assert_eq!((&excel, &tabs), (&plain, &plain));
+        assert_eq!((&excel.names, &tabs.names), (&plain.names, &plain.names));
+        assert_eq!((&excel.rows, &tabs.rows), (&plain.rows, &plain.rows));
         assert_eq!(plain.find(&["k", "kappa"]), Some(1));
     }
 
@@ -189,10 +166,23 @@ mod tests {
             message.contains("line 2: 3 cells under 2 columns; numbers with a decimal comma"),
             "{message}"
         );
+        assert!(message.ends_with("(wavelength_nm;kappa)"), "{message}");
+        let message = parse("wavelength_nm,reflectance\n400,0,5\n").unwrap_err().to_string();
+        assert!(message.ends_with("(wavelength_nm;reflectance)"), "{message}");
         let message = parse("wavelength_nm;kappa\n400;much\n").unwrap_err().to_string();
         assert!(message.contains("column kappa: found \"much\""), "{message}");
         assert!(parse("# nothing\n").is_err());
         let message = parse("wavelength_nm,n,n\n400,1.4,1.5\n").unwrap_err().to_string();
         assert!(message.contains("column n is there twice"), "{message}");
+    }
+    #[test]
+    fn empty_cells_and_micrometres_are_told_with_their_place() {
+        let table = parse("# mine\nwavelength_nm,kappa\n400,0.1\n\n500,\n").unwrap();
+        assert_eq!(table.wavelengths_nm(0).unwrap(), [400.0, 500.0]);
+        let message = table.numbers(1).unwrap_err().to_string();
+        assert!(message.contains("ink.csv, line 5, column kappa: an empty cell"), "{message}");
+        let table = parse("wavelength_nm,kappa\n0.4,0.1\n0.7,0.2\n").unwrap();
+        let message = table.wavelengths_nm(0).unwrap_err().to_string();
+        assert!(message.contains("0.7: these look like µm; the column wants nm"), "{message}");
     }
 }

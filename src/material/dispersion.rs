@@ -14,6 +14,7 @@
 //! | 8 | (n² − 1)/(n² + 2) = C₁ + C₂λ²/(λ² − C₃) + C₄λ² |
 //! | 9 | n² = C₁ + C₂/(λ² − C₃) + C₄(λ − C₅)/((λ − C₅)² + C₆) |
 
+use super::gaps;
 use crate::numerics::files;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -128,6 +129,13 @@ impl Dispersion {
         [1e3 * lo, 1e3 * hi]
     }
 
+    /// The widest gap between rows that a range of wavelengths reaches into, nm, where it is worth telling.
+    pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
+        let parts = [&self.n, &self.kappa].into_iter().flatten();
+        let gaps = parts.filter_map(|part| gaps::widest_gap_nm(&part.rows_nm(), range_nm));
+        gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+    }
+
     /// n + iκ at a wavelength in µm inside the range. A record without n gets `n_default`, one without k is transparent.
     pub fn index(&self, wavelength_um: f64, n_default: f64) -> Complex64 {
         let value =
@@ -141,6 +149,14 @@ impl Source {
         match self {
             Self::Table(rows) => [rows[0][0], rows[rows.len() - 1][0]],
             Self::Formula { range_um, .. } => *range_um,
+        }
+    }
+
+    /// Wavelengths of a table, nm, without the rounding of the factor; a formula has none.
+    fn rows_nm(&self) -> Vec<f64> {
+        match self {
+            Self::Table(rows) => rows.iter().map(|row| (1e9 * row[0]).round() / 1e6).collect(),
+            Self::Formula { .. } => Vec::new(),
         }
     }
 

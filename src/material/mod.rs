@@ -2,6 +2,7 @@
 
 pub mod columns;
 pub mod dispersion;
+pub mod gaps;
 pub mod mixing;
 pub mod spectra;
 pub mod synthetic;

@@ -4,8 +4,9 @@ mod error;
 
 pub use error::SpectrumError;
 
-use super::columns::Columns;
+use super::columns::{Columns, ColumnsError};
 use super::dispersion::Dispersion;
+use super::gaps;
 use super::synthetic::{SYNTHETIC_RANGE_NM, Synthetic};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -85,14 +86,7 @@ impl Spectrum {
         if columns.rows.len() < 2 {
             return Err(SpectrumError::TooFewRows { path: path.into(), rows: columns.rows.len() });
         }
-        // what is missing is no number, and refused as such below
-        let cell = |row: &[Option<f64>], place: usize| row[place].unwrap_or(f64::NAN);
-        let sample = |row: &Vec<Option<f64>>| Sample {
-            wavelength_nm: cell(row, places.wavelength),
-            n: places.n.map_or(PIGMENT_N, |n| cell(row, n)),
-            kappa: cell(row, places.kappa),
-        };
-        Self::tabulated(&path.display().to_string(), columns.rows.iter().map(sample).collect())
+        Self::tabulated(&path.display().to_string(), places.samples(&columns)?)
     }
 
     /// Reads a record of refractiveindex.info (YAML); without n it is 1.4 (P1), without k the material is transparent.
@@ -158,6 +152,15 @@ impl Spectrum {
         }
     }
 
+    /// The widest gap between a file's rows that a range of wavelengths reaches into, nm, where it is worth telling.
+    pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
+        match self {
+            Self::Constant { .. } | Self::Synthetic(_) => None,
+            Self::Recorded(record) => record.widest_gap_nm(range_nm),
+            Self::Tabulated(table) => gaps::widest_gap_nm(&table.rows_nm(), range_nm),
+        }
+    }
+
     /// A name for messages and tables; synthetic spectra say that they are.
     pub fn name(&self) -> String {
         match self {
@@ -192,12 +195,24 @@ impl Places {
             n: columns.find(&["n"]),
         })
     }
+
+    fn samples(&self, columns: &Columns) -> Result<Vec<Sample>, ColumnsError> {
+        let wavelengths = columns.wavelengths_nm(self.wavelength)?;
+        let kappa = columns.numbers(self.kappa)?;
+        let n = self.n.map_or_else(|| Ok(vec![PIGMENT_N; kappa.len()]), |n| columns.numbers(n))?;
+        let rows = wavelengths.into_iter().zip(n).zip(kappa);
+        Ok(rows.map(|((wavelength_nm, n), kappa)| Sample { wavelength_nm, n, kappa }).collect())
+    }
 }
 
 impl Table {
     /// The rows, increasing in wavelength.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    fn rows_nm(&self) -> Vec<f64> {
+        self.samples.iter().map(|sample| sample.wavelength_nm).collect()
     }
 
     /// Linear between the rows, n and κ apart.
@@ -258,7 +273,8 @@ mod tests {
         assert!(message("wavelength_nm,kappa\n500,0.1\n400,0.3\n").contains("row 2: wavelength_nm = 400"));
         assert!(message("wavelength_nm,kappa\n500,NaN\n600,0.3\n").contains("kappa = NaN"));
         assert!(message("wavelength_nm,kappa,n\n500,1,0\n600,0.3,1\n").contains("n = 0"));
-        assert!(message("wavelength_nm,kappa,n\n500,1,\n600,0.3,1\n").contains("n = NaN"));
+        assert!(message("wavelength_nm,kappa,n\n500,1,\n600,0.3,1\n").contains("line 2, column n: an empty cell"));
+        assert!(message("wavelength_nm,kappa\n0.5,0.1\n0.6,0.3\n").contains("these look like µm"));
         assert!(message("wavelength_nm,kappa\n500,0.1\n").contains("1 rows"));
         assert!(message("lambda,kappa\n500,0.1\n600,0.1\n").contains("lambda"));
         assert!(Spectrum::from_csv("no/such/file.csv").unwrap_err().to_string().contains("no/such/file.csv"));

@@ -4,6 +4,21 @@ use schemars::Schema;
 use schemars::transform::Transform;
 use std::fmt;
 
+/// Numbers closer to nothing than this are shown with a power of ten, and so are those above [`LARGE`].
+const SMALL: f64 = 1e-4;
+/// See [`SMALL`].
+const LARGE: f64 = 1e15;
+
+/// A number as a person wants to see it, without rows of zeros.
+pub fn shown(value: f64) -> String {
+    let size = value.abs();
+    if size > 0.0 && !(SMALL..LARGE).contains(&size) && value.is_finite() {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
+}
+
 /// An allowed range of a number, with its unit, that can say itself in words.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowed {
@@ -133,5 +148,16 @@ impl<T: Transform> Transform for Each<T> {
         if let Some(items) = schema.get_mut("items").and_then(|items| items.try_into().ok()) {
             self.entry.transform(items);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shown;
+
+    #[test]
+    fn very_small_and_very_large_numbers_have_a_power_of_ten() {
+        let all = [1e-300, -2.5e-5, 1e-4, 0.3, 0.0, 700.0, 1e300, f64::INFINITY];
+        assert_eq!(all.map(shown), ["1e-300", "-2.5e-5", "0.0001", "0.3", "0", "700", "1e300", "inf"]);
     }
 }

@@ -5,6 +5,7 @@
 //! there too and does not stop the rest; it is not tried again before that is asked.
 
 mod jobs;
+mod named;
 mod news;
 mod room;
 mod work;
@@ -22,6 +23,7 @@ use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
 use crate::store::queue::{Claim, Queue, Standing, Task};
 use jobs::{Job, jobs};
+use named::Named;
 use news::News;
 use room::Room;
 use serde::Serialize;
@@ -225,10 +227,12 @@ impl<'a> Worker<'a> {
 
     /// Chooses the grids of a group and tells what its units cost.
     fn grids(&self, task: usize, variants: &[usize]) -> Result<(), RunError> {
-        let mut packings = Packings::new(&self.sweep.variants[variants[0]].study, self.watch);
+        let first = self.named(variants[0], self.watch);
+        let mut packings = Packings::new(&self.sweep.variants[variants[0]].study, &first);
         let mut cost = 0.0;
         for &v in variants {
-            let work = self.work(v, 0, self.watch);
+            let named = self.named(v, self.watch);
+            let work = self.work(v, 0, &named);
             if work.has_failed() {
                 continue;
             }
@@ -246,18 +250,23 @@ impl<'a> Worker<'a> {
     /// Solves a unit.
     fn unit(&self, task: usize, unit: &Unit) -> Result<(), RunError> {
         let news = News::new(self, task);
-        let mut packings = Packings::new(&self.sweep.variants[unit.variants[0]].study, &news);
+        let first = self.named(unit.variants[0], &news);
+        let mut packings = Packings::new(&self.sweep.variants[unit.variants[0]].study, &first);
         let mut failed = 0;
         for &v in &unit.variants {
             if self.watch.stop() {
                 break;
             }
-            failed += self.work(v, unit.realisation, &news).go(&mut packings)?;
+            failed += self.work(v, unit.realisation, &self.named(v, &news)).go(&mut packings)?;
         }
         if self.watch.stop() {
             return Ok(self.queue.give_back(task)?);
         }
         Ok(self.queue.finish(task, solves_of(self.sweep, unit), failed)?)
+    }
+
+    fn named<'b>(&'b self, variant: usize, watch: &'b dyn RunWatch) -> Named<'b> {
+        Named { name: &self.sweep.variants[variant].name, watch }
     }
 
     fn work<'b>(&'b self, variant: usize, realisation: usize, watch: &'b dyn RunWatch) -> Work<'b> {

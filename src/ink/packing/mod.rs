@@ -19,6 +19,6 @@ mod relaxation;
 pub mod request;
 mod sequential;
 mod settle;
-mod sizes;
+pub(crate) mod sizes;
 mod strain;
 pub mod watch;

@@ -59,7 +59,7 @@ impl Plan {
             let template = pigment.shape.template();
             check_size(request, k, pigment, &template)?;
             let (sizes, share) = draw_sizes(pigment, &template, lx * ly * dry, draws)?;
-            check_presence(k, pigment, &sizes)?;
+            check_presence(k, pigment, lx * ly * dry, &sizes)?;
             let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
             bodies.extend(group(k, request, grains, &template, draws)?);
             notes.extend(unlike(k, pigment, &share));

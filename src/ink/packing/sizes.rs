@@ -7,13 +7,31 @@ use crate::ink::grains::shape::Template;
 use crate::numerics::Draws;
 
 /// More grains than this are a slip in the units.
-const MOST_GRAINS: usize = 5_000_000;
+pub(crate) const MOST_GRAINS: usize = 5_000_000;
 
 /// Fewer grains than this are none.
 const LEAST_GRAINS: f64 = 0.5;
 
 /// Drawn volumes that miss the share by more are worth a note.
 const UNLIKE: f64 = 0.1;
+
+impl PigmentGrains {
+    /// Grains that hold the share of a layer's volume, µm³, in the mean of their sizes.
+    pub fn expected(&self, volume_um3: f64) -> f64 {
+        self.volume_fraction * volume_um3 / mean_um3(self, &self.shape.template())
+    }
+
+    /// The smallest share of a volume, µm³, that is rounded to a grain rather than to none.
+    pub fn least_share(&self, volume_um3: f64) -> f64 {
+        LEAST_GRAINS * mean_um3(self, &self.shape.template()) / volume_um3
+    }
+}
+
+/// Mean volume of a grain, µm³.
+fn mean_um3(pigment: &PigmentGrains, template: &Template) -> f64 {
+    let size = &pigment.size;
+    template.volume.um3 * size.radius_um(1.0, template).powi(3) * size.mean_cube_nm3()
+}
 
 /// Thickest radii of the grains that hold the share of `volume`, µm, by [`ShareRule`].
 pub(super) fn draw_sizes(
@@ -69,8 +87,7 @@ fn of_a_law(
     draws: &mut Draws,
 ) -> Result<Vec<f64>, PackError> {
     let size = &pigment.size;
-    let mean_um3 = template.volume.um3 * size.radius_um(1.0, template).powi(3) * size.mean_cube_nm3();
-    let wanted = target / mean_um3;
+    let wanted = target / mean_um3(pigment, template);
     if wanted.is_nan() || wanted > MOST_GRAINS as f64 {
         return Err(too_many(format!("{wanted:.1e} grains")));
     }
@@ -89,15 +106,28 @@ fn too_many(found: String) -> PackError {
     PackError::input("pigment.size", found, allowed, "check the units of size and period")
 }
 
+/// What to try where a share is less than a grain.
+pub(crate) const MORE_ROOM: &str =
+    "widen period_um, take smaller grains, or let the cells vary (layer.cell)";
+
+/// What is allowed where a share is less than a grain.
+pub(crate) fn too_few_grains(least_share: f64, cell: &str) -> String {
+    format!("from {least_share:.1e}, which is half a grain in {cell}")
+}
+
 /// A pigment that was asked for does not vanish by rounding to whole grains.
-pub(super) fn check_presence(k: usize, pigment: &PigmentGrains, sizes: &[f64]) -> Result<(), PackError> {
+pub(super) fn check_presence(
+    k: usize,
+    pigment: &PigmentGrains,
+    volume_um3: f64,
+    sizes: &[f64],
+) -> Result<(), PackError> {
     if !sizes.is_empty() || pigment.volume_fraction == 0.0 {
         return Ok(());
     }
-    let (field, found) = (format!("pigment[{k}].volume_fraction"), pigment.volume_fraction);
-    let allowed = "enough for half a grain in the cell";
-    let advice = "widen period_um, take smaller grains, or let the cells vary (layer.cell)";
-    Err(PackError::input(field, found.to_string(), allowed, advice))
+    let (field, found) = (format!("pigment[{k}].volume_fraction"), format!("{:?}", pigment.volume_fraction));
+    let allowed = too_few_grains(pigment.least_share(volume_um3), "the cell");
+    Err(PackError::input(field, found, allowed, MORE_ROOM))
 }
 
 /// What to tell of a cell that is too small for its law: the sizes drawn hold far more or less than the share.

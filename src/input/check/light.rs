@@ -6,36 +6,37 @@ use crate::input::file::{LightTable, SamplingName};
 use crate::input::limits;
 use crate::input::limits::LONGEST_LIST;
 use crate::input::variation::LightRule;
+use crate::numerics::allowed::shown;
 
 /// Wavelengths unless told, nm: from, to, step.
 const VISIBLE: [f64; 3] = [400.0, 700.0, 20.0];
+
 pub(crate) fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
-    let list = match (&light.wavelengths_nm, light.from_nm, light.to_nm, light.step_nm) {
-        (Some(list), None, None, None) => list.clone(),
+    match (&light.wavelengths_nm, light.from_nm, light.to_nm, light.step_nm) {
+        (Some(list), None, None, None) => {
+            let remedy = "give vacuum wavelengths in nm, 400 to 700 for the visible";
+            check_list("light.wavelengths_nm", list, limits::WAVELENGTH_NM, remedy, faults);
+            list.clone()
+        }
         (None, Some(from), Some(to), Some(step)) => wavelength_range(from, to, step, faults),
         (None, None, None, None) => wavelength_range(VISIBLE[0], VISIBLE[1], VISIBLE[2], faults),
         _ => {
-            let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm";
-            let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
-            let found = keys_in_words([
-                ("wavelengths_nm", light.wavelengths_nm.is_some()),
-                ("from_nm", light.from_nm.is_some()),
-                ("to_nm", light.to_nm.is_some()),
-                ("step_nm", light.step_nm.is_some()),
-            ]);
-            faults.push(Fault::new("light", found, allowed, remedy));
-            return Vec::new();
+            faults.push(neither_list_nor_range(light));
+            Vec::new()
         }
-    };
-    let field = if light.wavelengths_nm.is_some() { "light.wavelengths_nm" } else { "light.from_nm" };
-    check_list(
-        field,
-        &list,
-        limits::WAVELENGTH_NM,
-        "give vacuum wavelengths in nm, 400 to 700 for the visible",
-        faults,
-    );
-    list
+    }
+}
+
+fn neither_list_nor_range(light: &LightTable) -> Fault {
+    let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm";
+    let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
+    let found = keys_in_words([
+        ("wavelengths_nm", light.wavelengths_nm.is_some()),
+        ("from_nm", light.from_nm.is_some()),
+        ("to_nm", light.to_nm.is_some()),
+        ("step_nm", light.step_nm.is_some()),
+    ]);
+    Fault::new("light", found, allowed, remedy)
 }
 
 /// A range whose last step does not end at `to_nm`.
@@ -51,6 +52,7 @@ pub(crate) fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option
     None
 }
 
+/// No wavelengths where the range has a fault: what depends on them is not judged then.
 fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f64> {
     let before = faults.0.len();
     faults.number("light.step_nm", step, limits::STEP_NM, "20 is usual");
@@ -62,7 +64,7 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
     let count = ((to - from) / step + 1e-9).floor();
     if faults.0.len() == before && count >= LONGEST_LIST as f64 {
         let allowed = format!("a step that gives fewer than {LONGEST_LIST} wavelengths");
-        faults.push(Fault::new("light.step_nm", step, allowed, "20 is usual"));
+        faults.push(Fault::new("light.step_nm", shown(step), allowed, "20 is usual"));
     }
     // One wavelength where a range is written is a slip, not a wish.
     if faults.0.len() == before && to > from && count == 0.0 {
@@ -71,7 +73,7 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
         faults.push(Fault::new("light.step_nm", step, allowed, remedy));
     }
     if faults.0.len() > before {
-        return vec![from];
+        return Vec::new();
     }
     (0..=count as usize).map(|i| from + i as f64 * step).collect()
 }
@@ -103,7 +105,7 @@ pub(crate) fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mu
     if let Some(count) = light.per_realisation {
         let remedy = "10 to 16 is usual; it needs a range of wavelengths";
         whole("light.per_realisation", count, limits::PER_REALISATION, remedy, faults);
-        if !range {
+        if !range && !wavelengths_nm.is_empty() {
             let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
             faults.push(Fault::new("light.per_realisation", count, allowed, "give a range, or leave it out"));
         }

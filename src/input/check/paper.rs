@@ -6,6 +6,7 @@ use crate::input::file::{CouplingName, StudyFile};
 use crate::input::forms::AlbedoWritten;
 use crate::input::limits;
 use crate::input::study::Paper;
+use crate::material::columns::micrometres;
 use crate::numerics::files;
 use serde::Deserialize;
 use std::path::Path;
@@ -44,6 +45,11 @@ fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &m
         let field = format!("{field}[{i}]");
         let allowed = "albedos from 0 to 1";
         faults.push(Fault::new(field, format!("{} at {} nm", rows[i][1], rows[i][0]), allowed, REMEDY));
+        return Albedo::Constant(0.5);
+    }
+    if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
+        let found = format!("wavelengths up to {largest}, which look like µm");
+        faults.push(Fault::new(field, found, "wavelengths in nm", "multiply the wavelengths by 1000"));
         return Albedo::Constant(0.5);
     }
     let albedo = Albedo::Spectral(rows);

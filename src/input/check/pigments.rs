@@ -1,6 +1,6 @@
 //! Pigments: names, shares, shapes and sizes that fit the layer, and the packing they ask for.
 
-use super::index;
+use super::{grain_count, index};
 use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::{LayerTable, PigmentTable, StudyFile};
@@ -126,9 +126,14 @@ fn of(pigment: usize, key: &str) -> String {
 type Room<'a> = (&'a LayerTable, [f64; 2]);
 
 fn grains(i: usize, table: &PigmentTable, layer: Room, faults: &mut Faults) -> PigmentGrains {
+    let before = faults.0.len();
     fraction(i, table, faults);
     let grains = as_written(table, size(i, table, faults));
-    fits(i, &grains, table.diameter_nm.is_some(), layer, faults);
+    let field = of(i, if table.diameter_nm.is_some() { "diameter_nm" } else { "size" });
+    fits(&field, &grains, layer, faults);
+    if faults.0.len() == before && grains.shape.defect().is_none() {
+        grain_count::check([field, of(i, "volume_fraction")], &grains, layer, faults);
+    }
     grains
 }
 
@@ -198,8 +203,7 @@ fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution
 }
 
 /// Grains fit between the walls and do not meet their own periodic images.
-fn fits(i: usize, grains: &PigmentGrains, one_diameter: bool, (layer, period_um): Room, faults: &mut Faults) {
-    let field = of(i, if one_diameter { "diameter_nm" } else { "size" });
+fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): Room, faults: &mut Faults) {
     let remedy = "pigment grains measure 50 to 500 nm; take smaller grains or a larger cell";
     if grains.shape.defect().is_some() {
         // The packing's own check tells of the shape.

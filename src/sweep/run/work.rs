@@ -17,6 +17,7 @@ pub(super) struct Work<'a> {
     pub stores: &'a Stores,
     pub settings: RunSettings,
     pub room: &'a Room,
+    /// Names the variant.
     pub watch: &'a dyn RunWatch,
     pub realisation: usize,
 }
@@ -53,7 +54,7 @@ impl Work<'_> {
         error: &RunError,
     ) -> Result<(), RunError> {
         let (variant, reason) = (self.name.to_owned(), error.to_string());
-        self.watch.stage(&format!("{variant}: no result: {reason}"));
+        self.watch.stage(&format!("no result: {reason}"));
         let Some(failures) = &self.stores.failures else { return Ok(()) };
         for realisation in realisations {
             let (variant, reason) = (variant.clone(), reason.clone());

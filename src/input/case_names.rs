@@ -1,0 +1,68 @@
+//! What the file calls the bodies of a case: a scene knows them by their numbers.
+
+use super::case_inputs::{CaseError, CaseInputs};
+use crate::wave::WaveError;
+
+/// A refusal of the scene with the file's names in the place of its numbers.
+pub(super) fn with_names(error: WaveError, inputs: &CaseInputs) -> CaseError {
+    let names = names(inputs);
+    let name = |body: usize| names.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
+    match error {
+        WaveError::Overlap { first, second, overlap_um } => {
+            let found = format!("they overlap by {overlap_um:.3e} µm");
+            field(format!("{} and {}", name(first), name(second)), found, "move them apart")
+        }
+        WaveError::OverlapsImage { body, overlap_um } => {
+            let found = format!("it overlaps its own periodic image by {overlap_um:.3e} µm");
+            field(name(body), found, "make the period L larger or the body smaller")
+        }
+        WaveError::OutsideLayer { body, low_um, high_um, thickness_um } => {
+            let found = format!("reaches from z = {low_um} to {high_um} µm of a layer of {thickness_um} µm");
+            field(name(body), found, "move it, make it smaller, or make the layer thicker")
+        }
+        other => other.into(),
+    }
+}
+
+fn field(field: String, found: String, remedy: &str) -> CaseError {
+    CaseError::Field { field, found, remedy: remedy.into() }
+}
+
+/// In the order of the scene's bodies.
+fn names(inputs: &CaseInputs) -> Vec<String> {
+    let count = |list: Option<usize>| 0..list.unwrap_or(0);
+    let spheres = count(inputs.spheres.as_ref().map(Vec::len)).map(|i| format!("spheres[{i}]"));
+    let cylinders = count(inputs.cylinders.as_ref().map(Vec::len)).map(|i| format!("cylinders[{i}]"));
+    let sublayers = inputs.sublayers_from_z0.iter().flatten().enumerate();
+    // Films of no thickness have no bodies.
+    let solid = sublayers.filter(|(_, sublayer)| sublayer.thickness != 0.0);
+    let bars = solid.flat_map(|(i, sublayer)| {
+        (0..sublayer.bars.len()).map(move |j| format!("sublayers_from_z0[{i}].bars[{j}]"))
+    });
+    spheres.chain(cylinders).chain(bars).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::input::case::Case;
+
+    fn refusal(bodies: &str) -> String {
+        let text = format!("wavelength = 0.5\nL = 1.0\n{bodies}");
+        Case::parse(&text, true).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn bodies_are_called_as_in_the_file() {
+        let binder = "H = 1.0\neta_binder = [1.5, 0]\n";
+        let cylinder = "[[cylinders]]\nx = 0.5\nz = 0.5\nradius = 0.2\neta = [1.4, 0]\n";
+        let sphere = "[[spheres]]\ncenter = [0.6, 0.5, 0.5]\nradius = 0.2\neta = [1.4, 0]\n";
+        let said = refusal(&format!("{binder}{sphere}{cylinder}"));
+        assert!(said.contains("spheres[0] and cylinders[0]: they overlap by 3.000e-1 µm"), "{said}");
+        let film = "[[sublayers_from_z0]]\nthickness = 0\neta_background = [1.5, 0]\n\
+            bars = [{ x0 = 0, x1 = 0.5, eta = [1.4, 0] }]\n";
+        let bars = "[[sublayers_from_z0]]\nthickness = 0.5\neta_background = [1.5, 0]\n\
+            bars = [{ x0 = 0, x1 = 0.5, eta = [1.4, 0] }, { x0 = 0.25, x1 = 0.7, eta = [1.4, 0] }]\n";
+        let said = refusal(&format!("{film}{bars}"));
+        assert!(said.contains("sublayers_from_z0[1].bars[0] and sublayers_from_z0[1].bars[1]:"), "{said}");
+    }
+}

@@ -1,0 +1,99 @@
+//! Why a table cannot be used.
+
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// A table that cannot be used.
+#[derive(Debug, Error)]
+pub enum ColumnsError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// The file is no table.
+    #[error("{}: {source}", path.display())]
+    Broken {
+        /// The file.
+        path: PathBuf,
+        /// What the reader found.
+        source: csv::Error,
+    },
+    /// The file has no header line.
+    #[error("{}: it is empty; the first line names the columns", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Two columns have the same name.
+    #[error("{}: column {column} is there twice; keep one of them", path.display())]
+    Twice {
+        /// The file.
+        path: PathBuf,
+        /// Name of the columns.
+        column: String,
+    },
+    /// A line has another number of cells than the header.
+    #[error(
+        "{}, line {line}: {found} cells under {} columns{}", path.display(), names.len(),
+        semicolons(names, *comma)
+    )]
+    Ragged {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// Its cells.
+        found: usize,
+        /// Columns of the header.
+        names: Vec<String>,
+        /// Commas separate the columns, so that decimal commas may be the cause.
+        comma: bool,
+    },
+    /// A cell is no number.
+    #[error("{}, line {line}, column {column}: found {found:?} where a number is needed", path.display())]
+    NoNumber {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// Name of the column.
+        column: String,
+        /// What the cell holds.
+        found: String,
+    },
+    /// A cell that must hold a number holds nothing.
+    #[error("{}, line {line}, column {column}: an empty cell; give its number, or take the line out", path.display())]
+    EmptyCell {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// Name of the column.
+        column: String,
+    },
+    /// Wavelengths of some tenths.
+    #[error(
+        "{}, column {column}: the largest wavelength is {largest}: these look like µm; the column wants nm: \
+         multiply it by 1000", path.display()
+    )]
+    Micrometres {
+        /// The file.
+        path: PathBuf,
+        /// Name of the column.
+        column: String,
+        /// The largest wavelength.
+        largest: f64,
+    },
+}
+
+/// What to try where decimal commas may be the cause.
+fn semicolons(names: &[String], comma: bool) -> String {
+    if !comma {
+        return String::new();
+    }
+    format!("; numbers with a decimal comma need a semicolon between columns ({})", names.join(";"))
+}

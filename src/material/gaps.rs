@@ -1,0 +1,27 @@
+//! Stretches between the rows of a table that are too wide to be bridged without a word.
+
+/// Rows of a spectrum are 5 to 20 nm apart; beyond this an absorption band fits between two of them, nm.
+const WORTH_TELLING_NM: f64 = 50.0;
+
+/// The widest stretch between neighbours of rising `rows_nm` that the range reaches into, where it is worth telling.
+pub fn widest_gap_nm(rows_nm: &[f64], [from, to]: [f64; 2]) -> Option<[f64; 2]> {
+    let width = |gap: &[f64; 2]| gap[1] - gap[0];
+    let gaps = rows_nm.windows(2).map(|pair| [pair[0], pair[1]]);
+    let used = gaps.filter(|gap| gap[0] < to && gap[1] > from && width(gap) > WORTH_TELLING_NM);
+    used.max_by(|a, b| width(a).total_cmp(&width(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_widest_gap_inside_the_range_counts() {
+        let rows = [300.0, 400.0, 450.0, 530.0, 590.0, 900.0];
+        assert_eq!(widest_gap_nm(&rows, [400.0, 590.0]), Some([450.0, 530.0]));
+        assert_eq!(widest_gap_nm(&rows, [400.0, 450.0]), None);
+        assert_eq!(widest_gap_nm(&rows, [500.0, 500.0]), Some([450.0, 530.0]));
+        assert_eq!(widest_gap_nm(&rows, [450.0, 450.0]), None, "a wavelength on a row");
+        assert_eq!(widest_gap_nm(&[400.0, 700.0], [420.0, 680.0]), Some([400.0, 700.0]));
+    }
+}
