@@ -119,6 +119,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
 /// The folder of the results with the sweep and what is to be taken over from elsewhere, ready for a run.
 fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputFolder> {
     let folder = OutputFolder::open(path, Holds::Sweep).map_err(folder_report)?;
+    let folder = folder.going_on_with(this_command());
     folder.begin().map_err(folder_report)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
     if args.retry_failed {
