@@ -20,7 +20,10 @@ pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
         y: 0.0..ly,
         x_label: "x, µm".into(),
         y_label: "y, µm".into(),
-        caption: format!("From above, H = {:.3} µm; deeper grains are paler", packing.thickness_um()),
+        caption: format!(
+            "From the incident side, H = {:.3} µm; deeper grains are paler",
+            packing.thickness_um()
+        ),
         size: ((lx * per_um) as u32, (ly * per_um) as u32),
     };
     framed(frame, "top view", |w, h| paint_top(packing, w, h))
@@ -84,7 +87,7 @@ pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
         y: height..0.0,
         x_label: "x, µm".into(),
         y_label: "z, µm".into(),
-        caption: format!("Cut at y = {:.3} µm (light from above, paper below)", 0.5 * ly),
+        caption: format!("Cut at y = {:.3} µm (incident side up, paper side down)", 0.5 * ly),
         size: (wide as u32, (wide * height / lx).clamp(90.0, 1200.0) as u32),
     };
     framed(frame, "cut", |w, h| paint_cut(packing, w, h))
@@ -119,6 +122,10 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
         }
     }
     raster
+}
+
+fn spheres(count: usize) -> String {
+    if count == 1 { "1 sphere".into() } else { format!("{count} spheres") }
 }
 
 /// The cell from above and aside, with its edges; the free face z = 0 is up.
@@ -194,7 +201,7 @@ fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Res
     let left = (k * TILE) as i32;
     place(canvas, &raster, (left, 0), (TILE as u32, TILE as u32))?;
     let lines = [
-        format!("{name}: {}, {} sphere(s)", shape.name(), template.spheres.len()),
+        format!("{name}: {}, {}", shape.name(), spheres(template.spheres.len())),
         format!("length {:.2} R", template.length),
         format!("effective diameter {:.3} R", template.effective_diameter()),
     ];

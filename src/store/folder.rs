@@ -9,8 +9,8 @@
 
 use super::database::{Database, RECORDS};
 use super::marker::{Holds, MARKER, Marker};
-use super::partial::PARTIAL;
 use super::partial;
+use super::partial::PARTIAL;
 use super::safely;
 use super::slot::Slot;
 use std::io;
