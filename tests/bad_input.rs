@@ -209,13 +209,13 @@ const SLIPS: &[Slip] = &[
         ["light.wavelengths_nm[0]", "0.45", "from 100 to 10000 nm", "in nm"],
     ),
     slip(RANGE, "from_nm = 400", ["light", "found from_nm alone", "wavelengths_nm", "from_nm = 400"]),
-    slip("from_nm = 400", "from_nm = 1", ["light.from_nm", "found 1", "from 100 to 10000 nm", "400 is usual"]),
-    slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
     slip(
-        "step_nm = 100",
-        "step_nm = 1e-9",
-        ["light.step_nm", "1e-9", "fewer than 10000", "20 is usual"],
+        "from_nm = 400",
+        "from_nm = 1",
+        ["light.from_nm", "found 1", "from 100 to 10000 nm", "400 is usual"],
     ),
+    slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
+    slip("step_nm = 100", "step_nm = 1e-9", ["light.step_nm", "1e-9", "fewer than 10000", "20 is usual"]),
     slip(
         "step_nm = 100",
         "step_nm = 400",

@@ -79,9 +79,23 @@ fn the_page_of_packings_is_for_people() {
     let (_, page) = write_report(folder.path(), "test", &pigments, &packings).unwrap();
     let text = std::fs::read_to_string(page).unwrap();
     let text = text.split("</style>").nth(1).unwrap();
-    for wanted in ["requested fraction of yellow<td>0.2<td>", "grains of blue<td>", "φ(z) of blue", " ± "] {
+    for wanted in [
+        "requested fraction of yellow<td>0.2<td>",
+        "grains of blue<td>",
+        "φ(z) of blue",
+        " ± ",
+        "<p>2 realisations. ",
+        "<tr><td>1<td>",
+        "<tr><td>2<td>",
+        "alt=\"The grains of realisation 1 seen from the incident side\"",
+        "the pigment that sticks out of the binder's free face<td>",
+    ] {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }
+    assert!(
+        !text.contains("(s)") && !text.contains("<tr><td>0<td>") && !text.contains("alt=\"top.png"),
+        "{text}"
+    );
     assert!(!text.contains("of pigment ") && !text.contains("e0"), "{text}");
     let numbers = text.split(|c: char| !c.is_ascii_digit() && c != '.').filter(|n| n.contains('.'));
     let long: Vec<&str> = numbers.filter(|n| n.trim_start_matches(['0', '.']).len() > 8).collect();

@@ -107,6 +107,20 @@ fn a_task_number_of_any_engine_is_heard_and_numbers_beyond_the_units_are_refused
     }
 }
 
+#[test]
+fn parts_without_a_task_number_are_told_where_it_was_looked_for() {
+    let place = Place::new(TINY);
+    let names = ["SLURM_ARRAY_TASK_ID", "PBS_ARRAYID", "PBS_ARRAY_INDEX", "HQ_TASK_ID"];
+    let mut command =
+        inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("out"), "--shard", "4"]);
+    for name in names {
+        command.env_remove(name);
+    }
+    let words = plain(&command.output().unwrap());
+    let wanted = format!("--shard: found 4 alone, and none of {} is set", names.join(", "));
+    assert!(words.contains(&wanted), "{words}");
+}
+
 /// One variant whose bar is reached at the first look, one that never reaches it.
 fn bars() -> String {
     let base = TINY.split("[[axis]]").next().unwrap().replace("realisations = 2", "realisations = 20");

@@ -6,7 +6,7 @@ pub fn this_command() -> String {
 }
 
 /// In single quotes, unless every character is harmless.
-fn quoted(word: &str) -> String {
+pub(super) fn quoted(word: &str) -> String {
     let harmless = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(harmless) {
         return word.to_owned();

@@ -1,14 +1,15 @@
 //! `inkwave export FOLDER`: files for renderers, colour programs, NumPy, ParaView and archives.
 
+use super::again::quoted;
 use super::progress::Progress;
 use super::stop::StopFlag;
 use clap::{Args, ValueEnum};
 use inkwave::export::run::{Format, NearField, Request, export};
-use inkwave::export::stored::Stored;
+use inkwave::export::stored::{Stored, StoredError};
 use inkwave::store::marker::Marker;
-use inkwave::store::safely;
-use miette::{IntoDiagnostic, WrapErr, miette};
-use std::path::PathBuf;
+use inkwave::store::{partial, safely};
+use miette::{IntoDiagnostic, miette};
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Turn a finished study into files that other programs open.
@@ -62,12 +63,9 @@ impl From<To> for Format {
 
 /// Reads the folder and writes the files.
 pub fn run(args: &ExportArgs) -> miette::Result<()> {
-    let stored = Stored::read(&args.folder).map_err(|e| miette!(help = e.remedy(), "{e}"))?;
+    let stored = Stored::read(&args.folder).map_err(|error| not_stored(&error, &args.folder))?;
     let folder = args.output.clone().unwrap_or_else(|| args.folder.join("export"));
-    if let Some(marker) = Marker::read(&folder) {
-        let help = "give a folder of its own: --output DIR; FOLDER/export when left out";
-        return Err(miette!(help = help, "{} holds {} of inkwave", folder.display(), marker.inkwave_folder));
-    }
+    refuse(&folder)?;
     let progress = Progress::new(StopFlag::listen());
     let request = Request {
         formats: args.to.iter().map(|&to| to.into()).collect(),
@@ -77,15 +75,52 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
     let exported = export(&stored, &request, &progress);
     progress.finish();
     let exported = exported.into_diagnostic()?;
-    let cannot = || format!("cannot write to {}", folder.display());
-    std::fs::create_dir_all(&folder).into_diagnostic().wrap_err_with(cannot)?;
+    std::fs::create_dir_all(&folder).map_err(|error| not_writable(&folder, &error))?;
     for file in &exported.files {
         let path = folder.join(&file.name);
-        safely::write(&path, &file.bytes).into_diagnostic().wrap_err_with(cannot)?;
+        safely::write(&path, &file.bytes).map_err(|error| not_writable(&folder, &error))?;
         println!("{}: {}", path.display(), file.about);
     }
     exported.remarks.iter().for_each(|remark| println!("{remark}"));
     Ok(())
+}
+
+/// Refuses, before anything is made, what cannot take the files.
+fn refuse(folder: &Path) -> miette::Result<()> {
+    if let Some(marker) = Marker::read(folder) {
+        return Err(miette!(
+            help = OWN_FOLDER,
+            "{} holds {} of inkwave",
+            folder.display(),
+            marker.inkwave_folder
+        ));
+    }
+    if folder.exists() && !folder.is_dir() {
+        return Err(miette!(help = OWN_FOLDER, "--output {} is a file, no folder", folder.display()));
+    }
+    Ok(())
+}
+
+const OWN_FOLDER: &str = "give a folder of its own: --output DIR; FOLDER/export when left out";
+
+fn not_writable(folder: &Path, error: &std::io::Error) -> miette::Report {
+    let help = "give a folder that you may write to, on a disk with room: --output DIR";
+    miette!(help = help, "cannot write to {}: {error}", folder.display())
+}
+
+fn not_stored(error: &StoredError, folder: &Path) -> miette::Report {
+    let help = match error {
+        StoredError::Unfinished { .. } => format!("to go on: {}", to_go_on(folder)),
+        _ => error.remedy().to_owned(),
+    };
+    miette!(help = help, "{error}")
+}
+
+/// The command that was typed for an unfinished folder, or the form of it.
+fn to_go_on(folder: &Path) -> String {
+    let sweep = folder.parent().and_then(Path::parent);
+    let marked = partial::go_on(folder).or_else(|| partial::go_on(sweep?));
+    marked.unwrap_or_else(|| format!("inkwave run STUDY.toml --output {}", quoted(&folder.to_string_lossy())))
 }
 
 /// `550` or `550:30`.

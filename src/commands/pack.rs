@@ -63,7 +63,7 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     bar.set_prefix(format!("realisation {}/{}", realisation + 1, study.realisations));
     let packed = pack(&study.packing_request(realisation), &mut Bar { bar: &bar, stop });
     bar.finish_and_clear();
-    let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {realisation}"))?;
+    let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {}", realisation + 1))?;
     say(format_args!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64())))?;
     Ok(packing)
 }
@@ -75,7 +75,8 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let sweeps = if account.sweeps > 0 { format!(", {} sweeps", account.sweeps) } else { String::new() };
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {realisation}: {} grains by {:?} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{notes}",
+        "realisation {}: {} grains by {:?} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{notes}",
+        realisation + 1,
         packing.grains().len(),
         account.method,
         account.steps,

@@ -60,6 +60,7 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     }
     let path = output_path(args, &study);
     let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
+    let folder = folder.going_on_with(this_command());
     if let Some(reason) = &study.angles.no_paper {
         super::say::note(format_args!("no paper, colour and picture: {reason}"));
     }

@@ -118,6 +118,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
 /// The folder of the results with the sweep and what is to be taken over from elsewhere, ready for a run.
 fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputFolder> {
     let folder = OutputFolder::open(path, Holds::Sweep).map_err(folder_report)?;
+    let folder = folder.going_on_with(this_command());
     folder.begin().map_err(folder_report)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
     if args.retry_failed {
@@ -255,10 +256,7 @@ fn in_words(seconds: f64) -> String {
 /// `I/N`, or `N` with the part from the scheduler's variable.
 fn parse_shard(text: &str) -> miette::Result<Shard> {
     let number = |text: &str| text.trim().parse::<usize>().ok();
-    let from_variable = || {
-        let value = TASK_NUMBER.iter().find_map(|name| std::env::var(name).ok());
-        value.and_then(|value| number(&value))
-    };
+    let from_variable = || task_number().and_then(|(_, value)| number(&value));
     let parts = match text.split_once('/') {
         Some((index, count)) => (number(index), number(count)),
         None => (from_variable(), number(text)),
@@ -266,10 +264,25 @@ fn parse_shard(text: &str) -> miette::Result<Shard> {
     match parts {
         (Some(index), Some(count)) if index >= 1 && index <= count => Ok(Shard { index, count }),
         (index, _) => {
-            let found = index.map_or_else(|| text.to_owned(), |i| format!("{text} (part {i})"));
+            let part = index.map(|i| format!(" (part {i})"));
+            let alone = || if text.contains('/') { String::new() } else { without_part() };
+            let found = format!("{text}{}", part.unwrap_or_else(alone));
             let help = "write --shard 3/8 for the third of eight parts; or --shard 8 in an array job numbered from 1 to 8";
             Err(miette!(help = help, "--shard: found {found}; allowed: I/N with whole numbers 1 ≤ I ≤ N"))
         }
+    }
+}
+
+/// The scheduler's variable that is set, with its value.
+fn task_number() -> Option<(&'static str, String)> {
+    TASK_NUMBER.iter().find_map(|name| Some((*name, std::env::var(name).ok()?)))
+}
+
+/// What was found beside a number of parts alone.
+fn without_part() -> String {
+    match task_number() {
+        Some((name, value)) => format!(" and {name} = {value}"),
+        None => format!(" alone, and none of {} is set", TASK_NUMBER.join(", ")),
     }
 }
 

@@ -197,7 +197,7 @@ fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Res
     let left = (k * TILE) as i32;
     place(canvas, &raster, (left, 0), (TILE as u32, TILE as u32))?;
     let lines = [
-        format!("{name}: {}, {} sphere(s)", shape.name(), template.spheres.len()),
+        format!("{name}: {}, {}", shape.name(), spheres(template.spheres.len())),
         format!("length {:.2} R", template.length),
         format!("effective diameter {:.3} R", template.effective_diameter()),
     ];

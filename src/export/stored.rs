@@ -63,7 +63,7 @@ impl StoredError {
                 "give the folder that `inkwave run STUDY.toml` has written; of a sweep, a folder under variants/"
             }
             Self::Changed { .. } => "results.json was edited or is of another version: run the study again",
-            Self::Unfinished { .. } => "run the study again: it goes on where it stopped",
+            Self::Unfinished { .. } => "run the study again in that folder: it goes on where it stopped",
             Self::Store { .. } => "check the folder's permissions",
             Self::Seen(_) => "run the study again in a new folder",
         }

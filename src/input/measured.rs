@@ -201,7 +201,10 @@ mod tests {
         let reason = |text: &str| read(text).unwrap_err().to_string();
         assert!(reason("wavelength_nm,lab\n400,1\n").contains("column reflectance is missing"));
         assert!(reason("wavelength_nm,reflectance\n410,1\n400,1\n").contains("do not rise"));
-        assert!(reason("wavelength_nm,reflectance\n410,\n420,1\n").contains("line 2, column reflectance: an empty cell"));
+        assert!(
+            reason("wavelength_nm,reflectance\n410,\n420,1\n")
+                .contains("line 2, column reflectance: an empty cell")
+        );
         assert!(reason("wavelength_nm,reflectance\n410,NaN\n420,1\n").contains("no number"));
         assert!(reason("wavelength_nm,reflectance\n0.41,1\n0.42,1\n").contains("these look like µm"));
         assert!(reason("wavelength_nm,reflectance\n410,0,5\n").contains("(wavelength_nm;reflectance)"));

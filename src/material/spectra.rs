@@ -273,7 +273,9 @@ mod tests {
         assert!(message("wavelength_nm,kappa\n500,0.1\n400,0.3\n").contains("row 2: wavelength_nm = 400"));
         assert!(message("wavelength_nm,kappa\n500,NaN\n600,0.3\n").contains("kappa = NaN"));
         assert!(message("wavelength_nm,kappa,n\n500,1,0\n600,0.3,1\n").contains("n = 0"));
-        assert!(message("wavelength_nm,kappa,n\n500,1,\n600,0.3,1\n").contains("line 2, column n: an empty cell"));
+        assert!(
+            message("wavelength_nm,kappa,n\n500,1,\n600,0.3,1\n").contains("line 2, column n: an empty cell")
+        );
         assert!(message("wavelength_nm,kappa\n0.5,0.1\n0.6,0.3\n").contains("these look like µm"));
         assert!(message("wavelength_nm,kappa\n500,0.1\n").contains("1 rows"));
         assert!(message("lambda,kappa\n500,0.1\n600,0.1\n").contains("lambda"));

@@ -9,13 +9,13 @@
 
 use super::database::{Database, RECORDS};
 use super::marker::{Holds, MARKER, Marker};
+use super::partial;
+use super::partial::PARTIAL;
 use super::safely;
 use super::slot::Slot;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Marks a folder whose study is not finished.
-pub const PARTIAL: &str = "PARTIAL";
 /// Files that tell of a study and must not outlive it.
 pub const RESULTS: [&str; 8] = [
     "results.json",
@@ -93,6 +93,8 @@ pub struct OutputFolder {
     made: Vec<PathBuf>,
     /// The marker was there before.
     marked: bool,
+    /// The command that goes on when the work is interrupted.
+    go_on: Option<String>,
 }
 
 impl OutputFolder {
@@ -106,7 +108,7 @@ impl OutputFolder {
         let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
         let not_writable = |source| FolderError::NotWritable { path: path.to_owned(), source };
         std::fs::create_dir_all(path).map_err(not_writable)?;
-        let folder = Self { path: path.to_owned(), made, marked };
+        let folder = Self { path: path.to_owned(), made, marked, go_on: None };
         tempfile::tempfile_in(path).map_err(not_writable).inspect_err(|_| folder.discard_when_empty())?;
         if !marked {
             let marker =
@@ -117,11 +119,16 @@ impl OutputFolder {
         Ok(folder)
     }
 
+    /// The same folder; while it is not finished, its mark tells this command.
+    pub fn going_on_with(self, command: String) -> Self {
+        Self { go_on: Some(command), ..self }
+    }
+
     /// A folder of results inside this one, such as that of a variant.
     pub fn inside(&self, name: &str) -> Result<Self, FolderError> {
         let path = self.path.join(name);
         match std::fs::create_dir_all(&path) {
-            Ok(()) => Ok(Self { path, made: Vec::new(), marked: true }),
+            Ok(()) => Ok(Self { path, made: Vec::new(), marked: true, go_on: self.go_on.clone() }),
             Err(source) => Err(FolderError::NotWritable { path, source }),
         }
     }
@@ -147,8 +154,7 @@ impl OutputFolder {
 
     /// Marks the folder partial and leaves what is there.
     pub fn mark_partial(&self) -> Result<(), FolderError> {
-        let text = "This study is not finished. Run it again to continue where it stopped.\n";
-        self.write(PARTIAL, text.as_bytes())
+        self.write(PARTIAL, partial::text(self.go_on.as_deref()).as_bytes())
     }
 
     /// Writes one file whole or not at all.

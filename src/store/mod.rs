@@ -13,6 +13,7 @@ pub mod folder;
 pub mod identity;
 pub mod marker;
 pub mod packing_record;
+pub mod partial;
 pub mod queue;
 pub mod record;
 pub mod rows;

@@ -107,8 +107,7 @@ fn too_many(found: String) -> PackError {
 }
 
 /// What to try where a share is less than a grain.
-pub(crate) const MORE_ROOM: &str =
-    "widen period_um, take smaller grains, or let the cells vary (layer.cell)";
+pub(crate) const MORE_ROOM: &str = "widen period_um, take smaller grains, or let the cells vary (layer.cell)";
 
 /// What is allowed where a share is less than a grain.
 pub(crate) fn too_few_grains(least_share: f64, cell: &str) -> String {

@@ -37,6 +37,7 @@ pub(super) fn check(
 
 fn too_many(field: String, most: f64) -> Fault {
     let found = format!("grains so small that a cell may hold {most:.1e} of them");
-    let remedy = "sizes are in nm and periods in µm; take larger grains, a smaller layer.period_um, or \"molecular\"";
+    let remedy =
+        "sizes are in nm and periods in µm; take larger grains, a smaller layer.period_um, or \"molecular\"";
     Fault::new(field, found, format!("at most {MOST_GRAINS} grains in a cell"), remedy)
 }

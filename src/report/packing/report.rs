@@ -78,35 +78,70 @@ fn html(title: &str, pigments: &[(String, Shape)], packings: &[Packing], statist
         escaped(title),
         crate::report::page::STYLE
     );
-    page += &format!(
-        "<p>{} realisation(s). Errors are standard errors over realisations.</p>\n",
-        statistics.realisations
+    page += &accounts(packings);
+    page += &figures(pigments, statistics);
+    page += "<h2>Pictures</h2>\n";
+    page += "<p>Effective diameter: of the sphere of equal union volume; R is the thickest radius.</p>\n";
+    for (file, alt) in PICTURES {
+        page += &format!("<figure><img src=\"{file}\" alt=\"{alt}\"></figure>\n");
+    }
+    for curve in statistics.curves.iter().map(|curve| called(curve, pigments)) {
+        let (file, y, x) = (format!("{}.svg", curve.name), escaped(&curve.y_label), escaped(&curve.x_label));
+        page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{y} against {x}\"></figure>\n");
+    }
+    page
+}
+
+/// Files of pictures, and what they show in words.
+const PICTURES: [(&str, &str); 4] = [
+    ("shapes.png", "The shape of every pigment's grains"),
+    ("top.png", "The grains of realisation 1 seen from the incident side"),
+    ("cut.png", "A cut through realisation 1, from the incident side down to the paper side"),
+    ("perspective.png", "Realisation 1 in perspective, its free face up"),
+];
+
+/// How every realisation was made.
+fn accounts(packings: &[Packing]) -> String {
+    let count = packings.len();
+    let mut table = format!(
+        "<p>{count} realisation{}. Errors are standard errors over realisations. \
+         Files count from 0: grains_000.csv is realisation 1.</p>\n<h2>How it was made</h2>\
+         <div class=\"scroll\"><table><tr><th>realisation<th>method<th>steps<th>sweeps<th>smallest gap, µm<th>notes</tr>\n",
+        if count == 1 { "" } else { "s" }
     );
-    page += "<h2>How it was made</h2><div class=\"scroll\"><table><tr><th>realisation<th>method<th>steps<th>sweeps<th>smallest gap, µm<th>notes</tr>\n";
     for (k, packing) in packings.iter().enumerate() {
         let a = packing.account();
         let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
-        let notes = escaped(&a.notes.join("; "));
-        page += &format!(
-            "<tr><td>{k}<td>{:?}<td>{}<td>{}<td>{gap}<td>{notes}</tr>\n",
+        let (number, notes) = (k + 1, escaped(&a.notes.join("; ")));
+        table += &format!(
+            "<tr><td>{number}<td>{:?}<td>{}<td>{}<td>{gap}<td>{notes}</tr>\n",
             a.method, a.steps, a.sweeps
         );
     }
-    page += "</table></div>\n<h2>Figures</h2><div class=\"scroll\"><table><tr><th>quantity<th>mean ± standard error<th>unit</tr>\n";
+    table + "</table></div>\n"
+}
+
+/// Means over the realisations.
+fn figures(pigments: &[(String, Shape)], statistics: &Statistics) -> String {
+    let mut table = "<h2>Figures</h2><div class=\"scroll\"><table><tr><th>quantity<th>mean ± standard error<th>unit</tr>\n"
+        .to_owned();
     for (name, unit, value) in &statistics.scalars {
-        let (name, unit) = (escaped(&named(name, pigments)), if unit == "1" { "" } else { unit });
-        page += &format!("<tr><td>{name}<td>{}<td>{unit}</tr>\n", rounded(*value));
+        let (name, unit) = (sided(&named(name, pigments)), if unit == "1" { "" } else { unit });
+        table += &format!("<tr><td>{}<td>{}<td>{unit}</tr>\n", escaped(&name), rounded(*value));
     }
-    page += "</table></div>\n<h2>Pictures</h2>\n";
-    page += "<p>Effective diameter: of the sphere of equal union volume; R is the thickest radius.</p>\n";
-    for file in ["shapes.png", "top.png", "cut.png", "perspective.png"] {
-        page += &format!("<figure><img src=\"{file}\" alt=\"{file}\"></figure>\n");
-    }
-    for curve in statistics.curves.iter().map(|curve| called(curve, pigments)) {
-        let (file, label) = (format!("{}.svg", curve.name), escaped(&curve.y_label));
-        page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{label}\"></figure>\n");
-    }
-    page
+    table + "</table></div>\n"
+}
+
+/// Names of tables that speak of heights, and what people call the sides.
+const SIDES: [(&str, &str); 4] = [
+    ("the wall z = 0", "the free face, z = 0"),
+    ("the wall z = H", "the paper side, z = H"),
+    ("above the binder", "that sticks out of the binder's free face"),
+    ("below the binder's surface", "under the binder's free face"),
+];
+
+fn sided(quantity: &str) -> String {
+    SIDES.iter().fold(quantity.to_owned(), |name, (heights, sides)| name.replace(heights, sides))
 }
 
 /// A curve whose axis calls its pigment by name.
@@ -161,5 +196,13 @@ mod tests {
         assert_eq!(words(0.2, 1e-17), "0.2");
         assert_eq!(words(0.2, 1.2e-3), "0.2000 ± 0.0012");
         assert_eq!(words(0.0, 0.0), "0");
+    }
+
+    #[test]
+    fn sides_have_their_names() {
+        assert_eq!(sided("grains touching the wall z = 0"), "grains touching the free face, z = 0");
+        let out = sided("share of the pigment above the binder");
+        assert_eq!(out, "share of the pigment that sticks out of the binder's free face");
+        assert_eq!(sided("smallest gap"), "smallest gap");
     }
 }
