@@ -124,6 +124,11 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
     raster
 }
 
+/// How many spheres, in words.
+fn spheres(count: usize) -> String {
+    if count == 1 { "1 sphere".into() } else { format!("{count} spheres") }
+}
+
 /// The cell from the incident side and aside, with its edges; the face z = 0 is up.
 pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let (w, h) = (1200u32, 760u32);
