@@ -70,8 +70,9 @@ impl Columns {
             let record = record.map_err(broken)?;
             // Spreadsheets end with lines of nothing but separators.
             if record.iter().any(|cell| !cell.is_empty()) {
-                rows.push(row(path, &names, separator, &record)?);
-                lines.push(line_of(&record));
+                let line = line_of(text, &record);
+                rows.push(row((path, line), &names, separator, &record)?);
+                lines.push(line);
             }
         }
         Ok(Self { path: path.into(), names, rows, lines })
@@ -108,17 +109,21 @@ impl Columns {
     }
 }
 
-fn line_of(record: &csv::StringRecord) -> u64 {
-    record.position().map_or(0, csv::Position::line)
+/// The line of a record, from 1; the reader's place is before the empty lines and comments that it skips.
+fn line_of(text: &str, record: &csv::StringRecord) -> u64 {
+    let Some(place) = record.position() else { return 0 };
+    let rest = text.get(place.byte() as usize..).unwrap_or("");
+    let skipped = rest.lines().take_while(|line| line.trim().is_empty() || line.starts_with('#'));
+    place.line() + skipped.count() as u64
 }
 
 fn row(
-    path: &Path,
+    (path, line): (&Path, u64),
     names: &[String],
     separator: u8,
     record: &csv::StringRecord,
 ) -> Result<Vec<Option<f64>>, ColumnsError> {
-    let (path, line, found) = (path.to_owned(), line_of(record), record.len());
+    let (path, found) = (path.to_owned(), record.len());
     if found != names.len() {
         let comma = separator == b',' && found > names.len();
         return Err(ColumnsError::Ragged { path, line, found, names: names.to_vec(), comma });
@@ -175,6 +180,7 @@ mod tests {
         let message = parse("wavelength_nm,n,n\n400,1.4,1.5\n").unwrap_err().to_string();
         assert!(message.contains("column n is there twice"), "{message}");
     }
+
     #[test]
     fn empty_cells_and_micrometres_are_told_with_their_place() {
         let table = parse("# mine\nwavelength_nm,kappa\n400,0.1\n\n500,\n").unwrap();
