@@ -81,7 +81,7 @@ fn numbers_out_of_range_name_field_value_range_and_remedy() {
         ("/eta_binder", json!([0, 0]), ["eta_binder is 0", "other than 0", "[real part, absorption]"]),
         ("/n_below", json!(-1), ["n_in (real part) is -1", "0 or above", "positive"]),
         ("/spheres/0", sphere(0.2, 0.1, 0.15), ["spheres[0]", "from z = -0.05", "layer is 0 … 0.6"]),
-        ("/spheres/0", sphere(0.2, 0.3, 0.28), ["own periodic image", "6.000e-2", "period larger"]),
+        ("/spheres/0", sphere(0.2, 0.3, 0.28), ["own periodic image", "6.000e-2", "period L larger"]),
         (
             "/spheres",
             json!([sphere(0.1, 0.3, 0.1), sphere(0.2, 0.3, 0.1)]),
