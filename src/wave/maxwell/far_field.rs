@@ -132,26 +132,35 @@ impl VectorProblem {
         }
     }
 
+    /// One order of one incident polarisation: its own amplitudes, and beside them those of the crossed polarisation.
+    fn polarised_order(
+        &self,
+        faces: &Faces,
+        polarisation: Polarisation,
+        i: usize,
+        [m, n]: [i32; 2],
+    ) -> Order {
+        let own = polarisation as usize;
+        let [reflected, transmitted] = self.leaving(faces, polarisation, i);
+        let [back, onward] = self.sides();
+        Order {
+            m,
+            n,
+            direction: self.lateral[i].map(|k| k / self.k0()),
+            reflected_propagates: self.kappa[back][i].re > 0.0,
+            transmitted_propagates: self.kappa[onward][i].re > 0.0,
+            reflected: reflected[own],
+            transmitted: transmitted[own],
+            reflected_efficiency: self.efficiency(back, i, reflected),
+            transmitted_efficiency: self.efficiency(onward, i, transmitted),
+            further: crossed(reflected[1 - own], transmitted[1 - own]),
+        }
+    }
+
     /// The far field of one incident polarisation from its solution alone, see [`VectorFarField::polarised`].
     pub fn polarised_far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
         let faces = self.faces(field, polarisation);
-        let own = polarisation as usize;
-        let order = |(i, [m, n]): (usize, [i32; 2])| {
-            let [reflected, transmitted] = self.leaving(&faces, polarisation, i);
-            let [back, onward] = self.sides();
-            Order {
-                m,
-                n,
-                direction: self.lateral[i].map(|k| k / self.k0()),
-                reflected_propagates: self.kappa[back][i].re > 0.0,
-                transmitted_propagates: self.kappa[onward][i].re > 0.0,
-                reflected: reflected[own],
-                transmitted: transmitted[own],
-                reflected_efficiency: self.efficiency(back, i, reflected),
-                transmitted_efficiency: self.efficiency(onward, i, transmitted),
-                further: crossed(reflected[1 - own], transmitted[1 - own]),
-            }
-        };
+        let order = |(i, label)| self.polarised_order(&faces, polarisation, i, label);
         let orders: Vec<Order> = self.listed().map(order).collect();
         let reflectance: f64 = orders.iter().map(|o| o.reflected_efficiency).sum();
         let transmittance: f64 = orders.iter().map(|o| o.transmitted_efficiency).sum();
