@@ -103,9 +103,10 @@ fn a_range_that_ends_early_and_a_sample_that_nobody_named_are_said() {
     );
     let compared = format!("{TINY}[compare]\nmeasured = \"inks.cgats\"\n");
     let first = remarks(&compared);
-    assert!(first.len() == 1 && first[0].contains("\"first ink\", sample 1 of 2"), "{first:?}");
+    assert!(first.len() == 2 && first[0].contains("\"first ink\", sample 1 of 2"), "{first:?}");
     let named = format!("{compared}patch = \"second ink\"\n");
-    assert_eq!(remarks(&named), [""; 0]);
+    let gap = remarks(&named);
+    assert!(gap.len() == 1 && gap[0].contains("no row between 400 and 700 nm"), "{gap:?}");
     let measured = load(&study(folder.path(), &named)).unwrap().judgement.measured.unwrap();
     assert_eq!(measured.rows, [[400.0, 0.3], [700.0, 0.9]]);
     let wrong =
