@@ -85,7 +85,7 @@ fn numbers_out_of_range_name_field_value_range_and_remedy() {
         (
             "/spheres",
             json!([sphere(0.1, 0.3, 0.1), sphere(0.2, 0.3, 0.1)]),
-            ["bodies 0 and 1", "1.000e-1", "apart"],
+            ["spheres[0] and spheres[1]", "1.000e-1", "apart"],
         ),
         ("/eta_below", json!([1, 0]), ["n_in", "twice", "one of them"]),
     ] {
