@@ -250,6 +250,11 @@ const SLIPS: &[Slip] = &[
     ),
     slip(
         "points_per_um = 20",
+        "per_wavelength = true\npoints_per_um = 20",
+        ["resolution.per_wavelength", "which are one grid", "with accuracy", "instead of points and planes"],
+    ),
+    slip(
+        "points_per_um = 20",
         "points_per_um = nan",
         ["resolution.points_per_um", "NaN", "from 2 to 400", "12 to 16"],
     ),

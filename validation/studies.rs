@@ -37,6 +37,15 @@ pub fn apart_from_the_grid(text: &str, folder: &Path) -> Value {
     told(&study, &collected).results
 }
 
+/// `results.json` as it is, and with bars that hold everything but the grid's error.
+pub fn with_and_without_the_grid(text: &str, folder: &Path) -> [Value; 2] {
+    let study = checked(text);
+    let whole = solved(&study, folder);
+    let mut apart = whole.clone();
+    apart.resolved.grid_error = GridError::default();
+    [whole, apart].map(|collected| told(&study, &collected).results)
+}
+
 fn checked(text: &str) -> Study {
     let file: StudyFile = toml::from_str(text).expect("a study file");
     check(&file, Path::new("."), "claim").expect("a sound study")

@@ -43,8 +43,11 @@ pub struct Manifest<Study: Serialize> {
     pub solves: Count,
     /// What failed, and why.
     pub failures: Vec<FailureNote>,
-    /// The grid.
+    /// The grid of the shortest waves and of the largest contrast.
     pub resolution: Resolution,
+    /// That of the longest waves, where it is another one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resolution_longest: Option<Resolution>,
     /// What is known about the errors.
     pub certainty: Certainty,
     /// One record a realisation.

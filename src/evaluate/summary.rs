@@ -59,6 +59,8 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         solves: Count { asked, finished },
         failures: failures(collected),
         resolution: collected.resolved.resolution,
+        resolution_longest: Some(collected.resolved.longest(study))
+            .filter(|longest| *longest != collected.resolved.resolution),
         certainty,
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
         colours,

@@ -1,33 +1,66 @@
-//! The grids of one realisation: its own, and finer ones for the few waves that are too short for it.
+//! The grids of one realisation: one for each wavelength, and finer ones for the few waves that do not fit into theirs.
 
+use super::error::RunError;
 use super::point::problem_of;
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::raised;
 use crate::solve::door::{Geometry, WaveProblem};
 use crate::wave::{Resolution, Scene, WaveError};
-use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
+
+/// One wavelength's grid, and the packing on it.
+pub(crate) struct Wavelength {
+    pub wavelength_um: f64,
+    pub resolution: Resolution,
+    pub geometry: Geometry,
+}
+
+impl Wavelength {
+    /// The grids of all these waves; `cover` puts the packing on a grid, once for each.
+    pub fn all(
+        wavelengths_um: impl Iterator<Item = f64>,
+        grid: impl Fn(f64) -> Resolution,
+        mut cover: impl FnMut(Resolution) -> Result<Geometry, RunError>,
+    ) -> Result<Vec<Self>, RunError> {
+        let mut made: Vec<Self> = Vec::new();
+        for wavelength_um in wavelengths_um {
+            if made.iter().any(|known| known.wavelength_um == wavelength_um) {
+                continue;
+            }
+            let resolution = grid(wavelength_um);
+            let known = made.iter().find(|known| known.resolution == resolution);
+            let geometry = known.map_or_else(|| cover(resolution), |known| Ok(known.geometry.clone()))?;
+            made.push(Self { wavelength_um, resolution, geometry });
+        }
+        Ok(made)
+    }
+
+    /// That of a point.
+    pub fn of<'a>(all: &'a [Self], point: &Point) -> &'a Self {
+        let own = |known: &&Self| known.wavelength_um == point.incidence.wavelength_um;
+        all.iter().find(own).expect("the grids of all solves to be made")
+    }
+}
 
 /// The grid was chosen on other packings and at the probes' wavelengths. A cell of this packing may hold more pigment, and a
 /// wavelength between the probes may meet a larger index: then cells that the wave just fits in are too high for it.
 pub(super) struct Grids<'a> {
     study: &'a Study,
     packing: &'a Packing,
-    resolution: Resolution,
-    own: Geometry,
-    /// By number of cells.
-    finer: Mutex<BTreeMap<usize, Geometry>>,
+    own: Vec<Wavelength>,
+    finer: Mutex<Vec<(Resolution, Geometry)>>,
 }
 
 impl<'a> Grids<'a> {
-    pub fn new(study: &'a Study, packing: &'a Packing, resolution: Resolution, own: Geometry) -> Self {
-        Self { study, packing, resolution, own, finer: Mutex::default() }
+    pub fn new(study: &'a Study, packing: &'a Packing, own: Vec<Wavelength>) -> Self {
+        Self { study, packing, own, finer: Mutex::default() }
     }
 
     /// The problem of a point on the coarsest of these grids that carries its wave: a property of the point alone.
     pub fn problem(&self, point: &Point) -> Result<WaveProblem, WaveError> {
-        let (mut resolution, mut made) = (self.resolution, problem_of(self.study, &self.own, point));
+        let own = Wavelength::of(&self.own, point);
+        let (mut resolution, mut made) = (own.resolution, problem_of(self.study, &own.geometry, point));
         loop {
             let Err(refusal @ WaveError::CellTooHigh { .. }) = &made else { return made };
             let Some(finer) = raised(resolution, refusal) else { return made };
@@ -38,12 +71,12 @@ impl<'a> Grids<'a> {
 
     fn finer(&self, resolution: Resolution) -> Result<Geometry, WaveError> {
         let mut all = self.finer.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(geometry) = all.get(&resolution.cells) {
+        if let Some((_, geometry)) = all.iter().find(|(kept, _)| *kept == resolution) {
             return Ok(geometry.clone());
         }
         let (scene, error) = (Scene::from_packing(self.packing), self.study.resolution.coverage_error());
         let geometry = Geometry::new(self.study.wave, &scene, resolution, error)?;
-        all.insert(resolution.cells, geometry.clone());
+        all.push((resolution, geometry.clone()));
         Ok(geometry)
     }
 }

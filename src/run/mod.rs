@@ -3,7 +3,8 @@
 pub mod collected;
 pub mod crew;
 pub mod error;
-mod grids;
+pub(crate) mod grids;
+pub(crate) mod longer_waves;
 pub mod memory;
 pub mod point;
 pub(crate) mod realisation;

@@ -3,7 +3,7 @@
 use super::collected::{Failure, Realisation, RunSettings, Stores};
 use super::crew::work_through;
 use super::error::RunError;
-use super::grids::Grids;
+use super::grids::{Grids, Wavelength};
 use super::point::{PointError, is_physical, pack_realisation, solve_point};
 use super::resolve;
 use super::resolve::Resolved;
@@ -26,14 +26,14 @@ pub(crate) struct Packings<'a> {
     watch: &'a dyn RunWatch,
     first: Option<Packing>,
     latest: Option<(usize, Packing)>,
-    /// For scalar and for vector waves, of the realisation, grid and error that were last asked for: inks that share a packing
-    /// share it too, and so do their waves that take turns.
-    geometries: [Option<((usize, Resolution, f64), Geometry)>; 2],
+    /// For scalar and for vector waves, of the latest realisation, by grid and error: inks that share a packing
+    /// share them too, and so do their waves that take turns.
+    geometries: [Vec<((usize, Resolution, f64), Geometry)>; 2],
 }
 
 impl<'a> Packings<'a> {
     pub fn new(study: &'a Study, watch: &'a dyn RunWatch) -> Self {
-        Self { study, watch, first: None, latest: None, geometries: [None, None] }
+        Self { study, watch, first: None, latest: None, geometries: Default::default() }
     }
 
     pub fn get(&mut self, realisation: usize) -> Result<Packing, RunError> {
@@ -61,16 +61,15 @@ impl<'a> Packings<'a> {
         error: f64,
     ) -> Result<Geometry, RunError> {
         let (asked, place) = ((realisation, resolution, error), usize::from(wave.is_vector()));
-        if let Some((_, geometry)) = self.geometries[place].as_ref().filter(|(kept, _)| *kept == asked) {
+        if let Some((_, geometry)) = self.geometries[place].iter().find(|(kept, _)| *kept == asked) {
             return Ok(geometry.clone());
         }
-        // Of another realisation neither is of use any more.
-        self.geometries.iter_mut().for_each(|kept| _ = kept.take_if(|((r, ..), _)| *r != realisation));
-        self.geometries[place] = None;
+        // Those of another realisation are of no use any more.
+        self.geometries.iter_mut().for_each(|all| all.retain(|((r, ..), _)| *r == realisation));
         let scene = Scene::from_packing(&self.get(realisation)?);
         let stop = || self.watch.stop();
         let geometry = Geometry::new_unless(wave, &scene, (resolution, error), &stop)?;
-        self.geometries[place] = Some((asked, geometry.clone()));
+        self.geometries[place].push((asked, geometry.clone()));
         Ok(geometry)
     }
 }
@@ -78,9 +77,12 @@ impl<'a> Packings<'a> {
 /// The solves of a realisation with the content hashes of all that they depend on.
 pub(crate) fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
     let packing = Key::of_packing(&study.packing_request(realisation));
-    let resolution = resolved.for_cell(&study.draw(realisation));
-    let points = study.points(realisation).into_iter();
-    points.map(|point| (point, point_key(study, &packing, &resolution, &point))).collect()
+    let draw = study.draw(realisation);
+    let key = |point: &Point| {
+        let resolution = resolved.for_wave(study, &draw, point.incidence.wavelength_um);
+        point_key(study, &packing, &resolution, point)
+    };
+    study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
 }
 
 /// Content hash of all that one solve depends on.
@@ -126,16 +128,14 @@ impl RealisationRun<'_> {
         let packing = packings.get(self.realisation)?;
         let record = PackingRecord::new(self.realisation, &packing);
         self.stores.packings.put(packing_key.as_str(), &record)?;
-        let resolution = self.resolved.for_cell(&self.study.draw(self.realisation));
+        let finest = self.resolved.for_cell(&self.study.draw(self.realisation));
         let todo: Vec<&(Point, Key)> = missing.iter().map(|&i| &keyed[i]).collect();
-        let size = resolve::size(self.study, resolution);
+        let size = resolve::size(self.study, finest);
         let solver = self.study.solver.build();
         let solver = size.admit(&*solver, self.settings.memory)?;
         let jobs = self.jobs(size.bytes(solver.solver()));
         let solver = solver.with_room(&size, self.settings.memory / jobs as f64);
-        let error = self.study.resolution.coverage_error();
-        let geometry = packings.geometry(self.study.wave, self.realisation, resolution, error)?;
-        let grids = Grids::new(self.study, &packing, resolution, geometry);
+        let grids = Grids::new(self.study, &packing, self.geometries(packings, &todo)?);
         for (&i, result) in missing.iter().zip(self.solve_all(solver.solver(), jobs, &grids, &todo)?) {
             match result {
                 Some(Ok(point)) => points[i] = Some(point),
@@ -144,6 +144,21 @@ impl RealisationRun<'_> {
             }
         }
         Ok(Realisation { packing: record, points, failures })
+    }
+
+    /// The packing on the grids of all these solves.
+    fn geometries(
+        &self,
+        packings: &mut Packings,
+        todo: &[&(Point, Key)],
+    ) -> Result<Vec<Wavelength>, RunError> {
+        let (study, draw) = (self.study, self.study.draw(self.realisation));
+        let waves = todo.iter().map(|(point, _)| point.incidence.wavelength_um);
+        let grid = |wavelength_um: f64| self.resolved.for_wave(study, &draw, wavelength_um);
+        let error = study.resolution.coverage_error();
+        Wavelength::all(waves, grid, |resolution| {
+            packings.geometry(study.wave, self.realisation, resolution, error)
+        })
     }
 
     /// Solves at a time: as many as were asked for, and the memory holds.

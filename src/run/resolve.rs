@@ -2,32 +2,35 @@
 //!
 //! Three probes on the first packing that comes about stand for the whole study: the shortest wavelength at the smallest and
 //! at the largest angle, and the wavelength at which grains and binder differ most. The largest of
-//! their error estimates is the study's.
+//! their error estimates is the study's. Longer waves get grids as much coarser as two more probes allow ([`super::longer_waves`]).
+
+mod probed;
 
 use super::error::RunError;
+use super::longer_waves::{self, coarsened, largest_contrast};
 use super::point::Stopper;
 use super::watch::RunWatch;
-use crate::input::study::{Pigment, Study, WantedResolution};
+use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::{Draw, stratified_deg};
 use crate::solve::accuracy::discretisation::Discretisation;
 use crate::solve::accuracy::grid_error::GridError;
-use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
+use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
 use crate::solve::demand::Size;
-use crate::solve::{Coverages, Solver};
 use crate::store::identity::Key;
 use crate::store::{Record, Store};
 use crate::wave::maxwell::NormalMoments;
 use crate::wave::physical::largest;
-use crate::wave::{Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
+use crate::wave::{Coverage, Incidence, Mean, Resolution, Scene, Side};
+use probed::{Prepared, grid, probe};
 use serde::{Deserialize, Serialize};
 
 /// Packings on which two grids are compared: enough for a standard error of the difference.
 const GRID_PACKINGS: usize = 4;
 
-/// The grid that all solves of a study share.
+/// The grid of a study's shortest waves, and what longer ones make of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resolved {
-    /// Of the cell it was chosen on, the first that could be packed.
+    /// Of the cell it was chosen on, the first that could be packed; at the shortest wavelength and wherever the contrast is largest.
     pub resolution: Resolution,
     /// Period of that cell, µm.
     pub period_um: [f64; 2],
@@ -37,10 +40,25 @@ pub struct Resolved {
     pub error_estimate: f64,
     /// Expected errors of R and T.
     pub grid_error: GridError,
+    /// Exponent on the coarsening that longer waves allow: 1 takes all of it, 0 is one grid for all wavelengths, as in records that
+    /// older programs made.
+    #[serde(default)]
+    pub longer_waves: f64,
 }
 
 impl Resolved {
-    /// The grid of another cell: no coarser than the first one's.
+    /// The grid of a wave in a cell: that of the shortest waves, coarser by what this one allows.
+    pub fn for_wave(&self, study: &Study, draw: &Draw, wavelength_um: f64) -> Resolution {
+        coarsened(study, self.for_cell(draw), wavelength_um, self.longer_waves)
+    }
+
+    /// The grid of the longest wave in the cell that the finest one was chosen on.
+    pub fn longest(&self, study: &Study) -> Resolution {
+        let last_um = 1e-3 * study.wavelengths_nm[study.wavelengths_nm.len() - 1];
+        coarsened(study, self.resolution, last_um, self.longer_waves)
+    }
+
+    /// The finest grid in another cell: no coarser than the first one's.
     pub fn for_cell(&self, draw: &Draw) -> Resolution {
         let points = |own: usize, first_um: f64, um: f64| {
             let wanted = (own as f64 * um / first_um * (1.0 - 1e-9)).ceil() as usize;
@@ -87,8 +105,7 @@ pub(crate) fn resolve(
     watch: &dyn RunWatch,
     scene: impl FnMut(usize) -> Result<Scene, RunError>,
 ) -> Result<Resolved, RunError> {
-    let key = key(study);
-    if let Some(resolved) = store.get(key.as_str()) {
+    if let Some(resolved) = kept(study, store) {
         return Ok(resolved);
     }
     if let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution {
@@ -107,7 +124,7 @@ pub(crate) fn resolve(
     };
     let differences: Vec<Vec<[f64; 2]>> = scenes.iter().map(difference).collect::<Result<_, _>>()?;
     resolved.grid_error = GridError::from_differences(&differences);
-    store.put(key.as_str(), &resolved)?;
+    store.put(key(study).as_str(), &resolved)?;
     Ok(resolved)
 }
 
@@ -127,9 +144,11 @@ fn scenes(
     refusal.filter(|_| scenes.is_empty()).map_or(Ok(scenes), Err)
 }
 
-/// The study's grid if the store has it.
+/// The study's grid if the store has it; a folder that was begun with one grid for all wavelengths goes on with it.
 pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
-    store.get(key(study).as_str())
+    store
+        .get(key(study).as_str())
+        .or_else(|| store.get(key_of(study, study.resolution.on_one_grid(), &[]).as_str()))
 }
 
 /// Realisations whose packings two grids are compared on.
@@ -140,15 +159,23 @@ fn compared(study: &Study) -> usize {
 /// Content hash of all that the choice of the grid and its error depend on. Every packing compared counts: studies may share the
 /// first one and differ in others, since cells are drawn to hold whole grains.
 pub(crate) fn key(study: &Study) -> Key {
+    key_of(study, study.resolution, &longer_waves::probes(study, 0))
+}
+
+fn key_of(study: &Study, resolution: WantedResolution, longest: &[Incidence]) -> Key {
     let packing = |realisation: usize| {
         let probes = probes(study, realisation);
         let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
         (Key::of_packing(&study.packing_request(realisation)), media, probes)
     };
     let packings: Vec<_> = (0..compared(study)).map(packing).collect();
-    let method = (&study.resolution, Mean::default(), &study.solver, &study.goal);
+    let method = (resolution, Mean::default(), &study.solver, &study.goal);
     // s, p and unpolarised light share a grid.
-    Key::of_wave("resolution", &(packings, method), study.wave.is_vector().then_some(()))
+    let vector = study.wave.is_vector().then_some(());
+    match longest.is_empty() {
+        true => Key::of_wave("resolution", &(packings, method), vector),
+        false => Key::of_wave("resolution", &(packings, method, longest), vector),
+    }
 }
 
 fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
@@ -156,9 +183,7 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     let incidence =
         |nm: f64, polar_deg: f64| Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
     let contrast = |nm: f64| largest_contrast(study, nm);
-    let slanted =
-        stratified_deg(study.angles.strata, 0.5).into_iter().chain(study.angles.exact_deg.iter().copied());
-    let (smallest, largest) = (study.angles.exact_deg[0], slanted.fold(0.0, f64::max));
+    let [smallest, largest] = probed_angles_deg(study);
     let nm = &study.wavelengths_nm;
     let strongest = nm.iter().copied().max_by(|&a, &b| contrast(a).total_cmp(&contrast(b))).unwrap_or(nm[0]);
     let mut probes = vec![incidence(nm[0], smallest), incidence(nm[0], largest)];
@@ -170,14 +195,11 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     probes
 }
 
-/// Largest |η² − η_b²|/λ² of any pigment in the binder, what its contrast V grows with, 1/nm².
-fn largest_contrast(study: &Study, nm: f64) -> f64 {
-    let binder = study.layer.binder.index_at(1e-3 * nm);
-    let of = |p: &Pigment| {
-        let eta = p.material.index_at(1e-3 * nm);
-        ((eta * eta - binder * binder) / (nm * nm)).norm()
-    };
-    study.pigments.iter().map(of).fold(0.0, f64::max)
+/// The smallest and the largest polar angle of a study, degrees.
+pub(super) fn probed_angles_deg(study: &Study) -> [f64; 2] {
+    let exact = &study.angles.exact_deg;
+    let all = stratified_deg(study.angles.strata, 0.5).into_iter().chain(exact.iter().copied());
+    [exact[0], all.fold(0.0, f64::max)]
 }
 
 fn settle<G: Discretisation>(
@@ -194,8 +216,39 @@ fn settle<G: Discretisation>(
         resolution = Some(G::grid_of(&probed.problem).resolution);
     }
     let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
-    let Draw { period_um, thickness_um, .. } = draw;
-    Ok(Resolved { resolution, period_um, thickness_um, error_estimate, grid_error: GridError::default() })
+    let (Draw { period_um, thickness_um, .. }, grid_error) = (draw, GridError::default());
+    let one = Resolved { resolution, period_um, thickness_um, error_estimate, grid_error, longer_waves: 0.0 };
+    let longest = longer_waves::probes(study, *realisation);
+    coarsen(study, &draw, &Prepared::<G>::new(study, scene, &longest, memory, watch).tasks(), one, watch)
+}
+
+/// Takes as much of the coarsening that longer waves allow as keeps the accuracy at the longest of them.
+fn coarsen<G: Discretisation>(
+    study: &Study,
+    draw: &Draw,
+    longest: &[Task<G>],
+    one: Resolved,
+    watch: &dyn RunWatch,
+) -> Result<Resolved, AccuracyError> {
+    let (Some(first), WantedResolution::Accuracy { amplitude, .. }) = (longest.first(), study.resolution)
+    else {
+        return Ok(one);
+    };
+    'shares: for longer_waves in longer_waves::SHARES {
+        let mut tried = Resolved { longer_waves, ..one };
+        let grid = tried.for_wave(study, draw, first.incidence.wavelength_um);
+        for task in longest {
+            match task.solve_with_estimate(grid, &mut Stopper(watch)) {
+                Err(stopped) if stopped.is_stop() => return Err(stopped),
+                Ok(probed) if probed.error_estimate <= amplitude => {
+                    tried.error_estimate = largest([tried.error_estimate, probed.error_estimate]);
+                }
+                _ => continue 'shares,
+            }
+        }
+        return Ok(tried);
+    }
+    Ok(one)
 }
 
 /// What the grid does to R and T of the probes on one packing.
@@ -206,97 +259,16 @@ fn grid_differences<G: Discretisation>(
     memory: f64,
     watch: &dyn RunWatch,
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
-    let probes = probes(study, *realisation);
-    let own = resolved.for_cell(&study.draw(*realisation));
-    GridError::differences(
-        &Prepared::<G>::new(study, scene, &probes, memory, watch).tasks(),
-        own,
-        &mut Stopper(watch),
-    )
-}
-
-/// What the probes of one packing borrow.
-struct Prepared<'a, G> {
-    study: &'a Study,
-    coverages: Coverages<'a, G>,
-    solver: Box<dyn Solver>,
-    media: Vec<Media>,
-    probes: &'a [Incidence],
-    /// Most bytes of one solve.
-    memory: f64,
-}
-
-impl<'a, G: Discretisation> Prepared<'a, G> {
-    fn new(
-        study: &'a Study,
-        scene: &'a Scene,
-        probes: &'a [Incidence],
-        memory: f64,
-        watch: &'a dyn RunWatch,
-    ) -> Self {
-        let media = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
-        let coverages = Coverages::of_any(scene, study.resolution.coverage_error());
-        let coverages = coverages.unless(|| watch.stop());
-        Self { study, coverages, solver: study.solver.build(), media, probes, memory }
-    }
-
-    fn tasks(&self) -> Vec<Task<'_, G>> {
-        let probes = self.media.iter().zip(self.probes);
-        probes.map(|(media, incidence)| self.task(media, incidence)).collect()
-    }
-
-    /// The solve of one probe.
-    fn task<'b>(&'b self, media: &'b Media, incidence: &'b Incidence) -> Task<'b, G> {
-        Task {
-            coverages: &self.coverages,
-            media,
-            incidence,
-            mean: Mean::default(),
-            scheme: self.study.resolution.scheme(),
-            solver: &*self.solver,
-            goal: self.study.goal,
-            memory: self.memory,
-        }
-    }
-}
-
-/// Tries the grid found so far and refines it for this probe where that is asked.
-fn probe<G: Discretisation>(
-    study: &Study,
-    draw: &Draw,
-    task: &Task<G>,
-    before: Option<Resolution>,
-    watch: &dyn RunWatch,
-) -> Result<Estimated<G>, AccuracyError> {
-    let watch = &mut Stopper(watch);
-    let accuracy = match study.resolution {
-        WantedResolution::Grid { points_per_um, planes_per_um, scheme } => {
-            let grid = grid(draw, points_per_um, planes_per_um, scheme);
-            return task.solve_with_estimate(grid, watch);
-        }
-        WantedResolution::Accuracy { amplitude, .. } => amplitude,
+    let draw = study.draw(*realisation);
+    let differences = |probes: &[Incidence], own: Resolution| {
+        let prepared = Prepared::<G>::new(study, scene, probes, memory, watch);
+        GridError::differences(&prepared.tasks(), own, &mut Stopper(watch))
     };
-    if let Some(resolution) = before {
-        let tried = task.solve_with_estimate(resolution, watch)?;
-        if tried.error_estimate <= accuracy {
-            return Ok(tried);
-        }
+    let mut found = differences(&probes(study, *realisation), resolved.for_cell(&draw))?;
+    let longest = longer_waves::probes(study, *realisation);
+    if let (Some(first), true) = (longest.first(), resolved.longer_waves > 0.0) {
+        let own = resolved.for_wave(study, &draw, first.wavelength_um);
+        found.extend(differences(&longest, own)?);
     }
-    let refined = task.solve_to_accuracy(accuracy, watch)?;
-    let (fine, Some(coarse)) = (G::grid_of(&refined.problem).resolution, before) else { return Ok(refined) };
-    let both = Resolution {
-        nx: fine.nx.max(coarse.nx),
-        ny: fine.ny.max(coarse.ny),
-        cells: fine.cells.max(coarse.cells),
-        scheme: fine.scheme,
-    };
-    if both == fine { Ok(refined) } else { task.solve_with_estimate(both, watch) }
-}
-
-/// Points and cells for the asked points and planes per µm: at least that fine, in sizes that transform fast.
-fn grid(draw: &Draw, points_per_um: f64, planes_per_um: f64, scheme: Scheme) -> Resolution {
-    let points = draw.period_um.map(|period| smooth_size((points_per_um * period).ceil() as usize));
-    let planes = planes_per_um * draw.thickness_um;
-    let cells = (planes / scheme.degree() as f64).ceil().max(1.0) as usize;
-    Resolution { nx: points[0], ny: points[1], cells, scheme }
+    Ok(found)
 }

@@ -9,12 +9,11 @@ use crate::run::realisation::Packings;
 use crate::run::resolve::size;
 use crate::run::runner::{RunError, stopped};
 use crate::run::watch::RunWatch;
-use crate::solve::door::Geometry;
 use crate::store::identity::Key;
 use crate::wave::Scene;
 use serde::Serialize;
 use std::collections::HashSet;
-use trial::{Trial, density, full_resolution, time_solves, trial, volume};
+use trial::{Trial, covers, density, full_resolution, time_solves, trial, volume};
 
 /// Most variants that are tried.
 const TRIALS: usize = 4;
@@ -161,9 +160,9 @@ fn at_full_size(
     }
     watch.stage(&format!("calibrating with {} at full size", variant.name));
     let scene = Scene::from_packing(&Packings::new(&variant.study, watch).get(0).map_err(stopped)?);
-    let error = variant.study.resolution.coverage_error();
-    let cover = Geometry::new(variant.study.wave, &scene, full_resolution(trial, &variant.study), error)?;
-    let solve = time_solves(&variant.study, &cover, jobs, watch)? / volume(&variant.study);
+    let grids = (full_resolution(trial, &variant.study), trial.longer_waves);
+    let covers = covers(&variant.study, &scene, grids)?;
+    let solve = time_solves(&variant.study, &covers, jobs, watch)? / volume(&variant.study);
     Ok(Some((variant.name.clone(), solve / trial.solve)))
 }
 

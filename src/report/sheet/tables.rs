@@ -12,6 +12,7 @@ use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
 use crate::report::scalar_error;
 use crate::solve::door::Wave;
 use crate::store::packing_record::{PackingRecord, ShareRecord};
+use crate::wave::Resolution;
 
 fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
     Meant { name: name.to_owned(), value, meaning: meaning.into() }
@@ -328,14 +329,16 @@ fn wave_in_words(wave: Wave) -> &'static str {
 }
 
 pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Provenance {
-    let r = manifest.resolution;
     let grid = match study.resolution {
         WantedResolution::Accuracy { amplitude, .. } => {
             format!("chosen for amplitude errors of {amplitude:.0e}")
         }
         WantedResolution::Grid { .. } => "as asked".to_owned(),
     };
-    let resolution = format!("{} × {} points, {} cells ({} planes), {grid}", r.nx, r.ny, r.cells, r.planes());
+    let words =
+        |r: Resolution| format!("{} × {} points, {} cells ({} planes)", r.nx, r.ny, r.cells, r.planes());
+    let longest = manifest.resolution_longest.map(|r| format!("; {} for the longest waves", words(r)));
+    let resolution = format!("{}, {grid}{}", words(manifest.resolution), longest.unwrap_or_default());
     let solver = study.solver.build().name();
     let all: Vec<&str> = manifest.builds.iter().map(String::as_str).collect();
     let builds = if all.len() > 1 { format!("different builds: {}", all.join(", ")) } else { all.concat() };

@@ -5,6 +5,8 @@ use crate::input::check::largest_extents_nm;
 use crate::input::study::{Point, Study, WantedResolution};
 use crate::input::variation::CellRule;
 use crate::run::crew::{processor_seconds, work_through};
+use crate::run::grids::Wavelength;
+use crate::run::longer_waves::coarsened;
 use crate::run::memory;
 use crate::run::point::{problem_of, solve_point};
 use crate::run::realisation::Packings;
@@ -39,6 +41,8 @@ pub(crate) struct Trial {
     pub search: f64,
     pub solve: f64,
     pub resolution: Resolution,
+    /// What longer waves make of it, as in [`Resolved`](crate::run::resolve::Resolved).
+    pub longer_waves: f64,
 }
 
 pub(crate) fn volume(study: &Study) -> f64 {
@@ -79,10 +83,9 @@ pub(crate) fn trial(
     // Grains are packed on one core, while the others wait.
     let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
     let packing = packing * rayon::current_num_threads() as f64;
-    let (searched, resolution) = grid_for(&study, &scene, alike, watch)?;
-    let (coverage, cover) =
-        timed(|| Ok(Geometry::new(study.wave, &scene, resolution, study.resolution.coverage_error())?))?;
-    let solve = time_solves(&study, &cover, jobs, watch)?;
+    let (searched, grids) = grid_for(&study, &scene, alike, watch)?;
+    let (coverage, covers) = timed(|| covers(&study, &scene, grids))?;
+    let solve = time_solves(&study, &covers, jobs, watch)?;
     // Solves with their coverages that the search was worth; an earlier trial's is as long.
     let search = match (searched, alike) {
         (None, Some(trial)) => trial.search,
@@ -101,24 +104,37 @@ pub(crate) fn trial(
         grid: grid * each,
         search,
         solve: solve * each,
-        resolution,
+        resolution: grids.0,
+        longer_waves: grids.1,
     })
 }
 
-/// A grid as fine as wanted, and the core seconds of the search for it where there was one.
+/// The packing on the grids of all wavelengths.
+pub(crate) fn covers(
+    study: &Study,
+    scene: &Scene,
+    (finest, longer_waves): (Resolution, f64),
+) -> Result<Vec<Wavelength>, RunError> {
+    let waves = study.points(0).into_iter().map(|point| point.incidence.wavelength_um);
+    let grid = |wavelength_um: f64| coarsened(study, finest, wavelength_um, longer_waves);
+    let error = study.resolution.coverage_error();
+    Wavelength::all(waves, grid, |resolution| Ok(Geometry::new(study.wave, scene, resolution, error)?))
+}
+
+/// A grid as fine as wanted with what longer waves make of it, and the core seconds of the search for it where there was one.
 fn grid_for(
     study: &Study,
     scene: &Scene,
     alike: Option<&Trial>,
     watch: &dyn RunWatch,
-) -> Result<(Option<f64>, Resolution), RunError> {
+) -> Result<(Option<f64>, (Resolution, f64)), RunError> {
     if let Some(trial) = alike {
-        return Ok((None, full_resolution(trial, study)));
+        return Ok((None, (full_resolution(trial, study), trial.longer_waves)));
     }
     let store = Store::in_memory()?;
     let search = || resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone()));
     let (seconds, found) = timed(search)?;
-    Ok((Some(seconds), found.resolution))
+    Ok((Some(seconds), (found.resolution, found.longer_waves)))
 }
 
 /// Core seconds, and what was made.
@@ -134,13 +150,15 @@ fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunE
 /// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
 pub(crate) fn time_solves(
     study: &Study,
-    geometry: &Geometry,
+    covers: &[Wavelength],
     jobs: usize,
     watch: &dyn RunWatch,
 ) -> Result<f64, RunError> {
     let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
     let solver = study.solver.build();
-    let solve = |i: usize| try_solve(study, &*solver, geometry, &chosen[i], watch);
+    let solve = |i: usize| {
+        try_solve(study, &*solver, &Wavelength::of(covers, &chosen[i]).geometry, &chosen[i], watch)
+    };
     let (mut seconds, mut solves) = (0.0, 0);
     while seconds < LEAST_SECONDS && solves < MOST_SOLVES {
         let (more, ()) = timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?;

@@ -1,0 +1,128 @@
+//! The small studies of the claim: what they are, what they know, what a finer grid changes in them.
+
+use super::{SPECTRA, TRUTH};
+use crate::studies::{estimate, row, with_and_without_the_grid};
+use inkwave::numerics::estimate::Estimate;
+use serde_json::Value;
+
+/// A small study as it is printed, and with bars that hold everything but the grid's part.
+pub struct Small {
+    pub printed: Value,
+    pub apart: Value,
+}
+
+impl Small {
+    pub fn run(seed: u64, finer: f64) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let [printed, apart] =
+            with_and_without_the_grid(&small_study(seed, finer), &folder.path().join("out"));
+        Self { printed, apart }
+    }
+}
+
+/// The truth's ink in a few cells of 1.2 µm; with so many times the truth's points and planes.
+fn small_study(seed: u64, finer: f64) -> String {
+    let mut study: toml::Table = TRUTH.parse().expect("a study file");
+    let own = |key: &str| study["resolution"][key].as_integer().expect("points or planes") as f64;
+    let (points, planes) = (finer * own("points_per_um"), finer * own("planes_per_um"));
+    let changes: [(&str, &str, toml::Value); 7] = [
+        ("layer", "period_um", 1.2.into()),
+        ("light", "per_realisation", 8.into()),
+        ("angles", "count", 5.into()),
+        ("run", "realisations", 4.into()),
+        ("run", "seed", i64::try_from(seed).expect("a small seed").into()),
+        ("resolution", "points_per_um", points.into()),
+        ("resolution", "planes_per_um", planes.into()),
+    ];
+    for (table, key, value) in changes {
+        let table = study[table].as_table_mut().expect("a table of the study");
+        table.insert(key.into(), value).expect("a key that the truth has too");
+    }
+    study.to_string()
+}
+
+/// Values with their standard errors: colours, and R, T, natural light and 45:0 over the spectrum.
+#[derive(Clone)]
+pub struct Known {
+    pub colours: Vec<[f64; 2]>,
+    pub spectra: Vec<[f64; 2]>,
+}
+
+impl Known {
+    fn all(&self) -> impl Iterator<Item = &[f64; 2]> {
+        self.colours.iter().chain(&self.spectra)
+    }
+
+    /// What the claim keeps of the truth.
+    pub fn of_truth(truth: &Value) -> Self {
+        let array = |value: &'static str| truth[value].as_array().expect("an array of the truth").iter();
+        let pair = |value: &Value| [0, 1].map(|i| value[i].as_f64().expect("a value and its error"));
+        let spectrum = |row: &Value| SPECTRA.map(|key| pair(&row[key]));
+        Self {
+            colours: array("colours").flat_map(|c| lab(c, "standard_error")).collect(),
+            spectra: array("spectra").flat_map(spectrum).collect(),
+        }
+    }
+
+    /// The same of a study's results.
+    pub fn of(results: &Value, truth: &Value) -> Self {
+        let array = |value: &'static str| truth[value].as_array().expect("an array of the truth").iter();
+        let own = results["colours"].as_array().expect("colours");
+        let colour = |known: &Value| {
+            let own = own.iter().find(|c| c["conditions"] == known["conditions"]);
+            lab(own.expect("the same conditions"), "lab_standard_error")
+        };
+        let spectrum = |known: &Value| {
+            let own = row(results, known["wavelength_nm"].as_f64().expect("a wavelength"), 0.0);
+            SPECTRA.map(|key| estimate(&own[key]))
+        };
+        Self {
+            colours: array("colours").flat_map(colour).collect(),
+            spectra: array("spectra").flat_map(spectrum).collect(),
+        }
+    }
+
+    /// Moved by the mean of some shifts, with its standard error.
+    pub fn moved(&self, shifts: &[Vec<f64>]) -> Self {
+        let mut moved = self.clone();
+        for (i, [value, error]) in moved.colours.iter_mut().chain(&mut moved.spectra).enumerate() {
+            let samples: Vec<f64> = shifts.iter().map(|shift| shift[i]).collect();
+            let mean = Estimate::of_mean(&samples);
+            *value += mean.value;
+            *error = error.hypot(mean.standard_error.unwrap_or(0.0));
+        }
+        moved
+    }
+}
+
+fn lab(colour: &Value, error: &str) -> [[f64; 2]; 3] {
+    [0, 1, 2].map(|i| [&colour["lab"][i], &colour[error][i]].map(|x| x.as_f64().expect("a number")))
+}
+
+/// What twice the points and planes change in one study's numbers, and the grid's part of their bars.
+pub struct Shift {
+    pub change: Vec<f64>,
+    part: Vec<f64>,
+}
+
+impl Shift {
+    pub fn of(small: &Small, finer: &Small, truth: &Value) -> Self {
+        let [printed, apart] = [&small.printed, &small.apart].map(|r| Known::of(r, truth));
+        let finer = Known::of(&finer.apart, truth);
+        let part =
+            |([_, whole], [_, rest]): (&[f64; 2], &[f64; 2])| (whole * whole - rest * rest).max(0.0).sqrt();
+        Self {
+            change: finer.all().zip(printed.all()).map(|([fine, _], [own, _])| fine - own).collect(),
+            part: printed.all().zip(apart.all()).map(part).collect(),
+        }
+    }
+
+    /// How many of the changes are within 1.96 of the parts times `width`.
+    pub fn held(&self, width: f64) -> usize {
+        self.change
+            .iter()
+            .zip(&self.part)
+            .filter(|(change, part)| change.abs() <= 1.96 * width * **part)
+            .count()
+    }
+}
