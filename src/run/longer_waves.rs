@@ -4,8 +4,8 @@
 //! the phase k h does. So a wave longer than the shortest allows a spacing larger by λ/λ₀, by √(V₀/V) where that is less: the
 //! work per solve falls as (λ₀/λ)³ in a clear ink. Two probes at the longest wavelength say whether it is so.
 
-use super::resolve::probed_angles_deg;
 use crate::input::study::{Pigment, Study, WantedResolution};
+use crate::input::variation::stratified_deg;
 use crate::solve::accuracy::smooth_size;
 use crate::wave::{Incidence, Resolution, Side};
 
@@ -47,6 +47,13 @@ fn coarser(study: &Study, wavelength_um: f64, share: f64) -> f64 {
 /// Down to a whole number of steps; rounding at a step is not another grid.
 fn stepped(factor: f64) -> f64 {
     ((STEPS * factor.log2() + 1e-9).floor() / STEPS).exp2()
+}
+
+/// The smallest and the largest polar angle of a study, degrees.
+pub(super) fn probed_angles_deg(study: &Study) -> [f64; 2] {
+    let exact = &study.angles.exact_deg;
+    let all = stratified_deg(study.angles.strata, 0.5).into_iter().chain(exact.iter().copied());
+    [exact[0], all.fold(0.0, f64::max)]
 }
 
 /// The longest wavelength at the smallest and the largest angle of the study, on one packing; nothing where all waves share a grid:

@@ -7,11 +7,11 @@
 mod probed;
 
 use super::error::RunError;
-use super::longer_waves::{self, coarsened, largest_contrast};
+use super::longer_waves::{self, coarsened, largest_contrast, probed_angles_deg};
 use super::point::Stopper;
 use super::watch::RunWatch;
 use crate::input::study::{Study, WantedResolution};
-use crate::input::variation::{Draw, stratified_deg};
+use crate::input::variation::Draw;
 use crate::solve::accuracy::discretisation::Discretisation;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
@@ -193,13 +193,6 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     }
     probes.dedup();
     probes
-}
-
-/// The smallest and the largest polar angle of a study, degrees.
-pub(super) fn probed_angles_deg(study: &Study) -> [f64; 2] {
-    let exact = &study.angles.exact_deg;
-    let all = stratified_deg(study.angles.strata, 0.5).into_iter().chain(exact.iter().copied());
-    [exact[0], all.fold(0.0, f64::max)]
 }
 
 fn settle<G: Discretisation>(
