@@ -1,0 +1,167 @@
+//! Keys, layer and pigments.
+
+use super::{Slip, slip};
+
+pub const K: &str = "index = { built_in = \"yellow\" }";
+
+pub const INK: &[Slip] = &[
+    // keys
+    slip(
+        "thickness_um",
+        "thicknes_um",
+        ["layer.thicknes_um", "unknown key", "`period_um`, `thickness_um`", "did you mean thickness_um?"],
+    ),
+    slip("[run]", "[runn]", ["runn", "unknown key", "`run`", "did you mean run?"]),
+    slip(
+        "built_in",
+        "builtin",
+        ["pigment[0].index.builtin", "unknown key", "`built_in`", "did you mean built_in?"],
+    ),
+    slip(
+        "thickness_um = 0.5\n",
+        "",
+        ["layer.thickness_um", "found nothing", "no default", "add thickness_um"],
+    ),
+    slip("seed = 7", "seed = -7", ["run.seed", "-7", "a whole number from 0", "in that form"]),
+    slip("seed = 7", "seed = \"7\"", ["run.seed", "string \"7\"", "a whole number from 0", "in that form"]),
+    slip("[angles]", "[angles", ["[angles", "unclosed table", "expected `]`", "correct the TOML here"]),
+    // layer
+    slip(
+        "period_um = 0.8",
+        "period_um = [0.8, 0]",
+        ["layer.period_um", "found 0", "greater than 0", "larger cells"],
+    ),
+    slip(
+        "period_um = 0.8",
+        "period_um = [1, 2, 3]",
+        ["period_um", "3 entries", "two numbers [x, y]", "in that form"],
+    ),
+    slip(
+        "thickness_um = 0.5",
+        "thickness_um = nan",
+        ["layer.thickness_um", "NaN", "at most 1000 µm", "about 1 µm"],
+    ),
+    slip(
+        "thickness_um = 0.5",
+        "thickness_um = inf",
+        ["layer.thickness_um", "inf", "at most 1000 µm", "about 1 µm"],
+    ),
+    slip(
+        "binder.index = 1.558",
+        "binder.index = -1.5",
+        ["layer.binder.index.n", "-1.5", "from 0.1 to 10", "refractive index"],
+    ),
+    slip(
+        "thickness_um = 0.5",
+        "thickness_um = 0.5\nindex_in = 1.5",
+        ["layer.index_in", "1.5", "1, air above", "angles.polar_deg"],
+    ),
+    // pigments
+    slip(
+        K,
+        "index = { n = 1.4, k = -0.1 }",
+        ["pigment[0].index.k", "-0.1", "from 0 to 10", "change the sign"],
+    ),
+    slip(K, "index = { n = nan }", ["pigment[0].index.n", "NaN", "from 0.1 to 10", "refractive index"]),
+    slip(
+        K,
+        "index = { k = 0.1 }",
+        ["pigment[0].index", "found k alone", "{ n = …, k = … }", "index = { n = 1.4"],
+    ),
+    slip(
+        K,
+        "index = { built_in = \"mauve\" }",
+        ["pigment[0].index.built_in", "mauve", "red, yellow, blue, green", "csv"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"none.csv\" }",
+        ["pigment[0].index.csv", "none.csv", "wavelength_nm,kappa", "relative to the study file"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"negative.csv\" }",
+        ["pigment[0].index.csv", "kappa = -0.2", "kappa ≥ 0", "correct the table"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"empty.csv\" }",
+        ["pigment[0].index.csv", "line 3, column kappa: an empty cell", "kappa ≥ 0", "correct the table"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"micrometres.csv\" }",
+        ["pigment[0].index.csv", "0.7: these look like µm", "the column wants nm", "multiply it by 1000"],
+    ),
+    slip(
+        "[output]",
+        "[paper]\nalbedo = [[0.4, 0.8], [0.7, 0.8]]\n[output]",
+        ["paper.albedo", "up to 0.7, which look like µm", "wavelengths in nm", "by 1000"],
+    ),
+    slip(
+        "[output]",
+        "[compare]\nmeasured = \"comma.csv\"\n[output]",
+        ["compare.measured", "line 2: 3 cells", "(wavelength_nm,reflectance)", "(wavelength_nm;reflectance)"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"narrow.csv\" }",
+        ["pigment[0].index", "400 nm", "from 500 to 600 nm", "[light]"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = 1.5",
+        ["pigment[0].volume_fraction", "1.5", "at most 0.64", "0.3 for 30 %"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = 0.7",
+        ["pigment[0].volume_fraction", "0.7", "at most 0.64", "0.3 for 30 %"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = -0.1",
+        ["pigment[0].volume_fraction", "-0.1", "greater than 0", "0.3 for 30 %"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = -200",
+        ["pigment[0].diameter_nm", "-200", "above 0", "50 to 500 nm"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = 450",
+        ["pigment[0].diameter_nm", "450", "half the shortest side that a varied cell gets", "larger cell"],
+    ),
+    slip(
+        "thickness_um = 0.5",
+        "thickness_um = 0.15",
+        ["pigment[0].diameter_nm", "200", "150 nm, the layer's thickness", "smaller grains"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = 1",
+        ["pigment[0].diameter_nm", "may hold 1.2e8", "at most 5000000 grains in a cell", "sizes are in nm"],
+    ),
+    slip(
+        "volume_fraction = 0.15",
+        "volume_fraction = 1e-12",
+        ["pigment[0].volume_fraction", "found 1e-12", "from 4.2e-9, which is half a grain", "smaller grains"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = \"big\"",
+        ["pigment[0].diameter_nm", "\"big\"", "a number of nm such as 250, or \"molecular\"", "in that form"],
+    ),
+    slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
+    slip(
+        "name = \"yellow\"",
+        "name = \" \"",
+        ["pigment[0].name", "\" \"", "no other pigment", "another name"],
+    ),
+    slip(
+        "name = \"yellow\"",
+        "name = \"yellow\"\nshape = \"cube\"",
+        ["shape", "cube", "`sphere`", "write one of"],
+    ),
+];

@@ -1,0 +1,100 @@
+//! Paper, light, angles; run, resolution, solver, output.
+
+use super::{Slip, slip};
+
+const RANGE: &str = "from_nm = 400\nto_nm = 700\nstep_nm = 100";
+
+pub const LIGHT: &[Slip] = &[
+    // paper, light, angles
+    slip(
+        "[light]",
+        "[paper]\nalbedo = 1.2\n[light]",
+        ["paper.albedo", "1.2", "from 0 to 1", "0.9 is good paper"],
+    ),
+    slip("[light]", "[paper]\ncoupling = \"glue\"\n[light]", ["coupling", "glue", "`gap`", "write one of"]),
+    slip(
+        RANGE,
+        "wavelengths_nm = []",
+        ["light.wavelengths_nm", "0 entries", "1 to 10000 entries", "400 to 700"],
+    ),
+    slip(
+        RANGE,
+        "wavelengths_nm = [400, 300]",
+        ["light.wavelengths_nm[1]", "300 after 400", "rising", "sort"],
+    ),
+    slip(
+        RANGE,
+        "wavelengths_nm = [450, nan]",
+        ["light.wavelengths_nm[1]", "NaN", "from 100 to 10000 nm", "nm"],
+    ),
+    slip(
+        RANGE,
+        "wavelengths_nm = [0.45]",
+        ["light.wavelengths_nm[0]", "0.45", "from 100 to 10000 nm", "in nm"],
+    ),
+    slip(RANGE, "from_nm = 400", ["light", "found from_nm alone", "wavelengths_nm", "from_nm = 400"]),
+    slip(
+        "from_nm = 400",
+        "from_nm = 1",
+        ["light.from_nm", "found 1", "from 100 to 10000 nm", "400 is usual"],
+    ),
+    slip("step_nm = 100", "step_nm = 0", ["light.step_nm", "found 0", "greater than 0", "20 is usual"]),
+    slip("step_nm = 100", "step_nm = 1e-9", ["light.step_nm", "1e-9", "fewer than 10000", "20 is usual"]),
+    slip(
+        "step_nm = 100",
+        "step_nm = 400",
+        ["light.step_nm", "found 400", "at most to_nm - from_nm = 300 nm", "wavelengths_nm = [550]"],
+    ),
+    slip(
+        "[light]\nfrom_nm = 400\nto_nm = 700\nstep_nm = 100",
+        "[colour]\nsummation = \"e308\"\n[light]\nwavelengths_nm = [400, 500, 700]",
+        ["colour.summation", "e308", "ASTM E308 has no weights", "from_nm, to_nm and step_nm"],
+    ),
+    slip("to_nm = 700", "to_nm = 300", ["light.to_nm", "300", "from_nm = 400", "700 is usual"]),
+    slip("to_nm = 700", "to_nm = 900", ["pigment[0].index", "800 nm", "from 380 to 780 nm", "[light]"]),
+    slip("count = 3", "polar_deg = [0, 90]", ["angles.polar_deg[1]", "90", "below 90°", "89"]),
+    slip("count = 3", "polar_deg = [0, inf]", ["angles.polar_deg[1]", "inf", "below 90°", "89"]),
+    slip("count = 3", "count = 3\npolar_deg = [0]", ["angles", "both", "either", "remove one"]),
+    slip("count = 3", "count = 0", ["angles.count", "found 0", "3 to 64", "5 is usual"]),
+    slip(
+        "count = 3",
+        "count = 3\npicture_max_deg = 95",
+        ["angles.picture_max_deg", "95", "at most 89", "60 is usual"],
+    ),
+    // run, resolution, solver, output
+    slip(
+        "realisations = 2",
+        "realisations = 0",
+        ["run.realisations", "found 0", "from 1 to 100000", "24 small cells are a fair start"],
+    ),
+    slip(
+        "points_per_um = 20\n",
+        "",
+        ["resolution", "found planes_per_um alone", "either accuracy", "accuracy = 1e-2"],
+    ),
+    slip(
+        "points_per_um = 20",
+        "per_wavelength = true\npoints_per_um = 20",
+        ["resolution.per_wavelength", "which are one grid", "with accuracy", "instead of points and planes"],
+    ),
+    slip(
+        "points_per_um = 20",
+        "points_per_um = nan",
+        ["resolution.points_per_um", "NaN", "from 2 to 400", "12 to 16"],
+    ),
+    slip(
+        "[output]",
+        "[solver]\ntolerance = 0\n[output]",
+        ["solver.tolerance", "found 0", "to 0.01", "leave it out"],
+    ),
+    slip(
+        "[output]",
+        "[solver]\nstrategy = \"magic\"\n[output]",
+        ["strategy", "magic", "`krylov`", "write one of"],
+    ),
+    slip(
+        "picture_pixels = 61",
+        "picture_pixels = 0",
+        ["output.picture_pixels", "found 0", "from 16", "360 is usual"],
+    ),
+];
