@@ -169,7 +169,8 @@ fn key_of(study: &Study, resolution: WantedResolution, longest: &[Incidence]) ->
         (Key::of_packing(&study.packing_request(realisation)), media, probes)
     };
     let packings: Vec<_> = (0..compared(study)).map(packing).collect();
-    let method = (resolution, Mean::default(), &study.solver, &study.goal);
+    // Older records hold half the error where a finer grid had to be compared with: they are made again, their solves are not.
+    let method = (resolution, Mean::default(), &study.solver, &study.goal, "scaled companions");
     // s, p and unpolarised light share a grid.
     let vector = study.wave.is_vector().then_some(());
     match longest.is_empty() {
