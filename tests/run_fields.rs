@@ -157,6 +157,7 @@ const CHANGES: &[Change] = &[
     (&[("resolution.planes_per_um", "40")], Spectra),
     (&[("resolution.scheme", "'quadratic'")], Spectra),
     (&[("resolution", "{ accuracy = 0.2 }")], Spectra),
+    (&[("resolution.per_wavelength", "false")], Nothing),
     (&[("solver.strategy", "'bicgstab'")], Published),
     (&[("solver.tolerance", "1e-7")], Published),
     (&[("solver.max_applications", "1900")], Nothing),
