@@ -2,7 +2,7 @@
 //!
 //! Three probes on the first packing that comes about stand for the whole study: the shortest wavelength at the smallest and
 //! at the largest angle, and the wavelength at which grains and binder differ most. The largest of
-//! their error estimates is the study's. Longer waves get grids as much coarser as two more probes allow ([`super::longer_waves`]).
+//! their error estimates is the study's. Longer waves get grids as much coarser as two more probes allow (`longer_waves`).
 
 mod probed;
 
