@@ -13,6 +13,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
+/// Solves whose mean time says little about those to come.
+const TOO_FEW: usize = 20;
 
 /// How long solves have been under way.
 struct Busy {
@@ -41,6 +43,12 @@ impl Busy {
             self.busy += self.since.elapsed();
         }
     }
+
+    /// Time with a solve under way, this moment included.
+    fn so_far(&self) -> Duration {
+        let now = if self.under_way > 0 { self.since.elapsed() } else { Duration::ZERO };
+        self.busy + now
+    }
 }
 
 /// Shows a run's progress and passes the user's stop on.
@@ -49,7 +57,6 @@ pub struct Progress {
     bar: ProgressBar,
     /// None on a terminal; elsewhere the time of the last line.
     last_line: Option<Mutex<Instant>>,
-    started: Mutex<Instant>,
     solved: AtomicUsize,
     left: AtomicUsize,
     busy: Mutex<Busy>,
@@ -76,7 +83,6 @@ impl Progress {
             stop,
             bar,
             last_line: plain.then(|| Mutex::new(Instant::now())),
-            started: Mutex::new(Instant::now()),
             solved: AtomicUsize::new(0),
             left: AtomicUsize::new(0),
             busy: Mutex::new(Busy::new()),
@@ -89,9 +95,6 @@ impl Progress {
     /// So many solves are to come, or fewer where a wanted bar ends the work.
     pub fn expect(&self, solves: usize, ends_early: bool) {
         self.ends_early.store(ends_early, Ordering::Relaxed);
-        if let Ok(mut started) = self.started.lock() {
-            *started = Instant::now();
-        }
         self.whole.store(true, Ordering::Relaxed);
         self.bar.set_length(solves as u64);
         self.left.store(solves, Ordering::Relaxed);
@@ -128,15 +131,16 @@ impl Progress {
         }
     }
 
-    /// Mean time of the solves of this run times those left.
+    /// Mean time of the solves of this run times those left. What is read from the store and searches for grids are not counted:
+    /// they come first, and would stand for years.
     fn time_left(&self) -> String {
         let (solved, left) = (self.solved.load(Ordering::Relaxed), self.left.load(Ordering::Relaxed));
-        let Ok(started) = self.started.lock() else { return String::new() };
-        if solved == 0 {
+        let Ok(busy) = self.busy.lock() else { return String::new() };
+        if solved < TOO_FEW.min(self.bar.length().unwrap_or(0) as usize / 2).max(1) {
             return "time left unknown".into();
         }
         let workers = self.workers.load(Ordering::Relaxed);
-        let seconds = started.elapsed().as_secs_f64() * left as f64 / (solved * workers) as f64;
+        let seconds = busy.so_far().as_secs_f64() * left as f64 / (solved * workers) as f64;
         let left = HumanDuration(Duration::from_secs_f64(seconds));
         let most = if self.ends_early.load(Ordering::Relaxed) { "at most" } else { "about" };
         if workers == 1 {
@@ -163,9 +167,6 @@ impl RunWatch for Progress {
     }
 
     fn begins(&self, study: &Study, kept: usize) {
-        if let Ok(mut started) = self.started.lock() {
-            *started = Instant::now();
-        }
         let all = study.solves();
         self.ends_early.store(study.target_delta_e.is_some(), Ordering::Relaxed);
         self.bar.set_length(all as u64);

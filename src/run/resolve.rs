@@ -13,7 +13,7 @@ use super::watch::RunWatch;
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::Draw;
 use crate::solve::accuracy::discretisation::Discretisation;
-use crate::solve::accuracy::grid_error::GridError;
+use crate::solve::accuracy::grid_error::{GridError, JUDGEMENT};
 use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
 use crate::solve::demand::Size;
 use crate::store::identity::Key;
@@ -170,7 +170,7 @@ fn key_of(study: &Study, resolution: WantedResolution, longest: &[Incidence]) ->
     };
     let packings: Vec<_> = (0..compared(study)).map(packing).collect();
     // Older records hold half the error where a finer grid had to be compared with: they are made again, their solves are not.
-    let method = (resolution, Mean::default(), &study.solver, &study.goal, "scaled companions");
+    let method = (resolution, Mean::default(), &study.solver, &study.goal, JUDGEMENT);
     // s, p and unpolarised light share a grid.
     let vector = study.wave.is_vector().then_some(());
     match longest.is_empty() {

@@ -74,6 +74,11 @@ pub const LIGHT: &[Slip] = &[
     ),
     slip(
         "points_per_um = 20",
+        "per_wavelength = \"yes\"\npoints_per_um = 20",
+        ["resolution.per_wavelength", "found string \"yes\"", "true or false", "in that form"],
+    ),
+    slip(
+        "points_per_um = 20",
         "per_wavelength = true\npoints_per_um = 20",
         ["resolution.per_wavelength", "which are one grid", "with accuracy", "instead of points and planes"],
     ),

@@ -23,6 +23,10 @@ const COARSER: f64 = 0.8;
 /// Own error as a share of the difference to a finer grid, 1/(1 − 0.8³).
 const OF_FINER: f64 = 2.05;
 
+/// The name of this judgement, which the key of every kept grid holds: a change of the two numbers above is another judgement and
+/// needs another name, or folders go on with errors by the old one.
+pub(crate) const JUDGEMENT: &str = "scaled companions";
+
 /// Differences of this size are rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -135,6 +139,15 @@ mod tests {
         approx::assert_relative_eq!(transmittance, 0.002_f64.hypot(0.002), max_relative = 1e-12);
         let single = GridError::from_differences(&differences[..1]);
         assert_eq!((single.reflectance, single.transmittance), (0.03, 0.001));
+    }
+
+    /// Grids judged by one set of numbers stayed in folders when the numbers changed, with half the error.
+    #[test]
+    fn the_judgement_has_a_name_of_its_own() {
+        let known = (JUDGEMENT, COARSER, OF_FINER);
+        assert_eq!(known, ("scaled companions", 0.8, 2.05), "numbers and name change together");
+        // Third order, the least that grains show: what is left of a difference to a grid finer by 1/0.8.
+        approx::assert_relative_eq!(OF_FINER, 1.0 / (1.0 - COARSER.powi(3)), max_relative = 1e-3);
     }
 
     #[test]

@@ -77,6 +77,11 @@ pub(crate) struct Correction {
     stride: usize,
 }
 
+/// Solves that turn out to be hard treat modes up to so many times `threshold` from null: there the contrast of high indices couples
+/// them (n = 2.6: 258 applications with 5, 300 with 2, 169 with 11, which costs more in dense blocks than it saves).
+const HARD: f64 = 5.0;
+/// At most so many then.
+const MOST_HARD: usize = 1500;
 /// Dense blocks that are there at a time: columns, the matrix, and both factors.
 const BLOCKS: f64 = 4.0;
 
@@ -90,6 +95,12 @@ impl GuidedModes {
         // Profiles, images and values on planes of every mode; spectra of every plane.
         let profiles = 48.0 * modes * size.planes();
         BLOCKS * 16.0 * modes * modes + profiles + size.fields(1.0)
+    }
+
+    /// The same for solves that have turned out to be hard: there the correction pays in small cells too.
+    pub(super) fn of_hard_solves(self) -> Self {
+        let most = self.most.min(MOST_HARD);
+        Self { threshold: HARD * self.threshold, most, least_harmonics: 0, ..self }
     }
 
     /// The same with a dense block of at most `bytes`.

@@ -185,6 +185,34 @@ fn a_basis_that_is_too_short_grows_within_its_leave() {
     assert!(largest(&roomy.field, &whole.field) < 1e-3);
 }
 
+/// Balls of a high index in a clear binder: what a first cycle leaves is solved with more guided modes and a longer basis.
+/// *Planted*: no pains taken.
+#[test]
+fn a_hard_solve_takes_pains() {
+    let centres = [[0.2, 0.2, 0.2], [0.6, 0.3, 0.45], [0.3, 0.6, 0.7], [0.65, 0.65, 0.2], [0.1, 0.45, 0.45]];
+    let ball = |center_um| Body::new(Shape::Balls(vec![Ball { center_um, radius_um: 0.125 }]), 0);
+    let scene = Scene::layer([0.8, 0.8], 0.9, centres.map(ball).to_vec());
+    let one = Complex64::ONE;
+    let (backgrounds, inclusions) = (vec![1.5.into()], vec![2.6.into()]);
+    let media = Media { incident: one, exit: one, backgrounds, inclusions };
+    let incidence = Incidence { wavelength_um: 0.45, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+    let resolution = Resolution { nx: 24, ny: 24, cells: 14, scheme: Scheme::Cubic };
+    let problem = Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default());
+    let (problem, goal) = (problem.expect("a valid problem"), Goal { tolerance: 1e-4, ..Goal::default() });
+    let (near, hard) = (GuidedModes::default(), GuidedModes::default().of_hard_solves());
+    assert!(near.correction(&problem).is_none() && hard.correction(&problem).is_some());
+    let short = Gmres { restart: 60, ..Gmres::default() };
+    let off = GuidedModes { threshold: 0.0, ..near };
+    let restarted = Gmres { guided_modes: off, ..short }.solve(&problem, goal, &mut Silent);
+    assert!(restarted.is_err(), "restarts alone do not get there in 2000 applications");
+    // One cycle of 60 and one of some 200; two of 60 and one of 200 are beyond.
+    let few = Goal { max_applications: 300, ..goal };
+    let pains = Gmres { longest: 240, ..short }.solve(&problem, few, &mut Silent).expect("converges");
+    let whole = Gmres { guided_modes: off, restart: 600, longest: 0 }.solve(&problem, goal, &mut Silent);
+    // Both residuals are at most 1e-4; resonances amplify them.
+    assert!(largest(&whole.expect("converges").field, &pains.field) < 0.05);
+}
+
 #[test]
 fn born_agrees_where_it_converges_and_says_so_where_it_does_not() {
     let goal = Goal { tolerance: 1e-12, ..Goal::default() };
