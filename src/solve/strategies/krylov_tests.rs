@@ -186,7 +186,7 @@ fn a_basis_that_is_too_short_grows_within_its_leave() {
 }
 
 /// Balls of a high index in a clear binder: what a first cycle leaves is solved with more guided modes and a longer basis.
-/// *Planted*: no pains taken.
+/// *Planted*: small cells without their guided modes.
 #[test]
 fn a_hard_solve_takes_pains() {
     let centres = [[0.2, 0.2, 0.2], [0.6, 0.3, 0.45], [0.3, 0.6, 0.7], [0.65, 0.65, 0.2], [0.1, 0.45, 0.45]];
