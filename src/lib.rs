@@ -35,7 +35,7 @@
 //!
 //! # The folders
 //!
-//! They follow the path of the light, and dependencies run one way only (`tests/house.rs` holds them to it, and sees that no
+//! They follow the path of the light, and dependencies run one way only (`tests/suite/house.rs` holds them to it, and sees that no
 //! files form a circle; a file and the folder of its name count as one room, within which uses may go both ways):
 //! `numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate ← draw ← report ← compare, sweep ← export, schema`.
 //! [`architecture`] draws the data flow with the shapes of all arrays.
@@ -90,19 +90,12 @@
 #[doc = include_str!("architecture.md")]
 pub mod architecture {}
 
-pub mod appearance;
 pub mod compare;
 pub mod draw;
-pub mod evaluate;
 pub mod export;
-pub mod ink;
-pub mod input;
-pub mod material;
-pub mod numerics;
 pub mod report;
-pub mod run;
 pub mod schema;
-pub mod solve;
-pub mod store;
 pub mod sweep;
-pub mod wave;
+
+pub use inkwave_physics::{appearance, ink, material, numerics, solve, wave};
+pub use inkwave_study::{evaluate, input, run, store};

@@ -31,6 +31,7 @@ enum Command {
 }
 
 fn main() -> miette::Result<()> {
+    inkwave::store::set_build(env!("INKWAVE_BUILD"));
     match Cli::parse().command {
         Command::Run(args) => commands::run::run(&args),
         Command::Pack(args) => commands::pack::run(&args),

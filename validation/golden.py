@@ -5,7 +5,7 @@
     python3 validation/golden.py [NAME …]             # the numbers that follow from them; all studies unless told
 
 Standard library alone, and nothing of the program: own interference matrices, own quadratures, own least squares, own
-colour. `tests/golden.rs` hands the same solves to the program and compares value by value. Formulas: P1 section 5, CIE 15,
+colour. `tests/suite/golden.rs` hands the same solves to the program and compares value by value. Formulas: P1 section 5, CIE 15,
 IEC 61966-2-1, Sharma, Wu and Dalal 2005 (CIEDE2000), Efron and Stein 1981 (jackknife), Eilers and Marx 1996 (splines).
 """
 

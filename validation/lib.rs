@@ -8,6 +8,7 @@ pub mod cells;
 pub mod claim;
 pub mod claims;
 pub mod ensemble;
+pub mod fixtures;
 pub mod formulas;
 pub mod referee;
 pub mod studies;

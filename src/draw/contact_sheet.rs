@@ -1,7 +1,7 @@
 //! Many pictures of inks in rows and columns with captions.
 
 use super::figure::{Anchor, Bitmap, FigureError};
-use super::picture::{LABEL_PX, PictureStyle, TITLE_PX};
+use super::picture::{LABEL_PX, Painter, PictureStyle, TITLE_PX};
 use crate::appearance::picture::InkPicture;
 
 /// Many pictures in rows and columns with captions.
@@ -47,7 +47,7 @@ impl ContactSheet {
             for (c, picture) in row.iter().enumerate() {
                 let at = [left + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
-                    Some(picture) => picture.paint(&mut bitmap, at, style),
+                    Some(picture) => Painter(picture).paint(&mut bitmap, at, style),
                     None => blank(&mut bitmap, at, cell, self.reason(r, c))?,
                 }
             }
@@ -76,7 +76,7 @@ impl ContactSheet {
         if let Some(row) = self.pictures.iter().find(|r| r.len() != self.columns.len()) {
             return wrong("a row of pictures", row.len(), self.columns.len());
         }
-        self.pictures.iter().flatten().flatten().try_for_each(InkPicture::check)
+        self.pictures.iter().flatten().flatten().try_for_each(|p| Painter(p).check())
     }
 
     fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), FigureError> {

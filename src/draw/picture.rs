@@ -28,12 +28,19 @@ pub(super) const LABEL_PX: u32 = 15;
 pub(super) const TITLE_PX: u32 = 18;
 const TICKS_DEG: f64 = 20.0;
 
-impl InkPicture {
-    /// The picture as a bitmap; with labels, `title` stands above it.
-    ///
-    /// # Errors
-    /// No angles, strip and square of other sizes than the angles, sides of 0 or more than 20 000 pixels.
-    pub fn render(&self, style: &PictureStyle, title: &str) -> Result<Bitmap, FigureError> {
+/// The picture as a bitmap; with labels, `title` stands above it.
+///
+/// # Errors
+/// No angles, strip and square of other sizes than the angles, sides of 0 or more than 20 000 pixels.
+pub fn render(picture: &InkPicture, style: &PictureStyle, title: &str) -> Result<Bitmap, FigureError> {
+    Painter(picture).render(style, title)
+}
+
+/// Draws one picture.
+pub(super) struct Painter<'a>(pub(super) &'a InkPicture);
+
+impl Painter<'_> {
+    fn render(&self, style: &PictureStyle, title: &str) -> Result<Bitmap, FigureError> {
         self.check()?;
         let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
         let width = left + style.strip_px + style.gap_px + style.side_px + right;
@@ -46,14 +53,14 @@ impl InkPicture {
     }
 
     pub(super) fn check(&self) -> Result<(), FigureError> {
-        let expected = self.angles_deg.len();
+        let expected = self.0.angles_deg.len();
         if expected == 0 {
             return Err(FigureError::Empty { field: "angles_deg" });
         }
         let counts = [
-            ("strip", self.strip.len()),
-            ("square rows", self.square.nrows()),
-            ("square columns", self.square.ncols()),
+            ("strip", self.0.strip.len()),
+            ("square rows", self.0.square.nrows()),
+            ("square columns", self.0.square.ncols()),
         ];
         match counts.into_iter().find(|(_, count)| *count != expected) {
             Some((field, count)) => Err(FigureError::Count { field, count, expected }),
@@ -62,13 +69,13 @@ impl InkPicture {
     }
 
     pub(super) fn paint(&self, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) {
-        let edge = |k: usize| k * style.side_px / self.angles_deg.len();
+        let edge = |k: usize| k * style.side_px / self.0.angles_deg.len();
         let extent = |k: usize| edge(k + 1) - edge(k);
-        for (row, colour) in self.strip.iter().enumerate() {
+        for (row, colour) in self.0.strip.iter().enumerate() {
             bitmap.fill([x, y + edge(row)], [style.strip_px, extent(row)], colour.srgb8);
         }
         let x = x + style.strip_px + style.gap_px;
-        for ((row, column), colour) in self.square.indexed_iter() {
+        for ((row, column), colour) in self.0.square.indexed_iter() {
             bitmap.fill([x + edge(column), y + edge(row)], [extent(column), extent(row)], colour.srgb8);
         }
     }
@@ -111,9 +118,9 @@ impl InkPicture {
 
     /// Every 20° inside the range of angles: label and offset of the cell's centre.
     fn ticks(&self, side_px: usize) -> Vec<(String, usize)> {
-        let (first, last) = (self.angles_deg[0], self.angles_deg[self.angles_deg.len() - 1]);
-        let cell = side_px as f64 / self.angles_deg.len() as f64;
-        let reach = (self.angles_deg.len() - 1) as f64 * cell;
+        let (first, last) = (self.0.angles_deg[0], self.0.angles_deg[self.0.angles_deg.len() - 1]);
+        let cell = side_px as f64 / self.0.angles_deg.len() as f64;
+        let reach = (self.0.angles_deg.len() - 1) as f64 * cell;
         let offset = |deg: f64| {
             let share = if last > first { (deg - first) / (last - first) } else { 0.0 };
             (cell / 2.0 + share * reach) as usize

@@ -2,7 +2,7 @@ use super::*;
 use crate::appearance::colour::Colorimeter;
 use crate::appearance::paper::{Coupling, MirroredSky};
 use crate::draw::contact_sheet::{ContactSheet, SHEET_LEFT, SHEET_TOP};
-use crate::evaluate::ink::tests::molecular_ink;
+use inkwave_validation::fixtures::molecular_ink;
 use ndarray::Array2;
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ fn uniform(value: f64) -> InkPicture {
 
 #[test]
 fn a_white_lambertian_is_255_everywhere() {
-    let bitmap = uniform(1.0).render(&PictureStyle::default(), "").unwrap();
+    let bitmap = render(&uniform(1.0), &PictureStyle::default(), "").unwrap();
     let all = (0..bitmap.width()).flat_map(|x| (0..bitmap.height()).map(move |y| (x, y)));
     assert!(all.into_iter().all(|(x, y)| bitmap.pixel(x, y) == Some([255; 3])));
 }
@@ -34,7 +34,7 @@ fn strip_and_square_are_where_figure_6_has_them() {
     let ink = molecular_ink("yellow", 0.3, Coupling::Gap);
     let picture = ink.picture(&angles(61), MirroredSky::Included).unwrap();
     let style = PictureStyle::default();
-    let bitmap = picture.render(&style, "").unwrap();
+    let bitmap = render(&picture, &style, "").unwrap();
     assert_eq!((bitmap.width(), bitmap.height()), (90 + 12 + 366, 366));
     assert_eq!(bitmap.pixel(0, 0), Some(picture.strip[0].srgb8));
     assert_eq!(bitmap.pixel(89, 365), Some(picture.strip[60].srgb8));
@@ -45,15 +45,14 @@ fn strip_and_square_are_where_figure_6_has_them() {
     assert!(r > 180 && g > 160 && b < 130, "yellow: {r} {g} {b}");
     keep(&bitmap, "yellow.png");
     let labelled =
-        picture.render(&PictureStyle { labels: true, ..style }, "yellow (synthetic), 30 %, molecular");
+        render(&picture, &PictureStyle { labels: true, ..style }, "yellow (synthetic), 30 %, molecular");
     keep(&labelled.unwrap(), "yellow-labelled.png");
 }
 
 #[test]
 fn a_written_png_has_its_colours_srgb_chunk_and_provenance() {
     let file = tempfile::NamedTempFile::new().unwrap();
-    uniform(0.5)
-        .render(&PictureStyle::default(), "")
+    render(&uniform(0.5), &PictureStyle::default(), "")
         .unwrap()
         .write_png(file.path(), &[("Study", "λ, µm")])
         .unwrap();
@@ -100,16 +99,16 @@ fn a_contact_sheet_shows_what_is_there_and_marks_what_is_not() {
 fn impossible_pictures_are_refused() {
     let style = PictureStyle::default();
     let short = InkPicture { strip: Vec::new(), ..uniform(0.5) };
-    assert!(short.render(&style, "").unwrap_err().to_string().contains("strip: 0 entries"));
+    assert!(render(&short, &style, "").unwrap_err().to_string().contains("strip: 0 entries"));
     let empty = InkPicture {
         angles_deg: vec![],
         strip: vec![],
         square: Array2::from_elem((0, 0), uniform(0.1).strip[0]),
     };
-    assert!(empty.render(&style, "").is_err());
+    assert!(render(&empty, &style, "").is_err());
     let huge = PictureStyle { side_px: 30_000, ..style };
-    assert!(uniform(0.5).render(&huge, "").unwrap_err().to_string().contains("30102"));
-    let bitmap = uniform(0.5).render(&style, "").unwrap();
+    assert!(render(&uniform(0.5), &huge, "").unwrap_err().to_string().contains("30102"));
+    let bitmap = render(&uniform(0.5), &style, "").unwrap();
     assert!(
         bitmap.write_png("/no/such/folder/x.png", &[]).unwrap_err().to_string().contains("/no/such/folder")
     );

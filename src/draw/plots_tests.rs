@@ -1,6 +1,6 @@
 use super::*;
 use crate::appearance::paper::{Coupling, MirroredSky};
-use crate::evaluate::ink::tests::molecular_ink;
+use inkwave_validation::fixtures::molecular_ink;
 use std::path::PathBuf;
 
 fn keep(plot: impl Fn(&Path) -> Result<(), FigureError>, name: &str) {

@@ -5,7 +5,7 @@ use super::tables;
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::{Bitmap, FigureError};
-use crate::draw::picture::PictureStyle;
+use crate::draw::picture::{PictureStyle, render};
 use crate::evaluate::ink::InkError;
 use crate::evaluate::manifest::{Manifest, Status};
 use crate::evaluate::seen::{Seen, see};
@@ -137,7 +137,7 @@ fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError
 }
 
 fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> Result<Vec<u8>, PublishError> {
-    let bitmap: Bitmap = picture.render(style, "")?;
+    let bitmap: Bitmap = render(picture, style, "")?;
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("picture.png");
     let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());

@@ -155,7 +155,7 @@ fn finish(table: csv::Writer<Vec<u8>>) -> csv::Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::record::tests::two_orders;
+    use inkwave_validation::fixtures::two_orders;
 
     #[test]
     fn tables_are_rectangular_and_unknown_errors_are_empty() {

@@ -1,0 +1,297 @@
+//! BRDF and BTDF: ensemble averages of far fields of several realisations at one incidence, with standard errors.
+//!
+//! Orders sit on a uniform lattice in direction cosines (α, β) = (kx, ky)/k0, cell area λ²/(Lx Ly); since
+//! cos θ dω = dα dβ, the estimate at an order is f = ⟨e⟩ Lx Ly/λ² per steradian, with no cosine and no bin area
+//! (vacuum on that side; in a medium of index n, dα dβ = n² cos θ dω). One order of one realisation is speckle with a
+//! relative deviation of 1; smoothing and averaging tame it.
+
+pub use super::bdf_orders::{Lobe, OrderMean, Totals};
+use super::bdf_orders::{View, order_mean, totals, view};
+use crate::numerics::estimate::Estimate;
+use crate::wave::{FarField, Incidence, Order};
+use ndarray::Array2;
+use num_complex::Complex64;
+use thiserror::Error;
+
+/// Why far fields do not make a distribution function, or none at a direction.
+#[derive(Debug, Error, PartialEq)]
+pub enum BdfError {
+    /// No far fields were given.
+    #[error("no far fields: a BDF needs at least one realisation")]
+    Empty,
+    /// Far fields that do not belong together.
+    #[error(
+        "far field {index} differs from the first in {field}; average realisations of one incidence and period"
+    )]
+    Mixed {
+        /// Place of the far field in the list.
+        index: usize,
+        /// What differs.
+        field: &'static str,
+    },
+    /// An amplitude that is no number.
+    #[error("far field {index}, order ({m}, {n}): not finite; check the solve behind it")]
+    NotFinite {
+        /// Place of the far field in the list.
+        index: usize,
+        /// Order along x.
+        m: i32,
+        /// Order along y.
+        n: i32,
+    },
+    /// A bandwidth that is not positive.
+    #[error(
+        "smoothing bandwidth = {value} (direction cosines): must be greater than 0 and finite, at least {spacing:.4} to reach a neighbour"
+    )]
+    Bandwidth {
+        /// The bandwidth, direction cosines.
+        value: f64,
+        /// Distance of neighbouring orders, direction cosines.
+        spacing: f64,
+    },
+    /// No order near the direction asked for.
+    #[error(
+        "direction cosines ({alpha}, {beta}) are outside the unit circle, or no order lies within the bandwidth {bandwidth}"
+    )]
+    NothingThere {
+        /// kx/k0.
+        alpha: f64,
+        /// ky/k0.
+        beta: f64,
+        /// The bandwidth, direction cosines.
+        bandwidth: f64,
+    },
+    /// The table could not be written; the message says why.
+    #[error("cannot write the table: {0}")]
+    Write(String),
+}
+
+/// A smoothed BDF value, 1/sr; `effective_orders` = (ΣK)²/ΣK² says how many orders of one realisation it averages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smoothed {
+    /// The distribution function, 1/sr.
+    pub bdf: Estimate,
+    /// Number of equally weighted orders that would scatter as little.
+    pub effective_orders: f64,
+}
+
+/// One side: the orders that propagate there, and every realisation's efficiencies \[realisation, order\].
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LobeData {
+    pub(super) orders: Vec<OrderMean>,
+    pub(super) efficiencies: Array2<f64>,
+    pub(super) totals: Totals,
+}
+
+/// The ensemble's BDF at one incidence.
+///
+/// ```
+/// use inkwave_physics::appearance::bdf::{Bdf, Lobe};
+/// use inkwave_physics::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave_physics::wave::{
+///     Ball, Body, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side,
+/// };
+///
+/// // Two "realisations": one ball at two depths.
+/// let solved = |depth_um: f64| -> Result<FarField, Box<dyn std::error::Error>> {
+///     let ball = Ball { center_um: [0.3, 0.3, depth_um], radius_um: 0.12 };
+///     let scene = Scene::layer([0.7, 0.7], 0.4, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+///     let media = Media {
+///         incident: 1.0.into(),
+///         exit: 1.0.into(),
+///         backgrounds: vec![1.558.into()],
+///         inclusions: vec![1.4.into()],
+///     };
+///     let light = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+///     let grid = Resolution { nx: 12, ny: 12, cells: 4, scheme: Scheme::Cubic };
+///     let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+///     Ok(problem.far_field(&Gmres::default().solve(&problem, Goal::default(), &mut Silent)?.field))
+/// };
+/// let bdf = Bdf::from_ensemble(&[solved(0.15)?, solved(0.25)?])?;
+/// let totals = bdf.totals(Lobe::Transmitted);
+/// assert_eq!(bdf.realisations(), 2);
+/// assert!((totals.total.value - totals.specular.value - totals.diffuse.value).abs() < 1e-12);
+/// assert!(totals.total.standard_error.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bdf {
+    pub(super) incidence: Incidence,
+    pub(super) period_um: [f64; 2],
+    pub(super) realisations: usize,
+    pub(super) reflected: LobeData,
+    pub(super) transmitted: LobeData,
+}
+
+/// A bandwidth (direction cosines) that always reaches the eight neighbours of an order: 1.5 of the lattice spacing.
+pub fn suggested_bandwidth(wavelength_um: f64, period_um: [f64; 2]) -> f64 {
+    1.5 * wavelength_um / period_um[0].min(period_um[1])
+}
+
+impl Bdf {
+    /// Averages far fields of independent realisations.
+    ///
+    /// # Errors
+    /// No far fields; far fields of different incidence, period or orders; values that are not finite.
+    pub fn from_ensemble(fields: &[FarField]) -> Result<Self, BdfError> {
+        let first = fields.first().ok_or(BdfError::Empty)?;
+        for (index, field) in fields.iter().enumerate() {
+            check(index, first, field)?;
+        }
+        let density = first.period_um[0] * first.period_um[1] / first.incidence.wavelength_um.powi(2);
+        Ok(Self {
+            incidence: first.incidence,
+            period_um: first.period_um,
+            realisations: fields.len(),
+            reflected: LobeData::new(fields, density, Lobe::Reflected),
+            transmitted: LobeData::new(fields, density, Lobe::Transmitted),
+        })
+    }
+
+    /// Wavelength, direction and side of the light.
+    pub fn incidence(&self) -> Incidence {
+        self.incidence
+    }
+
+    /// Lateral periods, µm.
+    pub fn period_um(&self) -> [f64; 2] {
+        self.period_um
+    }
+
+    /// Number of far fields averaged.
+    pub fn realisations(&self) -> usize {
+        self.realisations
+    }
+
+    /// The orders that propagate on that side.
+    pub fn orders(&self, lobe: Lobe) -> &[OrderMean] {
+        &self.lobe(lobe).orders
+    }
+
+    /// Whether any order but the specular one propagates: a cell narrower than the wavelength has none.
+    pub fn scatters(&self, lobe: Lobe) -> bool {
+        self.orders(lobe).iter().any(|o| (o.m, o.n) != (0, 0))
+    }
+
+    /// Totals of one side.
+    pub fn totals(&self, lobe: Lobe) -> Totals {
+        self.lobe(lobe).totals
+    }
+
+    /// Distance of neighbouring orders in direction cosines: [λ/Lx, λ/Ly].
+    pub fn spacing(&self) -> [f64; 2] {
+        self.period_um.map(|l| self.incidence.wavelength_um / l)
+    }
+
+    /// Diffuse BDF at direction cosines (α, β), smoothed with the kernel K = 1 − (d/bandwidth)² over the orders within
+    /// `bandwidth` (direction cosines). The specular order is left out: its neighbours fill the gap.
+    ///
+    /// # Errors
+    /// Bandwidth not positive; directions outside the unit circle; no order within the bandwidth.
+    pub fn at(&self, lobe: Lobe, direction: [f64; 2], bandwidth: f64) -> Result<Smoothed, BdfError> {
+        let [alpha, beta] = direction;
+        self.smooth(lobe, direction, bandwidth, |[a, b]| (a - alpha).hypot(b - beta))
+    }
+
+    /// Diffuse BDF averaged over azimuth at a polar angle (vacuum), smoothed in sin θ with the same kernel.
+    ///
+    /// # Errors
+    /// As [`Bdf::at`].
+    pub fn azimuthal_mean(&self, lobe: Lobe, polar_deg: f64, bandwidth: f64) -> Result<Smoothed, BdfError> {
+        let sin = polar_deg.to_radians().sin();
+        self.smooth(lobe, [sin, 0.0], bandwidth, |[a, b]| a.hypot(b) - sin)
+    }
+
+    fn lobe(&self, lobe: Lobe) -> &LobeData {
+        match lobe {
+            Lobe::Reflected => &self.reflected,
+            Lobe::Transmitted => &self.transmitted,
+        }
+    }
+
+    fn smooth(
+        &self,
+        lobe: Lobe,
+        at: [f64; 2],
+        bandwidth: f64,
+        distance: impl Fn([f64; 2]) -> f64,
+    ) -> Result<Smoothed, BdfError> {
+        let (values, effective_orders) = self.kernel_means(lobe, at, bandwidth, distance)?;
+        Ok(Smoothed { bdf: Estimate::of_mean(&values), effective_orders })
+    }
+
+    /// Kernel-weighted BDF of every realisation, and the effective number of orders.
+    fn kernel_means(
+        &self,
+        lobe: Lobe,
+        at: [f64; 2],
+        bandwidth: f64,
+        distance: impl Fn([f64; 2]) -> f64,
+    ) -> Result<(Vec<f64>, f64), BdfError> {
+        let [dx, dy] = self.spacing();
+        if !(bandwidth.is_finite() && bandwidth > 0.0) {
+            return Err(BdfError::Bandwidth { value: bandwidth, spacing: dx.max(dy) });
+        }
+        let data = self.lobe(lobe);
+        let kernel = |o: &OrderMean| {
+            let specular = o.m == 0 && o.n == 0;
+            if specular { 0.0 } else { (1.0 - (distance(o.direction) / bandwidth).powi(2)).max(0.0) }
+        };
+        let weights: Vec<f64> = data.orders.iter().map(kernel).collect();
+        let (sum, squares) = weights.iter().fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
+        if !(at[0].hypot(at[1]) < 1.0 && sum > 0.0) {
+            return Err(BdfError::NothingThere { alpha: at[0], beta: at[1], bandwidth });
+        }
+        let mean = |row: ndarray::ArrayView1<f64>| {
+            row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>() / sum / (dx * dy)
+        };
+        Ok((data.efficiencies.outer_iter().map(mean).collect(), sum * sum / squares))
+    }
+}
+
+impl LobeData {
+    fn new(fields: &[FarField], density: f64, lobe: Lobe) -> Self {
+        let kept: Vec<usize> =
+            (0..fields[0].orders.len()).filter(|&k| view(&fields[0].orders[k], lobe).propagates).collect();
+        let at = |r: usize, k: usize| view(&fields[r].orders[kept[k]], lobe);
+        let efficiencies = Array2::from_shape_fn((fields.len(), kept.len()), |(r, k)| at(r, k).efficiency);
+        let column = |k: usize| -> Vec<View> { (0..fields.len()).map(|r| at(r, k)).collect() };
+        let orders: Vec<OrderMean> = kept
+            .iter()
+            .enumerate()
+            .map(|(k, &i)| order_mean(&fields[0].orders[i], &column(k), density))
+            .collect();
+        let specular = orders.iter().position(|o| o.m == 0 && o.n == 0);
+        let totals = totals(&efficiencies, specular, &specular.map(column).unwrap_or_default());
+        Self { orders, efficiencies, totals }
+    }
+}
+
+fn check(index: usize, first: &FarField, field: &FarField) -> Result<(), BdfError> {
+    let mixed = |field| Err(BdfError::Mixed { index, field });
+    if field.incidence != first.incidence {
+        return mixed("incidence");
+    }
+    if field.period_um != first.period_um {
+        return mixed("period_um");
+    }
+    let same = |(a, b): (&Order, &Order)| {
+        let propagation = |o: &Order| (o.reflected_propagates, o.transmitted_propagates);
+        (a.m, a.n) == (b.m, b.n) && propagation(a) == propagation(b)
+    };
+    if field.orders.len() != first.orders.len() || !field.orders.iter().zip(&first.orders).all(same) {
+        return mixed("orders");
+    }
+    let finite = |o: &&Order| {
+        let amplitudes = o.amplitudes().flatten().all(Complex64::is_finite);
+        amplitudes && o.reflected_efficiency.is_finite() && o.transmitted_efficiency.is_finite()
+    };
+    match field.orders.iter().find(|o| !finite(o)) {
+        Some(o) => Err(BdfError::NotFinite { index, m: o.m, n: o.n }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+#[path = "bdf_tests.rs"]
+pub mod tests;

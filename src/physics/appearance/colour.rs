@@ -1,0 +1,250 @@
+//! Colour of a spectrum: XYZ, CIE Lab, sRGB, and colour differences with their uncertainty.
+
+pub use super::tristimulus::{Colorimeter, ColourError};
+use crate::numerics::estimate::{Estimate, jackknife_covariance};
+use colorimetry::lab::CieLab;
+use colorimetry::observer::Observer;
+use colorimetry::xyz::{RelXYZ, XYZ};
+use serde::Serialize;
+
+/// Slack of the gamut test: rounding of the division by white.
+const GAMUT_SLACK: f64 = 1e-9;
+
+/// A colour under D65 for the CIE 1931 2° observer.
+///
+/// `lab` refers to the grid's own perfect white. `linear_rgb` is divided per channel by that of white and not
+/// clipped; `srgb` and `srgb8` are clipped to 0–1 before the transfer curve (IEC 61966-2-1), and `out_of_gamut`
+/// tells when that changed the colour. `lab_covariance` is `None` when one realisation leaves it unknown.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Colour {
+    /// X, Y, Z; a perfect white has Y = 100.
+    pub xyz: [f64; 3],
+    /// X, Y, Z of the perfect white on the same wavelengths.
+    pub white_xyz: [f64; 3],
+    /// CIE 1976 L*, a*, b*.
+    pub lab: [f64; 3],
+    /// Linear red, green, blue; 1 for white.
+    pub linear_rgb: [f64; 3],
+    /// The same, clipped and through the transfer curve, 0 to 1.
+    pub srgb: [f64; 3],
+    /// The same in steps of 1/255.
+    pub srgb8: [u8; 3],
+    /// Whether clipping changed the colour.
+    pub out_of_gamut: bool,
+    /// Covariance of L*, a*, b*.
+    pub lab_covariance: Option<[[f64; 3]; 3]>,
+}
+
+impl Colorimeter {
+    /// Colour of a spectrum of reflectance factors (perfect white = 1), uncertainty unknown.
+    ///
+    /// ```
+    /// use inkwave_physics::appearance::tristimulus::Colorimeter;
+    /// let wavelengths_nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
+    /// let white = Colorimeter::new(&wavelengths_nm)?.colour(&[1.0; 31])?;
+    /// assert_eq!(white.srgb8, [255, 255, 255]);
+    /// # Ok::<(), inkwave_physics::appearance::tristimulus::ColourError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Wrong length, or a value that is not finite.
+    pub fn colour(&self, values: &[f64]) -> Result<Colour, ColourError> {
+        Ok(self.colour_of(self.xyz(values)?))
+    }
+
+    /// Colour of tristimulus values on this grid's scale (white has Y = 100), uncertainty unknown.
+    pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
+        let white_xyz = self.white_xyz();
+        let linear_rgb = self.linear_rgb(xyz);
+        let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
+        Colour {
+            xyz,
+            white_xyz,
+            lab: lab_of(xyz, white_xyz),
+            linear_rgb,
+            srgb,
+            srgb8: srgb.map(|c| (255.0 * c).round() as u8),
+            out_of_gamut: linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c)),
+            lab_covariance: None,
+        }
+    }
+
+    /// Colour of the ensemble's spectrum with the jackknife covariance of Lab: `replicates` are the same
+    /// spectrum computed with one realisation left out at a time (n of them; fewer than two leave it unknown).
+    ///
+    /// # Errors
+    /// As [`Colorimeter::colour`].
+    pub fn colour_with_error(&self, values: &[f64], replicates: &[Vec<f64>]) -> Result<Colour, ColourError> {
+        let labs = replicates.iter().map(|r| Ok(self.colour(r)?.lab)).collect::<Result<Vec<_>, _>>()?;
+        Ok(Colour { lab_covariance: jackknife_covariance(&labs), ..self.colour(values)? })
+    }
+}
+
+impl Colour {
+    /// C* = √(a*² + b*²), standard error to first order.
+    pub fn chroma(&self) -> Estimate {
+        let [_, a, b] = self.lab;
+        let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, self.chroma_gradient()).sqrt());
+        Estimate { value: a.hypot(b), standard_error }
+    }
+
+    /// Hue angle, degrees in 0–360, standard error to first order (unknown for a neutral colour, where the
+    /// angle has no meaning and 0 is returned).
+    pub fn hue_deg(&self) -> Estimate {
+        let [_, a, b] = self.lab;
+        if a * a + b * b < NEUTRAL {
+            return Estimate::unknown_error(0.0);
+        }
+        let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, self.hue_gradient()).sqrt());
+        Estimate { value: b.atan2(a).to_degrees().rem_euclid(360.0), standard_error }
+    }
+
+    /// Derivative of the hue angle by L*, a*, b*, degrees; zero for a neutral colour.
+    pub fn hue_gradient(&self) -> [f64; 3] {
+        let [_, a, b] = self.lab;
+        let square = a * a + b * b;
+        if square < NEUTRAL { [0.0; 3] } else { [0.0, -b / square, a / square].map(f64::to_degrees) }
+    }
+
+    /// Derivative of C* by L*, a*, b*.
+    pub fn chroma_gradient(&self) -> [f64; 3] {
+        gradient(&|[_, a, b]| a.hypot(b), self.lab)
+    }
+
+    /// Standard errors of L*, a*, b*.
+    pub fn lab_standard_error(&self) -> Option<[f64; 3]> {
+        self.lab_covariance.map(|c| std::array::from_fn(|i| c[i][i].max(0.0).sqrt()))
+    }
+
+    /// ΔE*ab (CIE 1976) to an independent colour; see [`Colour::delta_e_2000`] for the error.
+    pub fn delta_e_76(&self, other: &Self) -> Estimate {
+        self.difference(other, &INDEPENDENT, distance)
+    }
+
+    /// ΔE₀₀ (CIEDE2000, k_L = k_C = k_H = 1) to an independent colour.
+    ///
+    /// The error is first order: √(gᵀ(C₁ + C₂)g), g the gradient along the line between the two colours. Where ΔE
+    /// is not well above it, noise alone lifts ΔE: compare with [`Colour::delta_e_noise`].
+    pub fn delta_e_2000(&self, other: &Self) -> Estimate {
+        self.delta_e_2000_among(other, &INDEPENDENT)
+    }
+
+    /// The same where Lab here and Lab there have a covariance, as in colours of the same realisations: `common[i][j]` is that of
+    /// component i here and j there.
+    pub fn delta_e_2000_among(&self, other: &Self, common: &[[f64; 3]; 3]) -> Estimate {
+        self.difference(other, common, ciede2000)
+    }
+
+    /// Root mean square of ΔE*ab that the two uncertainties alone would show: √tr(C₁ + C₂).
+    pub fn delta_e_noise(&self, other: &Self) -> Option<f64> {
+        let trace = |c: [[f64; 3]; 3]| c[0][0] + c[1][1] + c[2][2];
+        Some((trace(self.lab_covariance?) + trace(other.lab_covariance?)).sqrt())
+    }
+
+    /// Root mean square of ΔE₀₀ that this colour's uncertainty alone would show: √tr(M C), with M the local metric of ΔE₀₀.
+    pub fn delta_e_2000_noise(&self) -> Option<f64> {
+        let covariance = self.lab_covariance?;
+        let trace: f64 = (0..9).map(|k| metric(self.lab, k / 3, k % 3) * covariance[k / 3][k % 3]).sum();
+        Some(trace.max(0.0).sqrt())
+    }
+
+    /// Derivatives of ΔE₀₀ by Lab here and by Lab there.
+    pub fn delta_e_2000_gradients(&self, other: &Self) -> [[f64; 3]; 2] {
+        self.gradients(other, &ciede2000)
+    }
+
+    fn gradients(&self, other: &Self, f: &impl Fn([f64; 3], [f64; 3]) -> f64) -> [[f64; 3]; 2] {
+        [gradient(&|p| f(p, other.lab), self.lab), gradient(&|q| f(self.lab, q), other.lab)]
+    }
+
+    fn difference(
+        &self,
+        other: &Self,
+        common: &[[f64; 3]; 3],
+        f: impl Fn([f64; 3], [f64; 3]) -> f64,
+    ) -> Estimate {
+        let [here, there] = self.gradients(other, &f);
+        let shared: f64 = (0..9).map(|k| here[k / 3] * common[k / 3][k % 3] * there[k % 3]).sum();
+        let variance = |a, b| quadratic_form(&a, here) + quadratic_form(&b, there) + 2.0 * shared;
+        let covariances = self.lab_covariance.zip(other.lab_covariance);
+        let first_order = covariances.map(|(a, b)| variance(a, b).max(0.0).sqrt());
+        // equal colours have no line between them: the noise in every direction bounds the error
+        let equal = distance(self.lab, other.lab) < 2.0 * STEP;
+        let in_common = 2.0 * (common[0][0] + common[1][1] + common[2][2]);
+        let noise = || Some((self.delta_e_noise(other)?.powi(2) - in_common).max(0.0).sqrt());
+        let standard_error = if equal { noise() } else { first_order };
+        Estimate { value: f(self.lab, other.lab), standard_error }
+    }
+}
+
+/// C*² below which a colour has no hue.
+const NEUTRAL: f64 = 1e-18;
+
+/// Covariance of colours that know nothing of each other.
+const INDEPENDENT: [[f64; 3]; 3] = [[0.0; 3]; 3];
+
+/// IEC 61966-2-1 transfer curve for 0 ≤ c ≤ 1.
+pub fn srgb_curve(c: f64) -> f64 {
+    if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn lab_of(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
+    let white = XYZ::new(white, Observer::Cie1931);
+    CieLab::from_rxyz(RelXYZ::new(xyz, white)).to_array()
+}
+
+fn ciede2000(p: [f64; 3], q: [f64; 3]) -> f64 {
+    let white = Observer::Cie1931.xyz_d65();
+    // the same observer and white on both sides: the crate has no reason to refuse
+    CieLab::new(p, white).ciede2000(&CieLab::new(q, white)).unwrap_or_else(|_| distance(p, q))
+}
+
+fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
+    p.iter().zip(q).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+fn quadratic_form(c: &[[f64; 3]; 3], g: [f64; 3]) -> f64 {
+    let row = |i: usize| (0..3).map(|j| c[i][j] * g[j]).sum::<f64>();
+    (0..3).map(|i| g[i] * row(i)).sum::<f64>().max(0.0)
+}
+
+/// Step of the metric of ΔE₀₀, Lab units.
+const METRIC_STEP: f64 = 1e-2;
+
+/// Component (i, j) of the local metric of ΔE₀₀ at `lab`, by polarisation of its quadratic form.
+fn metric(lab: [f64; 3], i: usize, j: usize) -> f64 {
+    let unit = |i: usize| std::array::from_fn::<f64, 3, _>(|k| if k == i { 1.0 } else { 0.0 });
+    if i == j {
+        return quadratic_metric(lab, unit(i));
+    }
+    let pair = std::array::from_fn(|k| unit(i)[k] + unit(j)[k]);
+    (quadratic_metric(lab, pair) - quadratic_metric(lab, unit(i)) - quadratic_metric(lab, unit(j))) / 2.0
+}
+
+/// Quadratic form of the metric at `lab`: (ΔE₀₀/h)² of a displacement by h times `by`.
+fn quadratic_metric(lab: [f64; 3], by: [f64; 3]) -> f64 {
+    let moved: [f64; 3] = std::array::from_fn(|i| lab[i] + METRIC_STEP * by[i]);
+    (ciede2000(lab, moved) / METRIC_STEP).powi(2)
+}
+
+/// Step of the numerical gradients, Lab units.
+const STEP: f64 = 1e-3;
+
+/// Central differences.
+fn gradient(f: &impl Fn([f64; 3]) -> f64, at: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| derivative(f, at, i))
+}
+
+/// Central difference along component i.
+fn derivative(f: &impl Fn([f64; 3]) -> f64, at: [f64; 3], i: usize) -> f64 {
+    let shifted = |by: f64| {
+        let mut p = at;
+        p[i] += by;
+        f(p)
+    };
+    (shifted(STEP) - shifted(-STEP)) / (2.0 * STEP)
+}
+
+#[cfg(test)]
+#[path = "colour_tests.rs"]
+mod tests;

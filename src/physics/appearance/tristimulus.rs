@@ -1,0 +1,247 @@
+//! Tristimulus weights of a wavelength grid: CIE 1931 2° observer under D65.
+
+pub use super::error::ColourError;
+use super::viewing::{Summation, Viewing};
+
+/// Range of the CIE tables, nm.
+pub const TABLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
+
+/// Uniform grids up to this step are summed as they are; others are resampled to at most [`RESAMPLED_STEP_NM`].
+const LARGEST_DIRECT_STEP_NM: f64 = 10.0;
+const RESAMPLED_STEP_NM: f64 = 5.0;
+/// Lamps have lines: only the whole table knows how much light they hold.
+const LINES_STEP_NM: f64 = 1.0;
+
+/// IEC 61966-2-1: linear RGB = M · XYZ with Y = 1 for white.
+const XYZ_TO_RGB: [[f64; 3]; 3] =
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
+
+/// White must keep at least this share of every channel, or a division by it blows noise up.
+const LEAST_WHITE_CHANNEL: f64 = 0.1;
+
+/// Turns spectra on one wavelength grid into tristimulus values: XYZ = Σ_j w_j R_j, white (R = 1) has Y = 100.
+///
+/// A uniform grid with steps up to 10 nm is summed as it is (CIE 15, plain sum). Any other grid is resampled to
+/// steps of at most 5 nm between its ends by Lagrange interpolation through the four nearest points (three
+/// in the first and last interval: the rule of ASTM E2022), which keeps XYZ linear in the spectrum. Nothing is
+/// extrapolated: the sum ends where the grid ends, for white as well. Under lamps, whose spectra have lines, every grid is
+/// resampled to 1 nm: sums over F11 at every tenth nm give a white of Z = 32 instead of 66.
+///
+/// *Measured* over the 12 spectra of `validation/data/colour.json`, largest ΔE*ab against the 5 nm sum from 400 to
+/// 700 nm: 16 points (20 nm) 0.5, 12 points (27 nm) 1.6, 8 points (43 nm) 6.5; a band of σ = 12 nm is lost by
+/// such grids (1.3, 7.8, 79). Test `coarse_grids_keep_the_colour`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Colorimeter {
+    wavelengths_nm: Vec<f64>,
+    /// Factor on light times observer that makes Y of white 100, per nm.
+    scale_per_nm: f64,
+    weights: Vec<[f64; 3]>,
+    white_xyz: [f64; 3],
+    white_rgb: [f64; 3],
+    viewing: Viewing,
+    /// To D65, under another light.
+    adaptation: Option<[[f64; 3]; 3]>,
+}
+
+impl Colorimeter {
+    /// Weights for a grid, nm, increasing, uniform or not.
+    ///
+    /// # Errors
+    /// Fewer than 3 wavelengths, not increasing, outside 380–780 nm, or so narrow that white loses a channel.
+    pub fn new(wavelengths_nm: &[f64]) -> Result<Self, ColourError> {
+        Self::under(wavelengths_nm, &Viewing::default())
+    }
+
+    /// The same under any light and for any observer. White is then that of the light: `linear_rgb` shows colours as to an eye
+    /// that has adapted to it (Bradford).
+    ///
+    /// # Errors
+    /// As [`Colorimeter::new`].
+    pub fn under(wavelengths_nm: &[f64], viewing: &Viewing) -> Result<Self, ColourError> {
+        check_grid(wavelengths_nm)?;
+        let (step_nm, raw) = if viewing.summation == Summation::E308 {
+            (1.0, e308_weights(wavelengths_nm, viewing))
+        } else if viewing.has_lines() {
+            resampled_weights(wavelengths_nm, LINES_STEP_NM, viewing)
+        } else if is_direct(wavelengths_nm) {
+            let direct = wavelengths_nm.iter().map(|&nm| light_times_observer(nm, viewing));
+            (mean_step(wavelengths_nm), direct.collect())
+        } else {
+            resampled_weights(wavelengths_nm, RESAMPLED_STEP_NM, viewing)
+        };
+        let scale = 100.0 / raw.iter().map(|w| w[1]).sum::<f64>();
+        let weights: Vec<_> = raw.iter().map(|w| w.map(|x| scale * x)).collect();
+        let white_xyz = weighted_sum(&weights, &vec![1.0; weights.len()]);
+        let adaptation = (*viewing != Viewing::default()).then(|| adaptation(white_xyz));
+        let white_rgb = rgb_of(adapted(&adaptation, white_xyz));
+        check_white(wavelengths_nm, white_xyz, white_rgb)?;
+        let (wavelengths_nm, viewing) = (wavelengths_nm.to_vec(), viewing.clone());
+        Ok(Self {
+            wavelengths_nm,
+            scale_per_nm: scale / step_nm,
+            weights,
+            white_xyz,
+            white_rgb,
+            viewing,
+            adaptation,
+        })
+    }
+
+    /// The wavelengths, nm, rising.
+    pub fn wavelengths_nm(&self) -> &[f64] {
+        &self.wavelengths_nm
+    }
+
+    /// Weight of a narrow band at a wavelength, per nm: what the sum over the grid stands for as an integral.
+    pub fn weight_per_nm(&self, nm: f64) -> [f64; 3] {
+        light_times_observer(nm, &self.viewing).map(|w| self.scale_per_nm * w)
+    }
+
+    /// XYZ of the perfect white diffuser on this grid; Y = 100.
+    pub fn white_xyz(&self) -> [f64; 3] {
+        self.white_xyz
+    }
+
+    /// XYZ of a spectrum of reflectance factors (white = 1), one value per wavelength.
+    ///
+    /// # Errors
+    /// Wrong length, or a value that is not finite.
+    pub fn xyz(&self, values: &[f64]) -> Result<[f64; 3], ColourError> {
+        if values.len() != self.weights.len() {
+            return Err(ColourError::WrongLength { count: values.len(), expected: self.weights.len() });
+        }
+        match values.iter().position(|v| !v.is_finite()) {
+            Some(i) => {
+                Err(ColourError::NotFinite { wavelength_nm: self.wavelengths_nm[i], value: values[i] })
+            }
+            None => Ok(weighted_sum(&self.weights, values)),
+        }
+    }
+
+    /// Linear sRGB, divided per channel by that of white, so that white is exactly (1, 1, 1); not clipped.
+    pub fn linear_rgb(&self, xyz: [f64; 3]) -> [f64; 3] {
+        let rgb = rgb_of(adapted(&self.adaptation, xyz));
+        std::array::from_fn(|c| rgb[c] / self.white_rgb[c])
+    }
+}
+
+fn rgb_of(xyz: [f64; 3]) -> [f64; 3] {
+    XYZ_TO_RGB.map(|row| row.iter().zip(xyz).map(|(m, x)| m * x / 100.0).sum())
+}
+
+/// Cone responses of Bradford's adaptation.
+const BRADFORD: [[f64; 3]; 3] =
+    [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
+/// Its inverse.
+const BRADFORD_BACK: [[f64; 3]; 3] = [
+    [0.986_992_9, -0.147_054_3, 0.159_962_7],
+    [0.432_305_3, 0.518_360_3, 0.049_291_2],
+    [-0.008_528_7, 0.040_042_8, 0.968_486_7],
+];
+/// White of the screen's primaries: D65 for the CIE 1931 observer.
+const SCREEN_WHITE: [f64; 3] = [95.047, 100.0, 108.883];
+
+fn times(matrix: &[[f64; 3]; 3], xyz: [f64; 3]) -> [f64; 3] {
+    matrix.map(|row| row.iter().zip(xyz).map(|(m, x)| m * x).sum())
+}
+
+/// Turns colours under a light with this white into those that look the same under D65.
+fn adaptation(white: [f64; 3]) -> [[f64; 3]; 3] {
+    let (here, there) = (times(&BRADFORD, white), times(&BRADFORD, SCREEN_WHITE));
+    let scaled: [[f64; 3]; 3] = std::array::from_fn(|i| BRADFORD[i].map(|m| m * there[i] / here[i]));
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| BRADFORD_BACK[i][k] * scaled[k][j]).sum()))
+}
+
+fn adapted(matrix: &Option<[[f64; 3]; 3]>, xyz: [f64; 3]) -> [f64; 3] {
+    matrix.as_ref().map_or(xyz, |m| times(m, xyz))
+}
+
+fn weighted_sum(weights: &[[f64; 3]], values: &[f64]) -> [f64; 3] {
+    std::array::from_fn(|c| weights.iter().zip(values).map(|(w, v)| w[c] * v).sum())
+}
+
+fn check_grid(grid: &[f64]) -> Result<(), ColourError> {
+    if grid.len() < 3 {
+        return Err(ColourError::TooFewWavelengths { count: grid.len() });
+    }
+    let [lo, hi] = TABLE_RANGE_NM;
+    let bad = |i: usize| !(lo..=hi).contains(&grid[i]) || (i > 0 && grid[i] <= grid[i - 1]);
+    match (0..grid.len()).find(|&i| bad(i)) {
+        Some(index) => Err(ColourError::BadWavelength { index, value: grid[index], lo, hi }),
+        None => Ok(()),
+    }
+}
+
+fn check_white(grid: &[f64], xyz: [f64; 3], rgb: [f64; 3]) -> Result<(), ColourError> {
+    let least = LEAST_WHITE_CHANNEL;
+    let shares =
+        [("red", rgb[0]), ("green", rgb[1]), ("blue", rgb[2]), ("X", xyz[0] / 100.0), ("Z", xyz[2] / 100.0)];
+    match shares.into_iter().find(|(_, share)| share.is_nan() || *share < least) {
+        Some((name, channel)) => {
+            let (first, last) = (grid[0], grid[grid.len() - 1]);
+            Err(ColourError::WhiteNotCovered { first, last, name, channel, least })
+        }
+        None => Ok(()),
+    }
+}
+
+fn mean_step(grid: &[f64]) -> f64 {
+    (grid[grid.len() - 1] - grid[0]) / (grid.len() - 1) as f64
+}
+
+/// Uniform with a step of at most 10 nm (to a rounding of the user's numbers).
+fn is_direct(grid: &[f64]) -> bool {
+    let step = mean_step(grid);
+    let uniform = grid.windows(2).all(|w| (w[1] - w[0] - step).abs() < 1e-6 * step);
+    uniform && step <= LARGEST_DIRECT_STEP_NM * (1.0 + 1e-9)
+}
+
+/// S(λ) (x̄, ȳ, z̄)(λ), linear between the 1 nm rows of the tables.
+fn light_times_observer(nm: f64, viewing: &Viewing) -> [f64; 3] {
+    let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
+    let below = (nm.floor() as usize).clamp(lo, hi - 1);
+    let t = nm - below as f64;
+    let (a, b) = (viewing.row(below), viewing.row(below + 1));
+    std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
+}
+
+/// The step taken, at most `most_nm`, and the weights of the sum over it.
+fn resampled_weights(grid: &[f64], most_nm: f64, viewing: &Viewing) -> (f64, Vec<[f64; 3]>) {
+    let (first, last) = (grid[0], grid[grid.len() - 1]);
+    let intervals = ((last - first) / most_nm - 1e-9).ceil().max(1.0);
+    let mut weights = vec![[0.0; 3]; grid.len()];
+    for k in 0..=intervals as usize {
+        let nm = first + (last - first) * k as f64 / intervals;
+        let row = light_times_observer(nm, viewing);
+        for (j, share) in lagrange_shares(grid, nm) {
+            (0..3).for_each(|c| weights[j][c] += share * row[c]);
+        }
+    }
+    ((last - first) / intervals, weights)
+}
+
+/// ASTM E308: every nanometre of the tables is shared among the grid by ASTM E2022's rule; what lies beyond the grid counts
+/// to its ends.
+fn e308_weights(grid: &[f64], viewing: &Viewing) -> Vec<[f64; 3]> {
+    let (first, last) = (grid[0], grid[grid.len() - 1]);
+    let mut weights = vec![[0.0; 3]; grid.len()];
+    let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
+    for nm in lo..=hi {
+        let row = viewing.row(nm);
+        for (j, share) in lagrange_shares(grid, (nm as f64).clamp(first, last)) {
+            (0..3).for_each(|c| weights[j][c] += share * row[c]);
+        }
+    }
+    weights
+}
+
+/// (index, weight) of the local Lagrange interpolation through up to four neighbours.
+pub fn lagrange_shares(grid: &[f64], at: f64) -> Vec<(usize, f64)> {
+    let after = grid.partition_point(|&x| x < at).clamp(1, grid.len() - 1);
+    let window = after.saturating_sub(2)..(after + 2).min(grid.len());
+    let share = |j: usize| {
+        let factors = window.clone().filter(|&k| k != j).map(|k| (at - grid[k]) / (grid[j] - grid[k]));
+        factors.product::<f64>()
+    };
+    window.clone().map(|j| (j, share(j))).collect()
+}

@@ -1,0 +1,221 @@
+//! Under which light and by which observer a colour is judged.
+
+use super::error::ColourError;
+use colorimetry::illuminant::CieIlluminant;
+use colorimetry::observer::Observer;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Serialize};
+
+/// The illuminants of CIE 15:2018 by name.
+const ILLUMINANTS: [(&str, CieIlluminant); 39] = {
+    use CieIlluminant::*;
+    [
+        ("D65", D65),
+        ("D50", D50),
+        ("E", E),
+        ("A", A),
+        ("F1", F1),
+        ("F2", F2),
+        ("F3", F3),
+        ("F4", F4),
+        ("F5", F5),
+        ("F6", F6),
+        ("F7", F7),
+        ("F8", F8),
+        ("F9", F9),
+        ("F10", F10),
+        ("F11", F11),
+        ("F12", F12),
+        ("F3_1", F3_1),
+        ("F3_2", F3_2),
+        ("F3_3", F3_3),
+        ("F3_4", F3_4),
+        ("F3_5", F3_5),
+        ("F3_6", F3_6),
+        ("F3_7", F3_7),
+        ("F3_8", F3_8),
+        ("F3_9", F3_9),
+        ("F3_10", F3_10),
+        ("F3_11", F3_11),
+        ("F3_12", F3_12),
+        ("F3_13", F3_13),
+        ("F3_14", F3_14),
+        ("F3_15", F3_15),
+        ("LED_B1", LED_B1),
+        ("LED_B2", LED_B2),
+        ("LED_B3", LED_B3),
+        ("LED_B4", LED_B4),
+        ("LED_B5", LED_B5),
+        ("LED_BH1", LED_BH1),
+        ("LED_RGB1", LED_RGB1),
+        ("LED_V1", LED_V1),
+    ]
+};
+
+/// Those without lines.
+const SMOOTH: [&str; 4] = ["D65", "D50", "E", "A"];
+
+/// The standard observers by the names that people use.
+const OBSERVERS: [(&str, Observer); 4] = [
+    ("2", Observer::Cie1931),
+    ("10", Observer::Cie1964),
+    ("2015_2", Observer::Cie2015),
+    ("2015_10", Observer::Cie2015_10),
+];
+
+/// How a spectrum on a grid becomes tristimulus values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Summation {
+    /// Every 5 nm, every nm under lamps, whatever the spectra's step; nothing beyond the ends of their range (CIE 15).
+    #[default]
+    Plain,
+    /// Weights as tabulated by ASTM E308: interpolated by the rule of ASTM E2022, and the ends of the grid stand for
+    /// what lies beyond them, down to 380 and up to 780 nm.
+    E308,
+}
+
+/// Illuminant, observer and summation.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Viewing {
+    illuminant: String,
+    observer: String,
+    /// The rule by which spectra are summed.
+    pub summation: Summation,
+}
+
+impl Default for Viewing {
+    fn default() -> Self {
+        Self { illuminant: "D65".into(), observer: "2".into(), summation: Summation::Plain }
+    }
+}
+
+/// Names of illuminants, for the schema of a file; any case will do.
+pub fn illuminants(_: &mut SchemaGenerator) -> Schema {
+    offered(&ILLUMINANTS.map(|(name, _)| name))
+}
+
+/// Names of observers, for the schema of a file; a degree sign does no harm.
+pub fn observers(_: &mut SchemaGenerator) -> Schema {
+    offered(&OBSERVERS.map(|(name, _)| name))
+}
+
+/// Texts of which some are known: editors offer those.
+fn offered(names: &[&str]) -> Schema {
+    json_schema!({ "type": "string", "anyOf": [{ "enum": names }, {}] })
+}
+
+impl Viewing {
+    /// An illuminant such as `D50`, `A`, `F11`, and an observer `2`, `10`, `2015_2` or `2015_10`.
+    ///
+    /// # Errors
+    /// Names that are not known.
+    pub fn new(illuminant: &str, observer: &str, summation: Summation) -> Result<Self, ColourError> {
+        let unknown = |what, value: &str, allowed: Vec<&str>| {
+            Err(ColourError::UnknownName { what, value: value.to_owned(), allowed: allowed.join(", ") })
+        };
+        let light = ILLUMINANTS.iter().find(|(name, _)| name.eq_ignore_ascii_case(illuminant.trim()));
+        let Some((light, _)) = light else {
+            return unknown("illuminant", illuminant, ILLUMINANTS.map(|(name, _)| name).to_vec());
+        };
+        let seen = OBSERVERS.iter().find(|(name, _)| *name == observer.trim().trim_end_matches('°'));
+        let Some((seen, _)) = seen else {
+            return unknown("observer", observer, OBSERVERS.map(|(name, _)| name).to_vec());
+        };
+        Ok(Self { illuminant: (*light).to_owned(), observer: (*seen).to_owned(), summation })
+    }
+
+    /// Name of the illuminant, such as `D50`.
+    pub fn illuminant(&self) -> &str {
+        &self.illuminant
+    }
+
+    /// Name of the observer: `2`, `10`, `2015_2` or `2015_10`.
+    pub fn observer(&self) -> &str {
+        &self.observer
+    }
+
+    /// For people, such as `D50, 2° observer`.
+    pub fn name(&self) -> String {
+        let rule = if self.summation == Summation::E308 { ", ASTM E308" } else { "" };
+        let observer = self.observer.replace("2015_", "2015, ");
+        format!("{}, {observer}° observer{rule}", self.illuminant)
+    }
+
+    /// Lamps: their spectra are no smooth functions of the wavelength.
+    pub fn has_lines(&self) -> bool {
+        !SMOOTH.contains(&self.illuminant.as_str())
+    }
+
+    /// S(λ) (x̄, ȳ, z̄)(λ) at a whole number of nm, 380 to 780.
+    pub(super) fn row(&self, nm: usize) -> [f64; 3] {
+        let find = |name: &str| {
+            ILLUMINANTS.iter().find(|(known, _)| *known == name).map_or(CieIlluminant::D65, |l| l.1)
+        };
+        let observer =
+            OBSERVERS.iter().find(|(known, _)| *known == self.observer).map_or(Observer::Cie1931, |o| o.1);
+        let light = find(&self.illuminant).illuminant().as_ref()[nm];
+        // every caller stays inside the tables, where the crate has an answer
+        observer.xyz_at_wavelength(nm).map_or([0.0; 3], |xyz| xyz.to_array().map(|x| light * x))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_in_any_case_and_others_are_refused_with_a_list() {
+        let viewing = Viewing::new("f11", "10°", Summation::E308).unwrap();
+        assert_eq!(viewing.name(), "F11, 10° observer, ASTM E308");
+        let message = Viewing::new("D95", "2", Summation::Plain).unwrap_err().to_string();
+        assert!(message.contains("\"D95\"") && message.contains("D65, D50"), "{message}");
+        assert!(Viewing::new("A", "4", Summation::Plain).is_err());
+    }
+
+    /// 32 spectra under D50, D65, A and F11 for both observers against colour-science: its E308 sums, and its sums over 1 nm.
+    #[test]
+    fn sums_are_those_of_an_independent_library() {
+        use crate::appearance::colour::Colorimeter;
+        let text = include_str!("../../../validation/data/colour_conditions.json");
+        let json: serde_json::Value = serde_json::from_str(text).unwrap();
+        let cases = json["cases"].as_array().unwrap();
+        for case in cases {
+            let list = |key: &str| -> Vec<f64> { serde_json::from_value(case[key].clone()).unwrap() };
+            let (name, observer) = (case["illuminant"].as_str().unwrap(), case["observer"].as_str().unwrap());
+            let step = case["step_nm"].as_f64().unwrap();
+            let values = list("values");
+            let grid: Vec<f64> = (0..values.len()).map(|i| 400.0 + step * i as f64).collect();
+            let viewing = Viewing::new(name, observer, Summation::E308).unwrap();
+            let xyz = Colorimeter::under(&grid, &viewing).unwrap().xyz(&values).unwrap();
+            for (have, want) in xyz.iter().zip(list("xyz_e308")) {
+                // Both interpolate the tables by E2022; they differ in rounding and in the tables' last digits, and in how
+                // they spread the narrow lines of F11 between its 5 nm entries: 0.1 of Y = 100 is 0.04 of L*.
+                let allowed = if name == "F11" { 0.1 } else { 0.02 };
+                assert!((have - want).abs() < allowed, "{name} {observer} {step}: {have} {want}");
+            }
+            // Plain sums end at 400 and 700 nm, theirs at 360 and 830: 0.5 of Y = 100 in blue. Lines summed at every tenth nm are
+            // off by 40.
+            let plain = Viewing::new(name, observer, Summation::Plain).unwrap();
+            let meter = Colorimeter::under(&grid, &plain).unwrap();
+            for (have, want) in meter.white_xyz().iter().zip(list("white_1nm")) {
+                assert!((have - want).abs() < 1.5, "white {name} {observer} {step}: {have} {want}");
+            }
+        }
+        assert_eq!(cases.len(), 32);
+    }
+
+    /// White stays white on every screen, whatever the light.
+    #[test]
+    fn white_is_white_under_every_light() {
+        use crate::appearance::colour::Colorimeter;
+        let grid: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
+        for (name, _) in ILLUMINANTS {
+            let viewing = Viewing::new(name, "10", Summation::Plain).unwrap();
+            let meter = Colorimeter::under(&grid, &viewing).unwrap();
+            assert_eq!(meter.colour(&[1.0; 31]).unwrap().srgb8, [255; 3], "{name}");
+            let grey = meter.colour(&[0.5; 31]).unwrap().lab;
+            assert!(grey[1].abs() < 1e-9 && grey[2].abs() < 1e-9, "{name}: {grey:?}");
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Grain shapes: rigid clusters of spheres, most of them strung on an axis (P1 section 3, "Форма").
+
+use super::volume::{Volume, union_volume};
+use crate::ink::Sphere;
+use crate::numerics::allowed::{Allowed, Whole};
+use crate::numerics::vector::{V3, add, norm, scale, sub, unit};
+use crate::numerics::written::also_by_name;
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::f64::consts::PI;
+
+/// Length of a grain in radii; 2 is a sphere.
+const LENGTH_IN_RADII: Allowed = Allowed::above(2.0, 100.0, "");
+/// Radius of a rice grain's ends in radii.
+const TIP_IN_RADII: Allowed = Allowed::above(0.0, 1.0, "");
+/// Length of an ellipsoid over its width; 1 is a sphere.
+const ASPECT_RATIO: Allowed = Allowed::above(1.0, 20.0, "");
+/// Spheres on the axis of a grain.
+const SPHERES: Whole = Whole::between(2, 200);
+
+/// The shape of a grain; lengths are in radii R of its thickest sphere. In a file either the bare name
+/// (`shape = "cylinder"`) or a table (`shape = { kind = "cylinder", length_in_radii = 8.0, spheres = 7 }`).
+#[derive(Clone, Debug, PartialEq, Serialize, Default, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[schemars(deny_unknown_fields, transform = also_by_name)]
+pub enum Shape {
+    /// One sphere.
+    #[default]
+    Sphere,
+    /// Equal spheres at equal spacing; `length_in_radii` counts the round ends. P1 section 5: length 6 R.
+    Cylinder {
+        /// Tip-to-tip length over R, above 2.
+        #[schemars(transform = LENGTH_IN_RADII.mark(), default = "six")]
+        length_in_radii: f64,
+        /// Number of spheres on the axis, 2 to 200.
+        #[schemars(transform = SPHERES.mark(), default = "five")]
+        spheres: usize,
+    },
+    /// P1 Fig. 1: radii fall from R in the middle to `tip_in_radii` R at the ends along a parabola.
+    RiceGrain {
+        /// Tip-to-tip length over R, above 2.
+        #[schemars(transform = LENGTH_IN_RADII.mark(), default = "six")]
+        length_in_radii: f64,
+        /// Radius of the end spheres over R, above 0 up to 1.
+        #[schemars(transform = TIP_IN_RADII.mark(), default = "half")]
+        tip_in_radii: f64,
+        /// Number of spheres on the axis, 2 to 200.
+        #[schemars(transform = SPHERES.mark(), default = "seven")]
+        spheres: usize,
+    },
+    /// Spheres inscribed in a prolate ellipsoid of semi-axes R and `aspect_ratio` R, tips included.
+    Ellipsoid {
+        /// Length over width, above 1.
+        #[schemars(transform = ASPECT_RATIO.mark(), default = "two")]
+        aspect_ratio: f64,
+        /// Number of spheres on the axis, 2 to 200.
+        #[schemars(transform = SPHERES.mark(), default = "nine")]
+        spheres: usize,
+    },
+    /// Any rigid cluster: rows of x, y, z, radius in a common unit; the size then scales it.
+    Cluster {
+        /// x, y, z, radius of each sphere, 1 to 1000 of them.
+        #[schemars(length(min = 1, max = 1000), example = ((0.0, 0.0, 0.0, 1.0), (1.5, 0.0, 0.0, 1.0)))]
+        spheres: Vec<[f64; 4]>,
+    },
+}
+
+/// The shape as it is written, with every default filled in.
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+enum Written {
+    Sphere {},
+    Cylinder {
+        #[serde(default = "six")]
+        length_in_radii: f64,
+        #[serde(default = "five")]
+        spheres: usize,
+    },
+    RiceGrain {
+        #[serde(default = "six")]
+        length_in_radii: f64,
+        #[serde(default = "half")]
+        tip_in_radii: f64,
+        #[serde(default = "seven")]
+        spheres: usize,
+    },
+    Ellipsoid {
+        #[serde(default = "two")]
+        aspect_ratio: f64,
+        #[serde(default = "nine")]
+        spheres: usize,
+    },
+    Cluster {
+        spheres: Vec<[f64; 4]>,
+    },
+}
+
+fn six() -> f64 {
+    6.0
+}
+fn two() -> f64 {
+    2.0
+}
+fn half() -> f64 {
+    0.5
+}
+fn five() -> usize {
+    5
+}
+fn seven() -> usize {
+    7
+}
+fn nine() -> usize {
+    9
+}
+
+impl From<Written> for Shape {
+    fn from(written: Written) -> Self {
+        match written {
+            Written::Sphere {} => Self::Sphere,
+            Written::Cylinder { length_in_radii, spheres } => Self::Cylinder { length_in_radii, spheres },
+            Written::RiceGrain { length_in_radii, tip_in_radii, spheres } => {
+                Self::RiceGrain { length_in_radii, tip_in_radii, spheres }
+            }
+            Written::Ellipsoid { aspect_ratio, spheres } => Self::Ellipsoid { aspect_ratio, spheres },
+            Written::Cluster { spheres } => Self::Cluster { spheres },
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Shape {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        super::name_or_table::deserialize::<Written, D>(deserializer).map(Self::from)
+    }
+}
+
+/// Spheres in the body frame (centre of mass at the origin, symmetry axis along z), thickest radius 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Template {
+    /// Places and radii in units of the thickest radius, whatever the fields' names say.
+    pub spheres: Vec<Sphere>,
+    /// Volume of their union, in cubes of the thickest radius.
+    pub volume: Volume,
+    /// Tip-to-tip length along the axis.
+    pub length: f64,
+}
+
+impl Shape {
+    /// The cylinder of P1 section 5: length 6 R, of five spheres.
+    pub const CYLINDER: Self = Self::Cylinder { length_in_radii: 6.0, spheres: 5 };
+    /// The rice grain of P1 Fig. 1: length 6 R, of seven spheres.
+    pub const RICE_GRAIN: Self = Self::RiceGrain { length_in_radii: 6.0, tip_in_radii: 0.5, spheres: 7 };
+
+    /// Name for people, such as "rice grain".
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Cylinder { .. } => "cylinder",
+            Self::RiceGrain { .. } => "rice grain",
+            Self::Ellipsoid { .. } => "ellipsoid",
+            Self::Cluster { .. } => "cluster",
+        }
+    }
+
+    /// What is wrong with the numbers, if anything: field, value found, allowed range.
+    pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
+        let bad = |field, value: f64, allowed| Some((field, value.to_string(), allowed));
+        let count =
+            |n: usize| (!SPHERES.holds(n)).then(|| ("shape.spheres", n.to_string(), "2 to 200 spheres"));
+        match *self {
+            Self::Sphere => None,
+            Self::Cylinder { length_in_radii: l, .. } | Self::RiceGrain { length_in_radii: l, .. }
+                if !LENGTH_IN_RADII.holds(l) =>
+            {
+                bad("shape.length_in_radii", l, "above 2 (a sphere) up to 100")
+            }
+            Self::RiceGrain { tip_in_radii: t, .. } if !TIP_IN_RADII.holds(t) => {
+                bad("shape.tip_in_radii", t, "above 0 up to 1")
+            }
+            Self::Ellipsoid { aspect_ratio: a, .. } if !ASPECT_RATIO.holds(a) => {
+                bad("shape.aspect_ratio", a, "above 1 (a sphere) up to 20")
+            }
+            Self::Cylinder { spheres, .. }
+            | Self::RiceGrain { spheres, .. }
+            | Self::Ellipsoid { spheres, .. } => count(spheres),
+            Self::Cluster { ref spheres } => cluster_defect(spheres),
+        }
+    }
+
+    /// The cluster of spheres with its union volume. The numbers must be sound (see [`Shape::defect`]).
+    pub fn template(&self) -> Template {
+        let spheres = match self {
+            Self::Sphere => vec![bead(0.0, 1.0)],
+            Self::Cylinder { length_in_radii, spheres } => {
+                chain(*spheres, 0.5 * length_in_radii - 1.0, |_| 1.0)
+            }
+            Self::RiceGrain { length_in_radii, tip_in_radii, spheres } => {
+                let reach = 0.5 * length_in_radii - tip_in_radii;
+                chain(*spheres, reach, |t| 1.0 - (1.0 - tip_in_radii) * t * t)
+            }
+            Self::Ellipsoid { aspect_ratio: a, spheres } => inscribed(*a, *spheres),
+            Self::Cluster { spheres } => centred(spheres),
+        };
+        let tip = |sign: f64| spheres.iter().map(move |s| sign * s.center_um[2] + s.radius_um);
+        let length = tip(1.0).fold(f64::MIN, f64::max) + tip(-1.0).fold(f64::MIN, f64::max);
+        Template { volume: union_volume(&spheres), length, spheres }
+    }
+}
+
+impl Template {
+    /// Diameter of the sphere of equal union volume, in thickest radii.
+    pub fn effective_diameter(&self) -> f64 {
+        (6.0 * self.volume.um3 / PI).cbrt()
+    }
+}
+
+fn cluster_defect(spheres: &[[f64; 4]]) -> Option<(&'static str, String, &'static str)> {
+    let sound = |s: &[f64; 4]| s.iter().all(|v| v.is_finite()) && s[3] > 0.0;
+    if spheres.is_empty() || spheres.len() > 1000 {
+        let allowed = "1 to 1000 rows of x, y, z, radius";
+        return Some(("shape.spheres", format!("{} rows", spheres.len()), allowed));
+    }
+    let bad = spheres.iter().find(|s| !sound(s))?;
+    Some(("shape.spheres", format!("{bad:?}"), "finite x, y, z and a radius above 0"))
+}
+
+fn bead(z: f64, radius: f64) -> Sphere {
+    Sphere { center_um: [0.0, 0.0, z], radius_um: radius }
+}
+
+/// `n` beads between −reach and reach; `radius` takes the position from −1 to 1.
+fn chain(n: usize, reach: f64, radius: impl Fn(f64) -> f64) -> Vec<Sphere> {
+    let at = |i: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
+    let beads: Vec<Sphere> = (0..n).map(|i| bead(reach * at(i), radius(at(i)))).collect();
+    let thickest = beads.iter().map(|s| s.radius_um).fold(0.0, f64::max);
+    beads.iter().map(|s| bead(s.center_um[2] / thickest, s.radius_um / thickest)).collect()
+}
+
+/// The largest sphere centred at z on the axis inside the ellipsoid (1, 1, a) has r² = 1 − z²/(a² − 1), up to
+/// the sphere that osculates the tip at z = (a² − 1)/a.
+fn inscribed(a: f64, n: usize) -> Vec<Sphere> {
+    let squared = a * a - 1.0;
+    chain(n, squared / a, |t| (1.0 - t * t * squared / (a * a)).sqrt())
+}
+
+/// Moves the cluster to its centre of mass, turns its longest principal axis to z, scales to thickest radius 1.
+fn centred(rows: &[[f64; 4]]) -> Vec<Sphere> {
+    let thickest = rows.iter().map(|s| s[3]).fold(0.0, f64::max);
+    let weight = |s: &[f64; 4]| (s[3] / thickest).powi(3);
+    let total: f64 = rows.iter().map(weight).sum();
+    let centre = rows.iter().fold([0.0; 3], |c, s| add(c, scale([s[0], s[1], s[2]], weight(s) / total)));
+    let arms: Vec<V3> = rows.iter().map(|s| scale(sub([s[0], s[1], s[2]], centre), 1.0 / thickest)).collect();
+    let weights: Vec<f64> = rows.iter().map(weight).collect();
+    let back = crate::numerics::Rotation::from_z_to(long_axis(&arms, &weights)).inverse();
+    let sphere =
+        |(arm, s): (&V3, &[f64; 4])| Sphere { center_um: back.turn(*arm), radius_um: s[3] / thickest };
+    arms.iter().zip(rows).map(sphere).collect()
+}
+
+/// Σ w a (a · v): the arms' second moment times v.
+fn spread(arms: &[V3], weights: &[f64], v: V3) -> V3 {
+    arms.iter().zip(weights).fold([0.0; 3], |sum, (a, w)| {
+        let along = w * crate::numerics::vector::dot(*a, v);
+        add(sum, scale(*a, along))
+    })
+}
+
+/// Direction of largest spread by power iteration on Σ w a aᵀ; z when there is no spread.
+fn long_axis(arms: &[V3], weights: &[f64]) -> V3 {
+    let start = arms.iter().copied().max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or([0.0; 3]);
+    (0..200).fold(unit(start), |v, _| unit(spread(arms, weights, v)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The figures of the design note: effective diameter of a cylinder of length 6 R.
+    #[test]
+    fn cylinders_of_length_6_have_the_stated_effective_diameters() {
+        for (spheres, expected) in [(3, 2.884), (5, 3.107), (9, 3.158)] {
+            let template = Shape::Cylinder { length_in_radii: 6.0, spheres }.template();
+            // Three decimals were printed.
+            assert!((template.effective_diameter() - expected).abs() < 5e-4);
+            assert!((template.length - 6.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn inscribed_beads_approach_the_ellipsoid_from_inside() {
+        let exact = 4.0 * PI / 3.0 * 2.0;
+        let volume = |spheres| Shape::Ellipsoid { aspect_ratio: 2.0, spheres }.template().volume.um3;
+        let (coarse, fine) = (exact - volume(11), exact - volume(21));
+        // Order: the gap between an envelope and its n members shrinks as 1/n²: a factor 4 from 10 to 20 gaps.
+        assert!(fine > 0.0 && coarse / fine > 3.5 && coarse / fine < 4.5, "{coarse} {fine}");
+        let tips = Shape::Ellipsoid { aspect_ratio: 2.0, spheres: 9 }.template().length;
+        assert!((tips - 4.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_cluster_is_centred_and_turned_to_its_long_axis() {
+        let rows = vec![[5.0, 1.0, 1.0, 2.0], [11.0, 1.0, 1.0, 2.0], [8.0, 1.0, 1.0, 2.0]];
+        let template = Shape::Cluster { spheres: rows }.template();
+        // Identity: rounding of the power iteration.
+        assert!((template.length - 5.0).abs() < 1e-12, "{}", template.length);
+        assert!(template.spheres.iter().all(|s| s.center_um[0].hypot(s.center_um[1]) < 1e-12));
+    }
+
+    #[test]
+    fn shapes_read_as_names_and_tables_and_refuse_unknown_keys() {
+        #[derive(Deserialize)]
+        struct Line {
+            shape: Shape,
+        }
+        let read = |text: &str| toml::from_str::<Line>(text).map(|l| l.shape);
+        assert_eq!(read("shape = 'sphere'").unwrap(), Shape::Sphere);
+        assert_eq!(read("shape = 'cylinder'").unwrap(), Shape::CYLINDER);
+        let long = read("shape = { kind = 'cylinder', length_in_radii = 8 }").unwrap();
+        assert_eq!(long, Shape::Cylinder { length_in_radii: 8.0, spheres: 5 });
+        assert!(read("shape = { kind = 'cylinder', lenght = 8 }").is_err());
+        assert!(read("shape = 'cube'").unwrap_err().to_string().contains("rice_grain"));
+    }
+}

@@ -1,0 +1,255 @@
+//! Size distributions of grains, truncated so that the largest grain is known in advance.
+
+use super::shape::Template;
+use crate::numerics::Draws;
+use crate::numerics::allowed::{Allowed, Each};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A size of grains.
+const SIZE_NM: Allowed = Allowed::above(0.0, f64::MAX, "nm");
+/// Sizes of grains.
+const SIZES_NM: Each<Allowed> = Each { entry: SIZE_NM, most: usize::MAX >> 12 };
+/// Deviation of sizes.
+const SPREAD_NM: Allowed = Allowed::between(0.0, f64::MAX, "nm");
+/// Deviation of ln(size).
+const SIGMA: Allowed = Allowed::between(0.0, 2.0, "");
+/// Cut of a law in its deviations.
+const CUT: Allowed = Allowed::above(0.0, 10.0, "");
+
+/// Which length of the grain a size means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// Diameter of the sphere of equal **union** volume (P1 section 5 calls it the effective diameter).
+    #[default]
+    EffectiveDiameter,
+    /// Radius of the thickest sphere.
+    Radius,
+    /// Tip-to-tip length along the axis.
+    Length,
+}
+
+/// How the sizes of a pigment's grains are distributed, by number. `of` says which length is meant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum SizeDistribution {
+    /// One size for all grains.
+    Constant {
+        /// The size, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 250)]
+        value_nm: f64,
+        /// The length that is meant.
+        #[serde(default)]
+        of: Measure,
+    },
+    /// Normal, cut at ± `cut_at_sigmas` (3 unless told) standard deviations.
+    Normal {
+        /// Mean size, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 250)]
+        mean_nm: f64,
+        /// Standard deviation before the cut, nm.
+        #[schemars(transform = SPREAD_NM.mark(), example = 30)]
+        standard_deviation_nm: f64,
+        /// Cut in standard deviations, above 0 up to 10.
+        #[serde(default = "three")]
+        #[schemars(transform = CUT.mark())]
+        cut_at_sigmas: f64,
+        /// The length that is meant.
+        #[serde(default)]
+        of: Measure,
+    },
+    /// ln(size) normal around ln(median) with deviation `sigma`, cut at ± `cut_at_sigmas` (3 unless told).
+    LogNormal {
+        /// Median size, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 250)]
+        median_nm: f64,
+        /// Standard deviation of ln(size) before the cut, 0 to 2.
+        #[schemars(transform = SIGMA.mark(), example = 0.2)]
+        sigma: f64,
+        /// Cut in standard deviations of ln(size), above 0 up to 10.
+        #[serde(default = "three")]
+        #[schemars(transform = CUT.mark())]
+        cut_at_sigmas: f64,
+        /// The length that is meant.
+        #[serde(default)]
+        of: Measure,
+    },
+    /// The listed sizes, drawn with the given weights (equal unless told).
+    List {
+        /// The sizes, nm.
+        #[schemars(transform = SIZES_NM.mark(), example = (200, 300))]
+        values_nm: Vec<f64>,
+        /// Frequency of each size by number, at least 0; any common factor will do.
+        #[serde(default)]
+        #[schemars(inner(range(min = 0)), example = (1, 2))]
+        weights: Vec<f64>,
+        /// The length that is meant.
+        #[serde(default)]
+        of: Measure,
+    },
+}
+
+fn three() -> f64 {
+    3.0
+}
+
+impl SizeDistribution {
+    /// All grains of one effective diameter.
+    pub fn diameter_nm(value_nm: f64) -> Self {
+        Self::Constant { value_nm, of: Measure::EffectiveDiameter }
+    }
+
+    /// The length that the sizes mean.
+    pub fn measure(&self) -> Measure {
+        match self {
+            Self::Constant { of, .. }
+            | Self::Normal { of, .. }
+            | Self::LogNormal { of, .. }
+            | Self::List { of, .. } => *of,
+        }
+    }
+
+    /// What is wrong with the numbers, if anything: field, value found, allowed range.
+    pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
+        let positive = |x: f64| SIZE_NM.holds(x);
+        match self {
+            Self::Constant { value_nm: v, .. } if !positive(*v) => {
+                Some(("size.value_nm", v.to_string(), "a finite size above 0"))
+            }
+            Self::Normal { cut_at_sigmas: c, .. } | Self::LogNormal { cut_at_sigmas: c, .. }
+                if !CUT.holds(*c) =>
+            {
+                Some(("size.cut_at_sigmas", c.to_string(), "above 0 up to 10"))
+            }
+            Self::Normal { mean_nm, standard_deviation_nm: s, cut_at_sigmas, .. }
+                if !(positive(*mean_nm) && SPREAD_NM.holds(*s) && mean_nm - cut_at_sigmas * s > 0.0) =>
+            {
+                let found = format!("mean {mean_nm}, deviation {s}, cut at {cut_at_sigmas} sigmas");
+                Some(("size", found, "mean − cut × deviation above 0: a normal law has mass at zero"))
+            }
+            Self::LogNormal { median_nm, sigma, .. } if !(positive(*median_nm) && SIGMA.holds(*sigma)) => {
+                let found = format!("median {median_nm}, sigma {sigma}");
+                Some(("size", found, "a median above 0 and sigma from 0 to 2"))
+            }
+            Self::List { values_nm, weights, .. } => list_defect(values_nm, weights),
+            _ => None,
+        }
+    }
+
+    /// The largest size the distribution can give, nm.
+    pub fn largest_nm(&self) -> f64 {
+        match self {
+            Self::Constant { value_nm, .. } => *value_nm,
+            Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
+                mean_nm + cut_at_sigmas * standard_deviation_nm
+            }
+            Self::LogNormal { median_nm, sigma, cut_at_sigmas, .. } => {
+                median_nm * (cut_at_sigmas * sigma).exp()
+            }
+            Self::List { values_nm, .. } => values_nm.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// One size, nm.
+    pub fn draw_nm(&self, draws: &mut Draws) -> f64 {
+        match self {
+            Self::Constant { value_nm, .. } => *value_nm,
+            Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
+                mean_nm + standard_deviation_nm * cut_normal(draws, *cut_at_sigmas)
+            }
+            Self::LogNormal { median_nm, sigma, cut_at_sigmas, .. } => {
+                median_nm * (sigma * cut_normal(draws, *cut_at_sigmas)).exp()
+            }
+            Self::List { values_nm, weights, .. } => weighted(values_nm, weights, draws.uniform()),
+        }
+    }
+
+    /// Thickest radius in µm of a grain of this template whose size is `size_nm`.
+    pub fn radius_um(&self, size_nm: f64, template: &Template) -> f64 {
+        let per_radius = match self.measure() {
+            Measure::EffectiveDiameter => template.effective_diameter(),
+            Measure::Radius => 1.0,
+            Measure::Length => template.length,
+        };
+        size_nm * 1e-3 / per_radius
+    }
+}
+
+fn list_defect(values: &[f64], weights: &[f64]) -> Option<(&'static str, String, &'static str)> {
+    if values.is_empty() || values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
+        return Some(("size.values_nm", format!("{values:?}"), "one or more finite sizes above 0"));
+    }
+    let sound = weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().sum::<f64>() > 0.0;
+    let fits = weights.is_empty() || (weights.len() == values.len() && sound);
+    let allowed = "no weights, or one weight of at least 0 per value with a sum above 0";
+    (!fits).then(|| ("size.weights", format!("{weights:?}"), allowed))
+}
+
+fn cut_normal(draws: &mut Draws, cut: f64) -> f64 {
+    loop {
+        let x = draws.normal();
+        if x.abs() <= cut {
+            return x;
+        }
+    }
+}
+
+/// The value that a share of all stays below, in the order of the list.
+pub(super) fn weighted(values: &[f64], weights: &[f64], share: f64) -> f64 {
+    if weights.is_empty() {
+        return values[((share * values.len() as f64) as usize).min(values.len() - 1)];
+    }
+    let mut left = share * weights.iter().sum::<f64>();
+    for (value, weight) in values.iter().zip(weights) {
+        left -= weight;
+        if left < 0.0 {
+            return *value;
+        }
+    }
+    values[weights.iter().rposition(|w| *w > 0.0).unwrap_or(0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_follow_their_moments_and_never_leave_the_cut() {
+        let law = SizeDistribution::LogNormal {
+            median_nm: 200.0,
+            sigma: 0.3,
+            cut_at_sigmas: 3.0,
+            of: Measure::EffectiveDiameter,
+        };
+        let mut draws = Draws::new(3, 0);
+        let logs: Vec<f64> = (0..40_000).map(|_| law.draw_nm(&mut draws).ln()).collect();
+        let mean = logs.iter().sum::<f64>() / 4e4;
+        // Significance: four standard errors 0.3/√40000 = 0.0015 of the mean.
+        assert!((mean - 200f64.ln()).abs() < 4.0 * 0.0015);
+        let widest = logs.iter().map(|l| (l - 200f64.ln()).abs()).fold(0.0, f64::max);
+        assert!(widest <= 0.9 + 1e-12 && law.largest_nm() >= 200.0 * widest.exp() * (1.0 - 1e-12));
+    }
+
+    #[test]
+    fn list_weights_set_the_frequencies() {
+        let values_nm = vec![100.0, 300.0];
+        let law = SizeDistribution::List { values_nm, weights: vec![1.0, 3.0], of: Measure::Radius };
+        let mut draws = Draws::new(3, 0);
+        let large = (0..10_000).filter(|_| law.draw_nm(&mut draws) == 300.0).count() as f64;
+        // Significance: four standard deviations √(n p q) = 43.
+        assert!((large - 7500.0).abs() < 4.0 * 43.4, "{large}");
+    }
+
+    #[test]
+    fn mass_at_zero_is_refused() {
+        let law = |standard_deviation_nm| SizeDistribution::Normal {
+            mean_nm: 100.0,
+            standard_deviation_nm,
+            cut_at_sigmas: 3.0,
+            of: Measure::Radius,
+        };
+        assert!(law(40.0).defect().is_some());
+        assert!(law(30.0).defect().is_none());
+    }
+}

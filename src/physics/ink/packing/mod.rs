@@ -1,0 +1,24 @@
+//! How grains come to their places.
+//!
+//! A [`request`] is drawn into bodies (`plan`), which [`pack`](mod@pack) places by random sequential addition
+//! (`sequential`) or relaxation of overlaps (`relaxation`) and, if asked, equilibrates (`monte_carlo`). The check of
+//! `overlap` shares no code with them; only what passes it becomes a [`placed::Packing`].
+
+pub(crate) mod bodies;
+pub(crate) mod buckets;
+mod fewer;
+pub mod grain;
+mod loads;
+mod monte_carlo;
+mod neighbours;
+mod overlap;
+pub mod pack;
+pub mod placed;
+pub(crate) mod plan;
+mod relaxation;
+pub mod request;
+mod sequential;
+mod settle;
+pub mod sizes;
+mod strain;
+pub mod watch;

@@ -1,0 +1,139 @@
+//! From a request to a proven packing.
+
+use super::bodies::{Bodies, Cell};
+use super::placed::{Account, Method, Packing};
+use super::plan::Plan;
+use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest, RelaxationSettings};
+use super::watch::PackWatch;
+use super::{fewer, monte_carlo, relaxation, sequential, settle};
+use crate::ink::error::PackError;
+use crate::numerics::draws::Draws;
+
+/// Packs the grains of the request; the same request gives the same packing bit for bit, whatever the number of
+/// threads. (Spheres use +, −, ×, ÷ and √ only; turned grains also sines, whose last bit may depend on the
+/// platform's mathematical library.)
+///
+/// Errors: [`PackError::BadInput`] before any work, [`PackError::Blocked`] or [`PackError::NotReached`] when the grains
+/// do not fit, [`PackError::Stopped`] when the watch says so. Source: P1 section 3.
+///
+/// ```
+/// use inkwave_physics::ink::{PackingRequest, PigmentGrains, pack};
+///
+/// let request = PackingRequest {
+///     period_um: [2.0, 2.0],
+///     thickness_um: 1.0,
+///     pigments: vec![PigmentGrains::spheres(250.0, 0.30)],
+///     ..Default::default()
+/// };
+/// let packing = pack(&request, &mut ())?;
+/// assert_eq!(packing.grains().len(), 147); // 0.30 × 4 µm³ over the volume of a sphere
+/// assert!((packing.achieved_fraction(0) - 0.30).abs() < 0.002);
+/// # Ok::<(), inkwave_physics::ink::PackError>(())
+/// ```
+pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
+    let (packing, notes) = match request.method {
+        MethodChoice::SequentialAddition => {
+            (attempt(request, Some(Method::SequentialAddition), watch)?, None)
+        }
+        MethodChoice::Relaxation => (attempt(request, Some(Method::Relaxation), watch)?, None),
+        MethodChoice::Auto => match attempt(request, None, watch) {
+            Err(PackError::Blocked { .. }) => {
+                let note = "sequential addition was blocked, relaxation took over".to_string();
+                (attempt(request, Some(Method::Relaxation), watch)?, Some(note))
+            }
+            first => (first?, None),
+        },
+    };
+    Ok(packing.with_notes(notes))
+}
+
+/// One run from the seed with a method, or with the one that suits the concentration.
+fn attempt(
+    request: &PackingRequest,
+    method: Option<Method>,
+    watch: &mut dyn PackWatch,
+) -> Result<Packing, PackError> {
+    let mut draws = Draws::new(request.seed, request.stream);
+    let mut plan = Plan::new(request, &mut draws)?;
+    let method = method.unwrap_or_else(|| suited(request, &plan));
+    arrange(&mut plan, method, &mut draws);
+    let cell = Cell::new(request.period_um, request.thickness_um, request.walls);
+    let mut bodies = Bodies::new(cell, &plan.bodies);
+    let mut account = Account::new(method, request.seed, request.stream);
+    account.notes.append(&mut plan.notes);
+    if plan.bodies.is_empty() {
+        return finish(request, &plan, &bodies, account);
+    }
+    account.steps = if method == Method::SequentialAddition {
+        let limit = request.sequential.attempts_per_grain;
+        sequential::add_all(&mut bodies, &plan, limit, &mut draws, watch)?
+    } else {
+        relax(&mut bodies, &plan, &request.relaxation, &mut draws, watch)?
+    };
+    if let Some(settings) = &request.equilibration {
+        account.sweeps = settings.sweeps;
+        let rate = monte_carlo::equilibrate(&mut bodies, &plan, settings.sweeps, &mut draws, watch)?;
+        account.acceptance = Some(rate);
+    }
+    finish(request, &plan, &bodies, account)
+}
+
+/// Relaxes all grains; returns the number of steps. When they do not fit, the error says how many of them would.
+fn relax(
+    bodies: &mut Bodies,
+    plan: &Plan,
+    settings: &RelaxationSettings,
+    draws: &mut Draws,
+    watch: &mut dyn PackWatch,
+) -> Result<u64, PackError> {
+    let outcome = relaxation::relax_all(bodies, plan, settings, draws, watch)?;
+    let Some(left) = outcome.left else { return Ok(outcome.steps) };
+    let reached = fewer::fit_fewer(bodies, plan, settings, draws, watch)?;
+    Err(PackError::NotReached {
+        requested: plan.fraction(),
+        reached,
+        wanted: plan.grains(),
+        steps: outcome.steps,
+        largest_overlap_um: left.overlap,
+        relative_overlap: left.relative,
+    })
+}
+
+/// The proof, and the binder's surface if one is asked for.
+fn finish(
+    request: &PackingRequest,
+    plan: &Plan,
+    bodies: &Bodies,
+    account: Account,
+) -> Result<Packing, PackError> {
+    let (period, thickness, shares) = (request.period_um, request.thickness_um, plan.shares.clone());
+    let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), shares, account)?;
+    Ok(match &request.relief {
+        Some(asked) if !packing.grains().is_empty() => {
+            let settled = settle::settle(&packing, asked);
+            packing.with_relief(settled)
+        }
+        _ => packing,
+    })
+}
+
+/// The automatic choice looks at the fraction of the volume that centres can use: walls crowd thick grains.
+fn suited(request: &PackingRequest, plan: &Plan) -> Method {
+    if crowding(request, plan) <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
+}
+
+fn crowding(request: &PackingRequest, plan: &Plan) -> f64 {
+    let spheres = || plan.bodies.iter().flat_map(|b| &b.spheres);
+    let widest = spheres().map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
+    let lost = if request.walls { 0.5 * widest / request.thickness_um } else { 0.0 };
+    plan.fraction() / (1.0 - lost)
+}
+
+/// Sequential addition places large bodies first (the order of equal ones does not matter); relaxation takes
+/// them shuffled, so that every batch holds the same mixture.
+fn arrange(plan: &mut Plan, method: Method, draws: &mut Draws) {
+    match method {
+        Method::SequentialAddition => plan.bodies.sort_by(|a, b| b.reach.total_cmp(&a.reach)),
+        _ => draws.shuffle(&mut plan.bodies),
+    }
+}

@@ -1,0 +1,200 @@
+//! Grains in place: a packing exists only when an independent pass has found no overlap in it.
+
+use super::grain::Grain;
+use super::overlap;
+use crate::ink::error::PackError;
+use crate::ink::relief::Relief;
+use serde::{Deserialize, Serialize};
+
+/// The way the grains came to their places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Random sequential addition.
+    SequentialAddition,
+    /// Relaxation of overlaps (P1 section 3).
+    Relaxation,
+    /// The coordinates were given.
+    Given,
+}
+
+/// The share of one pigment: what was asked and what whole grains give.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// Volume fraction asked for.
+    pub requested_fraction: f64,
+    /// Volume fraction of the grains in place.
+    pub achieved_fraction: f64,
+    /// Standard error of the achieved fraction from the union volume (zero with a closed form).
+    pub fraction_error: f64,
+    /// Number of grains.
+    pub grains: usize,
+    /// Factor applied to the drawn sizes (1 unless the share is met by scaling).
+    pub size_factor: f64,
+}
+
+impl Share {
+    /// The share that given grains have: what they fill counts as asked for.
+    fn of_given(grains: &[Grain], pigment: usize, box_um3: f64) -> Self {
+        let own = grains.iter().filter(|g| g.pigment == pigment);
+        let fraction = own.clone().map(|g| g.volume_um3).sum::<f64>() / box_um3;
+        let (requested_fraction, achieved_fraction) = (fraction, fraction);
+        let grains = own.count();
+        Self { requested_fraction, achieved_fraction, fraction_error: 0.0, grains, size_factor: 1.0 }
+    }
+}
+
+/// How a packing was made.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Account {
+    /// How the grains came to their places.
+    pub method: Method,
+    /// Seed of the request.
+    pub seed: u64,
+    /// Stream of the seed: the number of the realisation.
+    pub stream: u64,
+    /// Attempts of sequential addition or steps of relaxation.
+    pub steps: u64,
+    /// Monte Carlo sweeps after that.
+    pub sweeps: u64,
+    /// Share of Monte Carlo moves accepted after tuning.
+    pub acceptance: Option<f64>,
+    /// Smallest distance between two surfaces (or to a wall), looked for up to one largest radius.
+    pub smallest_gap_um: Option<f64>,
+    /// Notes for the reader, such as a fallback of the automatic method.
+    pub notes: Vec<String>,
+}
+
+impl Account {
+    pub(crate) fn new(method: Method, seed: u64, stream: u64) -> Self {
+        let (acceptance, smallest_gap_um) = (None, None);
+        Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes: Vec::new() }
+    }
+}
+
+/// Grains in a cell that is periodic in x and y, with hard walls at z = 0 and z = H or periodic in z too.
+///
+/// It can be built only through an all-pairs check that shares no code with the packing methods.
+///
+/// ```
+/// use inkwave_physics::ink::{Grain, PackError, Packing, Sphere};
+///
+/// let ball = |x: f64| Grain::new(vec![Sphere { center_um: [x, 0.5, 0.5], radius_um: 0.1 }], 0);
+/// let packing = Packing::from_grains([1.0, 1.0], 1.0, true, vec![ball(0.05), ball(0.45)])?;
+/// assert_eq!(packing.grains().len(), 2);
+/// assert!((packing.achieved_fraction(0) - 0.00838).abs() < 1e-5); // 2 · 4π/3 · 0.1³ of 1 µm³
+///
+/// // 0.05 and 0.95 are neighbours across the period.
+/// let close = Packing::from_grains([1.0, 1.0], 1.0, true, vec![ball(0.05), ball(0.95)]);
+/// assert!(matches!(close, Err(PackError::Overlap { .. })));
+/// # Ok::<(), PackError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Packing {
+    period_um: [f64; 2],
+    thickness_um: f64,
+    walls: bool,
+    grains: Vec<Grain>,
+    shares: Vec<Share>,
+    account: Account,
+    relief: Option<Relief>,
+}
+
+impl Packing {
+    /// A packing of given grains; fails when two of them, or a grain and a wall, overlap.
+    pub fn from_grains(
+        period_um: [f64; 2],
+        thickness_um: f64,
+        walls: bool,
+        grains: Vec<Grain>,
+    ) -> Result<Self, PackError> {
+        let kinds = grains.iter().map(|g| g.pigment + 1).max().unwrap_or(0);
+        let box_um3 = period_um[0] * period_um[1] * thickness_um;
+        let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
+        let account = Account::new(Method::Given, 0, 0);
+        Self::proven(period_um, thickness_um, walls, grains, shares, account)
+    }
+
+    /// The only way in: every pair is checked here.
+    pub(crate) fn proven(
+        period_um: [f64; 2],
+        thickness_um: f64,
+        walls: bool,
+        grains: Vec<Grain>,
+        shares: Vec<Share>,
+        mut account: Account,
+    ) -> Result<Self, PackError> {
+        account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
+        Ok(Self { period_um, thickness_um, walls, grains, shares, account, relief: None })
+    }
+
+    pub(crate) fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.account.notes.extend(notes);
+        self
+    }
+
+    pub(crate) fn with_relief(self, relief: Relief) -> Self {
+        Self { relief: Some(relief), ..self }
+    }
+
+    /// Lateral periods (Lx, Ly), µm.
+    pub fn period_um(&self) -> [f64; 2] {
+        self.period_um
+    }
+
+    /// Thickness H, µm.
+    pub fn thickness_um(&self) -> f64 {
+        self.thickness_um
+    }
+
+    /// False when the cell is periodic in z too.
+    pub fn walls(&self) -> bool {
+        self.walls
+    }
+
+    /// All grains; each names its pigment.
+    pub fn grains(&self) -> &[Grain] {
+        &self.grains
+    }
+
+    /// Per pigment: the volume fraction asked for and achieved.
+    pub fn shares(&self) -> &[Share] {
+        &self.shares
+    }
+
+    /// Volume share asked of this pigment (0 for an unknown one); see [`crate::ink::Relief`] for what it refers to.
+    pub fn requested_fraction(&self, pigment: usize) -> f64 {
+        self.shares.get(pigment).map_or(0.0, |s| s.requested_fraction)
+    }
+
+    /// Volume share that whole grains of this pigment give; the remainder is the difference of the two.
+    pub fn achieved_fraction(&self, pigment: usize) -> f64 {
+        self.shares.get(pigment).map_or(0.0, |s| s.achieved_fraction)
+    }
+
+    /// How the grains came to their places.
+    pub fn method(&self) -> Method {
+        self.account.method
+    }
+
+    /// How the packing was made.
+    pub fn account(&self) -> &Account {
+        &self.account
+    }
+
+    /// The binder's surface, if the grains stand out of it.
+    pub fn relief(&self) -> Option<&Relief> {
+        self.relief.as_ref()
+    }
+
+    /// Height of the binder's surface above the paper (the face z = H) at (x, y): the binder fills
+    /// H − height ≤ z ≤ H between the grains, and vacuum the rest. Without relief it is H everywhere.
+    pub fn surface_height_um(&self, x_um: f64, y_um: f64) -> f64 {
+        self.relief.as_ref().map_or(self.thickness_um, |r| r.height_um(x_um, y_um))
+    }
+
+    /// The same surface as a coordinate: z = H − height.
+    pub fn surface_z_um(&self, x_um: f64, y_um: f64) -> f64 {
+        self.thickness_um - self.surface_height_um(x_um, y_um)
+    }
+}

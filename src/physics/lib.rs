@@ -1,0 +1,11 @@
+//! The physics of `inkwave`, in the order of the light: mathematics, indices, grains and packings, the wave equation, its
+//! solution, and what is seen. The crate `inkwave` re-exports every folder and is the tour.
+
+#![warn(missing_docs)]
+
+pub mod appearance;
+pub mod ink;
+pub mod material;
+pub mod numerics;
+pub mod solve;
+pub mod wave;

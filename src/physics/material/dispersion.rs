@@ -1,0 +1,308 @@
+//! Records of refractiveindex.info: tabulated indices and its nine dispersion formulas, read from its YAML files.
+//!
+//! Wavelengths λ are in µm, as in the files; C₁, C₂, … are a record's coefficients, missing ones are 0.
+//!
+//! | formula | |
+//! |---|---|
+//! | 1 | n² = 1 + C₁ + Σ C₂ᵢ λ²/(λ² − C₂ᵢ₊₁²) |
+//! | 2 | n² = 1 + C₁ + Σ C₂ᵢ λ²/(λ² − C₂ᵢ₊₁) |
+//! | 3 | n² = C₁ + Σ C₂ᵢ λ^C₂ᵢ₊₁ |
+//! | 4 | n² = C₁ + C₂ λ^C₃/(λ² − C₄^C₅) + C₆ λ^C₇/(λ² − C₈^C₉) + Σ C₁₀₊₂ᵢ λ^C₁₁₊₂ᵢ |
+//! | 5 | n = C₁ + Σ C₂ᵢ λ^C₂ᵢ₊₁ |
+//! | 6 | n = 1 + C₁ + Σ C₂ᵢ/(C₂ᵢ₊₁ − λ⁻²) |
+//! | 7 | n = C₁ + C₂/(λ² − 0.028) + C₃/(λ² − 0.028)² + C₄λ² + C₅λ⁴ + … |
+//! | 8 | (n² − 1)/(n² + 2) = C₁ + C₂λ²/(λ² − C₃) + C₄λ² |
+//! | 9 | n² = C₁ + C₂/(λ² − C₃) + C₄(λ − C₅)/((λ − C₅)² + C₆) |
+
+use super::gaps;
+use crate::numerics::files;
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+use serde_norway::Value;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A record that cannot be used.
+#[derive(Debug, Error)]
+pub enum DispersionError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// The file is no record of the database.
+    #[error("{}: {reason}; expected a record of refractiveindex.info with DATA: - type: tabulated nk, n, k or formula 1 to 9", path.display())]
+    NoRecord {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+/// What gives one part of the index over a range of wavelengths.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Source {
+    /// Rows (λ in µm, value), rising; linear between them.
+    Table(Vec<[f64; 2]>),
+    /// A formula by its number, with its range in µm and its coefficients.
+    Formula { number: u8, range_um: [f64; 2], coefficients: Vec<f64> },
+}
+
+/// n(λ) and κ(λ) of one record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dispersion {
+    name: String,
+    n: Option<Source>,
+    kappa: Option<Source>,
+}
+
+#[derive(Deserialize)]
+struct Record {
+    #[serde(rename = "DATA")]
+    data: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+struct Entry {
+    #[serde(rename = "type")]
+    kind: String,
+    data: Option<String>,
+    #[serde(alias = "range")]
+    wavelength_range: Option<Value>,
+    coefficients: Option<Value>,
+}
+
+impl Dispersion {
+    /// Reads a record's YAML file.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no record, or holds numbers that make no index.
+    pub fn read(path: &Path) -> Result<Self, DispersionError> {
+        let unreadable = |source| DispersionError::Unreadable { path: path.into(), source };
+        let text = files::read_text(path, files::TABLE).map_err(unreadable)?;
+        let no_record = |reason| DispersionError::NoRecord { path: path.into(), reason };
+        Self::parse(&path.display().to_string(), &text).map_err(no_record)
+    }
+
+    fn parse(name: &str, text: &str) -> Result<Self, String> {
+        let record: Record = serde_norway::from_str(text).map_err(|error| error.to_string())?;
+        let mut found = Self { name: name.to_owned(), n: None, kappa: None };
+        for entry in &record.data {
+            found.take(entry)?;
+        }
+        match (&found.n, &found.kappa) {
+            (None, None) => Err("it has neither n nor k".into()),
+            _ => Ok(found),
+        }
+    }
+
+    fn take(&mut self, entry: &Entry) -> Result<(), String> {
+        let words: Vec<&str> = entry.kind.split_whitespace().collect();
+        match words.as_slice() {
+            ["tabulated", "nk"] => {
+                let rows = rows(entry, 3)?;
+                let column = |i: usize| rows.iter().map(|row| [row[0], row[i]]).collect();
+                put(&mut self.n, Source::Table(column(1)), "n")?;
+                put(&mut self.kappa, Source::Table(column(2)), "k")
+            }
+            ["tabulated", "n"] => put(&mut self.n, table(entry)?, "n"),
+            ["tabulated", "k"] => put(&mut self.kappa, table(entry)?, "k"),
+            ["formula", number] => put(&mut self.n, formula(entry, number)?, "n"),
+            _ => Err(format!("type {:?} is not known", entry.kind)),
+        }
+    }
+
+    /// The file it comes from.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// First and last wavelength at which every part is known, nm.
+    pub fn range_nm(&self) -> [f64; 2] {
+        let parts = [&self.n, &self.kappa].into_iter().flatten().map(Source::range_um);
+        let [lo, hi] =
+            parts.fold([0.0, f64::INFINITY], |[lo, hi], [a, b]| [f64::max(lo, a), f64::min(hi, b)]);
+        [1e3 * lo, 1e3 * hi]
+    }
+
+    /// The widest gap between rows that a range of wavelengths reaches into, nm, where it is worth telling.
+    pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
+        let parts = [&self.n, &self.kappa].into_iter().flatten();
+        let gaps = parts.filter_map(|part| gaps::widest_gap_nm(&part.rows_nm(), range_nm));
+        gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+    }
+
+    /// n + iκ at a wavelength in µm inside the range. A record without n gets `n_default`, one without k is transparent.
+    pub fn index(&self, wavelength_um: f64, n_default: f64) -> Complex64 {
+        let value =
+            |part: &Option<Source>, default| part.as_ref().map_or(default, |s| s.value(wavelength_um));
+        Complex64::new(value(&self.n, n_default), value(&self.kappa, 0.0))
+    }
+}
+
+impl Source {
+    fn range_um(&self) -> [f64; 2] {
+        match self {
+            Self::Table(rows) => [rows[0][0], rows[rows.len() - 1][0]],
+            Self::Formula { range_um, .. } => *range_um,
+        }
+    }
+
+    /// Wavelengths of a table, nm, without the rounding of the factor; a formula has none.
+    fn rows_nm(&self) -> Vec<f64> {
+        match self {
+            Self::Table(rows) => rows.iter().map(|row| (1e9 * row[0]).round() / 1e6).collect(),
+            Self::Formula { .. } => Vec::new(),
+        }
+    }
+
+    fn value(&self, um: f64) -> f64 {
+        match self {
+            Self::Table(rows) => between(rows, um),
+            Self::Formula { number, coefficients, .. } => evaluate(*number, coefficients, um),
+        }
+    }
+}
+
+fn between(rows: &[[f64; 2]], um: f64) -> f64 {
+    let after = rows.partition_point(|row| row[0] < um).min(rows.len() - 1);
+    let before = after.saturating_sub(1);
+    let ([x0, y0], [x1, y1]) = (rows[before], rows[after]);
+    if before == after { y0 } else { y0 + (um - x0).clamp(0.0, x1 - x0) / (x1 - x0) * (y1 - y0) }
+}
+
+/// n by the formula of that number; `c` without gaps, so that pairs are (c\[1\], c\[2\]), (c\[3\], c\[4\]) …
+fn evaluate(number: u8, c: &[f64], um: f64) -> f64 {
+    let at = |i: usize| c.get(i).copied().unwrap_or(0.0);
+    let square = um * um;
+    let pairs = |from: usize| {
+        c.get(from..).unwrap_or(&[]).chunks(2).map(|p| (p[0], p.get(1).copied().unwrap_or(0.0)))
+    };
+    let sum = |from: usize, term: &dyn Fn(f64, f64) -> f64| pairs(from).map(|(a, b)| term(a, b)).sum::<f64>();
+    match number {
+        1 => (1.0 + at(0) + sum(1, &|a, b| a * square / (square - b * b))).sqrt(),
+        2 => (1.0 + at(0) + sum(1, &|a, b| a * square / (square - b))).sqrt(),
+        3 => (at(0) + sum(1, &|a, b| a * um.powf(b))).sqrt(),
+        4 => {
+            let resonance = |i: usize| match at(i) {
+                0.0 => 0.0,
+                strength => strength * um.powf(at(i + 1)) / (square - at(i + 2).powf(at(i + 3))),
+            };
+            (at(0) + resonance(1) + resonance(5) + sum(9, &|a, b| a * um.powf(b))).sqrt()
+        }
+        5 => at(0) + sum(1, &|a, b| a * um.powf(b)),
+        6 => 1.0 + at(0) + sum(1, &|a, b| a / (b - 1.0 / square)),
+        7 => {
+            let l = 1.0 / (square - 0.028);
+            let powers = c.iter().skip(3).zip(1..).map(|(a, k)| a * square.powi(k));
+            at(0) + at(1) * l + at(2) * l * l + powers.sum::<f64>()
+        }
+        8 => {
+            let ratio = at(0) + at(1) * square / (square - at(2)) + at(3) * square;
+            ((1.0 + 2.0 * ratio) / (1.0 - ratio)).sqrt()
+        }
+        _ => {
+            let off = um - at(4);
+            (at(0) + at(1) / (square - at(2)) + at(3) * off / (off * off + at(5))).sqrt()
+        }
+    }
+}
+
+fn put(place: &mut Option<Source>, source: Source, part: &str) -> Result<(), String> {
+    match place.replace(source) {
+        Some(_) => Err(format!("it has {part} twice; keep one of them")),
+        None => Ok(()),
+    }
+}
+
+fn table(entry: &Entry) -> Result<Source, String> {
+    Ok(Source::Table(rows(entry, 2)?.iter().map(|row| [row[0], row[1]]).collect()))
+}
+
+fn rows(entry: &Entry, columns: usize) -> Result<Vec<Vec<f64>>, String> {
+    let lines = entry.data.as_deref().unwrap_or("").lines().filter(|line| !line.trim().is_empty());
+    let rows = lines.map(|line| numbers(line, columns)).collect::<Result<Vec<_>, _>>()?;
+    if rows.is_empty() {
+        return Err(format!("type {:?} has no data", entry.kind));
+    }
+    match rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
+        Some(pair) => Err(format!("wavelengths do not rise: {} µm after {} µm", pair[1][0], pair[0][0])),
+        None => Ok(rows),
+    }
+}
+
+fn formula(entry: &Entry, number: &str) -> Result<Source, String> {
+    let number = number.parse().ok().filter(|n| (1..=9).contains(n));
+    let number = number.ok_or_else(|| format!("type {:?}: allowed are formula 1 to 9", entry.kind))?;
+    let text = |value: &Option<Value>| match value {
+        Some(Value::String(text)) => text.clone(),
+        Some(Value::Number(number)) => number.to_string(),
+        _ => String::new(),
+    };
+    let range = numbers(&text(&entry.wavelength_range), 2)?;
+    if range[0] >= range[1] {
+        return Err(format!("wavelength_range does not rise: {} to {} µm", range[0], range[1]));
+    }
+    let coefficients = numbers(&text(&entry.coefficients), 1)?;
+    Ok(Source::Formula { number, range_um: [range[0], range[1]], coefficients })
+}
+
+/// At least `least` finite numbers.
+fn numbers(text: &str, least: usize) -> Result<Vec<f64>, String> {
+    let parse =
+        |word: &str| word.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| word.to_owned());
+    let numbers = text.split_whitespace().map(parse).collect::<Result<Vec<f64>, String>>();
+    let numbers = numbers.map_err(|word| format!("found {word:?} where a number is needed"))?;
+    if numbers.len() < least {
+        Err(format!("found {text:?} where {least} numbers are needed"))
+    } else {
+        Ok(numbers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/data/refractive_index_info");
+
+    /// All formulas and tables against another reader of the same database.
+    #[test]
+    fn records_give_what_the_databases_own_reader_gives() {
+        let text = std::fs::read_to_string(format!("{FOLDER}/values.json")).unwrap();
+        let values: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let materials = values["materials"].as_array().unwrap();
+        let mut compared = 0;
+        for material in materials {
+            let file = material["file"].as_str().unwrap();
+            let dispersion = Dispersion::read(Path::new(&format!("{FOLDER}/{file}"))).unwrap();
+            for row in material["rows"].as_array().unwrap() {
+                let eta = dispersion.index(row[0].as_f64().unwrap(), f64::NAN);
+                for (have, want) in [(eta.re, row[1].as_f64()), (eta.im, row[2].as_f64())] {
+                    let Some(want) = want else { continue };
+                    // the same formula in another order of operations
+                    assert!((have - want).abs() <= 1e-12 * want.abs().max(1.0), "{file}: {have} {want}");
+                    compared += 1;
+                }
+            }
+        }
+        assert!(materials.len() >= 16 && compared > 100, "{compared}");
+    }
+
+    #[test]
+    fn what_is_no_record_is_refused_with_its_reason() {
+        let reason = |text: &str| Dispersion::parse("x.yml", text).unwrap_err();
+        assert!(reason("DATA:\n  - type: formula 12\n    coefficients: 1\n").contains("formula 1 to 9"));
+        assert!(
+            reason("DATA:\n  - type: tabulated k\n    data: |\n        0.5 0.1\n        0.4 0.1\n")
+                .contains("rise")
+        );
+        assert!(reason("DATA:\n  - type: tabulated n\n    data: |\n        0.5 x\n").contains("\"x\""));
+        assert!(reason("DATA: []\n").contains("neither"));
+        assert!(reason("REFERENCES: me\n").contains("DATA"));
+    }
+}

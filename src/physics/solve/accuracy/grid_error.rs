@@ -1,0 +1,162 @@
+//! What the grid may cost in R and T: differences to a coarser grid at the probes.
+//!
+//! The error of single amplitudes (`search`) says little about sums over orders, where most of it
+//! averages out. So R and T themselves are compared with those on four fifths of the points and cells. At third order, the least
+//! that grains show, the finer grid's error is the difference, the coarser one's twice as much. The sign of a difference is chance
+//! to a large part: over several packings it averages out, and the mean with its own standard error is what an ensemble's
+//! means are uncertain by.
+
+use super::discretisation::Discretisation;
+use super::error::AccuracyError;
+use super::resolution::{raised, smooth_size};
+use super::task::Task;
+use crate::numerics::estimate::Estimate;
+use crate::solve::Watch;
+use crate::wave::physical::largest;
+use crate::wave::{Resolution, WaveError};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Share of points and cells of the coarser grid.
+const COARSER: f64 = 0.8;
+
+/// Own error as a share of the difference to a finer grid, 1/(1 − 0.8³).
+const OF_FINER: f64 = 2.05;
+
+/// The name of this judgement, which the key of every kept grid holds: a change of the two numbers above is another judgement and
+/// needs another name, or folders go on with errors by the old one.
+pub const JUDGEMENT: &str = "scaled companions";
+
+/// Differences of this size are rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Expected errors of the layer's R and T from the grid, over the probes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GridError {
+    /// Error of the reflectance.
+    pub reflectance: f64,
+    /// Error of the transmittance.
+    pub transmittance: f64,
+}
+
+impl GridError {
+    /// From the differences \[packing\]\[probe\]\[R, T\] to the other grid: each probe's mean over the packings with its own standard error,
+    /// the largest of them over the probes. A single packing counts with its difference.
+    pub fn from_differences(differences: &[Vec<[f64; 2]>]) -> Self {
+        let probes = differences.first().map_or(0, Vec::len);
+        let of = |i: usize| largest((0..probes).map(|p| probe_error(differences, p, i)));
+        Self { reflectance: of(0), transmittance: of(1) }
+    }
+
+    /// Differences \[R, T\] of the probes on one packing, each polarisation for itself: at `own`, less on a coarser grid, or on a finer one where the coarser is refused.
+    pub fn differences<G: Discretisation>(
+        tasks: &[Task<G>],
+        own: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Vec<[f64; 2]>, AccuracyError> {
+        let Some(coverages) = tasks.first().map(|task| task.coverages) else { return Ok(Vec::new()) };
+        let mut differences = Vec::new();
+        let coarser = coverages.at(scaled(own, COARSER)).map_err(AccuracyError::from);
+        for task in tasks {
+            let one = totals_on(task, own, watch)?;
+            let coarse = coarser.as_ref().ok().map(|coarser| totals(task, coarser, watch));
+            let (other, share) = match coarse {
+                Some(Ok(other)) => (other, 1.0),
+                Some(Err(stopped)) if stopped.is_stop() => return Err(stopped),
+                _ => (totals(task, &coverages.at(scaled(own, 1.0 / COARSER))?, watch)?, OF_FINER),
+            };
+            // Layers without grains are exact on every grid: rounding is no error of theirs.
+            let difference = |a: f64, b: f64| if (a - b).abs() > ROUNDING { share * (a - b) } else { 0.0 };
+            let of_light = |(a, b): (&[f64; 2], &[f64; 2])| [difference(a[0], b[0]), difference(a[1], b[1])];
+            differences.extend(one.iter().zip(&other).map(of_light));
+        }
+        Ok(differences)
+    }
+}
+
+/// Mean over the packings of one probe's difference in R (`i` = 0) or T (1), with its own standard error.
+fn probe_error(differences: &[Vec<[f64; 2]>], probe: usize, i: usize) -> f64 {
+    let samples: Vec<f64> = differences.iter().map(|packing| packing[probe][i]).collect();
+    let Estimate { value, standard_error } = Estimate::of_mean(&samples);
+    value.hypot(standard_error.unwrap_or(0.0))
+}
+
+/// R and T of one probe, for each polarisation, on this grid; on one with more cells where these are too high for the wave, as
+/// [`crate::run`] solves it then.
+fn totals_on<G: Discretisation>(
+    task: &Task<G>,
+    mut resolution: Resolution,
+    watch: &mut dyn Watch,
+) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    loop {
+        let found = totals(task, &task.coverages.at(resolution)?, watch);
+        let Err(AccuracyError::Wave(refusal @ WaveError::CellTooHigh { .. })) = &found else { return found };
+        let Some(finer) = raised(resolution, refusal) else { return found };
+        resolution = finer;
+    }
+}
+
+/// R and T of one probe, for each polarisation.
+fn totals<G: Discretisation>(
+    task: &Task<G>,
+    geometry: &Arc<G>,
+    watch: &mut dyn Watch,
+) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    let problem = G::problem(geometry, task.media, task.incidence, task.mean)?;
+    let admitted = task.admitted(geometry.grid().resolution).ok();
+    let solver = admitted.as_ref().map_or(task.solver, |admitted| admitted.solver());
+    let solution = G::solve_from(&problem, None, solver, task.goal, watch)?;
+    Ok(G::totals(&G::far_field(&problem, &solution)))
+}
+
+/// A grid with about `factor` times the points and cells, different from `r` wherever that has several.
+fn scaled(r: Resolution, factor: f64) -> Resolution {
+    let points = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor) };
+    let cells = r.cells as f64 * factor;
+    let cells = if factor < 1.0 { cells.floor() } else { cells.ceil() };
+    Resolution { nx: points(r.nx), ny: points(r.ny), cells: (cells as usize).max(1), ..r }
+}
+
+fn scaled_points(n: usize, factor: f64) -> usize {
+    let wanted = n as f64 * factor;
+    if factor > 1.0 {
+        return smooth_size(wanted.ceil() as usize);
+    }
+    (1..=wanted as usize).rev().find(|&k| smooth_size(k) == k).unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wave::Scheme;
+
+    #[test]
+    fn r_and_t_keep_their_own_errors() {
+        // Two packings, two probes: means and their standard errors by hand, the larger probe counts.
+        let differences = [vec![[0.03, -0.001], [0.0, 0.0]], vec![[0.05, 0.003], [0.0, 0.004]]];
+        let GridError { reflectance, transmittance } = GridError::from_differences(&differences);
+        approx::assert_relative_eq!(reflectance, 0.04_f64.hypot(0.01), max_relative = 1e-12);
+        approx::assert_relative_eq!(transmittance, 0.002_f64.hypot(0.002), max_relative = 1e-12);
+        let single = GridError::from_differences(&differences[..1]);
+        assert_eq!((single.reflectance, single.transmittance), (0.03, 0.001));
+    }
+
+    /// Grids judged by one set of numbers stayed in folders when the numbers changed, with half the error.
+    #[test]
+    fn the_judgement_has_a_name_of_its_own() {
+        let known = (JUDGEMENT, COARSER, OF_FINER);
+        assert_eq!(known, ("scaled companions", 0.8, 2.05), "numbers and name change together");
+        // Third order, the least that grains show: what is left of a difference to a grid finer by 1/0.8.
+        approx::assert_relative_eq!(OF_FINER, 1.0 / (1.0 - COARSER.powi(3)), max_relative = 1e-3);
+    }
+
+    #[test]
+    fn companions_are_coarser_or_finer_and_transform_fast() {
+        for n in [1, 2, 12, 25, 128, 135] {
+            let own = Resolution { nx: n, ny: 1, cells: n, scheme: Scheme::default() };
+            let (coarse, fine) = (scaled(own, COARSER), scaled(own, 1.0 / COARSER));
+            assert!(n == 1 || coarse.nx < n && n < fine.nx, "{n}");
+            assert!(coarse.ny == 1 && fine.cells > n && (n == 1 || coarse.cells < n));
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! From a wanted accuracy to a grid, and from solves on two grids to an error estimate.
+
+mod companions;
+pub mod coverages;
+mod difference;
+pub mod discretisation;
+mod error;
+pub mod grid_error;
+mod resolution;
+mod search;
+mod task;
+
+pub use companions::error_estimate;
+pub use difference::largest_difference;
+pub use error::AccuracyError;
+pub use resolution::raised;
+pub use resolution::smooth_size;
+pub use search::suited_scheme;
+pub use task::{Estimated, Known, Task};

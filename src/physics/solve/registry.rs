@@ -1,0 +1,197 @@
+//! The strategies by name.
+//!
+//! The built-in ones are listed once, in `built_in!`; names, study files ([`SolverChoice`]) and the registry that
+//! comparisons, the referee and the claims walk through are made from that list. A strategy of another crate joins with
+//! [`Registry::with`].
+
+use super::solver::{SolveError, Solver};
+use super::strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, Relaxation};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Makes a strategy with its default settings.
+type Make = Box<dyn Fn() -> Box<dyn Solver> + Send + Sync>;
+
+/// One strategy of a registry.
+pub struct Entry {
+    name: String,
+    description: String,
+    make: Make,
+}
+
+impl Entry {
+    /// The name people call it by.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// One line for people who choose.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// The strategy with its default settings.
+    pub fn build(&self) -> Box<dyn Solver> {
+        (self.make)()
+    }
+}
+
+/// Strategies by name, in the order in which tables show them; [`Registry::default`] holds the built-in ones.
+///
+/// ```
+/// use inkwave_physics::solve::{Gmres, Registry};
+///
+/// let registry = Registry::default().with("short memory", "GMRES restarted after 10 steps", || {
+///     Box::new(Gmres { restart: 10, ..Gmres::default() })
+/// })?;
+/// assert_eq!(registry.names().last(), Some("short memory"));
+/// assert!(registry.build("krilov").is_err());
+/// # Ok::<(), inkwave_physics::solve::SolveError>(())
+/// ```
+pub struct Registry {
+    entries: Vec<Entry>,
+}
+
+impl Registry {
+    /// Adds a strategy.
+    ///
+    /// # Errors
+    /// [`SolveError::Setting`] when the name is empty or taken.
+    pub fn with(
+        mut self,
+        name: &str,
+        description: &str,
+        make: impl Fn() -> Box<dyn Solver> + Send + Sync + 'static,
+    ) -> Result<Registry, SolveError> {
+        if name.trim().is_empty() || self.entries.iter().any(|e| e.name == name) {
+            return Err(SolveError::Setting {
+                field: "name of the strategy",
+                value: format!("{name:?}"),
+                allowed: format!("any but {}", self.list()),
+                remedy: "give it a name of its own".into(),
+            });
+        }
+        self.entries.push(Entry { name: name.into(), description: description.into(), make: Box::new(make) });
+        Ok(self)
+    }
+
+    /// All strategies, in their order.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// All names, in their order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(Entry::name)
+    }
+
+    /// The strategy of that name with its default settings.
+    ///
+    /// # Errors
+    /// [`SolveError::Setting`], with the names that are known.
+    pub fn build(&self, name: &str) -> Result<Box<dyn Solver>, SolveError> {
+        let known = self.entries.iter().find(|e| e.name == name);
+        known.map(Entry::build).ok_or_else(|| unknown(name, self.list()))
+    }
+
+    fn list(&self) -> String {
+        self.names().collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn unknown(name: &str, known: String) -> SolveError {
+    SolveError::Setting {
+        field: "solver",
+        value: name.to_string(),
+        allowed: known,
+        remedy: "choose one of these".to_string(),
+    }
+}
+
+/// Makes the choice, its names and the registry from the one list of built-in strategies.
+macro_rules! built_in {
+    ($($name:literal => $variant:ident($settings:ty), $description:literal;)+) => {
+        /// A built-in strategy with its settings, as a study file writes it.
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub enum SolverChoice {
+            $(
+                #[doc = $description]
+                #[serde(rename = $name)]
+                $variant($settings),
+            )+
+        }
+
+        impl SolverChoice {
+            /// All names, the default first.
+            pub const NAMES: &'static [&'static str] = &[$($name),+];
+
+            /// The strategy of that name with its default settings.
+            ///
+            /// # Errors
+            /// [`SolveError::Setting`], with the names that are known.
+            pub fn named(name: &str) -> Result<SolverChoice, SolveError> {
+                match name {
+                    $($name => Ok(SolverChoice::$variant(Default::default())),)+
+                    _ => Err(unknown(name, Self::NAMES.join(", "))),
+                }
+            }
+
+            /// The strategy itself.
+            pub fn build(&self) -> Box<dyn Solver> {
+                match *self {
+                    $(SolverChoice::$variant(settings) => Box::new(settings),)+
+                }
+            }
+        }
+
+        impl Default for Registry {
+            fn default() -> Registry {
+                let entries = vec![$(Entry {
+                    name: $name.into(),
+                    description: $description.into(),
+                    make: Box::new(|| Box::new(<$settings>::default())),
+                }),+];
+                Registry { entries }
+            }
+        }
+    };
+}
+
+built_in! {
+    "krylov" => Krylov(Gmres), "GMRES with the mean slab's guided modes treated exactly.";
+    "bicgstab" => Bicgstab(Bicgstab), "BiCGSTAB: little memory, erratic without absorption.";
+    "born" => Born(Born), "The Born series (P2 section 2): plain and fast where it converges.";
+    "convergent_born" => ConvergentBorn(ConvergentBorn), "The convergent Born series: sure and slow.";
+    "relaxation" => Relaxation(Relaxation), "The source paper's relaxation (P2 section 3), with its sign corrected.";
+    "direct" => Direct(Direct), "Dense LU for tiny grids: the referee.";
+}
+
+impl Default for SolverChoice {
+    fn default() -> SolverChoice {
+        SolverChoice::Krylov(Gmres::default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_agree_everywhere() {
+        let registry = Registry::default();
+        assert!(registry.names().eq(SolverChoice::NAMES.iter().copied()));
+        for entry in registry.entries() {
+            let choice = SolverChoice::named(entry.name()).expect("a built-in name");
+            assert_eq!(choice.build().name(), entry.build().name());
+            let written = serde_json::to_value(choice).expect("settings are plain");
+            assert!(written.get(entry.name()).is_some(), "{written}");
+        }
+    }
+
+    #[test]
+    fn a_taken_name_is_refused() {
+        let twice = Registry::default().with("born", "again", || Box::new(Born::default()));
+        assert!(twice.is_err_and(|e| e.to_string().contains("born")));
+    }
+}

@@ -1,0 +1,259 @@
+//! The door: what a strategy is asked for, what it reports, and how it fails.
+
+use super::System;
+use super::size::Size;
+use crate::wave::{Field, Mean, Problem, Resolution};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::ops::ControlFlow;
+use thiserror::Error;
+
+/// What is asked of a solver.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Goal {
+    /// Relative residual to reach.
+    pub tolerance: f64,
+    /// Most operator applications (each one inverse and one forward transform of every plane).
+    pub max_applications: usize,
+}
+
+impl Default for Goal {
+    fn default() -> Goal {
+        Goal { tolerance: 1e-6, max_applications: 2000 }
+    }
+}
+
+/// One step of a solver, as shown to its watcher.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Number of the step, from 0.
+    pub step: usize,
+    /// Operator applications so far.
+    pub applications: usize,
+    /// Relative residual.
+    pub residual: f64,
+}
+
+/// Someone who looks on: progress bars, histories, cancellation.
+pub trait Watch {
+    /// Called after every step; `Break` stops the solve with [`SolveError::Cancelled`].
+    fn step(&mut self, step: &Step) -> ControlFlow<()>;
+
+    /// Called when a search for a grid begins to try one, and again when its error is known.
+    fn grid(&mut self, _: &GridTrial) {}
+}
+
+/// A grid that a search tries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridTrial {
+    /// The grid.
+    pub resolution: Resolution,
+    /// Largest amplitude error that was asked for.
+    pub accuracy: f64,
+    /// Largest amplitude error estimated, once it is known.
+    pub estimate: Option<f64>,
+    /// Seconds spent on this grid and its companions.
+    pub seconds: f64,
+}
+
+impl fmt::Display for GridTrial {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Resolution { nx, ny, cells, .. } = self.resolution;
+        write!(f, "{nx} × {ny} points, {cells} cells")?;
+        match self.estimate {
+            Some(estimate) => write!(f, ": error {estimate:.1e} in {:.1} s", self.seconds),
+            None => write!(f, " for an error of {:.1e}", self.accuracy),
+        }
+    }
+}
+
+/// Nobody looks on.
+pub struct Silent;
+
+impl Watch for Silent {
+    fn step(&mut self, _: &Step) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// The account of a solve.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Account {
+    /// Name of the strategy.
+    pub solver: String,
+    /// Steps taken.
+    pub steps: usize,
+    /// Operator applications, each one inverse and one forward transform of every plane.
+    pub operator_applications: usize,
+    /// Relative residual after each step, the start included.
+    pub history: Vec<f64>,
+    /// Relative residual of the delivered field.
+    pub residual: f64,
+    /// Wall time of the solve, s.
+    pub seconds: f64,
+    /// Bytes of the solver's own vectors.
+    pub bytes: usize,
+}
+
+/// A converged field; there is no other kind.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Nodes and bubbles of every harmonic: planes × harmonics.
+    pub field: Field,
+    /// How it was reached.
+    pub account: Account,
+}
+
+/// Why there is no solution.
+#[derive(Debug, Error)]
+pub enum SolveError {
+    /// The goal was not met within what was allowed.
+    #[error(
+        "{} stopped at residual {:.2e} after {} operator applications (asked: {tolerance:.1e}): {advice}",
+        .account.solver, .account.residual, .account.operator_applications
+    )]
+    NotConverged {
+        /// What was done.
+        account: Box<Account>,
+        /// Relative residual asked for.
+        tolerance: f64,
+        /// What to try.
+        advice: String,
+    },
+    /// The iteration moves away from the solution.
+    #[error(
+        "{} diverges: successive terms grow by a factor {ratio:.3} a step (residual {:.2e} after {} steps); {}",
+        .account.solver, .account.residual, .account.steps, instead_of(&account.solver)
+    )]
+    Diverged {
+        /// What was done.
+        account: Box<Account>,
+        /// Factor by which terms grow, a step.
+        ratio: f64,
+    },
+    /// The watch stopped it.
+    #[error("the solve was cancelled after {} steps at residual {:.2e}", .account.steps, .account.residual)]
+    Cancelled {
+        /// What was done.
+        account: Box<Account>,
+    },
+    /// A setting that does not suit the problem.
+    #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
+    Setting {
+        /// The setting.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+        /// What to try.
+        remedy: String,
+    },
+}
+
+impl SolveError {
+    /// The account of what was done before the failure, where there is one.
+    pub fn account(&self) -> Option<&Account> {
+        match self {
+            Self::NotConverged { account, .. }
+            | Self::Diverged { account, .. }
+            | Self::Cancelled { account } => Some(account),
+            Self::Setting { .. } => None,
+        }
+    }
+}
+
+/// A strategy: it owns its loop, the problem owns the yardstick. Strategies of other crates implement this trait, keep
+/// their account in a [`Ledger`](super::Ledger) and join a [`Registry`](super::Registry).
+///
+/// ```
+/// use inkwave_physics::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave_physics::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+///
+/// // A plate of glass, 0.4 µm: nothing varies along x and y, so that one point is enough.
+/// let scene = Scene::layer([1.0, 1.0], 0.4, vec![]);
+/// let media = Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
+/// let light = Incidence { wavelength_um: 0.6, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let grid = Resolution { nx: 1, ny: 1, cells: 4, scheme: Scheme::Cubic };
+/// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+///
+/// // λ/n = 0.4 µm: a full wavelength in the plate, which therefore transmits everything (Fresnel and Airy).
+/// let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?;
+/// let far = problem.far_field(&solution.field);
+/// assert!((far.transmittance - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Solver: Send + Sync {
+    /// The name people call it by, in tables and in [`Account::solver`].
+    fn name(&self) -> &'static str;
+
+    /// Solves to `goal.tolerance`, or says why not. `start` is a first guess of u, if there is one.
+    ///
+    /// # Errors
+    /// [`SolveError`]: not converged, diverged, cancelled by the watch, or settings that do not fit the problem.
+    fn solve_from(
+        &self,
+        problem: &dyn System,
+        start: Option<&Field>,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<Solution, SolveError>;
+
+    /// [`Solver::solve_from`] without a first guess: most strategies then start from the wave in the mean medium.
+    fn solve(&self, problem: &dyn System, goal: Goal, watch: &mut dyn Watch) -> Result<Solution, SolveError> {
+        self.solve_from(problem, None, goal, watch)
+    }
+
+    /// The mean medium this strategy can work with: relaxation needs a real one, most take any.
+    fn suited_mean(&self) -> Mean {
+        Mean::default()
+    }
+
+    /// Most bytes that the strategy takes besides the problem itself, for a problem of that size.
+    fn most_bytes(&self, size: &Size) -> f64 {
+        size.fields(50.0)
+    }
+
+    /// The same strategy in `bytes`, where it can do with less than [`Solver::most_bytes`].
+    fn within(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
+        None
+    }
+
+    /// The same strategy with leave to grow within `bytes` where a solve does not converge with [`Solver::most_bytes`]; `None` where
+    /// that changes nothing.
+    fn with_room(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
+        None
+    }
+
+    /// Most unknowns it takes, for strategies that store a dense matrix; comparisons leave those out unless asked.
+    fn most_unknowns(&self) -> Option<usize> {
+        None
+    }
+}
+
+/// The scalar problem behind a system, for a strategy that splits its operator point by point.
+pub(in crate::solve) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result<&'a Problem, SolveError> {
+    system.scalar().ok_or_else(|| not_scalar(name))
+}
+
+/// The refusal of a strategy for Maxwell's equations.
+fn not_scalar(name: &str) -> SolveError {
+    SolveError::Setting {
+        field: "solver",
+        value: name.to_string(),
+        allowed: "krylov, bicgstab, born or direct for Maxwell's equations".to_string(),
+        remedy:
+            "this strategy works on field values at points, and the unknowns here are moments: use krylov"
+                .to_string(),
+    }
+}
+
+/// What to try where a strategy diverges.
+fn instead_of(solver: &str) -> &'static str {
+    match solver {
+        "krylov" => "give lengths in µm and refractive indices of matter, and more points and cells",
+        _ => "use strategy = \"krylov\", which converges on the same problem",
+    }
+}

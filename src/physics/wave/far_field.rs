@@ -1,0 +1,183 @@
+//! What leaves the layer: complex amplitudes and efficiencies of every order.
+
+use super::{Field, Incidence, Media, Problem, Side};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// One diffraction order (m, n), counted from the specular direction.
+///
+/// `direction` is (kx, ky)/k0, the direction cosines when the half-space is vacuum. The reflected amplitude
+/// refers to the face the light enters by, the transmitted one to the opposite face; the reflected (0, 0)
+/// amplitude is u₀₀ − 1 (P2 (4.10) corrected). Efficiencies are Re κ_mn/κ₀₀ |·|², zero for evanescent orders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Order {
+    /// Order along x.
+    pub m: i32,
+    /// Order along y.
+    pub n: i32,
+    /// (kx, ky)/k0.
+    pub direction: [f64; 2],
+    /// Whether it propagates in the half-space the light came from.
+    pub reflected_propagates: bool,
+    /// Whether it propagates in the opposite half-space.
+    pub transmitted_propagates: bool,
+    /// Amplitude R_mn, incident wave 1.
+    pub reflected: Complex64,
+    /// Amplitude T_mn.
+    pub transmitted: Complex64,
+    /// Share of the incident power that it carries back.
+    pub reflected_efficiency: f64,
+    /// Share of the incident power that it carries on.
+    pub transmitted_efficiency: f64,
+    /// Amplitudes \[reflected, transmitted\] that do not interfere with the first ones, zero in the scalar wave: light of
+    /// the other polarisation, and in unpolarised light both of the other incident one. Their powers add, with one
+    /// flux factor for all.
+    pub further: [[Complex64; 2]; FURTHER],
+}
+
+/// Pairs of amplitudes beside the first one: crossed, and two of the second incident polarisation.
+pub const FURTHER: usize = 3;
+
+/// All orders of one solve with their receipt: R + T + A = 1, A from the discrete quadratic form.
+///
+/// ```
+/// use inkwave_physics::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave_physics::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+/// use num_complex::Complex64;
+///
+/// // An absorbing film on glass: one order, exact at any number of cells.
+/// let film = Complex64::new(1.6, 0.05);
+/// let scene = Scene::layer([1.0, 1.0], 0.5, vec![]);
+/// let media = Media { incident: 1.0.into(), exit: 1.5.into(), backgrounds: vec![film], inclusions: vec![] };
+/// let light = Incidence { wavelength_um: 0.55, polar_deg: 30.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let grid = Resolution { nx: 1, ny: 1, cells: 6, scheme: Scheme::Cubic };
+/// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+/// let far = problem.far_field(&Gmres::default().solve(&problem, Goal::default(), &mut Silent)?.field);
+/// assert!(far.energy_error().abs() < 1e-12 && far.absorptance > 0.3);
+/// assert_eq!(far.specular().reflected_efficiency, far.reflectance);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct FarField {
+    /// The light.
+    pub incidence: Incidence,
+    /// Lateral periods, µm.
+    pub period_um: [f64; 2],
+    /// All orders that propagate on either side, and evanescent ones near them.
+    pub orders: Vec<Order>,
+    /// R, the sum of the reflected efficiencies.
+    pub reflectance: f64,
+    /// T, the sum of the transmitted efficiencies.
+    pub transmittance: f64,
+    /// A, the absorbed share of the incident power.
+    pub absorptance: f64,
+}
+
+impl FarField {
+    /// R + T + A − 1: zero to the solver's residual at any resolution.
+    pub fn energy_error(&self) -> f64 {
+        self.reflectance + self.transmittance + self.absorptance - 1.0
+    }
+
+    /// Unpolarised light from s and p light of the same direction: the mean of efficiencies and totals. All amplitudes are
+    /// kept side by side, less a factor √2, so that powers are theirs.
+    pub fn unpolarised(s: &FarField, p: &FarField) -> FarField {
+        let orders = s.orders.iter().zip(&p.orders).map(|(s, p)| Order::unpolarised(s, p)).collect();
+        FarField {
+            orders,
+            reflectance: 0.5 * (s.reflectance + p.reflectance),
+            transmittance: 0.5 * (s.transmittance + p.transmittance),
+            absorptance: 0.5 * (s.absorptance + p.absorptance),
+            ..s.clone()
+        }
+    }
+
+    /// The specular order (0, 0).
+    pub fn specular(&self) -> &Order {
+        let is_specular = |o: &&Order| o.m == 0 && o.n == 0;
+        self.orders.iter().find(is_specular).expect("order (0, 0) is always kept")
+    }
+}
+
+impl Order {
+    /// All amplitudes \[reflected, transmitted\], those that do not interfere beside each other.
+    pub fn amplitudes(&self) -> impl Iterator<Item = [Complex64; 2]> + use<> {
+        std::iter::once([self.reflected, self.transmitted]).chain(self.further)
+    }
+
+    fn unpolarised(s: &Order, p: &Order) -> Order {
+        let share = |amplitudes: [Complex64; 2]| amplitudes.map(|a| std::f64::consts::FRAC_1_SQRT_2 * a);
+        let [reflected, transmitted] = share([s.reflected, s.transmitted]);
+        Order {
+            reflected,
+            transmitted,
+            further: [s.further[0], [p.reflected, p.transmitted], p.further[0]].map(share),
+            reflected_efficiency: 0.5 * (s.reflected_efficiency + p.reflected_efficiency),
+            transmitted_efficiency: 0.5 * (s.transmitted_efficiency + p.transmitted_efficiency),
+            ..*s
+        }
+    }
+}
+
+/// Evanescent orders are listed up to this lateral wavenumber, in units of the densest half-space's.
+const EVANESCENT_REACH: f64 = 3.0;
+
+/// Compact indices of the harmonics that a far field lists, with their (m, n) counted from the `specular` one.
+pub(in crate::wave) fn listed_orders(
+    harmonics: &[[i32; 2]],
+    lateral: &[[f64; 2]],
+    media: &Media,
+    k0: f64,
+    specular: [i32; 2],
+) -> Vec<(usize, [i32; 2])> {
+    let index = media.incident.re.max(media.exit.re).max(1.0);
+    let reach = EVANESCENT_REACH * index * k0;
+    let labelled = harmonics.iter().map(|[m, n]| [m - specular[0], n - specular[1]]).enumerate();
+    let listed = |&(i, [m, n]): &(usize, [i32; 2])| {
+        lateral[i][0].hypot(lateral[i][1]) <= reach || (m.abs() <= 2 && n.abs() <= 2)
+    };
+    labelled.filter(listed).collect()
+}
+
+impl Problem {
+    /// Reads the orders off the first and last node (P2 (3.8), (3.9) with moduli) and adds the receipt.
+    pub fn far_field(&self, u: &Field) -> FarField {
+        let last = self.shape().0 - 1;
+        let (entry, exit) = if self.incidence.from == Side::Incident { (0, last) } else { (last, 0) };
+        let k0 = TAU / self.incidence.wavelength_um;
+        let specular = self.harmonics.orders[self.incident_harmonic()];
+        let listed = listed_orders(&self.harmonics.orders, &self.lateral, &self.media, k0, specular);
+        let mut orders: Vec<Order> =
+            listed.into_iter().map(|(i, label)| self.order(u, i, label, [entry, exit])).collect();
+        orders.sort_by_key(|o| (o.m, o.n));
+        FarField {
+            incidence: self.incidence,
+            period_um: self.coverage.grid.period_um,
+            reflectance: orders.iter().map(|o| o.reflected_efficiency).sum(),
+            transmittance: orders.iter().map(|o| o.transmitted_efficiency).sum(),
+            absorptance: self.absorptance(u),
+            orders,
+        }
+    }
+
+    fn order(&self, u: &Field, i: usize, [m, n]: [i32; 2], [entry, exit]: [usize; 2]) -> Order {
+        let k0 = TAU / self.incidence.wavelength_um;
+        let (incident_side, exit_side) = (self.kappa[0][i], self.kappa[1][i]);
+        let (back, onward) = if entry == 0 { (incident_side, exit_side) } else { (exit_side, incident_side) };
+        let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };
+        let (reflected, transmitted) = (u[[entry, i]] - incident, u[[exit, i]]);
+        let efficiency = |kappa: Complex64, a: Complex64| kappa.re / self.incident_kappa() * a.norm_sqr();
+        Order {
+            m,
+            n,
+            direction: self.lateral[i].map(|k| k / k0),
+            reflected_propagates: back.re > 0.0,
+            transmitted_propagates: onward.re > 0.0,
+            reflected,
+            transmitted,
+            reflected_efficiency: efficiency(back, reflected),
+            transmitted_efficiency: efficiency(onward, transmitted),
+            further: Default::default(),
+        }
+    }
+}

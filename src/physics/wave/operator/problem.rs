@@ -1,0 +1,231 @@
+//! The discrete problem (A + V) u = b, shared by all strategies: mean solve, contrast product, residual.
+//!
+//! Unknowns are harmonics of the nodes, and of the bubbles in each cell; see [`super::mean`].
+
+mod contrast;
+mod points;
+
+pub use super::mean_medium::Mean;
+
+use super::cell::decaying_root;
+use super::mean::MeanOperator;
+use super::mean_medium::{cells_needed, plane_offsets};
+use super::scattering::{Scatter, Scattering};
+use super::setting::Setting;
+use crate::numerics::fourier::{Harmonics, PlaneFft};
+use crate::wave::{Coverage, Grid, Incidence, Media, Scene, Side, WaveError};
+use ndarray::{Array2, ArrayView2};
+use num_complex::Complex64;
+use std::sync::{Arc, OnceLock};
+
+/// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
+pub type Field = Array2<Complex64>;
+
+/// One wave problem (A + V) u = b: immutable and shared between threads. A is the operator of the mean medium ⟨k²⟩ with the
+/// boundary conditions of P2 (3.4), V = k² − ⟨k²⟩ the contrast, u the field on the planes as harmonics.
+///
+/// Shapes: a field has `shape()` = (planes, harmonics) complex numbers; planes = degree · cells + 1.
+///
+/// ```
+/// use inkwave_physics::wave::{Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
+///
+/// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+/// let media =
+///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.558.into()], inclusions: vec![1.4.into()] };
+/// let light = Incidence { wavelength_um: 0.6, polar_deg: 20.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let grid = Resolution { nx: 9, ny: 9, cells: 4, scheme: Scheme::Cubic };
+/// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
+/// assert_eq!(problem.shape(), (3 * 4 + 1, 9 * 9));
+///
+/// // One operator application, A⁻¹V u₀: what the ball scatters out of the wave in the mean medium.
+/// let background = problem.background_wave();
+/// let mut scattered = Field::zeros(problem.shape());
+/// problem.scatter(&background, &mut scattered);
+/// let size = |f: &Field| f.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+/// assert!(size(&scattered) < 0.5 * size(&background));
+/// # Ok::<(), inkwave_physics::wave::WaveError>(())
+/// ```
+pub struct Problem {
+    /// The geometry, shared with all problems on the same grid.
+    pub coverage: Arc<Coverage>,
+    /// The light.
+    pub incidence: Incidence,
+    /// Indices of all media.
+    pub media: Media,
+    /// The harmonics in use: columns of a field.
+    pub harmonics: Arc<Harmonics>,
+    /// A, factorised.
+    pub mean: MeanOperator,
+    /// Normal wavenumbers of every harmonic in the half-spaces above and below, 1/µm.
+    pub kappa: [Vec<Complex64>; 2],
+    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero, see [`crate::wave::bloch`].
+    pub lateral: Vec<[f64; 2]>,
+    fft: PlaneFft,
+    /// k0²(η² − η_background²) of each channel over the points of a plane (inverse transforms are unnormalised).
+    contrasts: Vec<Complex64>,
+    /// Uniform part of each plane's moment, equally divided.
+    offsets: Vec<Complex64>,
+    double: OnceLock<Scattering<f64>>,
+    single: OnceLock<Scattering<f32>>,
+    /// Compact index of the incident harmonic.
+    incident: usize,
+}
+
+impl Problem {
+    /// Sets up one wavelength and angle on a geometry.
+    ///
+    /// Errors: media or angle out of range, grid too coarse for the propagating orders or for the wavelength.
+    pub fn new(
+        coverage: &Arc<Coverage>,
+        media: &Media,
+        incidence: &Incidence,
+        mean: Mean,
+    ) -> Result<Problem, WaveError> {
+        incidence.check()?;
+        let (grid, layout) = (&coverage.grid, coverage.layout());
+        let harmonics = coverage.harmonics.clone();
+        let Setting { k0, lateral, incident, mean_k2 } =
+            Setting::new(&layout, &harmonics, media, incidence, mean)?;
+        let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
+        let kappa_in =
+            |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
+        let kappa: [Vec<Complex64>; 2] = [kappa_in(media.incident), kappa_in(media.exit)];
+        Ok(Problem {
+            contrasts: contrast::strengths(coverage, media, k0),
+            offsets: plane_offsets(coverage, media, k0, &mean_k2),
+            mean: MeanOperator::new(grid, mean_k2, lateral_k2, [&kappa[0], &kappa[1]]),
+            fft: coverage.fft.clone(),
+            double: OnceLock::new(),
+            single: OnceLock::new(),
+            coverage: coverage.clone(),
+            incidence: *incidence,
+            media: media.clone(),
+            harmonics,
+            kappa,
+            lateral,
+            incident,
+        })
+    }
+
+    /// Coverage and problem in one step, for a scene that is solved once.
+    pub fn from_scene(
+        scene: &Scene,
+        media: &Media,
+        incidence: &Incidence,
+        resolution: crate::wave::Resolution,
+        mean: Mean,
+    ) -> Result<Problem, WaveError> {
+        scene.check(media)?;
+        Problem::new(&Arc::new(Coverage::new(scene, resolution)?), media, incidence, mean)
+    }
+
+    /// Cells of another grid that [`Problem::new`] would accept: its own, or as many as the wave needs.
+    ///
+    /// Judged by this problem's mean, before a coverage is computed for that grid.
+    pub fn cells_needed(&self, other: &Grid) -> usize {
+        cells_needed(&self.coverage.grid, self.mean.mean_k2(), other)
+    }
+
+    /// Rows and columns of a field.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.coverage.grid.planes(), self.harmonics.len())
+    }
+
+    /// Number of complex unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.shape().0 * self.shape().1
+    }
+
+    /// Bytes held by the problem itself: factors of the mean operator and coverage, without solver vectors.
+    pub fn bytes(&self) -> usize {
+        let tables = [self.double.get().map(|d| d.bytes()), self.single.get().map(|d| d.bytes())];
+        self.mean.bytes() + self.coverage.bytes() + tables.into_iter().flatten().sum::<usize>()
+    }
+
+    /// False for layered media whose mean is exact: nothing is left to iterate on.
+    pub fn has_contrast(&self) -> bool {
+        let strength = |c: &Complex64| c.norm() > 0.0;
+        self.contrasts.iter().any(strength) || self.offsets.iter().any(strength)
+    }
+
+    /// b: 2iκ₀₀ in the row of the face that the light enters by, in the incident harmonic (P2 (3.4)).
+    pub fn source(&self) -> Field {
+        let mut b = Field::zeros(self.shape());
+        b[[self.entry_row(), self.incident]] = 2.0 * Complex64::I * self.incident_kappa();
+        b
+    }
+
+    fn entry_row(&self) -> usize {
+        if self.incidence.from == Side::Incident { 0 } else { self.shape().0 - 1 }
+    }
+
+    /// u₀ = A⁻¹ b, the wave in the mean medium.
+    pub fn background_wave(&self) -> Field {
+        let mut b = self.source();
+        self.mean.solve(&mut b);
+        b
+    }
+
+    /// out ← A⁻¹ V u: one operator application.
+    pub fn scatter(&self, u: &Field, out: &mut Field) {
+        self.scatter_view(u.view(), out);
+    }
+
+    /// [`Problem::scatter`] of a borrowed field.
+    pub fn scatter_view(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.double().scatter(u, out);
+    }
+
+    /// out ← V u as loads y_p on planes (one inverse and one forward transform a plane).
+    pub fn contrast_loads(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.double().contrast_loads(u, out);
+    }
+
+    /// A⁻¹V as tables, made when first asked for.
+    pub fn double(&self) -> &Scattering<f64> {
+        let fft = || self.fft.clone();
+        self.double.get_or_init(|| Scattering::new(&self.mean, &self.harmonics, fft(), self.weights()))
+    }
+
+    /// The same in single precision.
+    pub fn single(&self) -> &Scattering<f32> {
+        let fft = || self.coverage.fft_single.clone();
+        self.single.get_or_init(|| Scattering::new(&self.mean, &self.harmonics, fft(), self.weights()))
+    }
+
+    /// iκ of both half-spaces for one harmonic.
+    pub fn end_conditions(&self, harmonic: usize) -> [Complex64; 2] {
+        [0, 1].map(|side| Complex64::I * self.kappa[side][harmonic])
+    }
+
+    /// Im⟨u, (A_interior + V) u⟩/κ₀₀, the absorbed share of the incident flux.
+    pub fn absorptance(&self, u: &Field) -> f64 {
+        let zeros = vec![Complex64::default(); self.harmonics.len()];
+        let interior = self.mean.apply(u, [&zeros, &zeros]);
+        let mean_part: f64 = u.iter().zip(&interior).map(|(u, a)| (u.conj() * a).im).sum();
+        (mean_part + self.contrast_absorption(u)) / self.incident_kappa()
+    }
+
+    fn contrast_absorption(&self, u: &Field) -> f64 {
+        let mut loads = Field::zeros(self.shape());
+        self.contrast_loads(u.view(), &mut loads);
+        self.mean.load(&mut loads);
+        u.iter().zip(&loads).map(|(u, y)| (u.conj() * y).im).sum()
+    }
+
+    /// κ₀₀ of the half-space that the light comes from.
+    pub fn incident_kappa(&self) -> f64 {
+        let side = if self.incidence.from == Side::Incident { 0 } else { 1 };
+        self.kappa[side][self.incident].re
+    }
+
+    /// Compact index of the harmonic that the incident wave is, and with it the specular order.
+    pub fn incident_harmonic(&self) -> usize {
+        self.incident
+    }
+}
+
+#[cfg(test)]
+#[path = "problem_tests.rs"]
+mod tests;

@@ -1,0 +1,305 @@
+//! What the wave sees: strata of constant index with bodies inside them, and the media's indices.
+
+use super::WaveError;
+use num_complex::Complex64;
+
+/// A ball in µm; `center_um` may lie outside the cell, it is wrapped periodically in x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Centre (x, y, z), µm.
+    pub center_um: [f64; 3],
+    /// Radius, µm.
+    pub radius_um: f64,
+}
+
+/// A body's shape, lengths in µm. Bodies along y serve the two-dimensional references.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Union of balls of one grain; where they overlap the volume counts once.
+    Balls(Vec<Ball>),
+    /// Infinite circular cylinder along y.
+    CylinderY {
+        /// Centre along x, µm.
+        x_um: f64,
+        /// Centre along z, µm.
+        z_um: f64,
+        /// Radius, µm.
+        radius_um: f64,
+    },
+    /// Infinite rectangular bar along y.
+    BarY {
+        /// From and to along x, µm.
+        x_um: [f64; 2],
+        /// From and to along z, µm.
+        z_um: [f64; 2],
+    },
+    /// Everything above a rough surface except the given balls: vacuum over a relief.
+    Above {
+        /// The surface.
+        surface: HeightField,
+        /// Grains that stand out of it.
+        balls: Vec<Ball>,
+    },
+    /// Whole sheet between two heights (a stratum that the grid need not resolve).
+    Sheet {
+        /// From and to, µm.
+        z_um: [f64; 2],
+    },
+}
+
+/// A periodic surface z(x, y) in µm on a grid of points (x fastest), bilinear between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    /// Heights, as z in µm, `count[0]` · `count[1]` of them.
+    pub z_um: Vec<f64>,
+    /// Points along x and y.
+    pub count: [usize; 2],
+    /// Periods along x and y, µm.
+    pub period_um: [f64; 2],
+}
+
+/// What a body consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Material {
+    /// The medium of this index in [`Media::inclusions`], such as a pigment.
+    Inclusion(usize),
+    /// The medium of the incident side (vacuum unless the study says otherwise), which fills what a relief leaves open.
+    Incident,
+}
+
+/// One body of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Where it is, µm.
+    pub shape: Shape,
+    /// What it consists of.
+    pub material: Material,
+}
+
+/// One stratum of constant background, counted from z = 0; `background` indexes [`Media::backgrounds`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stratum {
+    /// Thickness, µm.
+    pub thickness_um: f64,
+    /// Index into the backgrounds.
+    pub background: usize,
+}
+
+/// The geometry of one periodic cell, 0 ≤ z ≤ H, independent of wavelength and angle.
+///
+/// ```
+/// use inkwave_physics::wave::{Ball, Body, Media, Scene, Shape};
+///
+/// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+/// let media = Media {
+///     incident: 1.0.into(),
+///     exit: 1.0.into(),
+///     backgrounds: vec![1.558.into()], // the binder
+///     inclusions: vec![1.4.into()],    // the ball
+/// };
+/// scene.check(&media)?;
+/// assert_eq!(scene.thickness_um(), 0.3);
+///
+/// // A body that leaves the layer is refused, with its place and the remedy.
+/// let high = Ball { center_um: [0.1, 0.2, 0.05], radius_um: 0.1 };
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![high]), 0)]);
+/// assert!(scene.check(&media).unwrap_err().to_string().contains("move it or make the layer thicker"));
+/// # Ok::<(), inkwave_physics::wave::WaveError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Lateral periods (Lx, Ly), µm.
+    pub period_um: [f64; 2],
+    /// Strata from z = 0 on.
+    pub strata: Vec<Stratum>,
+    /// Bodies in them, without overlap.
+    pub bodies: Vec<Body>,
+}
+
+/// Complex refractive indices at one wavelength, Im η ≥ 0 absorbs (time factor e^{−iωt}).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Media {
+    /// Half-space z < 0, the incident side.
+    pub incident: Complex64,
+    /// Half-space z > H, the exit side.
+    pub exit: Complex64,
+    /// Media of the strata.
+    pub backgrounds: Vec<Complex64>,
+    /// Media of the bodies.
+    pub inclusions: Vec<Complex64>,
+}
+
+impl Scene {
+    /// A single stratum holding `bodies`.
+    pub fn layer(period_um: [f64; 2], thickness_um: f64, bodies: Vec<Body>) -> Scene {
+        Scene { period_um, strata: vec![Stratum { thickness_um, background: 0 }], bodies }
+    }
+
+    /// H, the sum of the strata.
+    pub fn thickness_um(&self) -> f64 {
+        self.strata.iter().map(|s| s.thickness_um).sum()
+    }
+
+    /// True when nothing depends on y, so that only orders n = 0 exist.
+    pub fn uniform_in_y(&self) -> bool {
+        !self.bodies.iter().any(|b| matches!(b.shape, Shape::Balls(_) | Shape::Above { .. }))
+    }
+
+    /// True when nothing depends on x either: a stack of homogeneous films.
+    pub fn uniform_in_plane(&self) -> bool {
+        self.bodies.iter().all(|b| matches!(b.shape, Shape::Sheet { .. }))
+    }
+
+    /// Numbers of the strata that some body reaches into: elsewhere the wave is the film's, which every grid has exactly.
+    pub fn patterned_strata(&self) -> Vec<usize> {
+        let mut bottom = 0.0;
+        let slack = 1e-9 * self.thickness_um();
+        let is_reached = |stratum: &Stratum| {
+            let [low, high] = [bottom, bottom + stratum.thickness_um];
+            bottom = high;
+            self.bodies.iter().map(Body::extent_um).any(|[lo, hi]| lo < high - slack && hi > low + slack)
+        };
+        let reached: Vec<bool> = self.strata.iter().map(is_reached).collect();
+        (0..reached.len()).filter(|&i| reached[i]).collect()
+    }
+
+    /// Refuses lengths that are not finite and positive, bodies that leave the layer, and unknown media.
+    pub fn check(&self, media: &Media) -> Result<(), WaveError> {
+        for (axis, &period) in ["x", "y"].iter().zip(&self.period_um) {
+            positive(&format!("period in {axis} (µm)"), period)?;
+        }
+        for (i, stratum) in self.strata.iter().enumerate() {
+            positive(&format!("thickness of stratum {i} (µm)"), stratum.thickness_um)?;
+            check_thickness(i, stratum.thickness_um)?;
+        }
+        let height = self.thickness_um();
+        let period = self.period_um[0].min(self.period_um[1]);
+        self.bodies.iter().enumerate().try_for_each(|(i, body)| body.check(i, period, height))?;
+        media.check(self)
+    }
+}
+
+impl Body {
+    /// A body of the medium `inclusion` of [`Media::inclusions`].
+    pub fn new(shape: Shape, inclusion: usize) -> Body {
+        Body { shape, material: Material::Inclusion(inclusion) }
+    }
+
+    /// Lowest and highest z of the body.
+    pub fn extent_um(&self) -> [f64; 2] {
+        match &self.shape {
+            Shape::Balls(balls) => balls.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], b| {
+                [lo.min(b.center_um[2] - b.radius_um), hi.max(b.center_um[2] + b.radius_um)]
+            }),
+            Shape::CylinderY { z_um, radius_um, .. } => [z_um - radius_um, z_um + radius_um],
+            Shape::Above { surface, .. } => [0.0, surface.deepest_um()],
+            Shape::BarY { z_um, .. } | Shape::Sheet { z_um } => *z_um,
+        }
+    }
+
+    fn check(&self, index: usize, period: f64, height: f64) -> Result<(), WaveError> {
+        let [lo, hi] = self.extent_um();
+        let size = hi - lo;
+        self.check_lateral(index, period)?;
+        positive(&format!("height of body {index} (µm)"), size)?;
+        // A grain that touches a wall may stand out of it by the rounding of its coordinates.
+        let slack = 1e-9 * height;
+        if lo < -slack || hi > height + slack {
+            return Err(WaveError::OutsideLayer {
+                body: index,
+                low_um: lo,
+                high_um: hi,
+                thickness_um: height,
+            });
+        }
+        Ok(())
+    }
+}
+
+impl Body {
+    /// Refuses lateral positions that are no numbers, which would only show as NaN in every amplitude, and those so far
+    /// out that wrapping them into the period leaves too few digits.
+    fn check_lateral(&self, index: usize, period: f64) -> Result<(), WaveError> {
+        let lateral: Vec<f64> = match &self.shape {
+            Shape::Balls(balls) | Shape::Above { balls, .. } => {
+                balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect()
+            }
+            Shape::CylinderY { x_um, .. } => vec![*x_um],
+            Shape::BarY { x_um, .. } => x_um.to_vec(),
+            Shape::Sheet { .. } => Vec::new(),
+        };
+        let field = || format!("lateral position of body {index} (µm)");
+        let wrong = lateral.into_iter().find(|x| x.is_nan() || x.abs() > FARTHEST * period);
+        wrong.map_or(Ok(()), |value| match value.is_finite() {
+            false => Err(WaveError::NotFinite { field: field(), value }),
+            true => Err(WaveError::FarOut { field: field(), value, most_um: FARTHEST * period }),
+        })
+    }
+}
+
+impl Media {
+    /// Refractive index of a body's material; [`Scene::check`] has seen to it that the material is known.
+    pub fn index_of(&self, material: Material) -> Complex64 {
+        match material {
+            Material::Inclusion(index) => self.inclusions[index],
+            Material::Incident => self.incident,
+        }
+    }
+
+    /// Largest |η_i² − η_b²| of any material in any background.
+    pub fn largest_contrast(&self) -> f64 {
+        let contrast = |b: Complex64| self.inclusions.iter().map(move |i| (i * i - b * b).norm());
+        self.backgrounds.iter().copied().flat_map(contrast).fold(0.0, f64::max)
+    }
+
+    fn check(&self, scene: &Scene) -> Result<(), WaveError> {
+        let missing = |what, need: usize, have: usize| {
+            (need >= have).then_some(WaveError::UnknownMedium { what, index: need, known: have })
+        };
+        let background =
+            scene.strata.iter().find_map(|s| missing("background", s.background, self.backgrounds.len()));
+        let inclusion = scene.bodies.iter().find_map(|b| match b.material {
+            Material::Inclusion(index) => missing("inclusion", index, self.inclusions.len()),
+            Material::Incident => None,
+        });
+        if let Some(error) = background.or(inclusion) {
+            return Err(error);
+        }
+        let named = |name: &'static str| move |(i, &eta): (usize, &Complex64)| (format!("{name} {i}"), eta);
+        let all = [
+            ("half-space of the incident side".to_string(), self.incident),
+            ("half-space of the exit side".to_string(), self.exit),
+        ];
+        let inner = self.backgrounds.iter().enumerate().map(named("background"));
+        let inner = inner.chain(self.inclusions.iter().enumerate().map(named("inclusion")));
+        all.into_iter().chain(inner).try_for_each(|(name, eta)| check_index(&name, eta))
+    }
+}
+
+fn check_index(name: &str, eta: Complex64) -> Result<(), WaveError> {
+    if eta.is_finite() && eta.im >= 0.0 && eta.re >= 0.0 && eta.norm() > 0.0 {
+        return Ok(());
+    }
+    Err(WaveError::Index { medium: name.to_string(), real: eta.re, imaginary: eta.im })
+}
+
+/// Most periods that a body may be away from the origin: ten digits of its place in the period are left.
+const FARTHEST: f64 = 1e6;
+
+/// Thinnest stratum, µm: rounding of its mean operator is about 1e-16/(k h), here 1e-11.
+pub const THINNEST_UM: f64 = 1e-6;
+
+fn check_thickness(stratum: usize, thickness_um: f64) -> Result<(), WaveError> {
+    if thickness_um >= THINNEST_UM {
+        return Ok(());
+    }
+    Err(WaveError::TooThin { stratum, thickness_um, least_um: THINNEST_UM })
+}
+
+fn positive(field: &str, value: f64) -> Result<(), WaveError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(WaveError::NotPositive { field: field.to_string(), value })
+}

@@ -1,0 +1,111 @@
+//! Incidence along a vector of the lattice, for comparison with programs that solve no other direction.
+//!
+//! P2 (the remark after (3.13)) lights its cell along the Fourier directions, whose lateral wavevectors are multiples of
+//! 2π/L. Here every direction is solved through its Bloch vector ([`super::bloch`]), and none needs to be moved.
+
+use super::bloch::{TIE, nearest_order};
+use super::{Incidence, Media, Side, WaveError};
+use std::f64::consts::TAU;
+
+/// Longest lateral wavevector of a snapped direction, in units of k: 89.9° from the normal. Beyond it lies grazing light,
+/// which no solve accepts.
+const REACH: f64 = 1.0 - 1e-6;
+/// Periods that can be snapped to, in wavelengths: the vector's numbers stay exact.
+const PERIODS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
+/// A direction moved onto the lattice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snapped {
+    /// The light as it is solved.
+    pub incidence: Incidence,
+    /// (m, n): its lateral wavevector is 2π (m/Lx, n/Ly).
+    pub vector: [i32; 2],
+}
+
+impl Incidence {
+    /// The light whose lateral wavevector is the vector of the lattice 2π (m/Lx, n/Ly) nearest to this one's, among those
+    /// that propagate in the half-space it comes from (P2, after (3.13)). Of equally near ones it is the one closest to the
+    /// normal; the azimuth of light along the normal stays. `period_um` are the periods \[Lx, Ly\], µm.
+    ///
+    /// ```
+    /// use inkwave_physics::wave::{Incidence, Media, Side};
+    ///
+    /// let media =
+    ///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
+    /// let light = Incidence { wavelength_um: 0.5, polar_deg: 20.0, azimuth_deg: 30.0, from: Side::Incident };
+    /// let snapped = light.snapped([2.0, 2.0], &media)?; // directions of the lattice lie 0.25 apart
+    /// assert_eq!(snapped.vector, [1, 1]);
+    /// assert!((snapped.incidence.polar_deg - (0.125f64).sqrt().asin().to_degrees()).abs() < 1e-12);
+    /// assert!((snapped.incidence.azimuth_deg - 45.0).abs() < 1e-12);
+    /// # Ok::<(), inkwave_physics::wave::WaveError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// What [`Incidence::check`] refuses; light that comes through an absorber; periods outside of 1e-6 to 1e6 wavelengths.
+    pub fn snapped(&self, period_um: [f64; 2], media: &Media) -> Result<Snapped, WaveError> {
+        self.check()?;
+        let refused = |l: &&f64| !PERIODS.contains(&(**l / self.wavelength_um));
+        if let Some(&value) = period_um.iter().find(refused) {
+            let (field, allowed) = ("period (µm)", "1e-6 to 1e6 wavelengths for a direction to be snapped");
+            return Err(WaveError::Range { field, value, allowed, remedy: "give it in µm, or do not snap" });
+        }
+        let whole = self.lateral_wavevector(media)?;
+        let eta = if self.from == Side::Incident { media.incident } else { media.exit };
+        let k = TAU / self.wavelength_um * eta.re;
+        let step = period_um.map(|l| TAU / l);
+        let vector = nearest_within(whole, step, REACH * k);
+        Ok(Snapped { incidence: self.along(lateral(vector, step), k), vector })
+    }
+
+    /// The same light with another lateral wavevector, 1/µm; the azimuth in the turn that it was given in.
+    fn along(&self, [x, y]: [f64; 2], k: f64) -> Incidence {
+        if [x, y] == [0.0; 2] {
+            return Incidence { polar_deg: 0.0, ..*self };
+        }
+        let azimuth = y.atan2(x).to_degrees();
+        let turns = ((self.azimuth_deg - azimuth) / 360.0).round();
+        let polar_deg = (x.hypot(y) / k).asin().to_degrees();
+        Incidence { polar_deg, azimuth_deg: azimuth + 360.0 * turns, ..*self }
+    }
+}
+
+fn lateral(vector: [i32; 2], step: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| step[i] * f64::from(vector[i]))
+}
+
+/// The vector of the lattice nearest to `whole` among those no longer than `reach`.
+fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
+    // Rounding both numbers towards zero stays within reach, so the nearest vector is less than a diagonal away: at most
+    // √2 rows along the axis of the wider step. In each row it is the nearest that the circle lets in.
+    let wide = usize::from(step[1] > step[0]);
+    let in_row = |row: i32| nearest_in_row([wide, 1 - wide], row, whole, step, reach);
+    let length = |v: [i32; 2]| lateral(v, step)[0].hypot(lateral(v, step)[1]);
+    let distance = |v: [i32; 2]| (lateral(v, step)[0] - whole[0]).hypot(lateral(v, step)[1] - whole[1]);
+    let middle = nearest_order(whole[wide] / step[wide]);
+    let mut found: Vec<[i32; 2]> = (-2..=2).map(|i| middle.saturating_add(i)).filter_map(in_row).collect();
+    // Rounding must not decide between equally near ones.
+    found.sort_by(|&a, &b| length(a).total_cmp(&length(b)));
+    let slack = TIE * step[wide];
+    let nearer = |a, b| if distance(b) < distance(a) - slack { b } else { a };
+    found.into_iter().reduce(nearer).unwrap_or_default()
+}
+
+/// The vector nearest to `whole` among those with `row` along the axis `wide` that are no longer than `reach`, if any is.
+fn nearest_in_row(
+    [wide, other]: [usize; 2],
+    row: i32,
+    whole: [f64; 2],
+    step: [f64; 2],
+    reach: f64,
+) -> Option<[i32; 2]> {
+    let height = step[wide] * f64::from(row);
+    let chord = (reach * reach - height * height).sqrt();
+    let most = (chord / step[other]) as i32;
+    let mut vector = [row; 2];
+    vector[other] = nearest_order(whole[other] / step[other]).clamp(-most, most);
+    (!chord.is_nan()).then_some(vector)
+}
+
+#[cfg(test)]
+#[path = "snapping_tests.rs"]
+mod tests;

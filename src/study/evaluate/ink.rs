@@ -1,0 +1,306 @@
+//! The ink on its paper over all wavelengths and realisations: spectra, colours and the picture, with errors.
+
+mod colours;
+
+pub use colours::Sight;
+
+use super::curves::{curves, fits};
+use super::films::{FilmAt, Films};
+use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
+use super::on_paper::{AZIMUTHAL, BENDS, Curve, DIFFUSE, LayerOnPaper, Nodes, PolarAngle, SYMMETRIC};
+use super::regression::Fits;
+use super::samples::{SolvedRealisation, SolvedWavelength};
+use super::wavelengths::SpectralBasis;
+use crate::appearance::colour::ColourError;
+use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
+use crate::appearance::viewing::Viewing;
+use std::ops::Range;
+use thiserror::Error;
+
+/// Largest step of the wavelengths that colours are summed over, nm.
+const COLOUR_STEP_NM: f64 = 5.0;
+
+/// Why the ensemble gives no ink on paper.
+#[derive(Debug, Error, PartialEq)]
+pub enum InkError {
+    /// The paper, or a number of the layer on it.
+    #[error(transparent)]
+    Paper(#[from] PaperError),
+    /// The wavelengths cannot carry a colour.
+    #[error(transparent)]
+    Colour(#[from] ColourError),
+    /// 0° and 45° are not both among the angles solved, or the hemisphere is not.
+    #[error("paper and colour need solves at 0° and 45° and over the hemisphere")]
+    AnglesMissing,
+}
+
+/// What an ensemble of solves stands for: its film, its paper and what shall be reported.
+pub struct InkInputs<'a> {
+    /// The coherent film.
+    pub films: &'a Films<'a>,
+    /// The paper.
+    pub substrate: &'a Substrate,
+    /// Wavelengths of the spectra to report, nm, rising.
+    pub outputs_nm: &'a [f64],
+}
+
+/// Places of the nodes: spectra, colours, and the wavelengths solved.
+#[derive(Clone, Debug)]
+struct Places {
+    outputs: Range<usize>,
+    colours: Range<usize>,
+    /// One range for each realisation; empty with listed wavelengths.
+    solved: Vec<Range<usize>>,
+}
+
+/// The ink on its paper. Every quantity is computed from ensemble means (a print shows many cells at once); errors are jackknife errors
+/// over realisations, so that noise common to wavelengths and angles of one packing counts once.
+///
+/// ```
+/// use inkwave_study::appearance::paper::{Albedo, Coupling, MirroredSky, Substrate};
+/// use inkwave_study::evaluate::film::Profile;
+/// use inkwave_study::evaluate::films::Films;
+/// use inkwave_study::evaluate::ink::{InkInputs, InkOnPaper};
+/// use inkwave_study::material::mixing::molecular_mixture;
+/// use inkwave_study::material::spectra::Spectrum;
+///
+/// let yellow = Spectrum::synthetic("yellow")?;
+/// let mixture = |nm: f64| (molecular_mixture(1.558.into(), &[(0.3, yellow.index(1e-3 * nm).unwrap())]), Vec::new());
+/// let films = Films { profile: Profile::homogeneous(), indices: &mixture, thicknesses_um: vec![1.0], index_out: 1.0, wave: Default::default() };
+/// let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
+/// let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
+/// let ink = InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm })?;
+/// let view = ink.at(0.0)?;
+/// let colour = ink.colour(|layer| layer.natural_light(&view, MirroredSky::Included))?;
+/// assert!(colour.chroma().value > 90.0 && (80.0..110.0).contains(&colour.hue_deg().value));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct InkOnPaper {
+    layer: LayerEnsemble,
+    /// Places of 0° and 45° among the exact angles.
+    anchored: [usize; 2],
+    substrate: Substrate,
+    nodes: Nodes,
+    places: Places,
+    daylight: Result<Sight, ColourError>,
+    curves: Fits,
+    diffuse: Fits,
+    /// Functions that the diffuse fit has.
+    diffuse_width: usize,
+    /// The layer in the light that the paper gives back, where that is another one.
+    returned: Option<(LayerEnsemble, Fits)>,
+    directional: Fits,
+    /// 1/(Lx Ly), mean over the solves, 1/µm².
+    orders_per_um2: f64,
+    whole: Vec<LayerOnPaper>,
+    /// \[realisation left out\]\[node\]
+    replicates: Vec<Vec<LayerOnPaper>>,
+}
+
+impl InkOnPaper {
+    /// Fits what the layer itself does not hold, and puts it on its paper.
+    ///
+    /// # Errors
+    /// Angles that do not carry it, an albedo that does not answer everywhere, a lossless mirror over a lossless paper.
+    pub fn new(
+        layer: LayerEnsemble,
+        solved: &[SolvedRealisation],
+        inputs: &InkInputs,
+    ) -> Result<Self, InkError> {
+        Self::lit((layer, solved), None, inputs)
+    }
+
+    /// The same where polarised light comes in, `inputs.films` being its own; `returned` is the layer in the unpolarised
+    /// light that the paper gives back.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::new`].
+    pub fn polarised(
+        lit: (LayerEnsemble, &[SolvedRealisation]),
+        returned: (LayerEnsemble, &[SolvedRealisation]),
+        inputs: &InkInputs,
+    ) -> Result<Self, InkError> {
+        Self::lit(lit, Some(returned), inputs)
+    }
+
+    fn lit(
+        (layer, solved): (LayerEnsemble, &[SolvedRealisation]),
+        returned: Option<(LayerEnsemble, &[SolvedRealisation])>,
+        inputs: &InkInputs,
+    ) -> Result<Self, InkError> {
+        let anchored = [0.0, PRINT_DEG].map(|deg| layer.place(deg));
+        let ([Some(normal), Some(slanted)], true) = (anchored, layer.strata > 0) else {
+            return Err(InkError::AnglesMissing);
+        };
+        let anchored = [normal, slanted];
+        let (nodes_nm, places) = places(&layer, inputs.outputs_nm);
+        let nodes = nodes(&layer, nodes_nm, inputs)?;
+        let daylight = Sight::new(&Viewing::default(), &places, &nodes);
+        let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
+        let [own_curves, diffuse, directional] = fits(&layer, anchored, solved, inputs.films, diffuse_width);
+        let returned = returned.map(|(layer, solved)| {
+            let fits = curves(&layer, anchored, solved, &inputs.films.returned());
+            (layer, fits)
+        });
+        let replicates = layer.replicates();
+        let mut ink = Self {
+            layer,
+            anchored,
+            substrate: inputs.substrate.clone(),
+            nodes,
+            places,
+            daylight,
+            curves: own_curves,
+            diffuse,
+            diffuse_width,
+            returned,
+            directional,
+            orders_per_um2: orders_per_um2(solved),
+            whole: Vec::new(),
+            replicates: Vec::new(),
+        };
+        ink.whole = ink.layers_without(None)?;
+        ink.replicates = (0..replicates).map(|r| ink.layers_without(Some(r))).collect::<Result<_, _>>()?;
+        Ok(ink)
+    }
+
+    /// A layer that is its own film (the molecular mixture, or the clear binder) at listed wavelengths: nothing to solve.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::new`].
+    pub fn homogeneous(inputs: &InkInputs) -> Result<Self, InkError> {
+        let basis = SpectralBasis::Listed(inputs.outputs_nm.to_vec());
+        let exit = inputs.substrate.coupling.index_out() != 1.0;
+        Self::new(LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[], inputs)
+    }
+
+    /// The same layer on another paper with the same contact.
+    ///
+    /// # Errors
+    /// As [`InkOnPaper::new`].
+    pub fn on(&self, substrate: &Substrate) -> Result<Self, InkError> {
+        let mut other = Self { substrate: substrate.clone(), ..self.clone() };
+        let at = |&nm: &f64| substrate.albedo.at(nm);
+        other.nodes.albedos = other.nodes.wavelengths_nm.iter().map(at).collect::<Result<_, _>>()?;
+        other.whole = other.layers_without(None)?;
+        other.replicates =
+            (0..self.replicates.len()).map(|r| other.layers_without(Some(r))).collect::<Result<_, _>>()?;
+        Ok(other)
+    }
+
+    fn layers_without(&self, left_out: Option<usize>) -> Result<Vec<LayerOnPaper>, PaperError> {
+        (0..self.nodes.wavelengths_nm.len()).map(|node| self.layer_at(node, left_out)).collect()
+    }
+
+    fn layer_at(&self, node: usize, left_out: Option<usize>) -> Result<LayerOnPaper, PaperError> {
+        let weights = &self.nodes.weights[node];
+        let at = |fits: &Fits, row: usize, width: usize, column: usize| {
+            let coefficients = left_out.map_or(&fits.whole, |r| &fits.without[r]);
+            SpectralBasis::at(weights, |i| coefficients[[i * width + row, column]])
+        };
+        let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
+        let bends =
+            |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
+        let width = self.diffuse_width;
+        let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
+        let curve = Curve {
+            bends: bends(&self.curves),
+            returned: bends(self.returned.as_ref().map_or(&self.curves, |(_, fits)| fits)),
+            diffuse: std::array::from_fn(diffuse),
+            azimuthal: std::array::from_fn(|k| {
+                at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0)
+            }),
+            order_area: self.orders_per_um2 * (1e-3 * self.nodes.wavelengths_nm[node]).powi(2),
+        };
+        let [mean_t, _, mean_a, _] = self.nodes.means[node];
+        let film = [mean_t, mean_a];
+        LayerOnPaper::new(
+            node,
+            film,
+            measured,
+            curve,
+            self.nodes.albedos[node],
+            self.substrate.coupling.index_out(),
+        )
+    }
+
+    /// Wavelengths of the spectra, nm.
+    pub fn wavelengths_nm(&self) -> &[f64] {
+        &self.nodes.wavelengths_nm[self.places.outputs.clone()]
+    }
+
+    /// The layer alone.
+    pub fn layer(&self) -> &LayerEnsemble {
+        &self.layer
+    }
+
+    /// The paper under it.
+    pub fn substrate(&self) -> &Substrate {
+        &self.substrate
+    }
+
+    /// The ensemble mean at every wavelength of the spectra.
+    pub fn layers(&self) -> &[LayerOnPaper] {
+        &self.whole[self.places.outputs.clone()]
+    }
+
+    /// A viewing or illumination angle, 0° ≤ θ < 90°.
+    ///
+    /// # Errors
+    /// Other angles.
+    pub fn at(&self, polar_deg: f64) -> Result<PolarAngle, PaperError> {
+        PolarAngle::new(polar_deg, &self.nodes)
+    }
+
+    /// Any quantity of the layer on paper against wavelength:
+    /// `ink.spectrum(|layer| layer.natural_light(&view, MirroredSky::Included))`.
+    pub fn spectrum(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> SpectrumEstimate {
+        let of = |layers: &[LayerOnPaper]| {
+            layers[self.places.outputs.clone()].iter().map(&quantity).collect::<Vec<f64>>()
+        };
+        SpectrumEstimate {
+            values: of(&self.whole),
+            replicates: self.replicates.iter().map(|r| of(r)).collect(),
+        }
+    }
+}
+
+/// Mean of 1/(Lx Ly) over all solves, 1/µm²; 0 without any.
+fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
+    let of_cell = |w: &SolvedWavelength| w.exact[0].order_area / (1e-3 * w.wavelength_nm).powi(2);
+    let all: Vec<f64> = solved.iter().flat_map(|r| &r.wavelengths).map(of_cell).collect();
+    all.iter().sum::<f64>() / all.len().max(1) as f64
+}
+
+/// All that is known at these wavelengths beside the solves.
+fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<Nodes, InkError> {
+    let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
+    let albedos = nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
+    let weights = nodes_nm.iter().map(|&nm| layer.basis.weights(nm)).collect();
+    let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
+    Ok(Nodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
+}
+
+fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
+    let mut nodes = outputs_nm.to_vec();
+    let outputs = 0..nodes.len();
+    let SpectralBasis::Splines { range_nm: [from, to], .. } = layer.basis else {
+        return (nodes, Places { colours: outputs.clone(), outputs, solved: Vec::new() });
+    };
+    let steps = ((to - from) / COLOUR_STEP_NM).ceil().max(1.0) as usize;
+    let start = nodes.len();
+    nodes.extend((0..=steps).map(|k| from + (to - from) * k as f64 / steps as f64));
+    let colours = start..nodes.len();
+    let mut solved = Vec::new();
+    for r in 0..layer.realisations() {
+        let start = nodes.len();
+        nodes.extend(layer.wavelengths_nm(r));
+        solved.push(start..nodes.len());
+    }
+    (nodes, Places { outputs, colours, solved })
+}
+
+#[cfg(test)]
+#[path = "ink_tests.rs"]
+pub mod tests;

@@ -1,0 +1,336 @@
+//! The numbers of a run, ready for `results.json`, the tables and the page.
+
+use super::ink::{InkError, InkOnPaper};
+use super::ink_maker::ink_maker;
+use super::layer::{LayerEnsemble, Mean, Total};
+use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
+use super::on_paper::{LayerOnPaper, PolarAngle};
+use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::seen::{LayerSeen, NoInk, Seen, see};
+use super::uncertainty::{Shift, Sure, Uncertainty, lit, lit_moved, natural_light_moved};
+use crate::appearance::paper::PRINT_DEG;
+use crate::input::study::{Study, TargetColour};
+use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
+use crate::run::runner::{Collected, Failure, Refused};
+use crate::store::identity::METHOD_VERSION;
+use crate::store::record::PointRecord;
+use crate::wave::physical::largest;
+
+/// Name of the geometry of print measurement, lit at 45° and seen along the normal.
+pub const LIT_AT_45: &str = "45°:0°";
+/// Name of a uniform sky, seen along the normal.
+pub const NATURAL_LIGHT: &str = "natural light";
+
+/// The program and its version.
+pub fn program() -> String {
+    concat!("inkwave ", env!("CARGO_PKG_VERSION")).to_owned()
+}
+
+/// All numbers of a run.
+pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<&'a Study> {
+    let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
+    let finished = collected.finished();
+    let asked = if collected.enough { finished } else { study.solves() };
+    let certainty = certainty(collected, records().collect(), seen);
+    let uncertainty = Uncertainty {
+        grid: collected.resolved.grid_error,
+        residual: certainty.mean_energy_error,
+        certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
+    };
+    let (colours, no_colour) = match colours(study, seen, &uncertainty) {
+        Ok(colours) => (colours, None),
+        Err(reason) => (Vec::new(), Some(reason)),
+    };
+    let maker = |ink| ink_maker(study, ink, &uncertainty, &seen.realisations);
+    let (ink_maker, no_ink_maker) = match seen.ink.as_ref().map(maker) {
+        Ok(Ok(numbers)) => (Some(numbers), None),
+        Ok(Err(reason)) => (None, no_colour.is_none().then(|| reason.to_string())),
+        Err(_) => (None, None),
+    };
+    Manifest {
+        status: if finished == asked || collected.enough { Status::Complete } else { Status::Partial },
+        title: study.title.clone(),
+        study_hash: study.key().to_string(),
+        program: program(),
+        builds: records().map(|record| record.build.clone()).collect(),
+        method_version: METHOD_VERSION,
+        seed: study.packing.seed,
+        realisations: Count { asked: study.realisations, finished: collected.complete().count() },
+        solves: Count { asked, finished },
+        failures: failures(collected),
+        resolution: collected.resolved.resolution,
+        resolution_longest: Some(collected.resolved.longest(study))
+            .filter(|longest| *longest != collected.resolved.resolution),
+        certainty,
+        packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
+        colours,
+        no_colour,
+        ink_maker,
+        no_ink_maker,
+        spectra: spectra(study, seen, &uncertainty),
+        solve_seconds: records().map(|record| record.account.seconds).sum(),
+        process_seconds: None,
+        study,
+    }
+}
+
+/// True when the 95 % interval of every colour meant is as narrow as the study wants it (ΔE₀₀); never without such a wish.
+pub fn enough(study: &Study, collected: &Collected) -> bool {
+    let Some(target) = study.target_delta_e else { return false };
+    let Ok(seen) = see(study, collected) else { return false };
+    let manifest = summarise(study, collected, &seen);
+    let narrow = |note: &ColourNote| note.delta_e_2000_95.is_some_and(|bar| bar <= target);
+    !manifest.colours.is_empty() && aimed_at(study, &manifest).all(narrow)
+}
+
+/// The colours whose bars are wanted narrow.
+pub fn aimed_at<'a>(
+    study: &Study,
+    manifest: &'a Manifest<&Study>,
+) -> impl Iterator<Item = &'a ColourNote> {
+    let wanted = study.target_colour;
+    manifest.colours.iter().filter(move |note| match wanted {
+        TargetColour::Every => true,
+        TargetColour::NaturalLight => note.conditions == NATURAL_LIGHT,
+        TargetColour::LitAt45 => note.conditions == LIT_AT_45,
+    })
+}
+
+fn failures(collected: &Collected) -> Vec<FailureNote> {
+    let packings = collected.refused.iter().map(packing_failure);
+    packings.chain(collected.failures().map(solve_failure)).collect()
+}
+
+/// A packing that did not come about.
+fn packing_failure(refused: &Refused) -> FailureNote {
+    let (realisation, reason) = (refused.realisation, refused.reason.clone());
+    FailureNote { realisation, wavelength_nm: None, polar_deg: None, reason }
+}
+
+/// A solve without a result.
+fn solve_failure(failure: &Failure) -> FailureNote {
+    FailureNote {
+        realisation: failure.point.realisation,
+        wavelength_nm: Some(1e3 * failure.point.incidence.wavelength_um),
+        polar_deg: Some(failure.point.incidence.polar_deg),
+        reason: failure.reason.clone(),
+    }
+}
+
+fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> Certainty {
+    let count = records.len().max(1) as f64;
+    let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
+    let steps: usize = records.iter().map(|r| r.account.steps).sum();
+    let degrees_of_freedom = seen.realisations.len().saturating_sub(1);
+    let ink = seen.ink.as_ref().ok();
+    Certainty {
+        amplitude_error_estimate: collected.resolved.error_estimate,
+        reflectance_grid_error: collected.resolved.grid_error.reflectance,
+        transmittance_grid_error: collected.resolved.grid_error.transmittance,
+        degrees_of_freedom,
+        coverage_factor_95: coverage_factor_95(degrees_of_freedom),
+        angle_error_estimate: ink.and_then(|ink| ink.angle_errors(&seen.solved).into_iter().reduce(f64::max)),
+        half_strata_difference: half_strata_difference(seen),
+        exit_reflectance_difference: seen.layer.as_ref().and_then(exit_reflectance_difference),
+        mean_energy_error: records.iter().map(|r| r.energy_error().abs()).sum::<f64>() / count,
+        largest_energy_error: most(&|r| r.energy_error().abs()),
+        largest_residual: most(&|r| r.account.residual),
+        mean_steps: steps as f64 / count,
+        operator_applications: records.iter().map(|r| r.account.operator_applications).sum(),
+    }
+}
+
+/// Even and odd strata take turns from realisation to realisation, each counted twice: (1/n) Σ ± T_k about the film.
+fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
+    let layer = seen.layer.as_ref().filter(|layer| layer.ensemble().strata > 1)?;
+    let of = |(r, realisation): (usize, &SolvedRealisation)| {
+        let all: Vec<f64> = realisation.wavelengths.iter().map(|w| alternating_mean(layer, r, w)).collect();
+        all.iter().sum::<f64>() / all.len().max(1) as f64
+    };
+    Some(Estimate::of_mean(&seen.solved.iter().enumerate().map(of).collect::<Vec<_>>()))
+}
+
+/// Mean over the strata of what T differs from the film's, with alternating signs that realisation number `r` begins.
+fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
+    let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
+    let film = layer.film(w.wavelength_nm);
+    let difference = |s: &Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
+    let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
+    sum / w.strata.len() as f64
+}
+
+/// Both ways to R̄ from the exit side, realisation by realisation; the film obeys both.
+fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
+    let ensemble = layer.ensemble();
+    // Without that side there are no such columns.
+    if !ensemble.exit {
+        return None;
+    }
+    let index = layer.index_out()?;
+    let realisations = 0..ensemble.realisations();
+    let samples: Vec<f64> = realisations.map(|r| exit_difference(ensemble, index, r)).collect();
+    Some(Estimate::of_mean(&samples))
+}
+
+/// Mean over the wavelengths of R̄ + T̄/n² + Ā, all as differences from the film, of one realisation.
+fn exit_difference(ensemble: &LayerEnsemble, index: f64, realisation: usize) -> f64 {
+    let [t, a, r] =
+        [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
+    let wavelengths = ensemble.wavelengths_nm(realisation).len();
+    let value = |j: usize, column: usize| ensemble.measured(realisation, j, column);
+    let apart = |j: usize| value(j, r) + value(j, t) / (index * index) + value(j, a);
+    (0..wavelengths).map(apart).sum::<f64>() / wavelengths.max(1) as f64
+}
+
+/// Directions of the two standard conditions.
+struct Conditions {
+    normal: PolarAngle,
+    print_light: PolarAngle,
+}
+
+impl Conditions {
+    fn new(ink: &InkOnPaper) -> Result<Self, InkError> {
+        Ok(Self { normal: ink.at(0.0)?, print_light: ink.at(PRINT_DEG)? })
+    }
+
+    fn natural_light<'a>(&'a self, study: &'a Study) -> impl Fn(&LayerOnPaper) -> f64 + 'a {
+        |layer| layer.natural_light(&self.normal, study.output.mirrored_sky)
+    }
+
+    fn lit_at_45(&self, layer: &LayerOnPaper) -> f64 {
+        lit(layer, &self.print_light, &self.normal)
+    }
+
+    fn natural_light_moved(&self, layer: &LayerOnPaper, by: [f64; 2]) -> f64 {
+        natural_light_moved(layer, &self.normal, by)
+    }
+
+    fn lit_at_45_moved(&self, layer: &LayerOnPaper, by: [f64; 2]) -> f64 {
+        lit_moved(layer, &self.print_light, &self.normal, by)
+    }
+}
+
+/// Colours under both conditions, or why there are none.
+fn colours(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Result<Vec<ColourNote>, String> {
+    let ink = seen.ink.as_ref().map_err(NoInk::to_string)?;
+    colours_of(study, seen, ink, uncertainty).map_err(|error| error.to_string())
+}
+
+/// Colours of an ink under natural light and at 45:0.
+fn colours_of(
+    study: &Study,
+    seen: &Seen,
+    ink: &InkOnPaper,
+    uncertainty: &Uncertainty,
+) -> Result<Vec<ColourNote>, InkError> {
+    let conditions = Conditions::new(ink)?;
+    let natural = conditions.natural_light(study);
+    let sky =
+        uncertainty.colour(ink, &seen.solved, natural, &|l, by| conditions.natural_light_moved(l, by))?;
+    let print = uncertainty
+        .colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| conditions.lit_at_45_moved(l, by))?;
+    Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
+}
+
+fn note(conditions: &str, Sure { colour, budget, deviations }: Sure, seen: &Seen) -> ColourNote {
+    let factor = coverage_factor_95(seen.realisations.len().saturating_sub(1));
+    ColourNote {
+        conditions: conditions.to_owned(),
+        chroma: colour.chroma(),
+        hue_deg: colour.hue_deg(),
+        lab_standard_error: colour.lab_standard_error(),
+        delta_e_2000_95: colour.delta_e_2000_noise().zip(factor).map(|(noise, factor)| factor * noise),
+        budget,
+        deviations: seen.realisations.iter().copied().zip(deviations).collect(),
+        colour,
+    }
+}
+
+/// Every angle in turn, all wavelengths of each; the ink on its paper stands beside the normal.
+fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
+    let Some(layer) = &seen.layer else { return Vec::new() };
+    let angles = 0..layer.angles_deg().len();
+    let mut rows: Vec<SpectrumRow> =
+        angles.flat_map(|angle| rows_of(study, seen, (layer, angle), uncertainty)).collect();
+    if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(ink))) {
+        let natural = ink.spectrum(conditions.natural_light(study)).estimates();
+        let lit = ink.spectrum(|l| conditions.lit_at_45(l)).estimates();
+        let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
+        for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
+            let (sky, print) = (
+                |by: Shift| conditions.natural_light_moved(layer, by),
+                |by: Shift| conditions.lit_at_45_moved(layer, by),
+            );
+            row.natural_light = Some(uncertainty.widen_by(natural[i], sky));
+            row.lit_at_45 = Some(uncertainty.widen_by(lit[i], print));
+        }
+    }
+    rows
+}
+
+fn rows_of(
+    study: &Study,
+    seen: &Seen,
+    (layer, angle): (&LayerSeen, usize),
+    uncertainty: &Uncertainty,
+) -> Vec<SpectrumRow> {
+    let totals = AngleTotals::new(layer, angle, uncertainty);
+    let wavelengths = study.wavelengths_nm.iter().enumerate();
+    wavelengths.map(|(i, &nm)| totals.row(i, nm, &seen.realisations)).collect()
+}
+
+/// The layer's totals at one angle against wavelength, with all errors.
+struct AngleTotals {
+    polar_deg: f64,
+    reflectance: Vec<Estimate>,
+    specular_reflectance: Vec<Estimate>,
+    transmittance: Vec<Estimate>,
+    specular_transmittance: Vec<Estimate>,
+    absorptance: Vec<Estimate>,
+    /// R and T as \[realisation left out\]\[wavelength\].
+    replicates: [Vec<Vec<f64>>; 2],
+}
+
+impl AngleTotals {
+    fn new(layer: &LayerSeen, angle: usize, uncertainty: &Uncertainty) -> Self {
+        let of = |total: Total, moved: fn(Shift) -> f64| -> Vec<Estimate> {
+            let estimates = layer.spectrum(angle, total).estimates();
+            estimates.into_iter().map(|estimate| uncertainty.widen_by(estimate, moved)).collect()
+        };
+        let (reflected, transmitted): (fn(Shift) -> f64, fn(Shift) -> f64) = (|[r, _]| r, |[_, t]| t);
+        let varied = [Total::Reflectance, Total::Transmittance];
+        Self {
+            polar_deg: layer.angles_deg()[angle],
+            reflectance: of(Total::Reflectance, reflected),
+            specular_reflectance: of(Total::SpecularReflectance, reflected),
+            transmittance: of(Total::Transmittance, transmitted),
+            specular_transmittance: of(Total::SpecularTransmittance, transmitted),
+            // A's error: what both others may miss.
+            absorptance: of(Total::Absorptance, |[r, t]| r + t),
+            replicates: varied.map(|total| layer.spectrum(angle, total).replicates),
+        }
+    }
+
+    /// The totals at the wavelength number `i`, without the ink on its paper.
+    fn row(&self, i: usize, wavelength_nm: f64, realisations: &[usize]) -> SpectrumRow {
+        SpectrumRow {
+            wavelength_nm,
+            polar_deg: self.polar_deg,
+            reflectance: self.reflectance[i],
+            specular_reflectance: self.specular_reflectance[i],
+            transmittance: self.transmittance[i],
+            specular_transmittance: self.specular_transmittance[i],
+            absorptance: self.absorptance[i],
+            natural_light: None,
+            lit_at_45: None,
+            deviations: self.deviations(i, realisations),
+        }
+    }
+
+    /// What each of the realisations moves R and T by at the wavelength number `i`.
+    fn deviations(&self, i: usize, realisations: &[usize]) -> Vec<(usize, [f64; 2])> {
+        let [r, t] = &self.replicates;
+        let replicates: Vec<[f64; 2]> = r.iter().zip(t).map(|(r, t)| [r[i], t[i]]).collect();
+        realisations.iter().copied().zip(jackknife_deviations(&replicates)).collect()
+    }
+}

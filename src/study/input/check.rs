@@ -1,0 +1,288 @@
+//! From the file as written to a [`Study`]: every fault found at once, none let through.
+
+mod angles;
+mod gaps;
+mod grain_count;
+mod index;
+mod judgement;
+mod light;
+mod paper;
+mod pigments;
+mod wave;
+
+pub use pigments::largest_extents_nm;
+
+use super::fault::{Allowed, Fault, Faults, keys_in_words};
+use super::file::{LayerTable, OutputTable, SolverTable, StudyFile};
+use super::forms::ThicknessWritten;
+use super::limits;
+use super::study::{Layer, Output, Study, WantedResolution};
+use super::variation::{CellRule, THICKNESS_CUT, Variation};
+use crate::appearance::tristimulus::Colorimeter;
+use crate::numerics::allowed::Whole;
+use crate::solve::Goal;
+use std::path::Path;
+
+/// Packings of varied cells unless told.
+const VARIED_CELLS: usize = 24;
+/// Packings unless told where a bar is the aim.
+const MOST_CELLS: usize = 400;
+/// Packings of fixed cells unless told.
+const FIXED_CELLS: usize = 4;
+
+/// Checks every field of `file`. CSV paths are relative to `folder`; `name` titles a study without a title.
+///
+/// # Errors
+/// All faults of the file, each with its field, what was found, what is allowed and what to try.
+pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
+    let (study, mut faults) = examine(file, folder, name);
+    if !file.layer.walls {
+        let remedy = "leave it out; `inkwave pack` packs layers without walls";
+        faults.push(Fault::new("layer.walls", "false", "true: waves need a layer between two faces", remedy));
+    }
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+}
+
+/// Tables that packings alone do not need.
+const OPTICAL: [&str; 8] =
+    ["light", "angles", "paper", "resolution", "solver", "layer.binder", "colour", "compare"];
+
+/// As [`check`], for the packings alone: faults of what only the wave needs do not count.
+///
+/// # Errors
+/// All faults of the layer, the pigments and the packing.
+pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
+    let (study, mut faults) = examine(file, folder, name);
+    let optical =
+        |field: &str| OPTICAL.iter().any(|table| field.starts_with(table)) || field.contains("].index");
+    faults.0.retain(|fault| !optical(&fault.field));
+    // The packing's own check is skipped where optical keys are at fault.
+    if faults.0.is_empty() {
+        faults.0.extend(pigments::packing_fault(&study.packing));
+    }
+    if study.pigments.is_empty() {
+        faults.push(Fault::new("pigment", "none", "at least one [[pigment]] with grains", "add one"));
+    }
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+}
+
+/// The study as far as it can be understood, and everything that is wrong with it.
+fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
+    let file = &file.in_todays_places();
+    let mut faults = Faults::default();
+    let wavelengths_nm = light::wavelengths(&file.light, &mut faults);
+    let period_um = period(file, &mut faults);
+    let mut layer = layer(&file.layer, period_um, &wavelengths_nm, folder, &mut faults);
+    let pigments = pigments::pigments(file, period_um, &wavelengths_nm, folder, &mut faults);
+    let dissolved = pigments::dissolved(file, &wavelengths_nm, folder, &mut faults);
+    layer.binder = pigments::solution(layer.binder, &dissolved, &pigments, wave::mixing(file));
+    let packing = pigments::packing(file, period_um, &pigments, &mut faults);
+    let paper = paper::paper(file, &wavelengths_nm, folder, &mut faults);
+    let angles = angles::angles(file, paper.coupling, &mut faults);
+    let resolution = resolution(file, &mut faults);
+    let goal = goal(&file.solver, &resolution, &mut faults);
+    counts(file, &mut faults);
+    let variation = variation(file, &wavelengths_nm, &mut faults);
+    // Without grains and with an even thickness all realisations are the same.
+    let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
+    let realisations = if alike { 1 } else { realisations(file) };
+    let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut faults);
+    let remarks =
+        [light::short_of_end(&file.light, &wavelengths_nm), judgement::first_of_several(file, &judgement)];
+    let mut study = Study {
+        title: file.title.clone().unwrap_or_else(|| name.to_owned()),
+        layer,
+        pigments,
+        dissolved,
+        packing,
+        paper,
+        wavelengths_nm,
+        wave: file.light.wave,
+        angles,
+        realisations,
+        target_delta_e: file.run.target_delta_e,
+        target_colour: file.run.target_colour,
+        variation,
+        resolution,
+        solver: file.solver.strategy.0,
+        goal,
+        output: output(&file.output),
+        judgement,
+        remarks: remarks.into_iter().flatten().collect(),
+    };
+    study.remarks.extend(gaps::bridged(&study));
+    wave::refusals(file, &study, &mut faults);
+    if faults.0.is_empty() {
+        faults.0.extend(aim(&study));
+    }
+    (study, faults)
+}
+
+/// A bar as the aim of a study without a colour, which would never reach it.
+fn aim(study: &Study) -> Option<Fault> {
+    let target = study.target_delta_e?;
+    let grid = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
+    let reason = study.angles.no_paper.clone().or(grid)?;
+    let remedy = "leave it out, or take angles.count and wavelengths from 400 to 700 nm";
+    let allowed = format!("nothing where there is no colour: {reason}");
+    Some(Fault::new("run.target_delta_e", target, allowed, remedy))
+}
+
+fn layer(
+    table: &LayerTable,
+    period_um: [f64; 2],
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    faults: &mut Faults,
+) -> Layer {
+    let ThicknessWritten { mean, std } = table.thickness_um;
+    faults.number("layer.thickness_um", mean, limits::THICKNESS_UM, "a printed layer is about 1 µm thick");
+    if mean > 0.0 {
+        let allowed = Allowed::between(0.0, mean / (THICKNESS_CUT + 1.0), "µm");
+        let remedy =
+            "a tenth of the mean is usual; at most a quarter of it keeps every layer thicker than nothing";
+        faults.number("layer.thickness_um.std", std, allowed, remedy);
+    }
+    let remedy = "give the real refractive index, 1 for air";
+    faults.number("layer.index_in", table.index_in, limits::INDEX, remedy);
+    faults.number("layer.index_out", table.index_out, limits::INDEX, remedy);
+    Layer {
+        period_um,
+        thickness_um: mean,
+        index_in: table.index_in,
+        index_out: table.index_out,
+        contrast: table.contrast,
+        binder: index::tabulate("layer.binder.index", &table.binder.index, wavelengths_nm, folder, faults),
+    }
+}
+
+/// Nominal period of the cells: as written, or what the grains need.
+fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
+    let Some(written) = file.layer.period_um else {
+        if file.layer.cell == CellRule::Fixed {
+            let allowed = "one number or [x, y], µm, for cell = \"fixed\"";
+            faults.push(Fault::new(
+                "layer.period_um",
+                "nothing",
+                allowed,
+                "write period_um = 2.4, or let cells vary",
+            ));
+        }
+        return [pigments::nominal_period_um(file); 2];
+    };
+    let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
+    for period in written.0 {
+        faults.number("layer.period_um", period, limits::PERIOD_UM, remedy);
+    }
+    written.0
+}
+
+/// How realisations differ.
+fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
+    let thickness_std_um = file.layer.thickness_um.std;
+    Variation {
+        cell: file.layer.cell,
+        thickness_std_um,
+        light: light::light_rule(&file.light, wavelengths_nm, faults),
+    }
+}
+
+/// Packings unless told.
+fn realisations(file: &StudyFile) -> usize {
+    file.run.realisations.unwrap_or(match file.layer.cell {
+        _ if file.run.target_delta_e.is_some() => MOST_CELLS,
+        CellRule::Varied => VARIED_CELLS,
+        CellRule::Fixed => FIXED_CELLS,
+    })
+}
+
+/// Accuracy from which a grid for each wavelength pays: 1.2 to 1.5 times faster at 1e-3 to 3e-4 (inks of 15–30 %, 200–300 nm).
+const PER_WAVELENGTH: f64 = 1e-3;
+
+fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
+    let table = &file.resolution;
+    let scheme = file.light.wave.scheme(table.scheme);
+    match (table.accuracy, table.points_per_um, table.planes_per_um) {
+        (accuracy, None, None) => {
+            let accuracy = accuracy.unwrap_or(1e-2);
+            let remedy = "1e-2 for pictures, 1e-3 for numbers to publish";
+            faults.number("resolution.accuracy", accuracy, limits::ACCURACY, remedy);
+            let per_wavelength = table.per_wavelength.unwrap_or(accuracy <= PER_WAVELENGTH);
+            WantedResolution::Accuracy { amplitude: accuracy, scheme, per_wavelength }
+        }
+        (None, Some(points_per_um), Some(planes_per_um)) => {
+            let allowed = limits::PER_UM;
+            faults.number("resolution.points_per_um", points_per_um, allowed, "12 to 16 is usual");
+            faults.number("resolution.planes_per_um", planes_per_um, allowed, "20 to 40 is usual");
+            if table.per_wavelength == Some(true) {
+                let remedy = "leave it out, or write accuracy instead of points and planes";
+                let found = "true beside points_per_um and planes_per_um, which are one grid";
+                faults.push(Fault::new("resolution.per_wavelength", found, "with accuracy", remedy));
+            }
+            WantedResolution::Grid { points_per_um, planes_per_um, scheme }
+        }
+        _ => {
+            let allowed = "either accuracy alone, or both points_per_um and planes_per_um";
+            let found = keys_in_words([
+                ("accuracy", table.accuracy.is_some()),
+                ("points_per_um", table.points_per_um.is_some()),
+                ("planes_per_um", table.planes_per_um.is_some()),
+            ]);
+            faults.push(Fault::new("resolution", found, allowed, "write accuracy = 1e-2"));
+            WantedResolution::Accuracy { amplitude: 1e-2, scheme, per_wavelength: false }
+        }
+    }
+}
+
+fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults) -> Goal {
+    let tolerance = table.tolerance.unwrap_or(match resolution {
+        // Three times the residual is what it may do to an amplitude: a few percent of the accuracy.
+        WantedResolution::Accuracy { amplitude, .. } => (1e-2 * amplitude).clamp(1e-13, 1e-3),
+        WantedResolution::Grid { .. } => Goal::default().tolerance,
+    });
+    let remedy = "leave it out: a hundredth of resolution.accuracy is ample";
+    faults.number("solver.tolerance", tolerance, limits::TOLERANCE, remedy);
+    whole("solver.max_applications", table.max_applications, limits::APPLICATIONS, "2000 is usual", faults);
+    Goal { tolerance, max_applications: table.max_applications }
+}
+
+fn counts(file: &StudyFile, faults: &mut Faults) {
+    if let Some(target) = file.run.target_delta_e {
+        let remedy = "0.3 is hard to see; a hundredth of that needs 10 000 times the cells";
+        faults.number("run.target_delta_e", target, limits::TARGET_DELTA_E, remedy);
+        if file.run.realisations == Some(1) {
+            let allowed = "2 or more with run.target_delta_e: one packing has no interval";
+            faults.push(Fault::new(
+                "run.realisations",
+                1,
+                allowed,
+                "leave it out: as many are run as it takes",
+            ));
+        }
+    }
+    whole(
+        "run.realisations",
+        realisations(file),
+        limits::REALISATIONS,
+        "24 small cells are a fair start",
+        faults,
+    );
+    whole(
+        "output.picture_pixels",
+        file.output.picture_pixels,
+        limits::PICTURE_PIXELS,
+        "360 is usual",
+        faults,
+    );
+}
+
+fn output(table: &OutputTable) -> Output {
+    let OutputTable { folder, picture_pixels, mirrored_sky } = table.clone();
+    Output { folder, picture_pixels, mirrored_sky }
+}
+
+fn whole(field: &str, value: usize, allowed: Whole, remedy: &str, faults: &mut Faults) {
+    if !allowed.holds(value) {
+        faults.push(Fault::new(field, value, allowed.to_string(), remedy));
+    }
+}

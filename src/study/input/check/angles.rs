@@ -1,0 +1,104 @@
+//! Directions of the light: 0°, 45° and strata over the hemisphere, which paper and picture need, or a list.
+
+use super::light::check_list;
+use crate::appearance::paper::Coupling;
+use crate::appearance::paper::PRINT_DEG;
+use crate::input::fault::{Fault, Faults};
+use crate::input::file::{AnglesTable, StudyFile};
+use crate::input::limits;
+use crate::input::study::Angles;
+
+/// Directions unless told: three strata besides 0° and 45°.
+const USUAL_COUNT: usize = 5;
+/// Directions that are no strata.
+const EXACT: usize = 2;
+
+pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angles {
+    let table = &file.angles;
+    faults.number("angles.azimuth_deg", table.azimuth_deg, limits::AZIMUTH_DEG, "0 is the x direction");
+    let remedy = "60 is usual";
+    faults.number("angles.picture_max_deg", table.picture_max_deg, limits::PICTURE_MAX_DEG, remedy);
+    match (&table.polar_deg, table.count) {
+        (Some(list), None) => {
+            let remedy = "give angles from the normal; 89 is nearly grazing";
+            check_list("angles.polar_deg", list, limits::POLAR_DEG, remedy, faults);
+            listed(file, list.clone(), coupling)
+        }
+        (None, count) => {
+            let count = count.unwrap_or(USUAL_COUNT);
+            surroundings(file, coupling, faults);
+            super::whole(
+                "angles.count",
+                count,
+                limits::DIRECTIONS,
+                "5 is usual; 0° and 45° are always among them",
+                faults,
+            );
+            over_hemisphere(file, vec![0.0, PRINT_DEG], count.saturating_sub(EXACT), coupling)
+        }
+        (Some(_), Some(_)) => {
+            let allowed = "either angles.count or angles.polar_deg";
+            faults.push(Fault::new("angles", "both count and polar_deg", allowed, "remove one of them"));
+            alone(table, Vec::new(), String::new())
+        }
+    }
+}
+
+/// Listed angles carry paper and colour where 0° and 45° are among them and the surroundings allow it.
+fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Angles {
+    let table = &file.angles;
+    let missing: Vec<&str> = [(0.0, "0"), (PRINT_DEG, "45")]
+        .into_iter()
+        .filter(|(deg, _)| !exact_deg.iter().any(|have| (have - deg).abs() < 1e-9))
+        .map(|(_, name)| name)
+        .collect();
+    if !missing.is_empty() {
+        let reason = format!(
+            "angles.polar_deg does not list {}: paper and colour need 0 and 45, or angles.count instead of a list",
+            missing.join(" and ")
+        );
+        return alone(table, exact_deg, reason);
+    }
+    let mut unsuited = Faults::default();
+    surroundings(file, coupling, &mut unsuited);
+    match unsuited.0.first() {
+        Some(fault) => alone(table, exact_deg, format!("no paper and colour: {fault}")),
+        None => over_hemisphere(file, exact_deg, USUAL_COUNT - EXACT, coupling),
+    }
+}
+
+fn alone(table: &AnglesTable, exact_deg: Vec<f64>, reason: String) -> Angles {
+    let AnglesTable { azimuth_deg, picture_max_deg, .. } = *table;
+    Angles { exact_deg, strata: 0, exit_strata: 0, azimuth_deg, picture_max_deg, no_paper: Some(reason) }
+}
+
+fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, coupling: Coupling) -> Angles {
+    let exit_strata = if same_from_both_sides(file, coupling) { 0 } else { strata };
+    Angles { strata, exit_strata, no_paper: None, ..alone(&file.angles, exact_deg, String::new()) }
+}
+
+/// A layer between two plane walls with vacuum on both sides is statistically the same from both sides:
+/// its solves from the incident side give Ā_b. A relief or another medium on the exit side breaks that symmetry.
+fn same_from_both_sides(file: &StudyFile, coupling: Coupling) -> bool {
+    coupling == Coupling::Gap && file.layer.relief.is_none()
+}
+
+/// The picture is of an ink in air, on paper behind a gap of air or in contact with it.
+fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
+    let otherwise = "list angles.polar_deg for a study without paper and picture";
+    if file.layer.index_in != 1.0 {
+        let found = file.layer.index_in;
+        faults.push(Fault::new("layer.index_in", found, "1, air above the ink", otherwise));
+    }
+    let below = file.layer.index_out;
+    let (wrong, allowed) = match coupling {
+        Coupling::Gap => (below != 1.0, "1, the thin gap to the paper"),
+        Coupling::OpticalContact { .. } => {
+            (below.is_nan() || below <= 1.0, "greater than 1, the medium of the paper's scatterers")
+        }
+    };
+    if wrong {
+        let remedy = format!("choose paper.coupling to suit, or {otherwise}");
+        faults.push(Fault::new("layer.index_out", below, allowed, remedy));
+    }
+}

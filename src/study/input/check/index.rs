@@ -1,0 +1,142 @@
+//! Refractive indices: from a number, a built-in spectrum or the user's table to one value per wavelength.
+
+use crate::input::fault::{Fault, Faults, keys_in_words};
+use crate::input::forms::IndexWritten;
+use crate::input::limits;
+use crate::input::study::Material;
+use crate::material::mixing::MixingRule;
+use crate::material::spectra::{Spectrum, SpectrumError};
+use crate::material::synthetic::Synthetic;
+use num_complex::Complex64;
+use std::path::Path;
+
+/// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
+pub fn tabulate(
+    field: &str,
+    written: &IndexWritten,
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    faults: &mut Faults,
+) -> Material {
+    let vacuum = || vacuum(wavelengths_nm.len());
+    let Some(spectrum) = spectrum(field, written, folder, faults) else { return vacuum() };
+    if let Some(fault) = outside(field, &spectrum, wavelengths_nm) {
+        faults.push(fault);
+        return vacuum();
+    }
+    let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3)).collect::<Result<Vec<_>, _>>();
+    // Wavelengths that are no numbers have their own fault.
+    let Ok(index) = values else { return vacuum() };
+    if let Some(fault) = unsound(field, &index, wavelengths_nm) {
+        faults.push(fault);
+        return vacuum();
+    }
+    let (source, dissolved) = (source(&spectrum), Vec::new());
+    Material { source, index, spectrum, dissolved, mixing: MixingRule::default() }
+}
+
+/// The index 1 at so many wavelengths.
+fn vacuum(wavelengths: usize) -> Material {
+    Material {
+        source: String::new(),
+        index: vec![Complex64::ONE; wavelengths],
+        spectrum: Spectrum::VACUUM,
+        dissolved: Vec::new(),
+        mixing: MixingRule::default(),
+    }
+}
+
+/// An index that no passive medium has: records are taken as they come, and their formulas have poles.
+fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
+    let sound = |eta: &Complex64| eta.is_finite() && eta.re > 0.0 && eta.im >= 0.0;
+    let i = index.iter().position(|eta| !sound(eta))?;
+    let found = format!("n = {}, k = {} at {} nm", index[i].re, index[i].im, wavelengths_nm[i]);
+    let remedy = "correct the file; absorption is a positive k here (time factor exp(-iωt))";
+    Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both finite", remedy))
+}
+
+/// The spectrum's name; a transparent constant without its zero.
+fn source(spectrum: &Spectrum) -> String {
+    match spectrum {
+        Spectrum::Constant { n, kappa: 0.0 } => n.to_string(),
+        // The file's name alone: the same table is the same material wherever it lies.
+        Spectrum::Tabulated(_) | Spectrum::Recorded(_) => Path::new(&spectrum.name())
+            .file_name()
+            .map_or_else(|| spectrum.name(), |name| name.to_string_lossy().into_owned()),
+        other => other.name(),
+    }
+}
+
+fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
+    match (&written.built_in, &written.csv, &written.yaml, written.n, written.k) {
+        (Some(name), None, None, None, None) => built_in(field, name, faults),
+        (None, Some(csv), None, None, None) => from_csv(field, &folder.join(csv), faults),
+        (None, None, Some(yaml), None, None) => from_yaml(field, &folder.join(yaml), faults),
+        (None, None, None, Some(n), k) => constant(field, n, k.unwrap_or(0.0), faults),
+        _ => {
+            let allowed =
+                "a number, { n = …, k = … }, { built_in = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }";
+            let remedy = "write for example index = { n = 1.4, k = 0.1 }";
+            let found = keys_in_words([
+                ("n", written.n.is_some()),
+                ("k", written.k.is_some()),
+                ("built_in", written.built_in.is_some()),
+                ("csv", written.csv.is_some()),
+                ("yaml", written.yaml.is_some()),
+            ]);
+            faults.push(Fault::new(field, found, allowed, remedy));
+            None
+        }
+    }
+}
+
+fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum> {
+    let before = faults.0.len();
+    let remedy = "give the real part of the refractive index, 1.3 to 2.7 for pigments and binders";
+    faults.number(&format!("{field}.n"), n, limits::INDEX, remedy);
+    let remedy = "absorption is a positive k here (time factor exp(-iωt)): change the sign";
+    faults.number(&format!("{field}.k"), k, limits::ABSORPTION, remedy);
+    if faults.0.len() > before { None } else { Spectrum::constant(n, k).ok() }
+}
+
+fn built_in(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
+    let found = Spectrum::synthetic(name).ok();
+    if found.is_none() {
+        let names = Synthetic::ALL.map(Synthetic::name).join(", ");
+        let remedy = "take one of these, or your own table with { csv = \"file.csv\" }";
+        faults.push(Fault::new(format!("{field}.built_in"), format!("{name:?}"), names, remedy));
+    }
+    found
+}
+
+fn from_csv(field: &str, path: &Path, faults: &mut Faults) -> Option<Spectrum> {
+    Spectrum::from_csv(path).map_err(|error| faults.push(csv_fault(field, path, &error))).ok()
+}
+
+fn from_yaml(field: &str, path: &Path, faults: &mut Faults) -> Option<Spectrum> {
+    let fault = |error: SpectrumError| {
+        let allowed = "a record of refractiveindex.info: tabulated nk, n, k, or formula 1 to 9";
+        let remedy = "download the record's YAML file; its path is relative to the study file";
+        Fault::new(format!("{field}.yaml"), error.to_string(), allowed, remedy)
+    };
+    Spectrum::from_yaml(path).map_err(|error| faults.push(fault(error))).ok()
+}
+
+fn csv_fault(field: &str, path: &Path, error: &SpectrumError) -> Fault {
+    let found = match error {
+        SpectrumError::Unreadable(_) | SpectrumError::Header { .. } => error.to_string(),
+        other => format!("{} ({other})", path.display()),
+    };
+    let allowed = "a readable table wavelength_nm,kappa[,n] with rising wavelengths, kappa ≥ 0 and n > 0";
+    let remedy = "correct the table; its path is relative to the study file";
+    Fault::new(format!("{field}.csv"), found, allowed, remedy)
+}
+
+fn outside(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Option<Fault> {
+    let [low, high] = spectrum.range_nm()?;
+    let slack = 1e-9;
+    let nm = wavelengths_nm.iter().find(|&&nm| nm < low - slack || nm > high + slack)?;
+    let allowed = format!("from {low} to {high} nm, where {} is known", spectrum.name());
+    let remedy = "keep [light] inside that range, or give a table that covers it";
+    Some(Fault::new(field, format!("no value at {nm} nm"), allowed, remedy))
+}

@@ -1,0 +1,118 @@
+//! The wavelengths, and how they are sampled.
+
+use super::whole;
+use crate::input::fault::{Allowed, Fault, Faults, keys_in_words};
+use crate::input::file::{LightTable, SamplingName};
+use crate::input::limits;
+use crate::input::limits::LONGEST_LIST;
+use crate::input::variation::LightRule;
+use crate::numerics::allowed::shown;
+
+/// Wavelengths unless told, nm: from, to, step.
+const VISIBLE: [f64; 3] = [400.0, 700.0, 20.0];
+
+pub fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
+    match (&light.wavelengths_nm, light.from_nm, light.to_nm, light.step_nm) {
+        (Some(list), None, None, None) => {
+            let remedy = "give vacuum wavelengths in nm, 400 to 700 for the visible";
+            check_list("light.wavelengths_nm", list, limits::WAVELENGTH_NM, remedy, faults);
+            list.clone()
+        }
+        (None, Some(from), Some(to), Some(step)) => wavelength_range(from, to, step, faults),
+        (None, None, None, None) => wavelength_range(VISIBLE[0], VISIBLE[1], VISIBLE[2], faults),
+        _ => {
+            faults.push(neither_list_nor_range(light));
+            Vec::new()
+        }
+    }
+}
+
+fn neither_list_nor_range(light: &LightTable) -> Fault {
+    let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm";
+    let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
+    let found = keys_in_words([
+        ("wavelengths_nm", light.wavelengths_nm.is_some()),
+        ("from_nm", light.from_nm.is_some()),
+        ("to_nm", light.to_nm.is_some()),
+        ("step_nm", light.step_nm.is_some()),
+    ]);
+    Fault::new("light", found, allowed, remedy)
+}
+
+/// A range whose last step does not end at `to_nm`.
+pub fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String> {
+    let (to, step, &last) = (light.to_nm?, light.step_nm?, wavelengths_nm.last()?);
+    let count = wavelengths_nm.len() - 1;
+    if last < to - 1e-6 * step {
+        return Some(format!(
+            "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
+             choose a step that divides the range to reach {to} nm"
+        ));
+    }
+    None
+}
+
+/// No wavelengths where the range has a fault: what depends on them is not judged then.
+fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f64> {
+    let before = faults.0.len();
+    faults.number("light.step_nm", step, limits::STEP_NM, "20 is usual");
+    faults.number("light.from_nm", from, limits::WAVELENGTH_NM, "400 is usual");
+    if !(to >= from && to <= 1e4) {
+        let allowed = format!("from from_nm = {from} to 10000 nm");
+        faults.push(Fault::new("light.to_nm", to, allowed, "700 is usual"));
+    }
+    let count = ((to - from) / step + 1e-9).floor();
+    if faults.0.len() == before && count >= LONGEST_LIST as f64 {
+        let allowed = format!("a step that gives fewer than {LONGEST_LIST} wavelengths");
+        faults.push(Fault::new("light.step_nm", shown(step), allowed, "20 is usual"));
+    }
+    // One wavelength where a range is written is a slip, not a wish.
+    if faults.0.len() == before && to > from && count == 0.0 {
+        let allowed = format!("at most to_nm - from_nm = {} nm", to - from);
+        let remedy = "20 is usual; for one wavelength write wavelengths_nm = [550]";
+        faults.push(Fault::new("light.step_nm", step, allowed, remedy));
+    }
+    if faults.0.len() > before {
+        return Vec::new();
+    }
+    (0..=count as usize).map(|i| from + i as f64 * step).collect()
+}
+
+/// A list must have entries, all allowed and rising.
+pub fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults: &mut Faults) {
+    if list.is_empty() || list.len() > LONGEST_LIST {
+        let found = format!("{} entries", list.len());
+        faults.push(Fault::new(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy));
+    }
+    let wrong = list.iter().position(|&value| !allowed.holds(value));
+    if let Some(i) = wrong {
+        faults.number(&format!("{field}[{i}]"), list[i], allowed, remedy);
+    } else if let Some(i) = (1..list.len()).find(|&i| list[i] <= list[i - 1]) {
+        let found = format!("{} after {}", list[i], list[i - 1]);
+        faults.push(Fault::new(
+            format!("{field}[{i}]"),
+            found,
+            "rising values",
+            "sort the list, without repeats",
+        ));
+    }
+}
+
+/// Ranges are shifted from realisation to realisation, lists are solved as they are.
+pub fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Faults) -> LightRule {
+    let last = wavelengths_nm.len().saturating_sub(1);
+    let range = light.wavelengths_nm.is_none() && light.sampling == SamplingName::Shifted && last > 0;
+    if let Some(count) = light.per_realisation {
+        let remedy = "10 to 16 is usual; it needs a range of wavelengths";
+        whole("light.per_realisation", count, limits::PER_REALISATION, remedy, faults);
+        if !range && !wavelengths_nm.is_empty() {
+            let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
+            faults.push(Fault::new("light.per_realisation", count, allowed, "give a range, or leave it out"));
+        }
+    }
+    if !range {
+        return LightRule::Listed;
+    }
+    let strata = light.per_realisation.unwrap_or(last).max(1);
+    LightRule::Shifted { range_nm: [wavelengths_nm[0], wavelengths_nm[last]], strata }
+}

@@ -1,0 +1,85 @@
+//! The print and how it is seen: paper, colour, what the prediction is held against, output.
+
+use crate::appearance::paper::MirroredSky;
+use crate::appearance::viewing::{Summation, illuminants, observers};
+use crate::input::forms::AlbedoWritten;
+use crate::input::limits;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `[paper]`: the Lambertian substrate.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PaperTable {
+    /// 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{ csv = "paper.csv" }` with the
+    /// columns wavelength_nm and albedo.
+    pub albedo: AlbedoWritten,
+    /// What is between ink and paper.
+    pub coupling: CouplingName,
+}
+
+impl Default for PaperTable {
+    fn default() -> Self {
+        Self { albedo: AlbedoWritten::Constant(0.9), coupling: CouplingName::Gap }
+    }
+}
+
+/// How layer and paper touch; see [`crate::appearance::paper::Coupling`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CouplingName {
+    /// The paper's model (P1 section 5): a thin air gap, light goes back and forth incoherently.
+    #[default]
+    Gap,
+    /// The paper's scatterers sit in a medium of `layer.index_out` that touches the layer.
+    OpticalContact,
+}
+
+/// `[colour]`: the conditions of an ink maker's numbers, beside D65 and the 2° observer of everything else.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ColourTable {
+    /// `"D65"` when left out; `"D50"`, `"A"`, `"F11"`, `"LED_B3"` …
+    #[schemars(schema_with = "illuminants", example = &"D65")]
+    pub illuminant: Option<String>,
+    /// `"2"` when left out; `"10"`, `"2015_2"`, `"2015_10"`.
+    #[schemars(schema_with = "observers", example = &"2")]
+    pub observer: Option<String>,
+    /// `"plain"` when left out, or `"e308"` for the weights of ASTM E308.
+    pub summation: Summation,
+    /// L*, a*, b* that the print should have under these conditions, at 45:0.
+    #[schemars(inner(range(min = -300, max = 300)), example = (85, -10, 80))]
+    pub target_lab: Option<[f64; 3]>,
+}
+
+/// `[compare]`: what the prediction is held against.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CompareTable {
+    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17.
+    #[schemars(example = &"measured.csv")]
+    pub measured: Option<String>,
+    /// Name of the sample in a CxF3 or CGATS.17 file with several; the first when left out.
+    #[schemars(example = &"yellow 100 %")]
+    pub patch: Option<String>,
+}
+
+/// `[output]`
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputTable {
+    /// Folder for the results, relative to where the program runs; `out/<study name>` when left out.
+    #[schemars(example = &"out/yellow")]
+    pub folder: Option<String>,
+    /// Side of the picture's square, pixels.
+    #[schemars(transform = limits::PICTURE_PIXELS.mark())]
+    pub picture_pixels: usize,
+    /// Whether the picture's strip shows the sky that the layer mirrors.
+    pub mirrored_sky: MirroredSky,
+}
+
+impl Default for OutputTable {
+    fn default() -> Self {
+        Self { folder: None, picture_pixels: 360, mirrored_sky: MirroredSky::default() }
+    }
+}

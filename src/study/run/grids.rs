@@ -1,0 +1,85 @@
+//! The grids of one realisation: one for each wavelength, and finer ones for the few waves that do not fit into theirs.
+
+use super::error::RunError;
+use super::point::problem_of;
+use crate::ink::Packing;
+use crate::input::study::{Point, Study};
+use crate::solve::accuracy::raised;
+use crate::solve::door::{Geometry, WaveProblem};
+use crate::wave::{Resolution, Scene, WaveError};
+use std::sync::{Mutex, PoisonError};
+
+/// One wavelength's grid, and the packing on it.
+pub struct Wavelength {
+    /// In vacuum, µm.
+    pub wavelength_um: f64,
+    /// Its grid.
+    pub resolution: Resolution,
+    /// The packing on that grid.
+    pub geometry: Geometry,
+}
+
+impl Wavelength {
+    /// The grids of all these waves; `cover` puts the packing on a grid, once for each.
+    pub fn all(
+        wavelengths_um: impl Iterator<Item = f64>,
+        grid: impl Fn(f64) -> Resolution,
+        mut cover: impl FnMut(Resolution) -> Result<Geometry, RunError>,
+    ) -> Result<Vec<Self>, RunError> {
+        let mut made: Vec<Self> = Vec::new();
+        for wavelength_um in wavelengths_um {
+            if made.iter().any(|known| known.wavelength_um == wavelength_um) {
+                continue;
+            }
+            let resolution = grid(wavelength_um);
+            let known = made.iter().find(|known| known.resolution == resolution);
+            let geometry = known.map_or_else(|| cover(resolution), |known| Ok(known.geometry.clone()))?;
+            made.push(Self { wavelength_um, resolution, geometry });
+        }
+        Ok(made)
+    }
+
+    /// That of a point.
+    pub fn of<'a>(all: &'a [Self], point: &Point) -> &'a Self {
+        let own = |known: &&Self| known.wavelength_um == point.incidence.wavelength_um;
+        all.iter().find(own).expect("the grids of all solves to be made")
+    }
+}
+
+/// The grid was chosen on other packings and at the probes' wavelengths. A cell of this packing may hold more pigment, and a
+/// wavelength between the probes may meet a larger index: then cells that the wave just fits in are too high for it.
+pub(super) struct Grids<'a> {
+    study: &'a Study,
+    packing: &'a Packing,
+    own: Vec<Wavelength>,
+    finer: Mutex<Vec<(Resolution, Geometry)>>,
+}
+
+impl<'a> Grids<'a> {
+    pub fn new(study: &'a Study, packing: &'a Packing, own: Vec<Wavelength>) -> Self {
+        Self { study, packing, own, finer: Mutex::default() }
+    }
+
+    /// The problem of a point on the coarsest of these grids that carries its wave: a property of the point alone.
+    pub fn problem(&self, point: &Point) -> Result<WaveProblem, WaveError> {
+        let own = Wavelength::of(&self.own, point);
+        let (mut resolution, mut made) = (own.resolution, problem_of(self.study, &own.geometry, point));
+        loop {
+            let Err(refusal @ WaveError::CellTooHigh { .. }) = &made else { return made };
+            let Some(finer) = raised(resolution, refusal) else { return made };
+            resolution = finer;
+            made = problem_of(self.study, &self.finer(resolution)?, point);
+        }
+    }
+
+    fn finer(&self, resolution: Resolution) -> Result<Geometry, WaveError> {
+        let mut all = self.finer.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, geometry)) = all.iter().find(|(kept, _)| *kept == resolution) {
+            return Ok(geometry.clone());
+        }
+        let (scene, error) = (Scene::from_packing(self.packing), self.study.resolution.coverage_error());
+        let geometry = Geometry::new(self.study.wave, &scene, resolution, error)?;
+        all.push((resolution, geometry.clone()));
+        Ok(geometry)
+    }
+}

@@ -1,0 +1,133 @@
+//! How much coarser the grids of longer waves may be.
+//!
+//! The error of a grid with spacing h grows as V h² at least, with V ∝ |η² − η_b²|/λ² (numerics, order of the coverage), and as
+//! the phase k h does. So a wave longer than the shortest allows a spacing larger by λ/λ₀, by √(V₀/V) where that is less: the
+//! work per solve falls as (λ₀/λ)³ in a clear ink. Two probes at the longest wavelength say whether it is so.
+
+use crate::input::study::{Pigment, Study, WantedResolution};
+use crate::input::variation::stratified_deg;
+use crate::solve::accuracy::smooth_size;
+use crate::wave::{Incidence, Resolution, Side};
+
+/// Exponents on the coarsening that are tried, in turn; no coarsening where none of them keeps the accuracy.
+pub(super) const SHARES: [f64; 3] = [1.0, 0.7, 0.4];
+
+/// Steps of the coarsening in an octave: the wavelengths between two of them share a coverage.
+const STEPS: f64 = 4.0;
+
+/// Largest |η² − η_b²|/λ² of any pigment in the binder, what its contrast V grows with, 1/nm².
+pub(super) fn largest_contrast(study: &Study, nm: f64) -> f64 {
+    let binder = study.layer.binder.index_at(1e-3 * nm);
+    let of = |p: &Pigment| {
+        let eta = p.material.index_at(1e-3 * nm);
+        ((eta * eta - binder * binder) / (nm * nm)).norm()
+    };
+    study.pigments.iter().map(of).fold(0.0, f64::max)
+}
+
+/// A grid of the shortest waves as a longer one has it; `share` is the exponent on the coarsening that the wave allows.
+pub fn coarsened(study: &Study, own: Resolution, wavelength_um: f64, share: f64) -> Resolution {
+    let factor = coarser(study, wavelength_um, share);
+    let fewer = |n: usize| (n as f64 / factor * (1.0 - 1e-9)).ceil() as usize;
+    let points = |n: usize| if n == 1 { 1 } else { smooth_size(fewer(n)).min(n) };
+    Resolution { nx: points(own.nx), ny: points(own.ny), cells: fewer(own.cells).max(1), scheme: own.scheme }
+}
+
+/// How many times coarser than at the shortest wavelength the grid may be, at least 1.
+fn coarser(study: &Study, wavelength_um: f64, share: f64) -> f64 {
+    if share == 0.0 {
+        return 1.0;
+    }
+    let most = study.wavelengths_nm.iter().map(|&nm| largest_contrast(study, nm)).fold(0.0, f64::max);
+    let by_contrast = (most / largest_contrast(study, 1e3 * wavelength_um)).sqrt();
+    let by_phase = 1e3 * wavelength_um / study.wavelengths_nm[0];
+    stepped(by_phase.min(by_contrast).max(1.0).powf(share))
+}
+
+/// Down to a whole number of steps; rounding at a step is not another grid.
+fn stepped(factor: f64) -> f64 {
+    ((STEPS * factor.log2() + 1e-9).floor() / STEPS).exp2()
+}
+
+/// The smallest and the largest polar angle of a study, degrees.
+pub(super) fn probed_angles_deg(study: &Study) -> [f64; 2] {
+    let exact = &study.angles.exact_deg;
+    let all = stratified_deg(study.angles.strata, 0.5).into_iter().chain(exact.iter().copied());
+    [exact[0], all.fold(0.0, f64::max)]
+}
+
+/// The longest wavelength at the smallest and the largest angle of the study, on one packing; nothing where all waves share a grid:
+/// so it is wanted, there is but one wavelength, or nothing that a grid could miss.
+pub(super) fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
+    let (first, last) = (study.wavelengths_nm[0], study.wavelengths_nm[study.wavelengths_nm.len() - 1]);
+    let allowed = matches!(study.resolution, WantedResolution::Accuracy { per_wavelength: true, .. });
+    if !allowed || stepped(last / first) == 1.0 || largest_contrast(study, last) == 0.0 {
+        return Vec::new();
+    }
+    let (azimuth_deg, from) = (study.draw(realisation).azimuth_deg, Side::Incident);
+    let incidence = |polar_deg: f64| Incidence { wavelength_um: last * 1e-3, polar_deg, azimuth_deg, from };
+    let mut probes = probed_angles_deg(study).map(incidence).to_vec();
+    probes.dedup();
+    probes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::check::check;
+    use crate::input::file::StudyFile;
+    use crate::wave::Scheme;
+    use std::path::Path;
+
+    fn study(pigment: &str, resolution: &str) -> Study {
+        let text = format!(
+            "title = 't'\n[layer]\nthickness_um = 0.5\nbinder.index = 1.5\n[[pigment]]\nname = 'p'\ndiameter_nm = 200\n\
+             volume_fraction = 0.2\nindex = {pigment}\n[light]\nwavelengths_nm = [400, 450, 500, 600, 700]\n\
+             [angles]\npolar_deg = [0, 40]\n[resolution]\n{resolution}\n"
+        );
+        let file: StudyFile = toml::from_str(&text).expect("a study file");
+        check(&file, Path::new("."), "test").expect("a sound study")
+    }
+
+    const OWN: Resolution = Resolution { nx: 40, ny: 30, cells: 14, scheme: Scheme::Cubic };
+
+    /// λ/λ₀ in a clear ink, down to steps of 2^¼.
+    #[test]
+    fn a_clear_ink_allows_a_spacing_in_proportion_to_the_wavelength() {
+        let study = study("1.9", "accuracy = 1e-3");
+        let points = |nm: f64, share: f64| {
+            let r = coarsened(&study, OWN, 1e-3 * nm, share);
+            (r.nx, r.ny, r.cells)
+        };
+        assert_eq!(points(400.0, 1.0), (40, 30, 14));
+        assert_eq!(points(450.0, 1.0), (40, 30, 14), "not a step yet");
+        // 600/400 is 2^(2/4) and some, 700/400 is 2^(3/4) and some.
+        assert_eq!(points(600.0, 1.0), (30, 24, 10));
+        assert_eq!(points(700.0, 1.0), (24, 18, 9));
+        assert_eq!(points(700.0, 0.4), (36, 27, 12));
+        assert_eq!(points(700.0, 0.0), (40, 30, 14));
+        assert_eq!(probes(&study, 0).len(), 2);
+    }
+
+    /// Where the pigment absorbs most its contrast decides, however long the wave.
+    #[test]
+    fn the_largest_contrast_keeps_the_finest_grid() {
+        let study = study("{ built_in = 'red' }", "accuracy = 1e-3");
+        let nm = study.wavelengths_nm.iter().copied();
+        let strongest =
+            nm.max_by(|&a, &b| largest_contrast(&study, a).total_cmp(&largest_contrast(&study, b)));
+        let strongest = strongest.expect("wavelengths");
+        assert!(strongest > 450.0, "{strongest}");
+        assert_eq!(coarsened(&study, OWN, 1e-3 * strongest, 1.0), OWN);
+        assert!(coarsened(&study, OWN, 0.7, 1.0).nx < OWN.nx);
+    }
+
+    #[test]
+    fn one_grid_has_no_probes() {
+        let clear = "1.9";
+        assert!(probes(&study(clear, "accuracy = 1e-3\nper_wavelength = false"), 0).is_empty());
+        assert!(probes(&study(clear, "accuracy = 1e-2"), 0).is_empty(), "it does not pay");
+        assert!(probes(&study(clear, "points_per_um = 20\nplanes_per_um = 30"), 0).is_empty());
+        assert!(probes(&study("1.5", "accuracy = 1e-3"), 0).is_empty(), "no contrast");
+    }
+}

@@ -1,0 +1,268 @@
+//! The grid of a study: as asked, or chosen for the accuracy that was asked; with its error in either case.
+//!
+//! Three probes on the first packing that comes about stand for the whole study: the shortest wavelength at the smallest and
+//! at the largest angle, and the wavelength at which grains and binder differ most. The largest of
+//! their error estimates is the study's. Longer waves get grids as much coarser as two more probes allow (`longer_waves`).
+
+mod probed;
+
+use super::error::RunError;
+use super::longer_waves::{self, coarsened, largest_contrast, probed_angles_deg};
+use super::point::Stopper;
+use super::watch::RunWatch;
+use crate::input::study::{Study, WantedResolution};
+use crate::input::variation::Draw;
+use crate::solve::accuracy::discretisation::Discretisation;
+use crate::solve::accuracy::grid_error::{GridError, JUDGEMENT};
+use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
+use crate::solve::demand::Size;
+use crate::store::identity::Key;
+use crate::store::{Record, Store};
+use crate::wave::maxwell::NormalMoments;
+use crate::wave::physical::largest;
+use crate::wave::{Coverage, Incidence, Mean, Resolution, Scene, Side};
+use probed::{Prepared, grid, probe};
+use serde::{Deserialize, Serialize};
+
+/// Packings on which two grids are compared: enough for a standard error of the difference.
+const GRID_PACKINGS: usize = 4;
+
+/// The grid of a study's shortest waves, and what longer ones make of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resolved {
+    /// Of the cell it was chosen on, the first that could be packed; at the shortest wavelength and wherever the contrast is largest.
+    pub resolution: Resolution,
+    /// Period of that cell, µm.
+    pub period_um: [f64; 2],
+    /// Thickness of its layer, µm.
+    pub thickness_um: f64,
+    /// Largest expected error of an order's complex amplitude, over the probes.
+    pub error_estimate: f64,
+    /// Expected errors of R and T.
+    pub grid_error: GridError,
+    /// Exponent on the coarsening that longer waves allow: 1 takes all of it, 0 is one grid for all wavelengths, as in records that
+    /// older programs made.
+    #[serde(default)]
+    pub longer_waves: f64,
+}
+
+impl Resolved {
+    /// The grid of a wave in a cell: that of the shortest waves, coarser by what this one allows.
+    pub fn for_wave(&self, study: &Study, draw: &Draw, wavelength_um: f64) -> Resolution {
+        coarsened(study, self.for_cell(draw), wavelength_um, self.longer_waves)
+    }
+
+    /// The grid of the longest wave in the cell that the finest one was chosen on.
+    pub fn longest(&self, study: &Study) -> Resolution {
+        let last_um = 1e-3 * study.wavelengths_nm[study.wavelengths_nm.len() - 1];
+        coarsened(study, self.resolution, last_um, self.longer_waves)
+    }
+
+    /// The finest grid in another cell: no coarser than the first one's.
+    pub fn for_cell(&self, draw: &Draw) -> Resolution {
+        let points = |own: usize, first_um: f64, um: f64| {
+            let wanted = (own as f64 * um / first_um * (1.0 - 1e-9)).ceil() as usize;
+            if own == 1 { 1 } else { smooth_size(wanted.max(1)) }
+        };
+        let (own, first) = (self.resolution, self.period_um);
+        let cells = (own.cells as f64 * draw.thickness_um / self.thickness_um * (1.0 - 1e-9)).ceil();
+        if draw.period_um == first && draw.thickness_um == self.thickness_um {
+            return own;
+        }
+        Resolution {
+            nx: points(own.nx, first[0], draw.period_um[0]),
+            ny: points(own.ny, first[1], draw.period_um[1]),
+            cells: (cells as usize).max(1),
+            scheme: own.scheme,
+        }
+    }
+}
+
+/// What the study's solves take on a grid.
+pub fn size(study: &Study, resolution: Resolution) -> Size {
+    let indices = study.pigments.iter().map(|p| &p.material).chain([&study.layer.binder]);
+    let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
+    let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
+    let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
+    let channels = study.pigments.len() + usize::from(study.packing.relief.is_some());
+    let vector = study.wave.is_vector();
+    let wavenumbers = if vector { [0.0; 2] } else { [k0 * densest, k0] };
+    Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers, vector }
+}
+
+impl Record for Resolved {
+    const KIND: &'static str = "grid";
+}
+
+/// The study's grid: from the store, or from solves on the first realisations' scenes, which are made when they are needed.
+///
+/// # Errors
+/// The accuracy is out of reach, the grid does not fit `memory` (bytes), or a probe cannot be solved.
+pub fn resolve(
+    study: &Study,
+    store: &Store<Resolved>,
+    memory: f64,
+    watch: &dyn RunWatch,
+    scene: impl FnMut(usize) -> Result<Scene, RunError>,
+) -> Result<Resolved, RunError> {
+    if let Some(resolved) = kept(study, store) {
+        return Ok(resolved);
+    }
+    if let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution {
+        let grid = grid(&study.draw(0), points_per_um, planes_per_um, scheme);
+        size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
+    }
+    let scenes = scenes(study, scene)?;
+    watch.stage("estimating the error of the grid");
+    let mut resolved = match study.wave.is_vector() {
+        false => settle::<Coverage>(study, &scenes[0], memory, watch)?,
+        true => settle::<NormalMoments>(study, &scenes[0], memory, watch)?,
+    };
+    let difference = |scene: &(usize, Scene)| match study.wave.is_vector() {
+        false => grid_differences::<Coverage>(study, &resolved, scene, memory, watch),
+        true => grid_differences::<NormalMoments>(study, &resolved, scene, memory, watch),
+    };
+    let differences: Vec<Vec<[f64; 2]>> = scenes.iter().map(difference).collect::<Result<_, _>>()?;
+    resolved.grid_error = GridError::from_differences(&differences);
+    store.put(key(study).as_str(), &resolved)?;
+    Ok(resolved)
+}
+
+/// The first realisations whose packings come about, one at least: what cannot be packed costs its own realisation alone.
+fn scenes(
+    study: &Study,
+    mut scene: impl FnMut(usize) -> Result<Scene, RunError>,
+) -> Result<Vec<(usize, Scene)>, RunError> {
+    let (mut scenes, mut refusal) = (Vec::new(), None);
+    for realisation in 0..compared(study) {
+        match scene(realisation) {
+            Ok(scene) => scenes.push((realisation, scene)),
+            Err(error) if error.has_no_room() => refusal = refusal.or(Some(error)),
+            Err(error) => return Err(error),
+        }
+    }
+    refusal.filter(|_| scenes.is_empty()).map_or(Ok(scenes), Err)
+}
+
+/// The study's grid if the store has it; a folder that was begun with one grid for all wavelengths goes on with it.
+pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
+    store
+        .get(key(study).as_str())
+        .or_else(|| store.get(key_of(study, study.resolution.on_one_grid(), &[]).as_str()))
+}
+
+/// Realisations whose packings two grids are compared on.
+fn compared(study: &Study) -> usize {
+    study.realisations.min(GRID_PACKINGS)
+}
+
+/// Content hash of all that the choice of the grid and its error depend on. Every packing compared counts: studies may share the
+/// first one and differ in others, since cells are drawn to hold whole grains.
+pub fn key(study: &Study) -> Key {
+    key_of(study, study.resolution, &longer_waves::probes(study, 0))
+}
+
+fn key_of(study: &Study, resolution: WantedResolution, longest: &[Incidence]) -> Key {
+    let packing = |realisation: usize| {
+        let probes = probes(study, realisation);
+        let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
+        (Key::of_packing(&study.packing_request(realisation)), media, probes)
+    };
+    let packings: Vec<_> = (0..compared(study)).map(packing).collect();
+    // Older records hold half the error where a finer grid had to be compared with: they are made again, their solves are not.
+    let method = (resolution, Mean::default(), &study.solver, &study.goal, JUDGEMENT);
+    // s, p and unpolarised light share a grid.
+    let vector = study.wave.is_vector().then_some(());
+    match longest.is_empty() {
+        true => Key::of_wave("resolution", &(packings, method), vector),
+        false => Key::of_wave("resolution", &(packings, method, longest), vector),
+    }
+}
+
+fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
+    let (azimuth_deg, from) = (study.draw(realisation).azimuth_deg, Side::Incident);
+    let incidence =
+        |nm: f64, polar_deg: f64| Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
+    let contrast = |nm: f64| largest_contrast(study, nm);
+    let [smallest, largest] = probed_angles_deg(study);
+    let nm = &study.wavelengths_nm;
+    let strongest = nm.iter().copied().max_by(|&a, &b| contrast(a).total_cmp(&contrast(b))).unwrap_or(nm[0]);
+    let mut probes = vec![incidence(nm[0], smallest), incidence(nm[0], largest)];
+    let worst = incidence(strongest, smallest);
+    if !probes.contains(&worst) {
+        probes.push(worst);
+    }
+    probes.dedup();
+    probes
+}
+
+fn settle<G: Discretisation>(
+    study: &Study,
+    (realisation, scene): &(usize, Scene),
+    memory: f64,
+    watch: &dyn RunWatch,
+) -> Result<Resolved, AccuracyError> {
+    let (draw, probes) = (study.draw(*realisation), probes(study, *realisation));
+    let (mut resolution, mut error_estimate) = (None, 0.0_f64);
+    for task in &Prepared::<G>::new(study, scene, &probes, memory, watch).tasks() {
+        let probed = probe(study, &draw, task, resolution, watch)?;
+        error_estimate = largest([error_estimate, probed.error_estimate]);
+        resolution = Some(G::grid_of(&probed.problem).resolution);
+    }
+    let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
+    let (Draw { period_um, thickness_um, .. }, grid_error) = (draw, GridError::default());
+    let one = Resolved { resolution, period_um, thickness_um, error_estimate, grid_error, longer_waves: 0.0 };
+    let longest = longer_waves::probes(study, *realisation);
+    coarsen(study, &draw, &Prepared::<G>::new(study, scene, &longest, memory, watch).tasks(), one, watch)
+}
+
+/// Takes as much of the coarsening that longer waves allow as keeps the accuracy at the longest of them.
+fn coarsen<G: Discretisation>(
+    study: &Study,
+    draw: &Draw,
+    longest: &[Task<G>],
+    one: Resolved,
+    watch: &dyn RunWatch,
+) -> Result<Resolved, AccuracyError> {
+    let (Some(first), WantedResolution::Accuracy { amplitude, .. }) = (longest.first(), study.resolution)
+    else {
+        return Ok(one);
+    };
+    'shares: for longer_waves in longer_waves::SHARES {
+        let mut tried = Resolved { longer_waves, ..one };
+        let grid = tried.for_wave(study, draw, first.incidence.wavelength_um);
+        for task in longest {
+            match task.solve_with_estimate(grid, &mut Stopper(watch)) {
+                Err(stopped) if stopped.is_stop() => return Err(stopped),
+                Ok(probed) if probed.error_estimate <= amplitude => {
+                    tried.error_estimate = largest([tried.error_estimate, probed.error_estimate]);
+                }
+                _ => continue 'shares,
+            }
+        }
+        return Ok(tried);
+    }
+    Ok(one)
+}
+
+/// What the grid does to R and T of the probes on one packing.
+fn grid_differences<G: Discretisation>(
+    study: &Study,
+    resolved: &Resolved,
+    (realisation, scene): &(usize, Scene),
+    memory: f64,
+    watch: &dyn RunWatch,
+) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    let draw = study.draw(*realisation);
+    let differences = |probes: &[Incidence], own: Resolution| {
+        let prepared = Prepared::<G>::new(study, scene, probes, memory, watch);
+        GridError::differences(&prepared.tasks(), own, &mut Stopper(watch))
+    };
+    let mut found = differences(&probes(study, *realisation), resolved.for_cell(&draw))?;
+    let longest = longer_waves::probes(study, *realisation);
+    if let (Some(first), true) = (longest.first(), resolved.longer_waves > 0.0) {
+        let own = resolved.for_wave(study, &draw, first.wavelength_um);
+        found.extend(differences(&longest, own)?);
+    }
+    Ok(found)
+}

@@ -1,0 +1,151 @@
+//! Bad input: every fault is told with its field, what was found, what is allowed and what to try; the exit
+//! code is not zero and nothing is written.
+
+
+use crate::run_support::{TINY, run, study};
+use crate::slips::{INK, K, LIGHT, Slip};
+use std::path::Path;
+
+/// The message without the frame and the line breaks of the terminal.
+fn plain(text: &[u8]) -> String {
+    let text = String::from_utf8_lossy(text).replace('│', " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn refused(study: &Path, output: &Path) -> String {
+    let done = run(study, output, &[]);
+    let said = plain(&done.stderr);
+    assert!(!done.status.success(), "accepted");
+    assert!(!said.contains("panicked"), "{said}");
+    assert!(!output.exists(), "something was written: {said}");
+    said
+}
+
+#[test]
+fn every_slip_is_told_with_field_value_range_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = |name: &str, rows: &str| {
+        std::fs::write(folder.path().join(name), format!("wavelength_nm,kappa\n{rows}")).unwrap();
+    };
+    csv("negative.csv", "400,-0.2\n700,0.1\n");
+    csv("narrow.csv", "500,0.1\n600,0.1\n");
+    csv("empty.csv", "400,0.1\n550,\n700,0.1\n");
+    csv("micrometres.csv", "0.4,0.1\n0.7,0.1\n");
+    std::fs::write(folder.path().join("comma.csv"), "wavelength_nm,reflectance\n400,0,5\n").unwrap();
+    let mut missed = Vec::new();
+    for Slip { from, to, says } in INK.iter().chain(LIGHT) {
+        assert!(TINY.contains(from), "{from}");
+        let text = TINY.replacen(from, to, 1);
+        let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+        for part in says {
+            if !said.contains(part) {
+                missed.push(format!("{to:?} does not say {part:?}: {said}"));
+            }
+        }
+        let line = to.lines().last().unwrap_or_default();
+        if !line.is_empty() && !said.contains("study.toml:") {
+            missed.push(format!("{to:?} does not show its line: {said}"));
+        }
+    }
+    assert!(missed.is_empty(), "{}", missed.join("\n\n"));
+}
+
+#[test]
+fn all_faults_are_told_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("seed = 7", "seed = 7\n[paper]\nalbedo = 2").replace("count = 3", "count = 1000");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(
+        said.contains("2 fields") && said.contains("paper.albedo") && said.contains("angles.count"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_fault_of_the_light_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("from_nm = 400", "from_nm = 1");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(!said.contains("fields") && !said.contains("pigment[0].index"), "{said}");
+    let text = TINY.replace("seed = 7", "seed = 7\ntarget_delta_e = 1e-300");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(said.contains("run.target_delta_e: found 1e-300;"), "{said}");
+}
+
+#[test]
+fn a_sweep_is_told_its_own_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = study(
+        folder.path(),
+        "base = \"yellow.toml\"\n[[axis]]\nfield = \"paper.albedo\"\nvalues = [0.5, 0.9]\n",
+    );
+    let said = refused(&path, &folder.path().join("out"));
+    assert!(said.contains("study.toml is a sweep") && said.contains("`inkwave sweep "), "{said}");
+    // a slip in a study stays one
+    let said = refused(&study(folder.path(), &TINY.replace("[run]", "[base]")), &folder.path().join("out"));
+    assert!(said.contains("unknown key") && !said.contains("is a sweep"), "{said}");
+}
+
+#[test]
+fn all_unknown_keys_are_told_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("seed = 7", "sead = 7\nspeed = 3").replace("built_in", "builtin");
+    let text = text.replace("[output]", "[ouput]");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    for part in
+        ["run.sead", "did you mean seed?", "run.speed", "pigment[0].index.builtin", "ouput", "4 fields"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+}
+
+#[test]
+fn concentrations_that_cannot_be_packed_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("volume_fraction = 0.15", "volume_fraction = 0.64");
+    let text = text.replace("[output]", "[packing.relaxation]\nmax_steps = 200\n[output]");
+    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    for part in ["volume fraction", "0.64", "not reached", "volume_fraction"] {
+        assert!(said.contains(part), "{said}");
+    }
+}
+
+#[test]
+fn paths_that_cannot_be_read_or_written_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let (good, out) = (study(folder.path(), TINY), folder.path().join("out"));
+    let said = refused(&folder.path().join("none.toml"), &out);
+    assert!(
+        said.contains("none.toml") && said.contains("cannot read") && said.contains("give the path"),
+        "{said}"
+    );
+
+    let below_a_file = good.join("out");
+    let said = refused(&good, &below_a_file);
+    assert!(said.contains("cannot write") && said.contains("--output DIR"), "{said}");
+
+    std::fs::write(folder.path().join("thesis.txt"), "years of work").unwrap();
+    let done = run(&good, folder.path(), &[]);
+    let said = plain(&done.stderr);
+    assert!(
+        !done.status.success() && said.contains("holds other files") && said.contains("--output DIR"),
+        "{said}"
+    );
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing was added");
+}
+
+/// Wide gaps between rows may be meant so: they are told of once, and the study goes on to its next fault, or runs.
+#[test]
+fn wide_gaps_between_rows_are_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("two.csv"), "wavelength_nm,kappa\n400,0.1\n700,0.2\n").unwrap();
+    std::fs::write(folder.path().join("print.csv"), "wavelength_nm,reflectance\n400,0.1\n700,0.2\n").unwrap();
+    let text = TINY.replacen(K, "index = { csv = \"two.csv\" }", 1);
+    let text = text.replace("[output]", "[compare]\nmeasured = \"print.csv\"\n[output]");
+    let done = run(&study(folder.path(), &text), &folder.path().join("out"), &["--plan"]);
+    let said = plain(&done.stderr);
+    assert!(done.status.success(), "{said}");
+    for file in ["two.csv: no row between 400 and 700 nm", "print.csv: no row between 400 and 700 nm"] {
+        assert_eq!(said.matches(file).count(), 1, "{said}");
+    }
+}

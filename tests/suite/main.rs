@@ -1,0 +1,36 @@
+//! All integration tests in one program: one to link.
+
+mod bad_input;
+mod cli_solve;
+mod compare;
+mod coverage_shapes;
+mod damage;
+mod examples;
+mod export_files;
+mod fuzz;
+mod gates;
+mod golden;
+mod gratings;
+mod house;
+mod housekeeping;
+mod kubelka_munk;
+mod memory;
+mod packing_grains;
+mod packing_output;
+mod packing_spheres;
+mod referee;
+mod run_continue;
+mod run_fields;
+mod run_results;
+mod run_support;
+mod schema;
+mod slips;
+mod study_features;
+mod sweep;
+mod sweep_pages;
+mod sweep_support;
+mod vector_references;
+mod vector_studies;
+mod wave_references;
+mod wavelength_grids;
+mod workers;

@@ -1,0 +1,100 @@
+//! What a finished run leaves behind.
+
+
+use crate::run_support::{TINY, study, succeed};
+use serde_json::Value;
+use std::path::Path;
+
+fn results(folder: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(folder.join("results.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_finished_run_leaves_numbers_tables_picture_and_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), TINY), &out, &[]);
+
+    let results = results(&out);
+    assert_eq!(results["status"], "complete");
+    assert_eq!(results["solves"]["finished"], 24);
+    // the discrete balance holds to ten times the solver's residual
+    let certainty = &results["certainty"];
+    let energy = certainty["largest_energy_error"].as_f64().unwrap();
+    assert!(energy <= 10.0 * certainty["largest_residual"].as_f64().unwrap(), "{certainty}");
+    assert!(certainty["amplitude_error_estimate"].as_f64().unwrap() > 0.0);
+    assert!(results["colours"][0]["lab_standard_error"].is_array(), "two realisations give errors");
+    assert_eq!(results["packings"].as_array().unwrap().len(), 2);
+
+    let header = std::fs::read_to_string(out.join("spectra.csv")).unwrap();
+    assert!(header.starts_with("wavelength_nm,polar_deg,reflectance,reflectance_standard_error"));
+    assert_eq!(header.lines().count(), 1 + 2 * 4, "four wavelengths at 0° and at 45°");
+    assert!(std::fs::read_to_string(out.join("bdf.csv")).unwrap().lines().count() > 24);
+    assert!(std::fs::read(out.join("picture.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(!out.join("PARTIAL").exists());
+
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("<h1>Tiny yellow</h1>") && !page.contains("Partial results"));
+    assert!(
+        !page.contains("NaN") && !page.contains("http://") && !page.contains("src=\"/"),
+        "self-contained"
+    );
+}
+
+#[test]
+fn threads_and_jobs_do_not_change_a_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = study(folder.path(), TINY);
+    let run_with = |name: &str, threads: &str, jobs: &str| {
+        let out = folder.path().join(name);
+        let mut command = crate::run_support::command(&study, &out, &["--jobs", jobs]);
+        assert!(command.env("RAYON_NUM_THREADS", threads).output().unwrap().status.success());
+        ["spectra.csv", "bdf.csv", "picture.png", "picture-with-axes.png"]
+            .map(|file| std::fs::read(out.join(file)).unwrap())
+    };
+    let one = run_with("one", "1", "1");
+    assert!(one == run_with("three", "3", "3"), "three solves at a time");
+    assert!(one == run_with("wide", "3", "1"), "three threads in one solve");
+}
+
+#[test]
+fn a_clear_layer_needs_no_packing_and_obeys_fresnel() {
+    let folder = tempfile::tempdir().unwrap();
+    let pigment = TINY.find("[[pigment]]").unwrap()..TINY.find("[light]").unwrap();
+    let clear = TINY.replace(&TINY[pigment], "");
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), &clear), &out, &[]);
+    let results = results(&out);
+    assert_eq!(results["realisations"]["asked"], 1);
+    for row in results["spectra"].as_array().unwrap().iter().filter(|row| row["polar_deg"] == 0.0) {
+        let (n, thickness): (f64, f64) = (1.558, 0.5);
+        let nm = row["wavelength_nm"].as_f64().unwrap();
+        let phase = std::f64::consts::TAU * n * thickness / (1e-3 * nm);
+        // Airy's formula for a film in air at normal incidence
+        let f = (n * n - 1.0).powi(2) / (4.0 * n * n) * phase.sin().powi(2);
+        let reflectance = row["reflectance"]["value"].as_f64().unwrap();
+        assert!((reflectance - f / (1.0 + f)).abs() < 1e-11, "{nm} nm: {reflectance}");
+    }
+}
+
+/// The examples are sound studies, and the first one, made coarse, is a yellow ink.
+#[test]
+fn the_examples_are_sound_and_the_first_is_yellow() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    for name in ["yellow.toml", "yellow-full.toml", "production.toml"] {
+        inkwave::input::load::load(&examples.join(name)).unwrap();
+    }
+    let coarse = std::fs::read_to_string(examples.join("yellow.toml")).unwrap();
+    let coarse = coarse.replace("step_nm = 20", "step_nm = 50").replace("count = 5", "count = 4");
+    let coarse = coarse.replace("realisations = 12", "realisations = 2");
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), &coarse), &out, &[]);
+    let results = results(&out);
+    // six strata of wavelengths between seven outputs
+    assert_eq!(results["solves"]["asked"], 2 * 6 * 4);
+    let colour = &results["colours"][0];
+    let (chroma, hue) =
+        (colour["chroma"]["value"].as_f64().unwrap(), colour["hue_deg"]["value"].as_f64().unwrap());
+    assert!(chroma > 50.0 && (80.0..115.0).contains(&hue), "chroma {chroma}, hue {hue}");
+}

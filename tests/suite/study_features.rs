@@ -1,0 +1,174 @@
+//! What a study may ask for beyond grains of one pigment between plane walls: reliefs, mixtures, spectral paper.
+
+
+use inkwave::input::load::load;
+use inkwave::store::{PointRecord, Record, Store};
+use inkwave::wave::Side;
+use crate::run_support::{TINY, study, succeed};
+use serde_json::Value;
+use std::path::Path;
+
+/// Runs a study in its own folder and reads its results.
+fn results(folder: &Path, text: &str) -> Value {
+    let out = folder.join("out");
+    succeed(&study(folder, text), &out, &[]);
+    serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap()
+}
+
+/// Every solve's record.
+fn points(folder: &Path) -> Vec<PointRecord> {
+    let store: Store<PointRecord> = Store::open(folder.join("out")).unwrap();
+    store.database().keys(PointRecord::KIND).iter().filter_map(|key| store.get(key)).collect()
+}
+
+#[test]
+fn a_relief_is_lit_from_the_exit_side_too_and_both_ways_to_its_reflectance_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let relief = TINY
+        .replace("binder.index", "relief = { depth_um = 0.1 }\nbinder.index")
+        .replace("realisations = 2", "realisations = 6");
+    let results = results(folder.path(), &relief);
+    assert_eq!(results["solves"]["finished"], 6 * 4 * (3 + 1));
+    let certainty = &results["certainty"];
+    assert!(certainty["largest_energy_error"].as_f64().unwrap() < 1e-5);
+    let points = points(folder.path());
+    let lit = |from: Side| points.iter().filter(|p| p.incidence.from == from).count();
+    assert_eq!((lit(Side::Incident), lit(Side::Exit)), (6 * 4 * 3, 6 * 4));
+    // R̄ from the exit side by its own quadrature and by reciprocity, 1 − T̄ − Ā: they share nothing but the absorption.
+    let apart = &certainty["exit_reflectance_difference"];
+    let [value, error] = ["value", "standard_error"].map(|key| apart[key].as_f64().unwrap());
+    // Student's t of 5 degrees of freedom exceeds 6.9 once in a thousand
+    assert!(error > 0.0 && value.abs() < 6.9 * error, "{value} ± {error}");
+}
+
+#[test]
+fn a_mixture_has_both_shares_and_absorbs_where_either_pigment_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = TINY.find("[[pigment]]").unwrap();
+    let pigment = &TINY[start..TINY.find("[light]").unwrap()];
+    let blue = pigment.replace("yellow", "blue").replace("0.15", "0.10");
+    let mixture = TINY.replace("[light]", &format!("{blue}[light]"));
+    let results_of = |text: &str, name: &str| {
+        let folder = folder.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        results(&folder, text)
+    };
+    let alone = results_of(TINY, "yellow");
+    let both = results_of(&mixture, "both");
+    let shares = both["packings"][0]["shares"].as_array().unwrap();
+    let share = |i: usize| shares[i]["achieved_fraction"].as_f64().unwrap();
+    // One grain of 200 nm is 1.3 % of this cell.
+    assert!((share(0) - 0.15).abs() < 0.013 && (share(1) - 0.10).abs() < 0.013, "{shares:?}");
+    let transmitted = |r: &Value, w: usize| r["spectra"][w]["transmittance"]["value"].as_f64().unwrap();
+    // At 600 nm the yellow pigment hardly absorbs (κ < 0.01) and the blue one does.
+    assert!(transmitted(&alone, 2) - transmitted(&both, 2) > 0.1);
+    let hue = |r: &Value| r["colours"][0]["hue_deg"]["value"].as_f64().unwrap();
+    assert!((80.0..120.0).contains(&hue(&alone)) && (120.0..250.0).contains(&hue(&both)), "{}", hue(&both));
+}
+
+#[test]
+fn the_papers_albedo_may_be_a_spectrum() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |name: &str, albedo: &str| {
+        let folder = folder.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("paper.csv"), "wavelength_nm,albedo\n400,0.5\n700,0.8\n").unwrap();
+        let results =
+            results(&folder, &TINY.replace("[light]", &format!("[paper]\nalbedo = {albedo}\n[light]")));
+        let rows = results["spectra"].as_array().unwrap();
+        let normal = rows.iter().filter(|row| row["polar_deg"] == 0.0);
+        normal.map(|row| row["natural_light"]["value"].as_f64().unwrap()).collect::<Vec<f64>>()
+    };
+    let [dark, light] = [("dark", "0.5"), ("light", "0.8")].map(|(name, rho)| with(name, rho));
+    let listed = with("listed", "[[400, 0.5], [700, 0.8]]");
+    assert_eq!(listed, with("table", "{ csv = \"paper.csv\" }"));
+    assert!(listed[0] == dark[0] && listed[3] == light[3]);
+    assert!((1..3).all(|w| dark[w] < listed[w] && listed[w] < light[w]));
+}
+
+/// What a file leaves open is said, on a run's error stream too; results do not hold it.
+#[test]
+fn a_range_that_ends_early_and_a_sample_that_nobody_named_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let cgats = "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME SPEC_400 SPEC_700\nEND_DATA_FORMAT\n\
+                 BEGIN_DATA\n\"first ink\" 20 40\n\"second ink\" 30 90\nEND_DATA\n";
+    std::fs::write(folder.path().join("inks.cgats"), cgats).unwrap();
+    let remarks = |text: &str| load(&study(folder.path(), text)).unwrap().remarks;
+    assert_eq!(remarks(TINY), [""; 0]);
+    let early = remarks(&TINY.replace("to_nm = 700", "to_nm = 690"));
+    assert!(
+        early.len() == 1 && early[0].contains("light.to_nm = 690") && early[0].contains("600 nm"),
+        "{early:?}"
+    );
+    let compared = format!("{TINY}[compare]\nmeasured = \"inks.cgats\"\n");
+    let first = remarks(&compared);
+    assert!(first.len() == 2 && first[0].contains("\"first ink\", sample 1 of 2"), "{first:?}");
+    let named = format!("{compared}patch = \"second ink\"\n");
+    let gap = remarks(&named);
+    assert!(gap.len() == 1 && gap[0].contains("no row between 400 and 700 nm"), "{gap:?}");
+    let measured = load(&study(folder.path(), &named)).unwrap().judgement.measured.unwrap();
+    assert_eq!(measured.rows, [[400.0, 0.3], [700.0, 0.9]]);
+    let wrong =
+        load(&study(folder.path(), &format!("{compared}patch = \"third\"\n"))).unwrap_err().to_string();
+    assert!(wrong.contains("\"first ink\", \"second ink\""), "{wrong}");
+    let alone = load(&study(folder.path(), &format!("{TINY}[compare]\npatch = \"third\"\n"))).unwrap_err();
+    assert!(alone.to_string().contains("compare.patch"), "{alone}");
+    let path = study(folder.path(), &compared.replace("to_nm = 700", "to_nm = 790"));
+    let told = succeed(&path, &folder.path().join("out"), &[]);
+    assert!(told.contains("the last wavelength is 700 nm") && told.contains("sample 1 of 2"), "{told}");
+}
+
+#[test]
+fn albedos_that_are_none_are_refused_with_field_value_range_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |albedo: &str, words: &[&str]| {
+        let text = TINY.replace("[light]", &format!("[paper]\nalbedo = {albedo}\n[light]"));
+        let done = crate::run_support::run(&study(folder.path(), &text), &folder.path().join("out"), &[]);
+        let told = String::from_utf8_lossy(&done.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(!done.status.success() && !told.contains("panicked"), "{told}");
+        words.iter().for_each(|word| assert!(told.contains(word), "no {word} in {told}"));
+    };
+    refused("1.5", &["paper.albedo", "1.5", "0 to 1", "0.9 is good paper"]);
+    refused("[[400, 0.5], [700, 1.5]]", &["paper.albedo[1]", "1.5 at 700 nm", "from 0 to 1"]);
+    refused("[[450, 0.5], [700, 0.5]]", &["paper.albedo", "450 to 700 nm, asked at 400", "extend the table"]);
+    refused("{ csv = \"none.csv\" }", &["paper.albedo.csv", "none.csv", "wavelength_nm,albedo"]);
+    refused("\"white\"", &["white", "a number, rows"]);
+}
+
+/// Cells of 0.12 µm are as high as the waves of 400 nm allow in the packings that the grid was chosen on; elsewhere they hold more
+/// pigment, and the wave is shorter.
+#[test]
+fn a_grid_that_the_probes_just_fit_in_does_not_fail_the_other_packings() {
+    let study = r#"
+        layer = { thickness_um = 0.6, binder.index = 1.558 }
+        light = { from_nm = 400, to_nm = 460, step_nm = 20 }
+        angles = { polar_deg = [0] }
+        run = { realisations = 4, seed = 2 }
+        resolution = { accuracy = 3e-2 }
+        [[pigment]]
+        name = "yellow"
+        diameter_nm = 200
+        volume_fraction = 0.25
+        share = "scale_sizes"
+        index = { built_in = "yellow" }
+    "#;
+    for seed in [2, 3, 4] {
+        let folder = tempfile::tempdir().unwrap();
+        let results = results(folder.path(), &study.replace("seed = 2", &format!("seed = {seed}")));
+        assert_eq!(results["solves"]["asked"], results["solves"]["finished"], "seed {seed}");
+    }
+}
+
+/// T of a layer that lets nothing through is within its error of zero, and K and S may be anything: the rest is published.
+#[test]
+fn an_opaque_ink_is_published_without_what_cannot_be_known() {
+    let opaque = TINY
+        .replace("thickness_um = 0.5", "thickness_um = 2")
+        .replace("{ built_in = \"yellow\" }", "{ n = 1.8, k = 0.8 }");
+    let folder = tempfile::tempdir().unwrap();
+    let results = results(folder.path(), &opaque);
+    assert!(results["colours"].as_array().unwrap().len() == 2);
+    let rows = results["ink_maker"]["kubelka_munk"].as_array().unwrap();
+    let known = |key: &str| rows.iter().all(|row| row[key]["value"].is_number());
+    assert!(known("absorption_per_um") && known("scattering_per_um"));
+}

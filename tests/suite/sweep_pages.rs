@@ -1,0 +1,122 @@
+//! Pages of a sweep while it runs.
+
+
+use base64::prelude::{BASE64_STANDARD, Engine};
+use inkwave::input::study::{Point, Study};
+use inkwave::run::runner::RunSettings;
+use inkwave::run::watch::RunWatch;
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
+use inkwave::sweep::folder;
+use inkwave::sweep::load::load;
+use inkwave::sweep::publish::Publisher;
+use inkwave::sweep::run::{Scope, run};
+use inkwave::sweep::units::Shard;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use crate::sweep_support::{Place, TINY, results, succeed};
+
+/// Stops after so many solves.
+struct Impatient(AtomicUsize);
+
+impl RunWatch for Impatient {
+    fn stop(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == 0
+    }
+
+    fn solved(&self, _: &Study, _: &Point, _: Option<&str>) {
+        let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
+    }
+}
+
+/// The plot at the start of what follows the mark of its encoding.
+fn drawn(rest: &str) -> String {
+    let code = rest.split('"').next().unwrap().replace("&#x2f;", "/");
+    String::from_utf8(BASE64_STANDARD.decode(code).unwrap()).unwrap()
+}
+
+/// The pages of a sweep that runs: written again and again by one publisher, which sees a finished variant once, they say what is
+/// missing and end as those of a sweep that was reported once. *Planted*: variants kept before they are finished stay partial.
+#[test]
+fn pages_written_while_a_sweep_runs_say_what_is_missing_and_end_like_all_others() {
+    let place = Place::new(&format!("{TINY}[sheet]\nrows = \"paper\"\ncolumns = \"share\"\n"));
+    let sweep = load(Path::new(&place.path("tiny.toml"))).unwrap();
+    let folder = OutputFolder::open(Path::new(&place.path("live")), Holds::Sweep).unwrap();
+    folder::write(&sweep, &folder).unwrap();
+    let mut publisher = Publisher::new(&sweep);
+    let settings = RunSettings { jobs: Some(1), ..RunSettings::default() };
+    let mut told = Vec::new();
+    for solves in [30, 25, 1000] {
+        let watch = Impatient(AtomicUsize::new(solves));
+        run(&sweep, &folder, (Shard::ALL, Scope::Solves), settings, &watch).unwrap();
+        let reported = publisher.publish(&folder).unwrap();
+        let page = std::fs::read_to_string(place.path("live/report.html")).unwrap();
+        let finished: usize = reported.outcomes.iter().map(|o| o.solves.finished).sum();
+        let missing = page.contains(&format!("{finished} of 144 solves"));
+        told.push((reported.complete(), missing, Path::new(&place.path("live/PARTIAL")).exists()));
+    }
+    let [(first, ..), (second, ..), last] = told[..] else { panic!("three pages") };
+    assert!(0 < second && first <= second && second < 8 && last == (8, false, false), "{told:?}");
+    assert!(told[..2].iter().all(|(_, missing, partial)| *missing && *partial), "{told:?}");
+    // Rows of one sheet that differ in the paper alone are two curves, not one.
+    let page = std::fs::read_to_string(place.path("live/report.html")).unwrap();
+    let plots: Vec<String> = page.split("svg+xml;base64,").skip(1).map(drawn).collect();
+    for curve in ["200 nm spheres, paper 0.9", "200 nm spheres, paper 0.5"] {
+        assert!(plots.iter().any(|plot| plot.contains(curve)), "no curve {curve}");
+    }
+    place.sweep("local", &[]);
+    for (local, live) in results(&place.path("local")).iter().zip(&results(&place.path("live"))) {
+        assert!(local == live, "{} differs", local.0.display());
+    }
+}
+
+/// The colour of one variant as the target of all: that one is the nearest on both pages, and the table has the numbers of each
+/// variant's own results. Without a target the table has no further column, and with one the others stay.
+#[test]
+fn a_sweep_with_a_target_names_the_variant_that_meets_it() {
+    let place = Place::new(TINY);
+    place.sweep("out", &[]);
+    let table = || -> Vec<BTreeMap<String, String>> {
+        let mut rows = csv::Reader::from_path(place.path("out/sweep.csv")).unwrap();
+        rows.deserialize().collect::<Result<_, _>>().unwrap()
+    };
+    let results = |variant: &str| -> serde_json::Value {
+        let path = place.path(&format!("out/variants/{variant}/results.json"));
+        serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+    };
+    let (plain, wanted) = (table(), "15-200-0.5");
+    let header = |text: &str| text.lines().next().unwrap().to_owned();
+    let before = header(&std::fs::read_to_string(place.path("out/sweep.csv")).unwrap());
+    assert!(before.ends_with(",delta_e_2000,delta_e_2000_standard_error"), "{before}");
+    let lab: [f64; 3] = serde_json::from_value(results(wanted)["ink_maker"]["print"]["lab"].clone()).unwrap();
+    let target = format!("[base.colour]\ntarget_lab = {lab:?}\n[[axis]]");
+    std::fs::write(place.path("tiny.toml"), TINY.replacen("[[axis]]", &target, 1)).unwrap();
+    place.sweep("out", &[]);
+    let text = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
+    let more = ",delta_e_2000_to_target,delta_e_2000_to_target_standard_error,contrast_ratio,contrast_ratio_standard_error";
+    assert_eq!(header(&text), before + more);
+    for (row, plain) in table().iter().zip(&plain) {
+        assert!(plain.iter().all(|(name, value)| row[name] == *value), "{row:?}");
+        let maker = &results(&row["variant"])["ink_maker"];
+        for (column, number) in [
+            ("delta_e_2000_to_target", &maker["target"]["delta_e_2000"]),
+            ("contrast_ratio", &maker["contrast_ratio"]),
+        ] {
+            for (end, key) in [("", "value"), ("_standard_error", "standard_error")] {
+                let cell = row[&format!("{column}{end}")].parse::<f64>().ok();
+                assert_eq!(cell, number[key].as_f64(), "{column}{end} of {}", row["variant"]);
+            }
+        }
+    }
+    let nearest = table().into_iter().min_by(|a, b| {
+        let far = |row: &BTreeMap<String, String>| row["delta_e_2000_to_target"].parse::<f64>().unwrap();
+        far(a).total_cmp(&far(b))
+    });
+    assert_eq!(nearest.unwrap()["variant"], wanted);
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("Nearest to the target") && page.contains(&format!("{wanted} is nearest.")));
+    assert!(std::fs::read_to_string(place.path("out/explore.html")).unwrap().contains("\"target\":\"L* "));
+    succeed(&["report", &place.path("out")]);
+    assert_eq!(std::fs::read_to_string(place.path("out/sweep.csv")).unwrap(), text);
+}
