@@ -170,7 +170,8 @@ pub fn splice(path: &Path, judged: &[Judged]) -> Result<(), Box<dyn Error>> {
         let l = j.measured.findings.tightest().map(line);
         let cell = |pick: fn(&Line) -> &String| l.as_ref().map_or("–", |l| pick(l)).to_string();
         let verdict = if j.measured.holds() { "holds" } else { "**fails**" };
-        let link = format!("[{}]({})", j.claim.id, j.claim.file);
+        // The page lies in reports/latest.
+        let link = format!("[{}](../../{})", j.claim.id, j.claim.file);
         vec![
             link,
             verdict.into(),
