@@ -1,7 +1,6 @@
 //! Bad input: every fault is told with its field, what was found, what is allowed and what to try; the exit
 //! code is not zero and nothing is written.
 
-
 use crate::run_support::{TINY, run, study};
 use crate::slips::{INK, K, LIGHT, Slip};
 use std::path::Path;

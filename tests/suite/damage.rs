@@ -1,10 +1,9 @@
 //! Damage to what is stored: it counts as absent, is said, heals, and no published file differs.
 
-
+use crate::sweep_support::{Place, TINY as SWEEP, inkwave, results, said, succeed};
 use inkwave::run::resolve::Resolved;
 use inkwave::store::{PackingRecord, PointRecord, Record, Store};
 use std::path::{Path, PathBuf};
-use crate::sweep_support::{Place, TINY as SWEEP, inkwave, results, said, succeed};
 
 const RECORDS: &str = "records/1.sqlite";
 

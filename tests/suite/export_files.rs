@@ -1,12 +1,11 @@
 //! `inkwave export`: what the files hold. The programs that they are meant for are in `scripts/check-exports`.
 
-
+use crate::run_support::{TINY, study, succeed};
 use inkwave::appearance::tristimulus::Colorimeter;
 use inkwave::appearance::viewing::{Summation, Viewing};
 use ndarray::{Array1, Array2};
 use ndarray_npy::NpzReader;
 use num_complex::Complex64;
-use crate::run_support::{TINY, study, succeed};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -187,7 +187,11 @@ fn library() -> Vec<(String, String)> {
             let name = path.strip_prefix(&src).expect("below src").to_string_lossy().replace('\\', "/");
             if path.is_dir() && name != "commands" {
                 folders.push(path);
-            } else if name.ends_with(".rs") && !name.ends_with("_tests.rs") && name != "main.rs" && !is_crate_root(&name) {
+            } else if name.ends_with(".rs")
+                && !name.ends_with("_tests.rs")
+                && name != "main.rs"
+                && !is_crate_root(&name)
+            {
                 files.push((name, std::fs::read_to_string(&path).expect("a source file")));
             }
         }

@@ -1,11 +1,10 @@
 //! Kubelka–Munk coefficients of real solves: what they are for is to say what the ink is over another backing.
 
-
+use crate::run_support::{TINY, study, succeed};
 use inkwave::appearance::kubelka_munk::KubelkaMunk;
 use inkwave::evaluate::samples::Solved;
 use inkwave::evaluate::seen::Seen;
 use inkwave::export::stored::Stored;
-use crate::run_support::{TINY, study, succeed};
 use std::path::Path;
 
 /// Albedo of a backing that the study knows nothing of.

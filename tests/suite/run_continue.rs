@@ -1,6 +1,6 @@
 //! Runs that were stopped, killed or changed, and go on.
 
-
+use crate::run_support::{TINY, study, succeed};
 use inkwave::input::load::load;
 use inkwave::input::study::{Point, Study};
 use inkwave::report::publish::publish;
@@ -10,7 +10,6 @@ use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::store::{PointRecord, Record, Store};
-use crate::run_support::{TINY, study, succeed};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -127,7 +126,8 @@ fn a_solve_that_fails_is_told_and_does_not_stop_the_others() {
         let (first, others) = (steps(&out, true), steps(&out, false));
         let limit = format!("[solver]\nmax_applications = {}\n[output]", others - 1);
         let limited = four.replace("[output]", &limit);
-        let done = (first < others).then(|| crate::run_support::run(&study(folder.path(), &limited), &out, &[]))?;
+        let done =
+            (first < others).then(|| crate::run_support::run(&study(folder.path(), &limited), &out, &[]))?;
         let said = String::from_utf8_lossy(&done.stderr).into_owned();
         said.contains("no result at").then_some((done.status.code(), out))
     });

@@ -3,9 +3,8 @@
 //! A key that forgets an input would hand out an old number for a new question. So each field is changed in turn, run
 //! once in a folder that all studies before it have used and once afresh, and all published files are compared.
 
-
-use inkwave::input::file::StudyFile;
 use crate::run_support::{run, study, succeed};
+use inkwave::input::file::StudyFile;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

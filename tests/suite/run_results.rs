@@ -1,6 +1,5 @@
 //! What a finished run leaves behind.
 
-
 use crate::run_support::{TINY, study, succeed};
 use serde_json::Value;
 use std::path::Path;

@@ -1,10 +1,9 @@
 //! What a study may ask for beyond grains of one pigment between plane walls: reliefs, mixtures, spectral paper.
 
-
+use crate::run_support::{TINY, study, succeed};
 use inkwave::input::load::load;
 use inkwave::store::{PointRecord, Record, Store};
 use inkwave::wave::Side;
-use crate::run_support::{TINY, study, succeed};
 use serde_json::Value;
 use std::path::Path;
 

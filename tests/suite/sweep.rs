@@ -1,11 +1,10 @@
 //! Sweeps: stopped, killed, divided among machines and joined again; wrong sweep files.
 
-
+use crate::sweep_support::{Place, TINY, inkwave, points, results, said, store, succeed};
 use inkwave::store::{PointRecord, Record};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
-use crate::sweep_support::{Place, TINY, inkwave, points, results, said, store, succeed};
 
 #[test]
 fn shards_merged_are_the_local_run_bit_for_bit_and_shared_solves_are_made_once() {

@@ -1,6 +1,6 @@
 //! Pages of a sweep while it runs.
 
-
+use crate::sweep_support::{Place, TINY, results, succeed};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use inkwave::input::study::{Point, Study};
 use inkwave::run::runner::RunSettings;
@@ -15,7 +15,6 @@ use inkwave::sweep::units::Shard;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use crate::sweep_support::{Place, TINY, results, succeed};
 
 /// Stops after so many solves.
 struct Impatient(AtomicUsize);

@@ -1,9 +1,8 @@
 //! Studies of Maxwell's equations from file to results: films, polarisations, records, refusals.
 
-
+use crate::run_support::{TINY, run, study, succeed};
 use inkwave::store::{PointRecord, Record, Store};
 use num_complex::Complex64;
-use crate::run_support::{TINY, run, study, succeed};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::path::Path;

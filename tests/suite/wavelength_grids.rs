@@ -1,8 +1,7 @@
 //! Longer waves have coarser grids; the accuracy asked for is kept at all of them, and a folder keeps the grids it was begun with.
 
-
-use inkwave::store::{PointRecord, Record, Store};
 use crate::run_support::{study, succeed};
+use inkwave::store::{PointRecord, Record, Store};
 use serde_json::Value;
 use std::path::Path;
 

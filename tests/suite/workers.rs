@@ -1,10 +1,9 @@
 //! Several processes in one folder: they share the work, outlive one another, and come to the same results as one alone.
 
-
+use crate::sweep_support::{Place, TINY, inkwave, points, results, said, succeed};
 use inkwave::store::{PointRecord, Record, Store};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
-use crate::sweep_support::{Place, TINY, inkwave, points, results, said, succeed};
 
 fn start(place: &Place, output: &str) -> Child {
     let (file, output) = (place.path("tiny.toml"), place.path(output));

@@ -84,10 +84,7 @@ pub fn enough(study: &Study, collected: &Collected) -> bool {
 }
 
 /// The colours whose bars are wanted narrow.
-pub fn aimed_at<'a>(
-    study: &Study,
-    manifest: &'a Manifest<&Study>,
-) -> impl Iterator<Item = &'a ColourNote> {
+pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Iterator<Item = &'a ColourNote> {
     let wanted = study.target_colour;
     manifest.colours.iter().filter(move |note| match wanted {
         TargetColour::Every => true,

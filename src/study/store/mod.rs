@@ -23,7 +23,7 @@ pub mod slot;
 #[allow(clippy::module_inception)]
 pub mod store;
 
+pub use build::set_build;
 pub use packing_record::PackingRecord;
 pub use record::{PointRecord, SolveAccount};
-pub use build::set_build;
 pub use store::{Record, Store, same};

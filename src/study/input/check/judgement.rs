@@ -8,12 +8,7 @@ use crate::input::measured::{MeasuredError, MeasuredSpectrum};
 use crate::input::study::Judgement;
 use std::path::Path;
 
-pub fn judgement(
-    file: &StudyFile,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-) -> Judgement {
+pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Judgement {
     let (viewing, target_lab) = (viewing(file, faults), target(file, faults));
     if viewing.summation == Summation::E308 && !is_even(wavelengths_nm) {
         let allowed =
