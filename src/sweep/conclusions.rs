@@ -2,8 +2,9 @@
 
 mod curve;
 mod spectrum;
+mod words;
 
-use super::claims::Claim;
+use super::claims::{Claim, Words};
 use super::file::Quantity;
 use super::outcome::Outcome;
 use crate::numerics::estimate::Estimate;
@@ -21,6 +22,8 @@ pub struct Judged {
     pub id: String,
     /// The conclusion as one sentence.
     pub statement: String,
+    /// Whose sentence it is.
+    pub words: Words,
     /// In words, such as "C*(a) − C*(b) ≥ 5".
     pub inequality: String,
     /// What was measured, with its error; `None` when a variant is missing.
@@ -60,8 +63,8 @@ pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
         Some(range) => spectrum::judge(claim, outcomes, range),
         None => judge_one(claim, outcomes),
     };
-    let (id, statement) = (claim.id.clone(), claim.statement.clone());
-    Judged { id, statement, inequality: inequality(claim, outcomes), measured, verdict, remark }
+    let (id, statement, words) = (claim.id.clone(), claim.statement.clone(), claim.words.clone());
+    Judged { id, statement, words, inequality: words::inequality(claim, outcomes), measured, verdict, remark }
 }
 
 fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>, String) {
@@ -117,14 +120,20 @@ fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Ve
             "the standard error is unknown: 2 or more realisations are needed".into(),
         );
     };
-    let above = claim.at_least.map(|bound| measured.estimate.value - bound);
-    let below = claim.at_most.map(|bound| bound - measured.estimate.value);
-    let margin = above.into_iter().chain(below).fold(f64::INFINITY, f64::min);
+    let margin = margin(claim, measured.estimate.value);
     let reach = error * student(fewest, quantile);
     if margin.abs() > reach || error == 0.0 {
         return (if margin >= 0.0 { Verdict::Confirmed } else { Verdict::Refuted }, String::new());
     }
     (Verdict::Undecided, what_it_takes(measured.chance_variance(), error, margin, fewest))
+}
+
+/// Distance to the nearer bound: negative beyond it.
+fn margin(claim: &Claim, value: f64) -> f64 {
+    let value = if claim.absolute { value.abs() } else { value };
+    let above = claim.at_least.map(|bound| value - bound);
+    let below = claim.at_most.map(|bound| bound - value);
+    above.into_iter().chain(below).fold(f64::INFINITY, f64::min)
 }
 
 /// Realisations that would bring two standard errors below the margin, where the part that they do not lessen leaves room.
@@ -150,56 +159,12 @@ pub(super) fn student(realisations: usize, quantile: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(quantile))
 }
 
-fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
-    let at = match (claim.wavelength_nm, claim.range_nm) {
-        (Some(nm), _) => format!("{nm:.0}"),
-        (None, Some([from, to])) => format!("{from:.0}–{to:.0}"),
-        (None, None) => String::new(),
-    };
-    let symbol = match claim.quantity {
-        Quantity::Chroma => "C*".to_owned(),
-        Quantity::Lightness => "L*".to_owned(),
-        Quantity::Hue => "h".to_owned(),
-        Quantity::Transmittance => format!("T{at}"),
-        Quantity::Reflectance => format!("R{at}"),
-        Quantity::DeltaE => {
-            let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));
-            return bounded(claim, &format!("ΔE₀₀({}; {})", name(&claim.plus), name(&claim.minus)));
-        }
-    };
-    let term = |v: &usize| format!("{symbol}({})", outcomes[*v].labels.join(", "));
-    let plus: Vec<String> = claim.plus.iter().map(term).collect();
-    let minus: String = claim.minus.iter().map(|v| format!(" − {}", term(v))).collect();
-    let sum = format!("{}{minus}", plus.join(" + "));
-    bounded(claim, &if claim.curve.is_empty() { sum } else { format!("place with the same {sum}") })
-}
-
-fn bounded(claim: &Claim, what: &str) -> String {
-    let bound = |x: f64| x.to_string().replace('-', "−");
-    match (claim.at_least, claim.at_most) {
-        (Some(low), Some(high)) => format!("{} ≤ {what} ≤ {}", bound(low), bound(high)),
-        (Some(low), None) => format!("{what} ≥ {}", bound(low)),
-        (_, high) => format!("{what} ≤ {}", bound(high.unwrap_or(f64::INFINITY))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn verdict(value: f64, error: f64, n: usize) -> Verdict {
-        let claim = Claim {
-            id: "1".into(),
-            statement: String::new(),
-            quantity: Quantity::Chroma,
-            wavelength_nm: None,
-            range_nm: None,
-            plus: vec![],
-            minus: vec![],
-            at_least: Some(5.0),
-            at_most: None,
-            curve: vec![],
-        };
+        let claim = Claim { at_least: Some(5.0), ..Claim::example() };
         let estimate = Estimate { value, standard_error: Some(error) };
         let measured = Linked { estimate, deviations: [(0, error)].into() };
         decide(&claim, &measured, n, QUANTILE).0

@@ -228,6 +228,7 @@ mod tests {
             certain: false,
             colour: Some(colour),
             lab_deviations: Default::default(),
+            contrast: None,
             aim: Some(Aim { lab: [70.1, -5.2, 40.3], conditions: "D65, 2° observer".into(), found }),
             spectra,
         };

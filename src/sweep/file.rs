@@ -158,12 +158,32 @@ pub struct ConclusionTable {
     pub id: String,
     /// The conclusion as one sentence.
     pub statement: String,
+    /// Whose sentence it is, such as `P1`; a question of the sweep's own when left out. Pages keep the two apart.
+    pub source: Option<String>,
+    /// The source's own words.
+    pub quote: Option<String>,
+    /// The quote in English.
+    pub translation: Option<String>,
+    /// Why this inequality and these bounds.
+    pub because: Option<String>,
+    /// Name of an axis: the conclusion is asked for each of its labels, with `label: ` before its `id`.
+    pub each: Option<String>,
     /// What is measured of each variant.
     pub quantity: Quantity,
     /// For `transmittance` and `reflectance`: one wavelength.
     pub wavelength_nm: Option<f64>,
-    /// For `transmittance` and `reflectance`: the inequality is to hold at every wavelength from the first to the second.
+    /// For `transmittance` and `reflectance`: the wavelengths from the first to the second, all of which count as `over` says.
     pub range_nm: Option<[f64; 2]>,
+    /// At which wavelengths of the range the inequality is to hold.
+    #[serde(default)]
+    pub over: Over,
+    /// Of the range only the wavelengths that this variant absorbs well: where its transmittance is in the lower half
+    /// between its least and its greatest in the range.
+    #[schemars(with = "Option<Names>")]
+    pub absorbed_by: Option<Where>,
+    /// The size of the sum counts, whatever its sign.
+    #[serde(default)]
+    pub absolute: bool,
     /// Variants whose quantity is added.
     #[schemars(with = "Vec<Names>")]
     pub plus: Vec<Where>,
@@ -185,6 +205,19 @@ pub struct ConclusionTable {
     pub along: Vec<f64>,
 }
 
+/// At which wavelengths of its range a conclusion is to hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Over {
+    /// At every one.
+    #[default]
+    Every,
+    /// At one or more.
+    Some,
+    /// On their mean.
+    Mean,
+}
+
 /// What a conclusion compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -201,4 +234,8 @@ pub enum Quantity {
     Reflectance,
     /// CIEDE2000 between one `plus` and one `minus`.
     DeltaE,
+    /// Y over black divided by Y over white, lit at 45° and seen along the normal, 0–1.
+    ContrastRatio,
+    /// CIEDE2000 of each variant to its own `colour.target_lab`.
+    DeltaEToTarget,
 }

@@ -143,8 +143,8 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     }
     let outline = outline(&file, title.clone(), &axes, &drafts, &mut faults);
     if faults.0.is_empty() {
-        let light: Vec<&[f64]> = variants.iter().map(|v| v.study.wavelengths_nm.as_slice()).collect();
-        claims::check_light(&outline.claims, &light, &mut faults);
+        let studies: Vec<_> = variants.iter().map(|variant| &variant.study).collect();
+        claims::check_variants(&outline.claims, &studies, &mut faults);
     }
     if faults.0.is_empty() {
         return Ok(Sweep { outline, variants, inputs: reading.inputs });

@@ -35,6 +35,8 @@ pub struct Outcome {
     pub colour: Option<Colour>,
     /// What each realisation, by its number, moves its Lab by.
     pub lab_deviations: BTreeMap<usize, [f64; 3]>,
+    /// Y over black divided by Y over white, with the number of each realisation and what it moves the ratio by.
+    pub contrast: Option<(Estimate, Vec<(usize, f64)>)>,
     /// The colour that it shall have, where its study states one.
     pub aim: Option<Aim>,
     /// One row for each wavelength and angle.
@@ -57,6 +59,7 @@ impl Outcome {
             certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
             colour: None,
             lab_deviations: BTreeMap::new(),
+            contrast: None,
             aim: Aim::of(study),
             spectra: Vec::new(),
         }
@@ -72,6 +75,10 @@ impl Outcome {
             realisations: manifest.realisations.finished,
             colour: natural.map(|note| note.colour),
             lab_deviations: natural.map(|note| note.deviations.iter().copied().collect()).unwrap_or_default(),
+            contrast: manifest
+                .ink_maker
+                .as_ref()
+                .map(|maker| (maker.contrast_ratio, maker.contrast_deviations.clone())),
             aim: self.aim.map(|aim| aim.with(manifest.ink_maker.as_ref())),
             spectra: manifest.spectra.clone(),
             ..self
@@ -106,6 +113,11 @@ impl Outcome {
             Quantity::Lightness => colour.map(|c| of_lab(lab(c, 0), [1.0, 0.0, 0.0])),
             Quantity::Transmittance => of_row(|row| row.transmittance, 1),
             Quantity::Reflectance => of_row(|row| row.reflectance, 0),
+            Quantity::ContrastRatio => {
+                let (ratio, deviations) = self.contrast.as_ref()?;
+                Some(self.linked(*ratio, deviations.iter().copied()))
+            }
+            Quantity::DeltaEToTarget => self.to_target(),
             Quantity::DeltaE => None,
         }
     }
@@ -197,6 +209,7 @@ mod tests {
             certain: false,
             colour: Some(colour),
             lab_deviations: [(0, [0.0, 0.0, by]), (1, [0.0, 0.0, -by])].into(),
+            contrast: None,
             aim: None,
             spectra: Vec::new(),
         }

@@ -6,7 +6,7 @@ use super::load::Sweep;
 use super::outcome::Outcome;
 use super::reported::{Reported, numbers};
 use super::sheets::Sheet;
-use super::sweep_page::{ConclusionRow, SweepPage, VariantRow};
+use super::sweep_page::{ConclusionGroup, ConclusionRow, SweepPage, VariantRow};
 use super::target;
 use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
@@ -38,7 +38,7 @@ pub(crate) fn page(
         partial,
         scalar_error: scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
         sheets: sheets.iter().zip(drawn).map(picture).collect(),
-        conclusions: reported.conclusions.iter().map(conclusion).collect(),
+        conclusions: conclusions(&reported.conclusions),
         nearest: target::nearest(&reported.outcomes),
         axes: outline.axes.iter().map(|axis| axis.name.clone()).collect(),
         reference: reference.name.clone(),
@@ -70,6 +70,28 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
     )
 }
 
+/// What each source says, and apart from that the sweep's own questions.
+fn conclusions(all: &[Judged]) -> Vec<ConclusionGroup> {
+    let mut sources: Vec<Option<&str>> = Vec::new();
+    for judged in all {
+        let source = judged.words.source.as_deref();
+        if !sources.contains(&source) {
+            sources.push(source);
+        }
+    }
+    // the sweep's own questions last
+    sources.sort_by_key(Option::is_none);
+    let quoted = sources.iter().any(Option::is_some);
+    let group = |source: &Option<&str>| ConclusionGroup {
+        heading: match source {
+            Some(source) => Some(format!("What {source} says")),
+            None => quoted.then(|| "Our own questions".to_owned()),
+        },
+        rows: all.iter().filter(|j| j.words.source.as_deref() == *source).map(conclusion).collect(),
+    };
+    sources.iter().map(group).collect()
+}
+
 fn conclusion(judged: &Judged) -> ConclusionRow {
     ConclusionRow {
         id: judged.id.clone(),
@@ -78,6 +100,9 @@ fn conclusion(judged: &Judged) -> ConclusionRow {
         measured: judged.measured.map_or_else(|| "–".into(), |m| m.in_words(4)),
         verdict: judged.verdict.name().into(),
         remark: judged.remark.clone(),
+        quote: judged.words.quote.clone(),
+        translation: judged.words.translation.clone(),
+        because: judged.words.because.clone(),
     }
 }
 

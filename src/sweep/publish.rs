@@ -207,12 +207,19 @@ fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
         "standard_error",
         "verdict",
         "remark",
+        "source",
+        "quote",
+        "translation",
+        "because",
     ])?;
     for c in conclusions {
         let [value, error] = page::cells(c.measured);
         let [id, statement, inequality] = [&c.id, &c.statement, &c.inequality].map(|words| cell::text(words));
         let verdict = c.verdict.name().to_owned();
-        table.write_record([id, statement, inequality, value, error, verdict, cell::text(&c.remark)])?;
+        let words = [&c.words.source, &c.words.quote, &c.words.translation, &c.words.because];
+        let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));
+        let judged = [id, statement, inequality, value, error, verdict, cell::text(&c.remark)];
+        table.write_record(judged.into_iter().chain(words))?;
     }
     table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
 }

@@ -17,8 +17,8 @@ pub struct SweepPage {
     pub scalar_error: Option<String>,
     /// Contact sheets.
     pub sheets: Vec<Picture>,
-    /// The conclusions.
-    pub conclusions: Vec<ConclusionRow>,
+    /// The conclusions, those of each source apart.
+    pub conclusions: Vec<ConclusionGroup>,
     /// Which variants come nearest to a wanted colour, where there is one.
     pub nearest: Option<Nearest>,
     /// Names of the axes: columns of the table of variants.
@@ -31,6 +31,15 @@ pub struct SweepPage {
     pub figures: Vec<Picture>,
     /// Program and version.
     pub program: String,
+}
+
+/// The conclusions of one source.
+#[derive(Clone, Debug, Serialize)]
+pub struct ConclusionGroup {
+    /// Whose they are; none where nobody is quoted.
+    pub heading: Option<String>,
+    /// Its conclusions.
+    pub rows: Vec<ConclusionRow>,
 }
 
 /// One inequality and its verdict.
@@ -48,6 +57,12 @@ pub struct ConclusionRow {
     pub verdict: String,
     /// What else is to be known.
     pub remark: String,
+    /// The source's own words.
+    pub quote: Option<String>,
+    /// The quote in English.
+    pub translation: Option<String>,
+    /// Why this inequality and these bounds.
+    pub because: Option<String>,
 }
 
 /// The variants nearest to a wanted colour.

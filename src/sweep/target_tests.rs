@@ -22,6 +22,7 @@ fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> 
         certain: false,
         colour: None,
         lab_deviations: Default::default(),
+        contrast: None,
         aim: Some(Aim { lab: [70.0, -5.0, 40.0], conditions, found: Some(found) }),
         spectra: Vec::new(),
     }

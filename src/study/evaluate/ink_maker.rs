@@ -12,7 +12,7 @@ use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::paper::{Coupling, PRINT_DEG};
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
-use crate::numerics::estimate::Estimate;
+use crate::numerics::estimate::{Estimate, jackknife_deviations};
 use serde::Serialize;
 
 /// Albedo of the black backing of a draw-down card.
@@ -36,6 +36,9 @@ pub struct InkMaker {
     pub over_white: Swatch,
     /// Y over black divided by Y over white, 0–1: 1 hides everything (ISO 6504-3).
     pub contrast_ratio: Estimate,
+    /// Number of each realisation and what it moves the contrast ratio by.
+    #[serde(skip)]
+    pub contrast_deviations: Vec<(usize, f64)>,
     /// K and S at every wavelength; none in optical contact, where the two sides of the layer differ.
     pub kubelka_munk: Vec<KubelkaMunkRow>,
     /// Difference to the target colour.
@@ -138,8 +141,8 @@ impl Question<'_> {
         Ok((Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour }, deviations))
     }
 
-    /// Y over black divided by Y over white.
-    fn contrast_ratio(&self, sight: &Sight) -> Result<Estimate, InkError> {
+    /// Y over black divided by Y over white, and what each realisation moves it by.
+    fn contrast_ratio(&self, sight: &Sight) -> Result<(Estimate, Vec<f64>), InkError> {
         let over = |albedo: f64, by: Shift| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), by);
         let ratio = |by: Shift| -> Result<f64, InkError> {
             let luminance =
@@ -153,7 +156,9 @@ impl Question<'_> {
         let estimate = Estimate::jackknife(ratio(UNMOVED)?, &replicates);
         let [grid, residual] = self.uncertainty.shifts().map(ratio);
         let shared = (grid? - estimate.value).hypot(residual? - estimate.value);
-        Ok(self.uncertainty.widen(estimate, shared))
+        let single: Vec<[f64; 1]> = replicates.iter().map(|&ratio| [ratio]).collect();
+        let deviations = jackknife_deviations(&single).into_iter().map(|[by]| by).collect();
+        Ok((self.uncertainty.widen(estimate, shared), deviations))
     }
 
     /// A measured spectrum beside the prediction.
@@ -230,12 +235,14 @@ pub(super) fn ink_maker(
         factor + natural_light_moved(layer, &question.view, by)
     };
     let by = realisations.iter().copied().zip(deviations).collect::<Vec<_>>();
+    let (contrast_ratio, moved) = question.contrast_ratio(&sight)?;
     Ok(InkMaker {
         conditions: viewing.name(),
         natural_light: question.swatch(&sight, &sky)?.0,
         over_black: question.over(&sight, &|layer| layer.over(BLACK))?.0,
         over_white: question.over(&sight, &|layer| layer.over(WHITE))?.0,
-        contrast_ratio: question.contrast_ratio(&sight)?,
+        contrast_ratio,
+        contrast_deviations: realisations.iter().copied().zip(moved).collect(),
         kubelka_munk: match study.paper.coupling {
             Coupling::Gap => coefficients::kubelka_munk(ink, uncertainty, study.layer.thickness_um),
             Coupling::OpticalContact { .. } => Vec::new(),
