@@ -59,7 +59,7 @@ impl Matrix {
         failed.map(|c| [c.strategy.clone(), place(c), c.outcome.replace('\n', " ")]).collect()
     }
 
-    /// Applications against the period, one plot a pigment; failures are left out.
+    /// Applications against the period, one plot a pigment; lines are broken where a strategy fails.
     fn plots(&self) -> Vec<(String, LogPlot)> {
         let mut pigments: Vec<[f64; 2]> = self.cells.iter().map(|c| [c.n, c.kappa]).collect();
         pigments.dedup();
@@ -73,7 +73,7 @@ impl Matrix {
     /// Operator applications of every strategy on a pigment against the period.
     fn plot(&self, pigment: [f64; 2]) -> LogPlot {
         let curves = self.strategies.iter().map(|name| self.curve(pigment, name));
-        let curves = curves.filter(|c| !c.points.is_empty()).collect();
+        let curves = curves.filter(|c| c.points.iter().any(|p| p[1].is_finite())).collect();
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
         LogPlot::log_log(&title, "period, µm", "operator applications", curves)
     }
@@ -81,8 +81,9 @@ impl Matrix {
     /// Operator applications of one strategy; its colour and marker are the same in every plot.
     fn curve(&self, pigment: [f64; 2], strategy: &str) -> Curve {
         let own = self.cells.iter().filter(|c| [c.n, c.kappa] == pigment && c.strategy == strategy);
-        let points = own.filter(|c| c.converged() && c.operator_applications > 0);
-        let costs = points.map(|c| (c.period_um, c.operator_applications as f64));
+        let there = |c: &Cell| c.converged() && c.operator_applications > 0;
+        let cost = |c: &Cell| if there(c) { c.operator_applications as f64 } else { f64::NAN };
+        let costs = own.map(|c| (c.period_um, cost(c)));
         let place = place_in(&self.registry, strategy);
         Curve::new(strategy.to_owned(), Style::Data, costs).looking(place, place)
     }

@@ -181,12 +181,12 @@ impl Comparison {
         curves
     }
 
-    /// One colour a strategy over the whole page; markers tell its schemes apart.
+    /// One colour and one marker a strategy over the whole page; dashes tell its schemes apart.
     fn looking(&self, curve: Curve, row: &Row) -> Curve {
         let place = place_in(&self.registry, &row.strategy);
         let schemes = self.rows.iter().position(|r| r.scheme == row.scheme);
         let scheme = schemes.map_or(0, |first| schemes_before(&self.rows[..first]));
-        curve.looking(place, place + scheme)
+        curve.looking(place, place).dashed(scheme)
     }
 
     fn markdown(&self) -> String {

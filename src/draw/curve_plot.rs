@@ -2,6 +2,7 @@
 
 use super::OutputError;
 use super::raster::Raster;
+use super::ticks;
 use crate::ink::statistics::Curve;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
@@ -31,7 +32,7 @@ pub fn curve_plot(curve: &Curve) -> Result<String, OutputError> {
     let area = SVGBackend::with_string(&mut text, (super::leaf::WIDTH, 340)).into_drawing_area();
     draw_curve(&area, curve).map_err(|e| OutputError::making(&curve.name)(e.to_string()))?;
     drop(area);
-    Ok(text.replace(" opacity=\"1\"", ""))
+    Ok(super::leaf::at_night(&text.replace(" opacity=\"1\"", "")))
 }
 
 type Fault<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
@@ -45,15 +46,18 @@ fn draw_curve<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, curve: &Curve) 
         shown.iter().flat_map(|i| [curve.y[*i].value - bar(*i), curve.y[*i].value + bar(*i)]).chain([0.0]),
         0.05,
     );
+    let spans = [&x, &y].map(|range| range.end - range.start);
     let mut chart = ChartBuilder::on(area)
         .margin(12)
         .margin_right(20)
         .x_label_area_size(50)
         .y_label_area_size(68)
         .build_cartesian_2d(x, y)?;
-    axes(&mut chart, &curve.x_label, &curve.y_label)?;
-    let means = shown.iter().map(|i| (curve.x[*i], curve.y[*i].value));
-    chart.draw_series(LineSeries::new(means, LINE.stroke_width(2)))?;
+    axes(&mut chart, curve, spans)?;
+    for part in shown.chunk_by(|i, j| i + 1 == *j) {
+        let means = part.iter().map(|i| (curve.x[*i], curve.y[*i].value));
+        chart.draw_series(LineSeries::new(means, LINE.stroke_width(2)))?;
+    }
     let bars = shown.iter().filter(|i| bar(**i) > 0.0).map(|i| {
         let (x, m, e) = (curve.x[*i], curve.y[*i].value, bar(*i));
         ErrorBar::new_vertical(x, m - e, m, m + e, LINE.filled(), 5)
@@ -73,11 +77,13 @@ fn span(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
 
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-fn axes<DB: DrawingBackend>(chart: &mut Chart<DB>, x_label: &str, y_label: &str) -> Result<(), Fault<DB>> {
+fn axes<DB: DrawingBackend>(chart: &mut Chart<DB>, curve: &Curve, spans: [f64; 2]) -> Result<(), Fault<DB>> {
     chart
         .configure_mesh()
-        .x_desc(x_label)
-        .y_desc(y_label)
+        .x_desc(&curve.x_label)
+        .y_desc(&curve.y_label)
+        .x_label_formatter(&|v| ticks::label(*v, false, spans[0]))
+        .y_label_formatter(&|v| ticks::label(*v, false, spans[1]))
         .x_labels(7)
         .y_labels(8)
         .axis_desc_style(("sans-serif", LABEL))

@@ -104,7 +104,22 @@ pub(super) fn svg_of(
         paint(&area)?;
         area.present().map_err(failed)?;
     }
-    Ok(text.replace(" opacity=\"1\"", ""))
+    Ok(at_night(&text.replace(" opacity=\"1\"", "")))
+}
+
+/// Rules of a drawing on a dark page, with the colours of the pages' own style; print stays white.
+const NIGHT: &str = "<style>@media screen and (prefers-color-scheme: dark) { \
+    rect[fill=\"#FFFFFF\"] { fill: #211f1c; } text { fill: #e6e2da; } \
+    [stroke=\"#000000\"] { stroke: #e6e2da; } polygon[fill=\"#000000\"] { fill: #e6e2da; } \
+    [stroke=\"#DEDEDE\"] { stroke: #45413b; } \
+    [stroke=\"#0072B2\"] { stroke: #3d9fdc; } polygon[fill=\"#0072B2\"] { fill: #3d9fdc; } }</style>";
+
+/// The drawing with rules for dark pages.
+pub(super) fn at_night(svg: &str) -> String {
+    match svg.find("<svg").and_then(|at| Some(at + svg[at..].find('>')? + 1)) {
+        Some(end) => format!("{}\n{NIGHT}{}", &svg[..end], &svg[end..]),
+        None => svg.to_owned(),
+    }
 }
 
 pub(super) fn failed(error: impl std::fmt::Display) -> FigureError {
@@ -120,6 +135,17 @@ mod tests {
     fn words_are_read_on_a_phone() {
         let shown = f64::from(WORDS) / 1.24 * 358.0 / f64::from(WIDTH);
         assert!(shown >= 9.5, "{shown}");
+    }
+
+    /// *Planted*: without the rules a dark page shows a white sheet.
+    #[test]
+    fn drawings_follow_the_page_at_night() {
+        let svg = svg_of((20, 20), |area| area.fill(&WHITE).map_err(failed)).unwrap();
+        assert_eq!(svg.matches("prefers-color-scheme: dark").count(), 1, "{svg}");
+        assert!(svg.starts_with("<svg ") && svg.contains("fill=\"#FFFFFF\""), "{svg}");
+        // The pages' own style has the colours that the rules name.
+        let style = crate::report::page::STYLE;
+        assert!(["#211f1c", "#e6e2da", "#45413b"].iter().all(|c| style.contains(c) && NIGHT.contains(c)));
     }
 
     #[test]

@@ -2,10 +2,12 @@
 
 use super::figure::{Bitmap, COLOURS, FONT, FigureError};
 use super::leaf::{KEY, Leaf, WORDS, failed, fitting, svg_of};
+use super::marks::{marker, unbroken};
 use super::ticks;
 use plotters::coord::Shift;
 use plotters::coord::combinators::BindKeyPoints;
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::coord::ranged1d::{AsRangedCoord, BoldPoints, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -29,11 +31,18 @@ pub struct Curve {
     pub name: String,
     /// How it is drawn.
     pub style: Style,
-    /// x, y and the error of y, 0 where there is none.
+    /// x, y and the error of y, 0 where there is none. Where y is not finite, a point is missing and the line is broken.
     pub points: Vec<[f64; 3]>,
     /// Places of its colour and of its marker in their lists; its place among the curves when none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look: Option<[usize; 2]>,
+    /// Dashes of a line of data: none at 0, then longer and longer ones.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub dashes: usize,
+}
+
+fn is_zero(n: &usize) -> bool {
+    *n == 0
 }
 
 impl Curve {
@@ -48,12 +57,17 @@ impl Curve {
         style: Style,
         points: impl IntoIterator<Item = [f64; 3]>,
     ) -> Self {
-        Self { name: name.into(), style, points: points.into_iter().collect(), look: None }
+        Self { name: name.into(), style, points: points.into_iter().collect(), look: None, dashes: 0 }
     }
 
     /// The same in a colour and with a marker that do not depend on the other curves of the plot.
     pub fn looking(self, colour: usize, marker: usize) -> Self {
         Self { look: Some([colour, marker]), ..self }
+    }
+
+    /// The same with a line in dashes, to tell it from others of its colour and marker.
+    pub fn dashed(self, dashes: usize) -> Self {
+        Self { dashes, ..self }
     }
 
     /// C x^slope through the last point of another curve, over its range.
@@ -77,6 +91,9 @@ pub struct LogPlot {
     pub log: [bool; 2],
     /// The curves, in the order of the legend.
     pub curves: Vec<Curve>,
+    /// Ticks along x with their words, such as dates; round numbers or the data's own where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub x_ticks: Vec<(f64, String)>,
 }
 
 /// Lines of more points have a marker at every second, third … of them.
@@ -87,7 +104,7 @@ impl LogPlot {
     /// Both axes logarithmic.
     pub fn log_log(title: &str, x_label: &str, y_label: &str, curves: Vec<Curve>) -> Self {
         let (x_label, y_label) = (x_label.into(), y_label.into());
-        Self { title: title.into(), x_label, y_label, log: [true; 2], curves }
+        Self { title: title.into(), x_label, y_label, log: [true; 2], curves, x_ticks: Vec::new() }
     }
 
     /// Both axes linear.
@@ -121,16 +138,37 @@ impl LogPlot {
     fn paint<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
         let [x, y] = [self.range(0)?, self.range(1)?];
         root.fill(&WHITE).map_err(failed)?;
-        let log = |range: Range<f64>, most: usize| {
-            let ticks = ticks::logarithmic(&range, most);
+        let along = self.along(&x);
+        let keys: Vec<f64> = along.iter().map(|tick| tick.0).collect();
+        let up = |range: Range<f64>| {
+            let ticks = ticks::logarithmic(&range, ticks::MOST_UP);
             range.log_scale().with_key_points(ticks)
         };
         match self.log {
-            [true, true] => self.draw(root, log(x, ticks::MOST_ALONG), log(y, ticks::MOST_UP)),
-            [false, true] => self.draw(root, x, log(y, ticks::MOST_UP)),
-            [true, false] => self.draw(root, log(x, ticks::MOST_ALONG), y),
-            [false, false] => self.draw(root, x, y),
+            [true, true] => self.draw(root, (x.log_scale().with_key_points(keys), up(y)), &along),
+            [false, true] => self.draw(root, (ticks::Placed::new(x, keys), up(y)), &along),
+            [true, false] => self.draw(root, (x.log_scale().with_key_points(keys), y), &along),
+            [false, false] => self.draw(root, (ticks::Placed::new(x, keys), y), &along),
         }
+    }
+
+    /// Ticks along x with their words: as given, at few data, or at round numbers.
+    fn along(&self, range: &Range<f64>) -> Vec<(f64, String)> {
+        if !self.x_ticks.is_empty() {
+            return self.x_ticks.clone();
+        }
+        let data = self.curves.iter().filter(|curve| curve.style != Style::Guide).flat_map(|c| &c.points);
+        let data = data.filter(|p| self.shown(p)).map(|p| p[0]);
+        if let Some(ticks) = Some(data).filter(|_| self.log[0]).and_then(|data| ticks::at_data(data, range)) {
+            return ticks;
+        }
+        let span = range.end - range.start;
+        let at = if self.log[0] {
+            ticks::logarithmic(range, ticks::MOST_ALONG)
+        } else {
+            RangedCoordf64::from(range.clone()).key_points(BoldPoints(ticks::MOST_ALONG))
+        };
+        at.into_iter().map(|v| (v, ticks::label(v, self.log[0], span))).collect()
     }
 
     fn shown(&self, p: &[f64; 3]) -> bool {
@@ -153,7 +191,12 @@ impl LogPlot {
         Ok(low - margin..high + margin)
     }
 
-    fn draw<B, X, Y>(&self, root: &DrawingArea<B, Shift>, x: X, y: Y) -> Result<(), FigureError>
+    fn draw<B, X, Y>(
+        &self,
+        root: &DrawingArea<B, Shift>,
+        (x, y): (X, Y),
+        along: &[(f64, String)],
+    ) -> Result<(), FigureError>
     where
         B: DrawingBackend,
         X: AsRangedCoord<Value = f64>,
@@ -161,7 +204,9 @@ impl LogPlot {
         X::CoordDescType: ValueFormatter<f64>,
         Y::CoordDescType: ValueFormatter<f64>,
     {
-        let spans = [0, 1].map(|axis| self.range(axis).map_or(0.0, |range| range.end - range.start));
+        let span = self.range(1).map_or(0.0, |range| range.end - range.start);
+        let named =
+            |v: &f64| along.iter().find(|tick| tick.0 == *v).map_or_else(String::new, |t| t.1.clone());
         let leaf = self.leaf();
         let (area, names) = leaf.split(root)?;
         let mut chart = ChartBuilder::on(&area)
@@ -179,8 +224,8 @@ impl LogPlot {
             .axis_desc_style((FONT, fitting(&self.x_label, 370).min(fitting(&self.y_label, 270))))
             .x_labels(7)
             .y_labels(8)
-            .x_label_formatter(&|v| ticks::label(*v, self.log[0], spans[0]))
-            .y_label_formatter(&|v| ticks::label(*v, self.log[1], spans[1]))
+            .x_label_formatter(&named)
+            .y_label_formatter(&|v| ticks::label(*v, self.log[1], span))
             .max_light_lines(0)
             .draw()
             .map_err(failed)?;
@@ -210,7 +255,11 @@ impl LogPlot {
         let line = points.iter().map(|p| (p[0], p[1]));
         match curve.style {
             Style::Data => {
-                chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(failed)?;
+                let missing: Vec<f64> =
+                    curve.points.iter().filter(|p| !p[1].is_finite()).map(|p| p[0]).collect();
+                for part in unbroken(&points, |p| p[0], &missing) {
+                    joined(chart, &part, curve.dashes, colour)?;
+                }
             }
             Style::Guide => {
                 chart.draw_series([Polygon::new(band(&points), colour.mix(0.25))]).map_err(failed)?;
@@ -244,7 +293,8 @@ impl LogPlot {
     ) -> Result<(), FigureError> {
         let text = Text::new(curve.name.clone(), (x + KEY, y - 8), (FONT, WORDS).into_font());
         area.draw(&text).map_err(failed)?;
-        let dashes: &[[i32; 2]] = if curve.style == Style::Guide { &[[0, 9], [15, 24]] } else { &[[0, 24]] };
+        let broken = curve.style == Style::Guide || curve.dashes > 0;
+        let dashes: &[[i32; 2]] = if broken { &[[0, 9], [15, 24]] } else { &[[0, 24]] };
         for [a, b] in dashes.iter().filter(|_| curve.style != Style::Points) {
             let line = PathElement::new([(x + a, y), (x + b, y)], colour.stroke_width(2));
             area.draw(&line).map_err(failed)?;
@@ -255,6 +305,27 @@ impl LogPlot {
         }
         Ok(())
     }
+}
+
+/// A line of data, in dashes where it has some.
+fn joined<B, X, Y>(
+    chart: &mut ChartContext<B, Cartesian2d<X, Y>>,
+    points: &[[f64; 3]],
+    dashes: usize,
+    colour: RGBColor,
+) -> Result<(), FigureError>
+where
+    B: DrawingBackend,
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    let (line, stroke) = (points.iter().map(|p| (p[0], p[1])), colour.stroke_width(2));
+    if dashes == 0 {
+        chart.draw_series(LineSeries::new(line, stroke)).map_err(failed)?;
+    } else {
+        chart.draw_series(DashedLineSeries::new(line, 4 * dashes as u32, 4, stroke)).map_err(failed)?;
+    }
+    Ok(())
 }
 
 /// Outline of a curve with its bars: along the upper ends and back along the lower ones.
@@ -270,12 +341,40 @@ fn palette(k: usize) -> RGBColor {
     if k < COLOURS.len() { RGBColor(r, g, b) } else { RGBColor(r / 2 + 60, g / 2 + 60, b / 2 + 60) }
 }
 
-/// Disc, triangle, square, diamond, in pixels around the point.
-fn marker(k: usize) -> Vec<(i32, i32)> {
-    match k % 4 {
-        0 => vec![(-1, -4), (1, -4), (4, -1), (4, 1), (1, 4), (-1, 4), (-4, 1), (-4, -1)],
-        1 => vec![(0, -5), (5, 4), (-5, 4)],
-        2 => vec![(-4, -4), (4, -4), (4, 4), (-4, 4)],
-        _ => vec![(0, -6), (6, 0), (0, 6), (-6, 0)],
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(svg: &str) -> Vec<usize> {
+        let colour = "stroke=\"#000000\" stroke-width=\"2\" points=\"";
+        let all = svg
+            .split(colour)
+            .skip(1)
+            .map(|rest| rest.split('"').next().unwrap_or("").split_whitespace().count());
+        all.collect()
+    }
+
+    /// *Planted*: a line through the missing point has five ends, and one tick at 1.
+    #[test]
+    fn lines_do_not_run_through_missing_points_and_ticks_stand_at_the_data() {
+        let points = [(0.8, 10.0), (1.2, 20.0), (1.6, f64::NAN), (2.4, 20.0), (3.2, 30.0)];
+        let plot =
+            LogPlot::log_log("", "period, µm", "applications", vec![Curve::new("a", Style::Data, points)]);
+        let svg = plot.svg().unwrap();
+        // two parts of the line, and its key
+        assert_eq!(lines(&svg), [2, 2, 2], "{svg}");
+        assert!(
+            ["0.8", "1.2", "2.4", "3.2"].iter().all(|tick| svg.contains(&format!(">\n{tick}\n<"))),
+            "{svg}"
+        );
+        assert!(!svg.contains(">\n1\n<"));
+    }
+
+    #[test]
+    fn ticks_may_have_words() {
+        let curve = Curve::new("a", Style::Data, [(0.0, 1.0), (0.08, 2.0)]);
+        let x_ticks = vec![(0.0, "11-21 14:32".to_owned()), (0.08, "11-21 16:27".to_owned())];
+        let svg = LogPlot { x_ticks, ..LogPlot::linear("", "", "", vec![curve]) }.svg().unwrap();
+        assert!(svg.contains("11-21 14:32") && svg.contains("11-21 16:27"), "{svg}");
     }
 }

@@ -6,6 +6,7 @@ mod error;
 pub mod figure;
 mod leaf;
 pub mod log_plot;
+mod marks;
 mod packing_pictures;
 pub mod picture;
 pub mod plots;

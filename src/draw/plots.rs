@@ -5,6 +5,8 @@
 
 use super::figure::{Bitmap, COLOURS, FONT, FigureError, register_fonts};
 use super::leaf::{Area, KEY, Leaf, WORDS, failed, fitting, svg_of};
+use super::marks::{marker, unbroken};
+use super::ticks;
 use crate::numerics::estimate::Estimate;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -17,14 +19,31 @@ pub struct Series {
     pub name: String,
     /// Abscissa and value with its error.
     pub points: Vec<(f64, Estimate)>,
+    /// Abscissae that were asked for and have no value: the line is broken there.
+    pub missing: Vec<f64>,
 }
 
 impl Series {
     /// A curve from parallel columns; the shorter one decides.
     pub fn new(name: &str, x: &[f64], y: &[Estimate]) -> Self {
-        Self { name: name.into(), points: x.iter().copied().zip(y.iter().copied()).collect() }
+        Self::of_points(name, x.iter().copied().zip(y.iter().copied()).collect())
+    }
+
+    /// A curve of which nothing is missing.
+    pub fn of_points(name: impl Into<String>, points: Vec<(f64, Estimate)>) -> Self {
+        Self { name: name.into(), points, missing: Vec::new() }
+    }
+
+    /// The same, broken at the abscissae that were asked for and have no point.
+    pub fn asked_at(mut self, asked: &[f64]) -> Self {
+        let found = |x: f64| self.points.iter().any(|p| (p.0 - x).abs() < SAME);
+        self.missing = asked.iter().copied().filter(|&x| !found(x)).collect();
+        self
     }
 }
+
+/// Abscissae closer than this are one: wavelengths in nm, angles in degrees.
+const SAME: f64 = 1e-6;
 
 /// A plot on linear axes. Ranges that are `None` follow from the data (y from 0 unless data are negative).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,8 +123,8 @@ impl Plot {
             .y_labels(8)
             .label_style((FONT, WORDS))
             .axis_desc_style((FONT, fitting(&self.x_label, 370).min(fitting(&self.y_label, 270))))
-            .x_label_formatter(&|v| short(*v, x1 - x0))
-            .y_label_formatter(&|v| short(*v, y1 - y0))
+            .x_label_formatter(&|v| ticks::label(*v, false, x1 - x0))
+            .y_label_formatter(&|v| ticks::label(*v, false, y1 - y0))
             .max_light_lines(0)
             .draw()
             .map_err(failed)?;
@@ -157,8 +176,10 @@ fn curve<'a, B: DrawingBackend + 'a>(
 ) -> Result<(), FigureError> {
     let colour = COLOURS[k % COLOURS.len()];
     let at = |p: &(f64, Estimate)| (p.0, p.1.value);
-    let line = series.points.iter().map(at);
-    chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(failed)?;
+    for part in unbroken(&series.points, |p| p.0, &series.missing) {
+        let line = part.iter().map(at);
+        chart.draw_series(LineSeries::new(line, colour.stroke_width(2))).map_err(failed)?;
+    }
     let bars = series.points.iter().filter(|p| p.1.standard_error.is_some()).map(|p| {
         let [lo, hi] = ends(&p.1);
         PathElement::new([(p.0, lo), (p.0, hi)], colour.stroke_width(1))
@@ -168,16 +189,6 @@ fn curve<'a, B: DrawingBackend + 'a>(
         series.points.iter().map(|p| EmptyElement::at(at(p)) + Polygon::new(marker(k), colour.filled()));
     chart.draw_series(markers).map_err(failed)?;
     Ok(())
-}
-
-/// Disc, triangle, square, diamond: by position in the list; pixels around the point.
-fn marker(k: usize) -> Vec<(i32, i32)> {
-    match k % 4 {
-        0 => vec![(-1, -3), (1, -3), (3, -1), (3, 1), (1, 3), (-1, 3), (-3, 1), (-3, -1)],
-        1 => vec![(0, -5), (5, 4), (-5, 4)],
-        2 => vec![(-3, -3), (3, -3), (3, 3), (-3, 3)],
-        _ => vec![(0, -5), (5, 0), (0, 5), (-5, 0)],
-    }
 }
 
 /// Names beneath the plot, where they cover no data.
@@ -194,14 +205,6 @@ fn legend<B: DrawingBackend>(leaf: &Leaf, area: &Area<B>, series: &[Series]) -> 
         area.draw(&entry).map_err(failed)?;
     }
     Ok(())
-}
-
-/// Up to three decimals, more where the axis is so short that its numbers differ later; no trailing zeros.
-fn short(value: f64, span: f64) -> String {
-    let decimals = (1.0 - span.abs().log10().floor()).clamp(3.0, 12.0) as usize;
-    let text = format!("{value:.decimals$}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 #[cfg(test)]

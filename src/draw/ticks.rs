@@ -1,5 +1,7 @@
 //! Ticks of axes: round numbers, and as many as can be read.
 
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
 /// Most ticks of a logarithmic axis that runs along the page.
@@ -37,15 +39,87 @@ pub(super) fn wide(low: f64, high: f64) -> Range<f64> {
     if there(&down) < 2 { up } else { down }
 }
 
-/// A round number. `span` is the length of a linear axis: next to it, rounding is nothing.
+/// A tick in words. `span` is the length of the axis: ticks of a linear one differ by a tenth of it or more, so that its
+/// decimal place tells them apart.
 pub(super) fn label(v: f64, log: bool, span: f64) -> String {
-    let v = if !log && v.abs() < ROUNDING * span { 0.0 } else { v };
-    if v == 0.0 || (0.01..100_000.0).contains(&v.abs()) {
-        let text = format!("{v:.3}");
-        return text.trim_end_matches('0').trim_end_matches('.').into();
+    if log { round(v) } else { linear(v, span) }
+}
+
+/// A round number of a logarithmic axis.
+fn round(v: f64) -> String {
+    if (0.01..100_000.0).contains(&v) { trimmed(format!("{v:.3}")) } else { format!("{v:.0e}") }
+}
+
+/// Least and largest place of a digit that is written without a power of ten.
+const PLAIN: (i32, i32) = (-5, 5);
+
+fn linear(v: f64, span: f64) -> String {
+    if v.abs() < ROUNDING * span {
+        return "0".into();
     }
-    // Ticks of linear axes differ in their second digits.
-    if log { format!("{v:.0e}") } else { format!("{v:.1e}") }
+    let last = span.abs().log10().floor() as i32 - 1;
+    let first = v.abs().log10().floor() as i32;
+    if first < PLAIN.1 && (last >= PLAIN.0 || first >= -2) {
+        return trimmed(format!("{v:.*}", (-last).clamp(0, 15) as usize));
+    }
+    format!("{v:.*e}", (first - last).clamp(0, 15) as usize)
+}
+
+/// Without the zeros that say nothing.
+fn trimmed(text: String) -> String {
+    let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if short == "-0" { "0".into() } else { short.into() }
+}
+
+/// A number of some data as a tick: three digits.
+fn of_data(v: f64) -> String {
+    let digits = (2 - v.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    if (1e-4..100_000.0).contains(&v) { trimmed(format!("{v:.digits$}")) } else { format!("{v:.2e}") }
+}
+
+/// Least distance between ticks at the data, as a share of the axis.
+const APART: f64 = 0.08;
+
+/// Ticks of a logarithmic axis at the data themselves, where these are few and far enough apart to be read.
+pub(super) fn at_data(values: impl Iterator<Item = f64>, range: &Range<f64>) -> Option<Vec<(f64, String)>> {
+    let mut all: Vec<f64> = values.collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| (*a / *b - 1.0).abs() < ROUNDING);
+    let length = (range.end / range.start).ln();
+    let apart = all.windows(2).all(|pair| (pair[1] / pair[0]).ln() >= APART * length);
+    let named: Vec<(f64, String)> = all.iter().map(|&v| (v, of_data(v))).collect();
+    let told = named.windows(2).all(|pair| pair[0].1 != pair[1].1);
+    ((2..=MOST_ALONG).contains(&named.len()) && apart && told).then_some(named)
+}
+
+/// A linear axis with ticks at given places: that of the drawing library cannot write them.
+pub(super) struct Placed {
+    axis: RangedCoordf64,
+    ticks: Vec<f64>,
+}
+
+impl Placed {
+    /// The axis over a range.
+    pub fn new(range: Range<f64>, ticks: Vec<f64>) -> Self {
+        Self { axis: range.into(), ticks }
+    }
+}
+
+impl Ranged for Placed {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.axis.map(value, limit)
+    }
+
+    fn key_points<H: KeyPointHint>(&self, hint: H) -> Vec<f64> {
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.axis.range()
+    }
 }
 
 #[cfg(test)]
@@ -81,6 +155,39 @@ mod tests {
         assert_eq!(label(0.5, true, 1.0), "0.5");
         assert_eq!(label(2e-7, true, 1.0), "2e-7");
         assert_eq!(label(1e-17, false, 1.0), "0");
-        assert_eq!(label(1.25e6, false, 1e7), "1.2e6");
+        assert_eq!(label(2e6, false, 1e7), "2e6");
+        assert_eq!(label(-0.05, false, 0.3), "-0.05");
+    }
+
+    /// Ticks of linear axes of all lengths, as the drawing library places them. *Planted*: three decimals write 0.092 twice.
+    #[test]
+    fn labels_of_an_axis_differ() {
+        use plotters::coord::ranged1d::BoldPoints;
+        let mut draws = crate::numerics::Draws::new(3, 0);
+        for _ in 0..2000 {
+            let span = 10f64.powf(12.0 * draws.uniform() - 6.0);
+            let start = (2.0 * draws.uniform() - 1.0) * span * 10f64.powf(5.0 * draws.uniform() - 1.0);
+            let axis = RangedCoordf64::from(start..start + span);
+            let ticks = axis.key_points(BoldPoints(8));
+            let labels: Vec<String> = ticks.iter().map(|v| label(*v, false, span)).collect();
+            let read = |text: &String| text.parse::<f64>().unwrap();
+            let off = |(v, text): (&f64, &String)| (read(text) - v).abs() < 1e-3 * span;
+            assert!(ticks.iter().zip(&labels).all(off), "{ticks:?} {labels:?}");
+            assert!(labels.windows(2).all(|pair| pair[0] != pair[1]), "{ticks:?} {labels:?}");
+        }
+        assert_eq!([0.0915, 0.092, 0.0925].map(|v| label(v, false, 0.0016)), ["0.0915", "0.092", "0.0925"]);
+    }
+
+    /// *Planted*: periods of 0.8, 1.2 and 1.6 µm had ticks at 1 and 2.
+    #[test]
+    fn few_data_have_ticks_of_their_own() {
+        let words = |values: &[f64]| {
+            let range = values[0] / 1.25..values[values.len() - 1] * 1.25;
+            Some(at_data(values.iter().copied(), &range)?.into_iter().map(|t| t.1).collect::<Vec<_>>())
+        };
+        assert_eq!(words(&[0.8, 1.2, 0.8, 1.2, 1.6]).unwrap(), ["0.8", "1.2", "1.6"]);
+        assert_eq!(words(&[1.0, 1.01, 1.6]), None);
+        assert_eq!(words(&[1.0]), None);
+        assert_eq!(words(&[9472.0, 1.125e6]).unwrap(), ["9472", "1.12e6"]);
     }
 }

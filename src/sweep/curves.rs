@@ -88,8 +88,9 @@ fn plot(
 ) -> Option<Plot> {
     let mut series: Vec<Series> = Vec::new();
     for name in names(made, x) {
-        let mut points: BTreeMap<u64, Estimate> = BTreeMap::new();
+        let (mut points, mut asked): (BTreeMap<u64, Estimate>, Vec<f64>) = Default::default();
         for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
+            asked.push(in_units(make.at(x), x));
             if let Some(value) = y(*v) {
                 points.entry(make.at(x)).or_insert(value);
             }
@@ -97,7 +98,7 @@ fn plot(
         let points: Vec<(f64, Estimate)> = points.into_iter().map(|(k, y)| (in_units(k, x), y)).collect();
         // A molecular mixture alone is no curve.
         if points.len() > 1 {
-            series.push(Series { name: name.in_words(made), points });
+            series.push(Series::of_points(name.in_words(made), points).asked_at(&asked));
         }
     }
     series.truncate(most_curves);

@@ -145,7 +145,7 @@ fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<
         for (name, row) in sheet.rows.iter().zip(&sheet.variants) {
             let words = [sheet.caption.as_str(), &sheet.row_axis, name];
             let caption = words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" · ");
-            figures.extend(figure(&caption, &sheet.columns, row, outcomes).transpose());
+            figures.extend(figure((sweep, outcomes), &caption, &sheet.columns, row).transpose());
             if figures.len() >= MOST_FIGURES {
                 return figures.into_iter().collect();
             }
@@ -155,12 +155,15 @@ fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<
 }
 
 fn figure(
+    (sweep, outcomes): (&Sweep, &[Outcome]),
     caption: &str,
     columns: &[String],
     row: &[Option<usize>],
-    outcomes: &[Outcome],
 ) -> Result<Option<Picture>, FigureError> {
-    let curve = |(name, v): (&String, &Option<usize>)| transmittance(name, &outcomes[(*v)?]);
+    let curve = |(name, v): (&String, &Option<usize>)| {
+        let asked = &sweep.variants[(*v)?].study.wavelengths_nm;
+        Some(transmittance(name, &outcomes[(*v)?])?.asked_at(asked))
+    };
     let series: Vec<Series> = columns.iter().zip(row).filter_map(curve).take(MOST_CURVES).collect();
     if series.is_empty() {
         return Ok(None);

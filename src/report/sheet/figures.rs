@@ -25,7 +25,8 @@ pub(crate) fn figures(
     seen: &Seen,
 ) -> Result<Vec<Figure>, FigureError> {
     let rows = &manifest.spectra;
-    let all = [seen_spectra(rows), layer_spectra(rows), other_angles(rows), brdf(study, seen)];
+    let all =
+        [seen_spectra(study, rows), layer_spectra(study, rows), other_angles(study, rows), brdf(study, seen)];
     let drawn = all.into_iter().flatten().map(|(heading, plot, caption)| {
         Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
     });
@@ -34,9 +35,14 @@ pub(crate) fn figures(
 
 type Drawing = Option<(&'static str, Plot, String)>;
 
-fn spectrum(rows: &[SpectrumRow], name: &str, of: impl Fn(&SpectrumRow) -> Option<Estimate>) -> Series {
+/// A spectrum, broken where a wavelength of the study has no value.
+fn spectrum(
+    (study, rows): (&Study, &[SpectrumRow]),
+    name: &str,
+    of: impl Fn(&SpectrumRow) -> Option<Estimate>,
+) -> Series {
     let points = rows.iter().filter_map(|row| Some((row.wavelength_nm, of(row)?))).collect();
-    Series { name: name.to_owned(), points }
+    Series::of_points(name, points).asked_at(&study.wavelengths_nm)
 }
 
 fn against_wavelength(y_label: &str, series: Vec<Series>) -> Option<Plot> {
@@ -45,10 +51,10 @@ fn against_wavelength(y_label: &str, series: Vec<Series>) -> Option<Plot> {
     (!series.is_empty()).then_some(Plot { series, y_range: Some([0.0, 1.0]), ..plot })
 }
 
-fn seen_spectra(rows: &[SpectrumRow]) -> Drawing {
+fn seen_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     let series = vec![
-        spectrum(rows, NATURAL_LIGHT, |row| row.natural_light),
-        spectrum(rows, LIT_AT_45, |row| row.lit_at_45),
+        spectrum((study, rows), NATURAL_LIGHT, |row| row.natural_light),
+        spectrum((study, rows), LIT_AT_45, |row| row.lit_at_45),
     ];
     let caption = format!(
         "What the eye receives from the ink on its paper, as a share of what a perfect white would send: under {NATURAL_LIGHT} \
@@ -57,15 +63,15 @@ fn seen_spectra(rows: &[SpectrumRow]) -> Drawing {
     Some(("The ink on its paper", against_wavelength("share of a perfect white", series)?, caption))
 }
 
-fn layer_spectra(rows: &[SpectrumRow]) -> Drawing {
+fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     let angle = rows.first()?.polar_deg;
     let rows = &at_angle(rows, angle);
     let series = vec![
-        spectrum(rows, "reflected", |row| Some(row.reflectance)),
-        spectrum(rows, "reflected, specular", |row| Some(row.specular_reflectance)),
-        spectrum(rows, "transmitted", |row| Some(row.transmittance)),
-        spectrum(rows, "transmitted, specular", |row| Some(row.specular_transmittance)),
-        spectrum(rows, "absorbed", |row| Some(row.absorptance)),
+        spectrum((study, rows), "reflected", |row| Some(row.reflectance)),
+        spectrum((study, rows), "reflected, specular", |row| Some(row.specular_reflectance)),
+        spectrum((study, rows), "transmitted", |row| Some(row.transmittance)),
+        spectrum((study, rows), "transmitted, specular", |row| Some(row.specular_transmittance)),
+        spectrum((study, rows), "absorbed", |row| Some(row.absorptance)),
     ];
     let caption = format!(
         "The layer alone, without paper, lit at {angle:.0}°: shares of the light reflected, transmitted and absorbed \
@@ -78,7 +84,7 @@ fn layer_spectra(rows: &[SpectrumRow]) -> Drawing {
 const MOST_CURVES: usize = 6;
 
 /// R and T at all angles solved: against wavelength for a few of them, against the angle for many.
-fn other_angles(rows: &[SpectrumRow]) -> Drawing {
+fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     let mut angles: Vec<f64> = rows.iter().map(|row| row.polar_deg).collect();
     angles.dedup();
     if angles.len() < 2 {
@@ -88,14 +94,14 @@ fn other_angles(rows: &[SpectrumRow]) -> Drawing {
     let plot = if angles.len() <= MOST_CURVES {
         let of = |&deg: &f64| {
             let rows = at_angle(rows, deg);
-            let reflected = spectrum(&rows, &format!("R, {deg:.0}°"), |row| Some(row.reflectance));
-            [reflected, spectrum(&rows, &format!("T, {deg:.0}°"), |row| Some(row.transmittance))]
+            let reflected = spectrum((study, &rows), &format!("R, {deg:.0}°"), |row| Some(row.reflectance));
+            [reflected, spectrum((study, &rows), &format!("T, {deg:.0}°"), |row| Some(row.transmittance))]
         };
         against_wavelength("share of the light", angles.iter().flat_map(of).collect())?
     } else {
         let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
         let places = shown(&wavelengths).into_iter();
-        let series = places.flat_map(|w| against_angle(rows, wavelengths[w])).collect();
+        let series = places.flat_map(|w| against_angle(study, rows, wavelengths[w])).collect();
         let plot = Plot {
             x_label: "angle of incidence, °".into(),
             y_label: "share of the light".into(),
@@ -107,11 +113,11 @@ fn other_angles(rows: &[SpectrumRow]) -> Drawing {
 }
 
 /// R and T at one wavelength against the angle of incidence.
-fn against_angle(rows: &[SpectrumRow], nm: f64) -> [Series; 2] {
+fn against_angle(study: &Study, rows: &[SpectrumRow], nm: f64) -> [Series; 2] {
     let rows: Vec<&SpectrumRow> = rows.iter().filter(|row| row.wavelength_nm == nm).collect();
-    let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| Series {
-        name: format!("{name}, {nm:.0} nm"),
-        points: rows.iter().map(|row| (row.polar_deg, of(row))).collect(),
+    let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| {
+        let points = rows.iter().map(|row| (row.polar_deg, of(row))).collect();
+        Series::of_points(format!("{name}, {nm:.0} nm"), points).asked_at(&study.angles.exact_deg)
     };
     [curve("R", &|row| row.reflectance), curve("T", &|row| row.transmittance)]
 }

@@ -3,7 +3,7 @@
 use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
 use crate::evaluate::ink_maker::{Comparison, InkMaker, Swatch};
-use crate::evaluate::manifest::{Certainty, Manifest};
+use crate::evaluate::manifest::Manifest;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::report::page::{Figure, MakerBlock, Meant, Named, svg_data};
@@ -59,7 +59,7 @@ pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, Figure
     let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
     let mut figures = Vec::new();
     if !maker.kubelka_munk.is_empty() {
-        figures.push(kubelka_munk(maker, &manifest.certainty)?);
+        figures.push(kubelka_munk(maker, manifest)?);
     }
     if let Some(measured) = &maker.measured {
         figures.extend(compared(measured)?);
@@ -72,7 +72,9 @@ fn figure(heading: &str, y_label: &str, series: Vec<Series>, caption: String) ->
     Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
 }
 
-fn kubelka_munk(maker: &InkMaker, certainty: &Certainty) -> Result<Figure, FigureError> {
+fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure, FigureError> {
+    let certainty = &manifest.certainty;
+    let asked: Vec<f64> = manifest.spectra.iter().map(|row| row.wavelength_nm).collect();
     let factor = certainty.coverage_factor_95;
     let wide = |e: Estimate| Estimate {
         standard_error: e.standard_error.map(|error| error * factor.unwrap_or(1.0)),
@@ -82,8 +84,8 @@ fn kubelka_munk(maker: &InkMaker, certainty: &Certainty) -> Result<Figure, Figur
     let absorption = rows().map(|row| (row.wavelength_nm, wide(row.absorption_per_um))).collect();
     let scattering = rows().map(|row| (row.wavelength_nm, wide(row.scattering_per_um))).collect();
     let series = vec![
-        Series { name: "absorption K".into(), points: absorption },
-        Series { name: "scattering S".into(), points: scattering },
+        Series::of_points("absorption K", absorption).asked_at(&asked),
+        Series::of_points("scattering S", scattering).asked_at(&asked),
     ];
     let bars = match factor {
         Some(factor) => {
@@ -105,11 +107,11 @@ fn compared(measured: &Comparison) -> Result<Vec<Figure>, FigureError> {
         measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
     };
     let both = vec![
-        Series { name: "predicted".into(), points: of(&|row| row.predicted) },
-        Series { name: "measured".into(), points: of(&|row| exact(row.measured)) },
+        Series::of_points("predicted", of(&|row| row.predicted)),
+        Series::of_points("measured", of(&|row| exact(row.measured))),
     ];
     let residual = of(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
-    let residual = vec![Series { name: "measured less predicted".into(), points: residual }];
+    let residual = vec![Series::of_points("measured less predicted", residual)];
     let caption = format!("At 45:0; measured: {}, linear between its rows.", measured.source);
     Ok(vec![
         figure("Measured and predicted", "share of a perfect white", both, caption.clone())?,
