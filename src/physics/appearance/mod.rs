@@ -1,7 +1,7 @@
 //! What is seen: bidirectional distribution functions, the paper behind, colour, and the picture's numbers.
 //!
 //! The path: [`FarField`](crate::wave::FarField)s of several realisations → [`bdf::Bdf`] (means with standard
-//! errors) and the fits of [`crate::evaluate`] → [`paper`] (a Lambertian substrate behind the layer, light going back and
+//! errors) and the fits of `inkwave::evaluate` → [`paper`] (a Lambertian substrate behind the layer, light going back and
 //! forth) → [`colour::Colour`] and the [`picture::InkPicture`] of P1 Fig. 6.
 //!
 //! Beside the path, [`finite_area`] spreads one far field's orders into the lobes of a lit square (P2 section 4.1).

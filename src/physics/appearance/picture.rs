@@ -1,4 +1,4 @@
-//! The picture of P1 Fig. 6 in numbers; [`crate::draw`] paints it.
+//! The picture of P1 Fig. 6 in numbers; `inkwave::draw` paints it.
 //!
 //! Left strip: the ink under natural light, rows are the viewing angle from 0° (top). Right square: the diffuse BRDF
 //! times π, rows viewing, columns illumination angle, 0° at the top left. A Lambertian of albedo 1 is (255, 255, 255).
