@@ -27,6 +27,7 @@ mod schema;
 mod slips;
 mod study_features;
 mod sweep;
+mod sweep_conclusions;
 mod sweep_pages;
 mod sweep_support;
 mod vector_references;
