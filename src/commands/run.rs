@@ -81,6 +81,21 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     tell(&study, &collected, &published, &folder, progress.stopped())
 }
 
+/// Says the colour, or why there is none, and which numbers are missing besides.
+fn tell_colour(study: &Study, published: &Published) -> miette::Result<()> {
+    if let Some(colour) = &published.colour {
+        say(format_args!("{}: {colour}", study.title))?;
+    }
+    if let Some(reason) = &published.no_colour {
+        say(format_args!("{}: no colour: {reason}", study.title))?;
+    }
+    let told = |line: &&String| published.no_colour.as_ref().is_some_and(|reason| reason.contains(*line));
+    for line in published.withheld.iter().filter(|line| !told(line)) {
+        say(format_args!("{}: no result: {line}", study.title))?;
+    }
+    Ok(())
+}
+
 /// Says where the results are; anything less than all of them is an error, so that scripts notice.
 fn tell(
     study: &Study,
@@ -90,12 +105,7 @@ fn tell(
     stopped: bool,
 ) -> miette::Result<()> {
     let report = folder.path().join("report.html");
-    if let Some(colour) = &published.colour {
-        say(format_args!("{}: {colour}", study.title))?;
-    }
-    if let Some(reason) = &published.no_colour {
-        say(format_args!("{}: no colour: {reason}", study.title))?;
-    }
+    tell_colour(study, published)?;
     say(format_args!("Report: {}", report.display()))?;
     if let (Some(target), false) = (study.target_delta_e.filter(|_| study.realisations > 1), stopped)
         && !summary::enough(study, collected)

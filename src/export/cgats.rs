@@ -23,8 +23,8 @@ pub fn cgats(print: &Print, dialect: Dialect) -> String {
     fields(&mut out, print);
     let _ = writeln!(out, "\nNUMBER_OF_SETS {}\nBEGIN_DATA", print.spectra.len());
     for (i, spectrum) in print.spectra.iter().enumerate() {
-        let lab = spectrum.colour.as_ref().map_or([0.0; 3], |c| c.lab);
-        let numbers = lab.into_iter().chain(spectrum.values.iter().map(|e| 100.0 * e.value));
+        let lab = spectrum.colour.filter(|_| has_lab(print)).map(|colour| colour.lab);
+        let numbers = lab.into_iter().flatten().chain(spectrum.values.iter().map(|e| 100.0 * e.value));
         let row: Vec<String> = numbers.map(|x| format!("{x:.6}")).collect();
         let _ = writeln!(out, "{} \"{}\" {}", i + 1, spectrum.geometry.name(), row.join(" "));
     }
@@ -49,6 +49,8 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("STUDY_HASH", &print.study_hash);
     own("MEASUREMENT_GEOMETRY", "45:0 and uniform sky:0, simulated");
     own("LAB_CONDITIONS", &print.viewing.name().replace('°', " degree"));
+    own("SPECTRA_NOTE", print.spectra_from());
+    own("LAB_NOTE", &lab_note(print));
     if dialect == Dialect::Argyll {
         own("SPECTRAL_NORM", "100.000000");
         own("MEAS_TYPE", "REFLECTIVE");
@@ -59,9 +61,23 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("SPECTRAL_END_NM", &format!("{:.6}", f64::from(last.copied().unwrap_or(0))));
 }
 
+/// Whose Lab the columns hold.
+fn lab_note(print: &Print) -> String {
+    if !has_lab(print) {
+        return "none: the wavelengths carry no colour".to_owned();
+    }
+    print.lab_differs().unwrap_or_else(|| "as on the study's page".to_owned())
+}
+
+/// Whether every spectrum has a colour: columns have no gaps.
+fn has_lab(print: &Print) -> bool {
+    print.spectra.iter().all(|spectrum| spectrum.colour.is_some())
+}
+
 fn fields(out: &mut String, print: &Print) {
     let bands: Vec<String> = print.wavelengths_nm.iter().map(|nm| format!("SPEC_{nm:03}")).collect();
-    let _ = writeln!(out, "\nNUMBER_OF_FIELDS {}", 5 + bands.len());
-    let _ = writeln!(out, "BEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME LAB_L LAB_A LAB_B {}", bands.join(" "));
+    let (count, lab) = if has_lab(print) { (5, "LAB_L LAB_A LAB_B ") } else { (2, "") };
+    let _ = writeln!(out, "\nNUMBER_OF_FIELDS {}", count + bands.len());
+    let _ = writeln!(out, "BEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME {lab}{}", bands.join(" "));
     let _ = writeln!(out, "END_DATA_FORMAT");
 }

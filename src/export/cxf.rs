@@ -72,6 +72,8 @@ fn tags(print: &Print, spectrum: &PrintSpectrum) -> String {
     tag("Origin", "simulated");
     tag("StudyHash", &print.study_hash);
     tag("LabConditions", &print.viewing.name());
+    tag("Spectra", print.spectra_from());
+    tag("Lab", &print.lab_differs().unwrap_or_else(|| "as on the study's page".to_owned()));
     let errors: Option<Vec<String>> =
         spectrum.values.iter().map(|e| e.standard_error.map(|s| format!("{s:.DECIMALS$}"))).collect();
     tag("StandardErrors", &errors.map_or_else(|| "unknown".to_owned(), |e| e.join(" ")));

@@ -28,6 +28,8 @@ pub struct PrintSpectrum {
     pub values: Vec<Estimate>,
     /// Colour of these values under the study's light, if they carry one.
     pub colour: Option<Colour>,
+    /// Lab of the study's own page under the same light.
+    pub page_lab: Option<[f64; 3]>,
 }
 
 /// All spectra of a print, and where they come from.
@@ -43,6 +45,8 @@ pub struct Print {
     pub created: String,
     /// Light, observer and rule of summation of the colours.
     pub viewing: Viewing,
+    /// True where the spectra were interpolated to the grid, and not evaluated on it.
+    pub interpolated: bool,
     /// A uniform grid, nm.
     pub wavelengths_nm: Vec<u32>,
     /// The spectra on that grid.
@@ -64,6 +68,47 @@ impl Geometry {
             Self::LitAt45 => "lit_at_45",
             Self::NaturalLight => "natural_light",
         }
+    }
+}
+
+/// How far Lab of a file may be from the page's before the file says why, in each of L*, a*, b*: the page's rounding.
+const ROUNDING: f64 = 0.005;
+
+impl Print {
+    /// Where the spectra of the file come from.
+    pub fn spectra_from(&self) -> &'static str {
+        match self.interpolated {
+            true => {
+                "interpolated to every 10 nm from the study's listed wavelengths (four points, ASTM E2022)"
+            }
+            false => "evaluated every 10 nm from the fitted spectra, not interpolated",
+        }
+    }
+
+    /// Why Lab of the file differs from that of the study's page, with the page's; `None` where both round alike.
+    pub fn lab_differs(&self) -> Option<String> {
+        let pages: Vec<String> = self.spectra.iter().filter_map(PrintSpectrum::page_lab_if_other).collect();
+        if pages.is_empty() {
+            return None;
+        }
+        let sums = match self.interpolated {
+            true => "the study's own wavelengths",
+            false => "all solves, also what their fitted spectra smooth out,",
+        };
+        Some(format!(
+            "Lab here is summed from the spectrum beside it, every 10 nm, so that whoever sums it again finds it; the study's \
+             page sums {sums} and has {}",
+            pages.join("; ")
+        ))
+    }
+}
+
+impl PrintSpectrum {
+    fn page_lab_if_other(&self) -> Option<String> {
+        let (own, page) = (self.colour.as_ref()?.lab, self.page_lab?);
+        let other = (0..3).any(|i| (own[i] - page[i]).abs() > ROUNDING);
+        let [l, a, b] = page;
+        other.then(|| format!("L* {l:.2} a* {a:.2} b* {b:.2} ({})", self.geometry.name()))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::appearance::picture::InkPicture;
 use crate::draw::figure::{Bitmap, FigureError};
 use crate::draw::picture::{PictureStyle, render};
 use crate::evaluate::ink::InkError;
-use crate::evaluate::manifest::{Manifest, Status};
+use crate::evaluate::manifest::{Manifest, Status, Withheld};
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
@@ -61,6 +61,8 @@ pub struct Published {
     pub colour: Option<String>,
     /// Why there is no colour, where there is none.
     pub no_colour: Option<String>,
+    /// Numbers that were withheld, and why.
+    pub withheld: Vec<String>,
 }
 
 /// Writes everything that the finished solves allow; takes the partial mark away when all are finished.
@@ -88,7 +90,8 @@ pub(crate) fn publish_seen(
         folder.begin()?;
         return Err(PublishError::Unphysical(what));
     }
-    let pictures = pictures(study, seen)?;
+    // the picture shows the same curves at other angles
+    let pictures = if manifest.withheld.is_empty() { pictures(study, seen)? } else { None };
     let page = sheet(study, manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
     folder.begin()?;
     if let Some(pictures) = &pictures {
@@ -112,7 +115,8 @@ pub(crate) fn publish_seen(
         folder.complete()?;
     }
     let colour = page.colour.map(|colour| colour.in_words);
-    Ok(Published { status: manifest.status, colour, no_colour: manifest.no_colour.clone() })
+    let withheld = manifest.withheld.iter().map(Withheld::in_words).collect();
+    Ok(Published { status: manifest.status, colour, no_colour: manifest.no_colour.clone(), withheld })
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.

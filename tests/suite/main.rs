@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod cli_solve;
+mod colour_range;
 mod compare;
 mod coverage_shapes;
 mod damage;

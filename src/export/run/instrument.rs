@@ -17,6 +17,7 @@ struct Known {
     geometry: Geometry,
     values: Vec<Estimate>,
     lab_covariance: Option<[[f64; 3]; 3]>,
+    page_lab: Option<[f64; 3]>,
 }
 
 /// The spectra with their colours. Fitted spectra are taken where the file has its wavelengths, as the program's colours take
@@ -28,30 +29,53 @@ pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> Res
         return Err(ExportError::TooFewWavelengths { format });
     }
     let wavelengths_nm: Vec<f64> = grid.iter().map(|&nm| f64::from(nm)).collect();
-    let known = if matches!(study.variation.light, LightRule::Shifted { .. }) {
+    let own = summarise(study, &stored.collected, &stored.seen);
+    let fitted = matches!(study.variation.light, LightRule::Shifted { .. });
+    let mut known = if fitted {
         let on_grid = Study { wavelengths_nm: wavelengths_nm.clone(), ..study.clone() };
         let seen = see(&on_grid, &stored.collected)?;
         known(&summarise(&on_grid, &stored.collected, &seen))
     } else {
-        let mut known = known(&summarise(study, &stored.collected, &stored.seen));
+        let mut known = known(&own);
         known.iter_mut().for_each(|k| k.values = resample(&study.wavelengths_nm, &k.values, &grid));
         known
     };
+    known.iter_mut().for_each(|k| k.page_lab = page_lab(&own, k.geometry));
+    if let ([], Some(reason)) = (known.as_slice(), own.withheld.first()) {
+        return Err(ExportError::NoInk { format, reason: reason.in_words() });
+    }
     let meter = Colorimeter::under(&wavelengths_nm, &study.judgement.viewing);
-    let spectrum = |Known { geometry, values, lab_covariance }: Known| {
-        let reflectance: Vec<f64> = values.iter().map(|e| e.value).collect();
-        let colour = meter.as_ref().ok().and_then(|meter| meter.colour(&reflectance).ok());
-        PrintSpectrum { geometry, values, colour: colour.map(|c| Colour { lab_covariance, ..c }) }
-    };
+    // what the page withholds no file gives
+    let meter = meter.ok().filter(|_| own.ink_maker.is_some());
     Ok(Print {
         title: study.title.clone(),
         study_hash: study.key().to_string(),
         program: program(),
         created: created.to_owned(),
         viewing: study.judgement.viewing.clone(),
-        spectra: known.into_iter().map(spectrum).collect(),
+        spectra: known.into_iter().map(|known| with_colour(known, meter.as_ref())).collect(),
+        interpolated: !fitted,
         wavelengths_nm: grid,
     })
+}
+
+/// The colour is that of the values themselves.
+fn with_colour(known: Known, meter: Option<&Colorimeter>) -> PrintSpectrum {
+    let Known { geometry, values, lab_covariance, page_lab } = known;
+    let reflectance: Vec<f64> = values.iter().map(|e| e.value).collect();
+    let colour = meter.and_then(|meter| meter.colour(&reflectance).ok());
+    let colour = colour.map(|c| Colour { lab_covariance, ..c });
+    PrintSpectrum { geometry, values, colour, page_lab }
+}
+
+/// Lab of the study's page under the study's light.
+fn page_lab(manifest: &Manifest<&Study>, geometry: Geometry) -> Option<[f64; 3]> {
+    let maker = manifest.ink_maker.as_ref()?;
+    let swatch = match geometry {
+        Geometry::LitAt45 => &maker.print,
+        Geometry::NaturalLight => &maker.natural_light,
+    };
+    Some(swatch.colour.lab)
 }
 
 /// Both spectra of the print.
@@ -75,5 +99,5 @@ fn known_at(
     let normal = manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
     let values = normal.map(of).collect::<Option<Vec<Estimate>>>()?;
     let lab_covariance = manifest.ink_maker.as_ref().and_then(|maker| swatch(maker).colour.lab_covariance);
-    Some(Known { geometry, values, lab_covariance })
+    Some(Known { geometry, values, lab_covariance, page_lab: None })
 }

@@ -76,18 +76,18 @@ pub enum ColourError {
         /// Longest allowed, nm.
         hi: f64,
     },
-    /// Wavelengths that leave out so much of the visible range that white would be coloured.
+    /// Wavelengths that leave out so much of the visible range that a colour would be a guess.
     #[error(
-        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of the {name} channel, at least {least} needed; cover 400 to 700 nm"
+        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of its {name}, at least {least} needed: less would make the colour a guess; cover 400 to 700 nm (about 440 to 610 nm is the least), with tables that reach as far"
     )]
     WhiteNotCovered {
         /// First wavelength, nm.
         first: f64,
         /// Last wavelength, nm.
         last: f64,
-        /// The channel that suffers most.
+        /// The tristimulus value that lacks light.
         name: &'static str,
-        /// Share of the channel that the wavelengths cover.
+        /// Share of it that the wavelengths cover.
         channel: f64,
         /// Least share allowed.
         least: f64,

@@ -1,7 +1,12 @@
 //! Tristimulus weights of a wavelength grid: CIE 1931 2° observer under D65.
 
+mod beyond;
+
 pub use super::error::ColourError;
+pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
+
 use super::viewing::{Summation, Viewing};
+use beyond::End;
 
 /// Range of the CIE tables, nm.
 pub const TABLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
@@ -16,15 +21,13 @@ const LINES_STEP_NM: f64 = 1.0;
 const XYZ_TO_RGB: [[f64; 3]; 3] =
     [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
 
-/// White must keep at least this share of every channel, or a division by it blows noise up.
-const LEAST_WHITE_CHANNEL: f64 = 0.1;
-
 /// Turns spectra on one wavelength grid into tristimulus values: XYZ = Σ_j w_j R_j, white (R = 1) has Y = 100.
 ///
 /// A uniform grid with steps up to 10 nm is summed as it is (CIE 15, plain sum). Any other grid is resampled to
 /// steps of at most 5 nm between its ends by Lagrange interpolation through the four nearest points (three
-/// in the first and last interval: the rule of ASTM E2022), which keeps XYZ linear in the spectrum. Nothing is
-/// extrapolated: the sum ends where the grid ends, for white as well. Under lamps, whose spectra have lines, every grid is
+/// in the first and last interval: the rule of ASTM E2022), which keeps XYZ linear in the spectrum. Colours are those of
+/// 400–700 nm ([`COLOUR_RANGE_NM`]), and of the whole grid where that is wider: the value at an end stands for what lies
+/// between it and 400 or 700 nm, and [`Colorimeter::beyond`] tells what that may cost. Under lamps, whose spectra have lines, every grid is
 /// resampled to 1 nm: sums over F11 at every tenth nm give a white of Z = 32 instead of 66.
 ///
 /// *Measured* over the 12 spectra of `validation/data/colour.json`, largest ΔE*ab against the 5 nm sum from 400 to
@@ -39,6 +42,8 @@ pub struct Colorimeter {
     white_xyz: [f64; 3],
     white_rgb: [f64; 3],
     viewing: Viewing,
+    /// What lies beyond both ends of the grid.
+    ends: [End; 2],
     /// To D65, under another light.
     adaptation: Option<[[f64; 3]; 3]>,
 }
@@ -47,7 +52,8 @@ impl Colorimeter {
     /// Weights for a grid, nm, increasing, uniform or not.
     ///
     /// # Errors
-    /// Fewer than 3 wavelengths, not increasing, outside 380–780 nm, or so narrow that white loses a channel.
+    /// Fewer than 3 wavelengths, not increasing, outside 380–780 nm, or so narrow that more than a quarter of white's X, Y or Z lies
+    /// outside ([`MOST_OUTSIDE`]).
     pub fn new(wavelengths_nm: &[f64]) -> Result<Self, ColourError> {
         Self::under(wavelengths_nm, &Viewing::default())
     }
@@ -59,7 +65,7 @@ impl Colorimeter {
     /// As [`Colorimeter::new`].
     pub fn under(wavelengths_nm: &[f64], viewing: &Viewing) -> Result<Self, ColourError> {
         check_grid(wavelengths_nm)?;
-        let (step_nm, raw) = if viewing.summation == Summation::E308 {
+        let (step_nm, mut raw) = if viewing.summation == Summation::E308 {
             (1.0, e308_weights(wavelengths_nm, viewing))
         } else if viewing.has_lines() {
             resampled_weights(wavelengths_nm, LINES_STEP_NM, viewing)
@@ -69,12 +75,17 @@ impl Colorimeter {
         } else {
             resampled_weights(wavelengths_nm, RESAMPLED_STEP_NM, viewing)
         };
+        let ends = End::both(wavelengths_nm, step_nm, viewing);
+        if viewing.summation == Summation::Plain {
+            ends.iter().for_each(|end| fold(&mut raw[end.node()], end.white()));
+        }
         let scale = 100.0 / raw.iter().map(|w| w[1]).sum::<f64>();
         let weights: Vec<_> = raw.iter().map(|w| w.map(|x| scale * x)).collect();
         let white_xyz = weighted_sum(&weights, &vec![1.0; weights.len()]);
         let adaptation = (*viewing != Viewing::default()).then(|| adaptation(white_xyz));
         let white_rgb = rgb_of(adapted(&adaptation, white_xyz));
-        check_white(wavelengths_nm, white_xyz, white_rgb)?;
+        let ends = ends.map(|end| end.scaled(scale));
+        check_white(wavelengths_nm, white_xyz, &ends)?;
         let (wavelengths_nm, viewing) = (wavelengths_nm.to_vec(), viewing.clone());
         Ok(Self {
             wavelengths_nm,
@@ -83,6 +94,7 @@ impl Colorimeter {
             white_xyz,
             white_rgb,
             viewing,
+            ends,
             adaptation,
         })
     }
@@ -172,14 +184,20 @@ fn check_grid(grid: &[f64]) -> Result<(), ColourError> {
     }
 }
 
-fn check_white(grid: &[f64], xyz: [f64; 3], rgb: [f64; 3]) -> Result<(), ColourError> {
-    let least = LEAST_WHITE_CHANNEL;
-    let shares =
-        [("red", rgb[0]), ("green", rgb[1]), ("blue", rgb[2]), ("X", xyz[0] / 100.0), ("Z", xyz[2] / 100.0)];
-    match shares.into_iter().find(|(_, share)| share.is_nan() || *share < least) {
-        Some((name, channel)) => {
-            let (first, last) = (grid[0], grid[grid.len() - 1]);
-            Err(ColourError::WhiteNotCovered { first, last, name, channel, least })
+/// Adds the weight of what lies beyond an end to the end's own.
+fn fold(own: &mut [f64; 3], beyond: [f64; 3]) {
+    own.iter_mut().zip(beyond).for_each(|(own, beyond)| *own += beyond);
+}
+
+fn check_white(grid: &[f64], white: [f64; 3], ends: &[End; 2]) -> Result<(), ColourError> {
+    let [below, above] = ends.each_ref().map(End::white);
+    let inside = |c: usize| 1.0 - (below[c] + above[c]) / white[c];
+    let least = 1.0 - MOST_OUTSIDE;
+    let lost = |c: &usize| inside(*c).is_nan() || inside(*c) < least;
+    match (0..3).find(lost) {
+        Some(c) => {
+            let (first, last, name) = (grid[0], grid[grid.len() - 1], ["X", "Y", "Z"][c]);
+            Err(ColourError::WhiteNotCovered { first, last, name, channel: inside(c), least })
         }
         None => Ok(()),
     }

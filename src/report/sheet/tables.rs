@@ -78,7 +78,7 @@ fn exactness(certainty: &Certainty) -> [Meant; 4] {
 
 /// Which part of the first colour's error is how large: what dominates tells what to buy.
 fn budget(note: &ColourNote) -> Vec<Meant> {
-    let Budget { chance_and_cell, angles, wavelengths, grid, residual } = note.budget;
+    let Budget { chance_and_cell, angles, wavelengths, grid, residual, beyond_range } = note.budget;
     let parts = [
         (
             "… chance and cell",
@@ -92,6 +92,12 @@ fn budget(note: &ColourNote) -> Vec<Meant> {
         ),
         ("… grid", Some(grid), "resolution.accuracy lessens it"),
         ("… residual", Some(residual), "solver.tolerance lessens it"),
+        (
+            "… beyond the range",
+            Some(beyond_range).filter(|&part| part > 0.0),
+            "visible light outside the wavelengths, for which the spectrum's ends stand: light.from_nm = 400 and to_nm = 700 \
+             leave none",
+        ),
         (
             "… wavelengths",
             Some(wavelengths),
@@ -260,6 +266,7 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
     if let Some(reason) = &study.angles.no_paper {
         lines.insert(0, format!("There are no paper, colour and picture here: {reason}."));
     }
+    lines.splice(0..0, missing(study, manifest));
     if study.variation.thickness_std_um == 0.0 {
         let line = "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
                     thickness they wash out: thickness_um = { mean = …, std = … } draws one.";
@@ -281,6 +288,7 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
                     range (from_nm, to_nm, step_nm) is sampled at shifted wavelengths, and has no such error.";
         lines.push(line.to_owned());
     }
+    lines.extend(beyond_range(study, manifest));
     lines.extend(missed_target(study, manifest));
     if let Some(reason) = &manifest.no_ink_maker {
         let viewing = study.judgement.viewing.name();
@@ -290,6 +298,25 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
         );
     }
     lines
+}
+
+/// Colours and numbers that are not there, and why.
+fn missing(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> {
+    let reason = manifest.no_colour.iter().filter(|_| study.angles.no_paper.is_none());
+    let colour = reason.map(|reason| format!("There is no colour: {reason}."));
+    let help = "Curves through few angles, cells or points overshoot: angles.count, run.realisations or a finer grid help.";
+    let withheld = manifest.withheld.iter().map(|number| format!("No result: {}. {help}", number.in_words()));
+    colour.chain(withheld).collect()
+}
+
+/// Visible light that the colours have not seen.
+fn beyond_range(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
+    let part = manifest.colours.first().map(|note| note.budget.beyond_range).filter(|&part| part > 0.0)?;
+    let (first, last) = (study.wavelengths_nm.first()?, study.wavelengths_nm.last()?);
+    Some(format!(
+        "Colours need 400 to 700 nm, and the spectra reach from {first} to {last} nm: their ends stand for the rest, and the bars of \
+         colours hold what it could be (ΔE {part:.2} of one standard error). light.from_nm = 400 and to_nm = 700 leave none."
+    ))
 }
 
 /// A wanted bar that was not reached.

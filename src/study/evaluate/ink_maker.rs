@@ -134,7 +134,9 @@ impl Question<'_> {
             Ok(std::array::from_fn(|i| lab[i] - by_chance.lab[i]))
         };
         let [grid, residual] = self.uncertainty.shifts().map(moved);
-        let lab_covariance = self.uncertainty.widen_lab(by_chance.lab_covariance, [grid?, residual?]);
+        let [below, above] = self.ink.beyond_range(sight, &by_chance, factor(UNMOVED));
+        let lab_covariance =
+            self.uncertainty.widen_lab(by_chance.lab_covariance, &[grid?, residual?, below, above]);
         let colour = Colour { lab_covariance, ..by_chance };
         let [r, g, b] = colour.srgb8;
         let hex = format!("#{r:02x}{g:02x}{b:02x}");
@@ -155,7 +157,10 @@ impl Question<'_> {
         let replicates: Vec<f64> = black.iter().zip(&white).map(|(b, w)| b.xyz[1] / w.xyz[1]).collect();
         let estimate = Estimate::jackknife(ratio(UNMOVED)?, &replicates);
         let [grid, residual] = self.uncertainty.shifts().map(ratio);
-        let shared = (grid? - estimate.value).hypot(residual? - estimate.value);
+        let beyond = |albedo| self.ink.luminance_beyond_range(sight, over(albedo, UNMOVED));
+        let white = self.ink.colour_of_mean(sight, over(WHITE, UNMOVED))?.xyz[1];
+        let beyond = beyond(BLACK).hypot(estimate.value * beyond(WHITE)) / white;
+        let shared = (grid? - estimate.value).hypot(residual? - estimate.value).hypot(beyond);
         let single: Vec<[f64; 1]> = replicates.iter().map(|&ratio| [ratio]).collect();
         let deviations = jackknife_deviations(&single).into_iter().map(|[by]| by).collect();
         Ok((self.uncertainty.widen(estimate, shared), deviations))
@@ -211,7 +216,9 @@ impl Question<'_> {
             Ok(std::array::from_fn(|i| lab[i] - here.lab[i]))
         };
         let [grid, residual] = self.uncertainty.shifts().map(moved);
-        let lab_covariance = self.uncertainty.widen_lab(here.lab_covariance, [grid?, residual?]);
+        let [below, above] = meter.beyond(&pick(&predicted.values), here.xyz);
+        let lab_covariance =
+            self.uncertainty.widen_lab(here.lab_covariance, &[grid?, residual?, below, above]);
         Ok(distance(&Colour { lab_covariance, ..here }, there.lab))
     }
 }

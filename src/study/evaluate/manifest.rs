@@ -61,6 +61,9 @@ pub struct Manifest<Study: Serialize> {
     /// Why there are colours but no numbers for the ink maker, such as an illuminant that the wavelengths cannot carry.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_ink_maker: Option<String>,
+    /// Numbers that cannot be, such as a contrast ratio below 0, and why each is missing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub withheld: Vec<Withheld>,
     /// One row for each wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
     /// Seconds that the solves took, added up: of a clock on the wall, while several solves may run side by side on
@@ -114,6 +117,22 @@ impl SpectrumRow {
         let seen = seen.into_iter().filter_map(|(name, e)| Some((name, e?))).find(|(_, e)| no_number(e));
         let wrong = totals.into_iter().find(|(_, e)| no_number(e) || outside(e)).or(seen);
         wrong.map(|(name, e)| format!("{name} is {} at {} nm", e.value, self.wavelength_nm))
+    }
+}
+
+/// A number that was not published.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Withheld {
+    /// Which one.
+    pub number: String,
+    /// Why not.
+    pub reason: String,
+}
+
+impl Withheld {
+    /// In one line.
+    pub fn in_words(&self) -> String {
+        format!("{}: {}", self.number, self.reason)
     }
 }
 

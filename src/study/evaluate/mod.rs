@@ -9,6 +9,7 @@ mod curves;
 pub mod directional;
 pub mod film;
 pub mod films;
+pub mod gate;
 pub mod ink;
 pub mod ink_maker;
 pub mod layer;

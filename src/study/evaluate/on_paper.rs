@@ -130,14 +130,15 @@ impl LayerOnPaper {
         Ok(layer)
     }
 
-    /// T̄, the mean transmittance over the hemisphere on the incident side.
+    /// T̄, the mean transmittance over the hemisphere on the incident side. As all totals it is kept within 0 and 1, which
+    /// curves through few wavelengths and angles may overshoot.
     pub fn mean_transmittance(&self) -> f64 {
-        self.film_means[0] + self.measured.transmittance
+        (self.film_means[0] + self.measured.transmittance).clamp(0.0, 1.0)
     }
 
     /// Ā from the exit side, the mean absorptance over the hemisphere there.
     pub fn mean_absorptance_exit(&self) -> f64 {
-        self.film_means[1] + self.measured.absorptance
+        (self.film_means[1] + self.measured.absorptance).clamp(0.0, 1.0)
     }
 
     /// R̄ from the exit side, 1 − T̄/n² − Ā.
@@ -165,19 +166,19 @@ impl LayerOnPaper {
 
     /// R(θ) of the layer alone, total.
     pub fn reflectance(&self, at: &PolarAngle) -> f64 {
-        at.film[self.node][0] + self.difference(at, 0)
+        (at.film[self.node][0] + self.difference(at, 0)).clamp(0.0, 1.0)
     }
 
     /// T(θ) of the layer alone, total.
     pub fn transmittance(&self, at: &PolarAngle) -> f64 {
-        at.film[self.node][1] + self.difference(at, 1)
+        (at.film[self.node][1] + self.difference(at, 1)).clamp(0.0, 1.0)
     }
 
     /// T(θ) of the layer alone for the light that the paper gives back, unpolarised: T(θ) itself but where polarised light
     /// comes in.
     pub fn transmittance_returned(&self, at: &PolarAngle) -> f64 {
-        at.film[self.node][2]
-            + curve(&self.measured.returned, &self.curve.returned, 1, (at.between, at.bends))
+        let beyond_film = curve(&self.measured.returned, &self.curve.returned, 1, (at.between, at.bends));
+        (at.film[self.node][2] + beyond_film).clamp(0.0, 1.0)
     }
 
     /// Specular part of R(θ): that of the cells' specular order.

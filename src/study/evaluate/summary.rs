@@ -1,9 +1,10 @@
 //! The numbers of a run, ready for `results.json`, the tables and the page.
 
+use super::gate;
 use super::ink::{InkError, InkOnPaper};
-use super::ink_maker::ink_maker;
+use super::ink_maker::{InkMaker, ink_maker};
 use super::layer::{LayerEnsemble, Mean, Total};
-use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status};
+use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use super::seen::{LayerSeen, NoInk, Seen, see};
@@ -37,16 +38,10 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         residual: certainty.mean_energy_error,
         certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
-    let (colours, no_colour) = match colours(study, seen, &uncertainty) {
-        Ok(colours) => (colours, None),
-        Err(reason) => (Vec::new(), Some(reason)),
-    };
-    let maker = |ink| ink_maker(study, ink, &uncertainty, &seen.realisations);
-    let (ink_maker, no_ink_maker) = match seen.ink.as_ref().map(maker) {
-        Ok(Ok(numbers)) => (Some(numbers), None),
-        Ok(Err(reason)) => (None, no_colour.is_none().then(|| reason.to_string())),
-        Err(_) => (None, None),
-    };
+    let mut spectra = spectra(study, seen, &uncertainty);
+    let Looks { colours, no_colour, ink_maker, no_ink_maker, mut withheld } =
+        looks(study, seen, &uncertainty);
+    withheld.extend(gate::spectra(&mut spectra));
     Manifest {
         status: if finished == asked || collected.enough { Status::Complete } else { Status::Partial },
         title: study.title.clone(),
@@ -67,11 +62,46 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         no_colour,
         ink_maker,
         no_ink_maker,
-        spectra: spectra(study, seen, &uncertainty),
+        withheld,
+        spectra,
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         process_seconds: None,
         study,
     }
+}
+
+/// What is seen of the ink on its paper, and why anything of it is missing.
+struct Looks {
+    colours: Vec<ColourNote>,
+    no_colour: Option<String>,
+    ink_maker: Option<InkMaker>,
+    no_ink_maker: Option<String>,
+    withheld: Vec<Withheld>,
+}
+
+/// Colours and the ink maker's numbers, as far as they pass the gate.
+fn looks(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Looks {
+    let (colours, mut no_colour, mut withheld) = match colours(study, seen, uncertainty) {
+        Ok(all) => {
+            let (kept, withheld) = gate::colours(all);
+            (kept, None, withheld)
+        }
+        Err(reason) => (Vec::new(), Some(reason), Vec::new()),
+    };
+    let maker = |ink| ink_maker(study, ink, uncertainty, &seen.realisations);
+    let (mut ink_maker, mut no_ink_maker) = match seen.ink.as_ref().map(maker) {
+        Ok(Ok(numbers)) => (Some(numbers), None),
+        Ok(Err(reason)) => (None, no_colour.is_none().then(|| reason.to_string())),
+        Err(_) => (None, None),
+    };
+    if colours.is_empty() && !withheld.is_empty() {
+        no_colour = Some(withheld.iter().map(Withheld::in_words).collect::<Vec<_>>().join("; "));
+    }
+    if let Some(impossible) = ink_maker.as_ref().and_then(gate::ink_maker) {
+        (ink_maker, no_ink_maker) = (None, Some(impossible.in_words()));
+        withheld.push(impossible);
+    }
+    Looks { colours, no_colour, ink_maker, no_ink_maker, withheld }
 }
 
 /// True when the 95 % interval of every colour meant is as narrow as the study wants it (ΔE₀₀); never without such a wish.
@@ -292,7 +322,8 @@ impl AngleTotals {
     fn new(layer: &LayerSeen, angle: usize, uncertainty: &Uncertainty) -> Self {
         let of = |total: Total, moved: fn(Shift) -> f64| -> Vec<Estimate> {
             let estimates = layer.spectrum(angle, total).estimates();
-            estimates.into_iter().map(|estimate| uncertainty.widen_by(estimate, moved)).collect()
+            let widened = estimates.into_iter().map(|estimate| uncertainty.widen_by(estimate, moved));
+            widened.map(gate::bounded).collect()
         };
         let (reflected, transmitted): (fn(Shift) -> f64, fn(Shift) -> f64) = (|[r, _]| r, |[_, t]| t);
         let varied = [Total::Reflectance, Total::Transmittance];

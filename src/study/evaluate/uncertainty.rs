@@ -47,8 +47,8 @@ impl Uncertainty {
     }
 
     /// Covariance of Lab by chance with what shared errors move Lab by.
-    pub fn widen_lab(&self, chance: Option<[[f64; 3]; 3]>, moved: [[f64; 3]; 2]) -> Option<[[f64; 3]; 3]> {
-        let none = (self.certain && moved != [[0.0; 3]; 2]).then_some([[0.0; 3]; 3]);
+    pub fn widen_lab(&self, chance: Option<[[f64; 3]; 3]>, moved: &[[f64; 3]]) -> Option<[[f64; 3]; 3]> {
+        let none = (self.certain && moved.iter().any(|by| *by != [0.0; 3])).then_some([[0.0; 3]; 3]);
         let shared = |i: usize, j: usize| moved.iter().map(|by| by[i] * by[j]).sum::<f64>();
         let sum = |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + shared(i, j)));
         chance.or(none).map(sum)
@@ -78,14 +78,16 @@ impl Uncertainty {
         };
         let [grid, residual] = self.shifts().map(shift);
         let [grid, residual] = [grid?, residual?];
+        let [below, above] = ink.beyond_range(sight, &colour, &quantity);
         let budget = Budget {
             chance_and_cell: colour.lab_covariance.map(spread),
             angles: ink.angle_covariance(solved, &quantity)?.map(spread),
             wavelengths: length(ink.wavelength_shift(&quantity)?),
             grid: length(grid),
             residual: length(residual),
+            beyond_range: length(below).hypot(length(above)),
         };
-        let lab_covariance = self.widen_lab(colour.lab_covariance, [grid, residual]);
+        let lab_covariance = self.widen_lab(colour.lab_covariance, &[grid, residual, below, above]);
         Ok(Sure { colour: Colour { lab_covariance, ..colour }, budget: budget.apart(), deviations })
     }
 }
@@ -114,6 +116,14 @@ pub struct Budget {
     pub grid: f64,
     /// The solver's residual.
     pub residual: f64,
+    /// Visible light outside the range of the wavelengths, for which the spectrum's ends stand; absent where all is inside.
+    #[serde(skip_serializing_if = "nothing")]
+    pub beyond_range: f64,
+}
+
+/// True of a part that an error does not have.
+fn nothing(part: &f64) -> bool {
+    *part == 0.0
 }
 
 impl Budget {

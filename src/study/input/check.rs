@@ -111,6 +111,9 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         remarks: remarks.into_iter().flatten().collect(),
     };
     study.remarks.extend(gaps::bridged(&study));
+    if study.angles.no_paper.is_none() {
+        study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
+    }
     wave::refusals(file, &study, &mut faults);
     if faults.0.is_empty() {
         faults.0.extend(aim(&study));

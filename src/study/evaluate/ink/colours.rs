@@ -105,6 +105,21 @@ impl InkOnPaper {
         self.colour_without(sight, None, &quantity)
     }
 
+    /// What the light beyond the range of the wavelengths may move a colour by, a standard error of Lab for each end.
+    pub fn beyond_range(
+        &self,
+        sight: &Sight,
+        colour: &Colour,
+        quantity: impl Fn(&LayerOnPaper) -> f64,
+    ) -> [[f64; 3]; 2] {
+        sight.meter.beyond(&sight.values(&self.whole, &quantity), colour.xyz)
+    }
+
+    /// The same of Y, both ends together.
+    pub fn luminance_beyond_range(&self, sight: &Sight, quantity: impl Fn(&LayerOnPaper) -> f64) -> f64 {
+        sight.meter.beyond_luminance(&sight.values(&self.whole, &quantity))
+    }
+
     /// What the placing of the directions may cost in T̄ at each wavelength of the spectra: standard deviation over realisations of the
     /// quadrature error of the fitted curve, over √n.
     pub fn angle_errors(&self, solved: &[SolvedRealisation]) -> Vec<f64> {

@@ -137,6 +137,7 @@ fn outside(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Option<F
     let slack = 1e-9;
     let nm = wavelengths_nm.iter().find(|&&nm| nm < low - slack || nm > high + slack)?;
     let allowed = format!("from {low} to {high} nm, where {} is known", spectrum.name());
-    let remedy = "keep [light] inside that range, or give a table that covers it";
+    let remedy = "give a table that covers 400 to 700 nm; with [light] inside the table's range spectra lack nothing, but colours \
+                  have wider error bars, and need 440 to 610 nm at least";
     Some(Fault::new(field, format!("no value at {nm} nm"), allowed, remedy))
 }

@@ -1,12 +1,16 @@
 //! The wavelengths, and how they are sampled.
 
 use super::whole;
+use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
 use crate::input::fault::{Allowed, Fault, Faults, keys_in_words};
 use crate::input::file::{LightTable, SamplingName};
 use crate::input::limits;
 use crate::input::limits::LONGEST_LIST;
 use crate::input::variation::LightRule;
 use crate::numerics::allowed::shown;
+
+/// Rounding of wavelengths, nm.
+const SLACK_NM: f64 = 1e-6;
 
 /// Wavelengths unless told, nm: from, to, step.
 const VISIBLE: [f64; 3] = [400.0, 700.0, 20.0];
@@ -50,6 +54,18 @@ pub fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String
         ));
     }
     None
+}
+
+/// Spectra that end inside the visible range and still carry a colour.
+pub fn colour_is_extrapolated(wavelengths_nm: &[f64]) -> Option<String> {
+    let [from, to] = COLOUR_RANGE_NM;
+    let (&first, &last) = (wavelengths_nm.first()?, wavelengths_nm.last()?);
+    let short = first > from + SLACK_NM || last < to - SLACK_NM;
+    let remark = format!(
+        "light: the wavelengths reach from {first} to {last} nm, and colours need {from} to {to} nm: the ends of the spectra stand for \
+         the rest, and the error bars of colours hold what it could be"
+    );
+    (short && Colorimeter::new(wavelengths_nm).is_ok()).then_some(remark)
 }
 
 /// No wavelengths where the range has a fault: what depends on them is not judged then.

@@ -55,7 +55,12 @@ fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &m
     let albedo = Albedo::Spectral(rows);
     if let Some(error) = wavelengths_nm.iter().find_map(|&nm| albedo.at(nm).err()) {
         let allowed = "two or more rows [wavelength in nm, albedo], rising, that cover [light]";
-        faults.push(Fault::new(field, error, allowed, "extend the table or keep [light] inside it"));
+        faults.push(Fault::new(
+            field,
+            error,
+            allowed,
+            "extend the table: colours need 400 to 700 nm; or, for spectra alone, keep [light] inside it",
+        ));
         return Albedo::Constant(0.5);
     }
     albedo

@@ -1,0 +1,143 @@
+//! The gate of what is published of the ink on its paper: a number that cannot be one is withheld, with the reason.
+//!
+//! Totals of the layer pass gates of their own ([`crate::wave::physical`], [`super::manifest::Manifest::unphysical`]).
+//! Fitted curves over few directions and cells may still overshoot where a colour or a BRDF is taken from them.
+
+use super::ink_maker::{InkMaker, Swatch};
+use super::manifest::{ColourNote, SpectrumRow, Withheld};
+use crate::appearance::colour::Colour;
+use crate::numerics::estimate::Estimate;
+
+/// Slack of factors and ratios, and of X, Y, Z as shares of white's: noise of the darkest prints, far below what is seen.
+const SLACK: f64 = 2e-3;
+/// Slack of L*: that of Y at white.
+const LIGHTNESS_SLACK: f64 = 0.1;
+/// Slack where one realisation leaves the error unknown.
+const UNKNOWN: f64 = 0.02;
+/// A reflectance factor or ratio with a larger standard error says nothing: the scale is 0 to 1.
+const MOST_ERROR: f64 = 0.5;
+/// The same of L*, a* and b*: colours as far apart have nothing in common.
+const MOST_LAB_ERROR: f64 = 50.0;
+
+/// Largest overshoot of a total that its error can stand for: as much as splines through six wavelengths have been seen to
+/// leave 0 … 1 by, twice over.
+const MOST_OVERSHOOT: f64 = 0.1;
+
+/// Takes out colours that cannot be, and says why.
+pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>) {
+    let (mut kept, mut withheld) = (Vec::new(), Vec::new());
+    for note in notes {
+        match impossible_colour(&note.colour, note.lab_standard_error) {
+            None => kept.push(note),
+            Some(reason) => {
+                withheld.push(Withheld { number: format!("colour under {}", note.conditions), reason });
+            }
+        }
+    }
+    (kept, withheld)
+}
+
+/// The first number of the ink maker's that cannot be.
+pub(super) fn ink_maker(maker: &InkMaker) -> Option<Withheld> {
+    let ratio = || {
+        let reason = impossible_share(maker.contrast_ratio)?;
+        Some(Withheld { number: "contrast ratio".into(), reason })
+    };
+    swatch("on its paper", &maker.print)
+        .or_else(|| swatch("under natural light", &maker.natural_light))
+        .or_else(|| swatch("over black", &maker.over_black))
+        .or_else(|| swatch("over white", &maker.over_white))
+        .or_else(ratio)
+}
+
+fn swatch(name: &str, swatch: &Swatch) -> Option<Withheld> {
+    let reason = impossible_colour(&swatch.colour, swatch.lab_standard_error)?;
+    Some(Withheld { number: format!("colour {name}"), reason })
+}
+
+/// Takes out reflectance factors that cannot be, and says why of the first of each kind.
+pub(super) fn spectra(rows: &mut [SpectrumRow]) -> Vec<Withheld> {
+    let mut withheld = Vec::new();
+    withheld.extend(first("reflectance factor under natural light", rows, |row| &mut row.natural_light));
+    withheld.extend(first("reflectance factor at 45°:0°", rows, |row| &mut row.lit_at_45));
+    withheld
+}
+
+fn first(
+    name: &str,
+    rows: &mut [SpectrumRow],
+    of: fn(&mut SpectrumRow) -> &mut Option<Estimate>,
+) -> Option<Withheld> {
+    let (mut count, mut found) = (0, None);
+    for row in rows {
+        let wavelength_nm = row.wavelength_nm;
+        let number = of(row);
+        if let Some(reason) = (*number).and_then(impossible_factor) {
+            *number = None;
+            count += 1;
+            found = found.or(Some(format!("{reason} at {wavelength_nm} nm")));
+        }
+    }
+    let reason = format!("{}; {count} of its wavelengths are left out", found?);
+    Some(Withheld { number: name.to_owned(), reason })
+}
+
+/// A total of the layer within 0 and 1. Curves through few wavelengths and cells overshoot: by how much they do is in the
+/// error then; what overshoots by more than [`MOST_OVERSHOOT`] stays as it is, and is no result.
+pub(super) fn bounded(e: Estimate) -> Estimate {
+    let value = e.value.clamp(0.0, 1.0);
+    let overshoot = (e.value - value).abs();
+    if overshoot == 0.0 || overshoot > MOST_OVERSHOOT {
+        return e;
+    }
+    Estimate { value, standard_error: e.standard_error.map(|error| error.hypot(overshoot)) }
+}
+
+/// Why a directional reflectance factor is none: it may exceed 1, but not fall below 0.
+fn impossible_factor(e: Estimate) -> Option<String> {
+    let error = e.standard_error.unwrap_or(UNKNOWN);
+    let words = || format!("{} ± {}", shown(e.value), e.standard_error.map_or("unknown".into(), shown));
+    if !e.value.is_finite() || !error.is_finite() || error > MOST_ERROR {
+        return Some(format!("{}, an error too large to mean anything", words()));
+    }
+    (e.value < -error - SLACK).then(|| format!("{}, below 0 by more than its error", words()))
+}
+
+/// Why a share is none: as a factor, and at most 1.
+fn impossible_share(e: Estimate) -> Option<String> {
+    let error = e.standard_error.unwrap_or(UNKNOWN);
+    let above = || format!("{} ± {}, above 1 by more than its error", shown(e.value), shown(error));
+    impossible_factor(e).or_else(|| (e.value > 1.0 + error + SLACK).then(above))
+}
+
+fn shown(value: f64) -> String {
+    let decimals = if value.abs() < 10.0 { 3 } else { 0 };
+    format!("{value:.decimals$}").replace('-', "−")
+}
+
+/// Why a colour is none.
+fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String> {
+    let lab = colour.lab.map(shown).join(", ");
+    if !colour.lab.iter().chain(error.iter().flatten()).all(|x| x.is_finite()) {
+        return Some(format!("Lab ({lab}) is no number"));
+    }
+    let dark = |c: &usize| colour.xyz[*c] < -SLACK * colour.white_xyz[*c];
+    if let Some(c) = (0..3).find(dark) {
+        let (name, value) = (["X", "Y", "Z"][c], shown(colour.xyz[c]));
+        return Some(format!("Lab ({lab}) has {name} = {value}, below 0"));
+    }
+    let lightness_error = error.map_or(100.0 * UNKNOWN, |e| e[0]);
+    if colour.lab[0] > 100.0 + lightness_error + LIGHTNESS_SLACK {
+        return Some(format!(
+            "Lab ({lab}) is lighter than white by more than its error, {}",
+            shown(lightness_error)
+        ));
+    }
+    let worst = error?.into_iter().fold(0.0, f64::max);
+    let too_large = || format!("Lab ({lab}) ± {} says nothing", shown(worst));
+    (worst > MOST_LAB_ERROR).then(too_large)
+}
+
+#[cfg(test)]
+#[path = "gate_tests.rs"]
+mod tests;

@@ -1,0 +1,92 @@
+//! Colours of studies whose wavelengths do not cover the visible range, and what exported files say of theirs.
+
+use crate::run_support::{TINY, study, succeed};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+fn results(folder: &Path) -> Value {
+    serde_json::from_slice(&fs::read(folder.join("results.json")).unwrap()).unwrap()
+}
+
+/// Lab at 45:0, the standard error of its parts, and what light beyond the range has in it.
+fn lit_at_45(results: &Value) -> ([f64; 3], [f64; 3], f64) {
+    let colour = &results["colours"][1];
+    assert_eq!(colour["conditions"], "45°:0°");
+    let three = |key: &str| std::array::from_fn(|i| colour[key][i].as_f64().unwrap());
+    (three("lab"), three("lab_standard_error"), colour["budget"]["beyond_range"].as_f64().unwrap_or(0.0))
+}
+
+/// A colour of 440–700 nm is that of 400–700 nm within its bars, and says what it takes; one of 400–600 nm is none.
+#[test]
+fn a_colour_is_extrapolated_within_its_bars_or_not_published() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, from: &str, to: &str| {
+        let text = TINY.replace("step_nm = 100", "step_nm = 20");
+        let text = text.replace("from_nm = 400", from).replace("to_nm = 700", to);
+        let out = folder.path().join(name);
+        let said = succeed(&study(folder.path(), &text), &out, &[]);
+        (results(&out), said, fs::read_to_string(out.join("report.html")).unwrap())
+    };
+    let (whole, said, _) = run("whole", "from_nm = 400", "to_nm = 700");
+    let (truth, chance, none) = lit_at_45(&whole);
+    assert!(none == 0.0 && !said.contains("the ends of the spectra stand for the rest"), "{said}");
+    assert_eq!(whole["colours"][1]["budget"].get("beyond_range"), None);
+
+    let (cut, said, page) = run("cut", "from_nm = 440", "to_nm = 700");
+    let (lab, error, beyond) = lit_at_45(&cut);
+    let held = |i: usize| (lab[i] - truth[i]).abs() <= 1.96 * error[i].hypot(chance[i]);
+    assert!((0..3).all(held) && (0.1..10.0).contains(&beyond), "{lab:?} ± {error:?}, {truth:?} ± {chance:?}");
+    assert!(said.contains("from 440 to 700 nm, and colours need 400 to 700 nm"), "{said}");
+    assert!(page.contains("their ends stand for the rest"));
+
+    let (short, _, page) = run("short", "from_nm = 400", "to_nm = 600");
+    assert_eq!(short["colours"].as_array().unwrap().len(), 0);
+    let reason = short["no_colour"].as_str().unwrap();
+    assert!(reason.contains("from 400 to 600 nm") && reason.contains("cover 400 to 700 nm"), "{reason}");
+    assert!(page.contains("There is no colour") && short["ink_maker"].is_null());
+    let rows = short["spectra"].as_array().unwrap();
+    assert!(rows.len() == 22 && rows.iter().all(|row| row["transmittance"]["value"].is_number()));
+}
+
+/// A file whose Lab rounds otherwise than the page's says why, with the page's; interpolated spectra say so.
+#[test]
+fn exported_lab_is_the_pages_or_the_file_says_why_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let fitted = TINY.replace("step_nm = 100\nsampling = \"listed\"", "step_nm = 30");
+    for (text, name, spectra) in
+        [(TINY, "listed", "interpolated to every 10 nm"), (&fitted, "fitted", "not interpolated")]
+    {
+        let out = folder.path().join(name);
+        succeed(&study(folder.path(), text), &out, &[]);
+        let done = Command::new(env!("CARGO_BIN_EXE_inkwave"))
+            .arg("export")
+            .arg(&out)
+            .args(["--to", "cxf,cgats"])
+            .output();
+        assert!(done.unwrap().status.success());
+        let lab = results(&out)["ink_maker"]["print"]["lab"].clone();
+        let [l, a, b] = std::array::from_fn(|i| lab[i].as_f64().unwrap());
+        for file in ["spectra.cgats", "spectra.sp", "spectra.cxf"] {
+            let text = fs::read_to_string(out.join("export").join(file)).unwrap();
+            assert!(text.contains(spectra), "{name} {file}");
+            let own = if file == "spectra.cxf" { cxf_lab(&text) } else { cgats_lab(&text) };
+            let same = own.iter().zip([l, a, b]).all(|(x, y)| (x - y).abs() < 0.005);
+            let says = text.contains(&format!("L* {l:.2} a* {a:.2} b* {b:.2} (45:0)"));
+            assert!(same || (says && text.contains("Lab here is summed")), "{name} {file}: {own:?} {lab}");
+        }
+    }
+}
+
+fn cgats_lab(text: &str) -> Vec<f64> {
+    let row = text.lines().find(|line| line.starts_with("1 \"45:0\"")).unwrap();
+    row.rsplit('"').next().unwrap().split_whitespace().take(3).map(|x| x.parse().unwrap()).collect()
+}
+
+fn cxf_lab(text: &str) -> Vec<f64> {
+    let of = |c: &str| {
+        text.split(&format!("<cc:{c}>")).nth(1).unwrap().split('<').next().unwrap().parse().unwrap()
+    };
+    ["L", "A", "B"].map(of).to_vec()
+}
