@@ -41,6 +41,10 @@ pub fn run(args: &MergeArgs) -> miette::Result<()> {
 pub(super) fn open_report(error: OpenError) -> miette::Report {
     match error {
         OpenError::Variant(error) => study_report(error),
+        OpenError::Changed { .. } => {
+            let help = "run inkwave sweep again with its file and --output here: these files are written anew, every solve is kept";
+            miette!(help = help, "{error}")
+        }
         other => miette!(help = "give a folder that inkwave sweep or merge has written", "{other}"),
     }
 }

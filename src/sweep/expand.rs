@@ -152,6 +152,13 @@ fn slug(label: &str) -> String {
     text.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_")
 }
 
+/// Whether a variant's name is that of one folder inside another, on every system.
+pub fn is_folder_name(name: &str) -> bool {
+    let kept = |c: char| c.is_ascii_alphanumeric() || "._+-".contains(c);
+    let speaks = name.chars().any(|c| c.is_ascii_alphanumeric());
+    speaks && name.chars().all(kept)
+}
+
 fn check_names(drafts: &[Draft], faults: &mut Faults) {
     let mut names: Vec<&str> = drafts.iter().map(|d| d.name.as_str()).collect();
     if let Some(name) = names.iter().find(|name| name.len() > LONGEST_NAME) {
@@ -162,6 +169,15 @@ fn check_names(drafts: &[Draft], faults: &mut Faults) {
             found,
             allowed,
             "shorten the labels, as with labels = [\"a\", \"b\"]",
+        ));
+    }
+    if let Some(name) = names.iter().find(|name| !is_folder_name(name)) {
+        let allowed = "a label with a letter or digit: it is the name of the variant's folder";
+        faults.push(Fault::new(
+            "axis",
+            format!("label {name:?}"),
+            allowed,
+            "give the axis labels = [\"a\", \"b\"]",
         ));
     }
     names.sort_unstable();

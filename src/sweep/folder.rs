@@ -7,7 +7,9 @@
 //! sweep.csv  conclusions.csv  contact-sheet*.png  report.html          PARTIAL while not all is finished
 //! ```
 
-use super::load::{Input, Outline, Place, Sweep, Variant};
+use super::load::{Input, Place, Sweep, Variant};
+use super::seal::{SealedOutline, seal};
+use super::sound;
 use crate::input::fault::StudyError;
 use crate::run::resolve::Resolved;
 use crate::run::runner::Stores;
@@ -16,6 +18,7 @@ use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};
 use crate::store::marker::{Holds, Marker};
 use crate::store::record::FailureRecord;
+use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -34,6 +37,14 @@ pub enum OpenError {
         path: PathBuf,
         /// Why not.
         reason: String,
+    },
+    /// Files that are not those that were written.
+    #[error("{} was changed since it was written: {what}", path.display())]
+    Changed {
+        /// The folder.
+        path: PathBuf,
+        /// What does not fit.
+        what: String,
     },
     /// A variant's study.
     #[error(transparent)]
@@ -56,11 +67,17 @@ pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
         make(folder.path().join(VARIANTS).join(name))?;
         folder.write(&format!("{VARIANTS}/{name}/study.toml"), text.as_bytes())?;
     }
-    let outline = serde_json::to_vec_pretty(&sweep.outline).map_err(|error| FolderError::NotWritable {
+    let outline = sealed(sweep).map_err(|error| FolderError::NotWritable {
         path: folder.path().join(OUTLINE),
         source: error.into(),
     })?;
     folder.write(OUTLINE, &outline)
+}
+
+/// The bytes of `sweep.json`.
+fn sealed(sweep: &Sweep) -> serde_json::Result<Vec<u8>> {
+    let seal = Some(seal(&sweep.outline, sweep.variants.iter().map(|variant| variant.text.as_str()))?);
+    serde_json::to_vec_pretty(&SealedOutline { outline: sweep.outline.clone(), seal })
 }
 
 /// Reads the sweep back from its folder.
@@ -69,12 +86,30 @@ pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
 /// No sweep there, or files of it that were changed or lost.
 pub fn read(path: &Path) -> Result<Sweep, OpenError> {
     let no_sweep = |reason: String| no_sweep(path, reason);
-    let text = std::fs::read(path.join(OUTLINE)).map_err(|e| no_sweep(format!("{OUTLINE}: {e}")))?;
-    let outline: Outline = serde_json::from_slice(&text).map_err(|e| no_sweep(format!("{OUTLINE}: {e}")))?;
-    let variants = outline.variants.iter().map(|place| variant(path, place));
+    let unreadable = |error: &dyn Display| no_sweep(format!("{OUTLINE}: {error}"));
+    let text = std::fs::read(path.join(OUTLINE)).map_err(|e| unreadable(&e))?;
+    let kept: SealedOutline = serde_json::from_slice(&text).map_err(|e| unreadable(&e))?;
+    let SealedOutline { outline, seal: found } = kept;
+    sound::check(&outline).map_err(|reason| unreadable(&reason))?;
+    let changed = |what: &str| OpenError::Changed { path: path.to_owned(), what: what.to_owned() };
+    let texts = outline.variants.iter().map(|place| text_of(path, place));
+    let texts = texts.collect::<Result<Vec<_>, _>>()?;
+    let fitting = seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))?;
+    match found {
+        None => return Err(changed("sweep.json has no seal, as those of older versions")),
+        Some(found) if found != fitting => {
+            return Err(changed("the seal of sweep.json does not fit it and the variants' study.toml"));
+        }
+        Some(_) => {}
+    }
+    let variants = outline.variants.iter().zip(texts).map(|(place, text)| variant(path, place, text));
     let variants = variants.collect::<Result<Vec<_>, _>>()?;
+    sound::check_wavelengths(&outline.claims, &variants).map_err(|reason| unreadable(&reason))?;
     let inputs = inputs(path).map_err(|e| no_sweep(format!("inputs: {e}")))?;
-    Ok(Sweep { outline, variants, inputs })
+    match inputs.iter().find(|input| !input.is_whole()) {
+        Some(input) => Err(changed(&format!("{} is not the table that was read", input.path))),
+        None => Ok(Sweep { outline, variants, inputs }),
+    }
 }
 
 /// The refusal of a folder.
@@ -83,11 +118,18 @@ fn no_sweep(path: &Path, reason: String) -> OpenError {
 }
 
 /// One variant from its own folder.
-fn variant(path: &Path, place: &Place) -> Result<Variant, OpenError> {
-    let file = path.join(VARIANTS).join(&place.name).join("study.toml");
-    let unreadable = |error| no_sweep(path, format!("{}: {error}", file.display()));
-    let text = std::fs::read_to_string(&file).map_err(unreadable)?;
-    Ok(Variant { name: place.name.clone(), study: crate::input::load::load(&file)?, text })
+fn variant(path: &Path, place: &Place, text: String) -> Result<Variant, OpenError> {
+    let study = crate::input::load::load(&study_file(path, place))?;
+    Ok(Variant { name: place.name.clone(), study, text })
+}
+
+fn text_of(path: &Path, place: &Place) -> Result<String, OpenError> {
+    let file = study_file(path, place);
+    std::fs::read_to_string(&file).map_err(|error| no_sweep(path, format!("{}: {error}", file.display())))
+}
+
+fn study_file(path: &Path, place: &Place) -> PathBuf {
+    path.join(VARIANTS).join(&place.name).join("study.toml")
 }
 
 /// Copies the grids that another folder has, with those that could not be chosen; gives their number.

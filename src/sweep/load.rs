@@ -95,6 +95,22 @@ pub struct Input {
     pub bytes: Vec<u8>,
 }
 
+impl Input {
+    /// A table that a variant names `name`, in the folder of its content's checksum.
+    fn new(name: &str, bytes: Vec<u8>) -> Self {
+        Self { path: format!("inputs/{}/{name}", Self::checksum(&bytes)), bytes }
+    }
+
+    /// Whether the content is that which the folder's name speaks of.
+    pub fn is_whole(&self) -> bool {
+        Path::new(&self.path).starts_with(Path::new("inputs").join(Self::checksum(&self.bytes)))
+    }
+
+    fn checksum(bytes: &[u8]) -> String {
+        blake3::hash(bytes).to_hex()[..8].to_owned()
+    }
+}
+
 impl Sweep {
     /// A study alone, as a sweep of one variant.
     pub fn of_one(name: &str, study: Study) -> Self {
@@ -254,9 +270,8 @@ impl Reading<'_> {
             let bytes = files::read_bytes(&from, files::TABLE).map_err(unreadable)?;
             let file =
                 from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
-            let path = format!("inputs/{}/{file}", &blake3::hash(&bytes).to_hex()[..8]);
-            *name = format!("../../{path}");
-            let input = Input { path, bytes };
+            let input = Input::new(&file, bytes);
+            *name = format!("../../{}", input.path);
             if !self.inputs.contains(&input) {
                 self.inputs.push(input);
             }

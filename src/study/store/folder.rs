@@ -11,6 +11,7 @@ use super::database::{Database, RECORDS};
 use super::marker::{Holds, MARKER, Marker};
 use super::partial;
 use super::partial::PARTIAL;
+use super::presence::Presence;
 use super::safely;
 use super::slot::Slot;
 use std::io;
@@ -27,6 +28,8 @@ pub const RESULTS: [&str; 8] = [
     "kubelka-munk.csv",
     "measured.csv",
 ];
+/// Folders inside that are written to.
+const PARTS: [&str; 3] = [RECORDS, "variants", "inputs"];
 /// Folder in which older versions kept solves as JSON files.
 const OLD_POINTS: &str = "points";
 
@@ -59,6 +62,12 @@ pub enum FolderError {
         /// What shall be written.
         wanted: Holds,
     },
+    /// A part of the folder lies elsewhere.
+    #[error("{} is a link to elsewhere, and results are not written through it", path.display())]
+    Link {
+        /// The link.
+        path: PathBuf,
+    },
     /// Results in a form that is no longer, or not yet, read.
     #[error("{} holds results of {found}, which this version neither reads nor continues", path.display())]
     Older {
@@ -78,6 +87,7 @@ impl FolderError {
             }
             Self::Foreign { .. } => "give a new folder, an empty one or one of an earlier run: --output DIR",
             Self::Other { .. } => "give a folder of its own: --output DIR",
+            Self::Link { .. } => "put what it points to in its place, or give another folder: --output DIR",
             Self::Older { .. } => {
                 "give a new folder (--output DIR) to compute everything again, or use the version that wrote it"
             }
@@ -95,6 +105,7 @@ pub struct OutputFolder {
     marked: bool,
     /// The command that goes on when the work is interrupted.
     go_on: Option<String>,
+    presence: Presence,
 }
 
 impl OutputFolder {
@@ -107,8 +118,9 @@ impl OutputFolder {
         let missing = |p: &&Path| !p.as_os_str().is_empty() && !p.exists();
         let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
         let not_writable = |source| FolderError::NotWritable { path: path.to_owned(), source };
-        std::fs::create_dir_all(path).map_err(not_writable)?;
-        let folder = Self { path: path.to_owned(), made, marked, go_on: None };
+        refuse_links(path)?;
+        let presence = Presence::enter(path).map_err(not_writable)?;
+        let folder = Self { path: path.to_owned(), made, marked, go_on: None, presence };
         tempfile::tempfile_in(path).map_err(not_writable).inspect_err(|_| folder.discard_when_empty())?;
         if !marked {
             let marker =
@@ -127,8 +139,9 @@ impl OutputFolder {
     /// A folder of results inside this one, such as that of a variant.
     pub fn inside(&self, name: &str) -> Result<Self, FolderError> {
         let path = self.path.join(name);
+        let (made, go_on, presence) = (Vec::new(), self.go_on.clone(), Presence::default());
         match std::fs::create_dir_all(&path) {
-            Ok(()) => Ok(Self { path, made: Vec::new(), marked: true, go_on: self.go_on.clone() }),
+            Ok(()) => Ok(Self { path, made, marked: true, go_on, presence }),
             Err(source) => Err(FolderError::NotWritable { path, source }),
         }
     }
@@ -174,15 +187,29 @@ impl OutputFolder {
         }
     }
 
+    /// Removes what an earlier work of another extent has left beside the new: files of `ours` by their names.
+    ///
+    /// # Errors
+    /// The folder cannot be read, or a file cannot be removed.
+    pub fn remove_files(&self, ours: fn(&str) -> bool) -> Result<(), FolderError> {
+        let not_writable = |source| FolderError::NotWritable { path: self.path.clone(), source };
+        let entries = std::fs::read_dir(&self.path).map_err(not_writable)?;
+        let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+        names.filter(|name| ours(name)).try_for_each(|name| self.remove(&name))
+    }
+
     /// Takes the partial mark away.
     pub fn complete(&self) -> Result<(), FolderError> {
         self.remove(PARTIAL)
     }
 
-    /// After a failure: leaves no empty folders behind that this run made.
+    /// After a failure: leaves no empty folders behind that this run made, unless another process is at work in them.
     pub fn discard_when_empty(&self) {
         let records = self.path.join(RECORDS);
-        if self.marked || Database::open(&self.path).is_ok_and(|database| !database.is_empty()) {
+        if self.marked || !self.presence.is_alone() {
+            return;
+        }
+        if Database::open(&self.path).is_ok_and(|database| !database.is_empty()) {
             return;
         }
         // What cannot be removed stays; removal of a folder fails when it is not empty, which is what is wanted.
@@ -193,6 +220,18 @@ impl OutputFolder {
             let _ = std::fs::remove_dir(folder);
         }
     }
+}
+
+/// Folders of results that came from elsewhere may hold links; what they point to is nobody's to overwrite.
+fn refuse_links(path: &Path) -> Result<(), FolderError> {
+    let is_link = |path: &Path| path.symlink_metadata().is_ok_and(|metadata| metadata.is_symlink());
+    for part in PARTS.map(|part| path.join(part)) {
+        let entries = std::fs::read_dir(&part).into_iter().flatten().flatten().map(|entry| entry.path());
+        if let Some(path) = std::iter::once(part.clone()).chain(entries).find(|path| is_link(path)) {
+            return Err(FolderError::Link { path });
+        }
+    }
+    Ok(())
 }
 
 /// True when the folder is marked as ours; false when it is new or empty.
@@ -237,6 +276,32 @@ mod tests {
         let folder = OutputFolder::open(&root.path().join("out/yellow"), Holds::Study).unwrap();
         folder.discard_when_empty();
         assert_eq!(std::fs::read_dir(root.path()).unwrap().count(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_failed_run_leaves_the_folder_to_another_that_is_at_work_in_it() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("out/yellow");
+        let one = OutputFolder::open(&path, Holds::Study).unwrap();
+        let two = OutputFolder::open(&path, Holds::Study).unwrap();
+        one.discard_when_empty();
+        assert!(Marker::read(&path).is_some(), "the second still works here");
+        two.write("results.json", b"{}").unwrap();
+        drop((one, two));
+        assert!(path.join("results.json").exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_is_written_through_links() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("out");
+        drop(OutputFolder::open(&path, Holds::Sweep).unwrap());
+        std::fs::create_dir_all(path.join("variants")).unwrap();
+        std::os::unix::fs::symlink(root.path(), path.join("variants/100")).unwrap();
+        let refused = OutputFolder::open(&path, Holds::Sweep).unwrap_err();
+        assert!(matches!(refused, FolderError::Link { .. }), "{refused}");
     }
 
     #[test]

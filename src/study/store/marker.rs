@@ -22,6 +22,8 @@ pub enum Holds {
     Comparison,
     /// Packings with their statistics.
     Packings,
+    /// Files for other programs.
+    Exports,
 }
 
 impl fmt::Display for Holds {
@@ -31,6 +33,7 @@ impl fmt::Display for Holds {
             Self::Sweep => "a sweep",
             Self::Comparison => "a comparison",
             Self::Packings => "packings",
+            Self::Exports => "exports",
         })
     }
 }

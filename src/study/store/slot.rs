@@ -11,6 +11,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 /// More processes in one folder are a mistake.
 const MOST: u32 = 10_000;
+/// Bytes that a process's number and the time take at most.
+const LONGEST_HOLDER: u64 = 64;
 
 /// A place, held as long as the value lives.
 #[derive(Debug)]
@@ -81,6 +83,7 @@ impl Slot {
 
 /// The file, locked; `None` while another process has the lock.
 fn locked(path: &Path, make: bool) -> io::Result<Option<File>> {
+    refuse_what_is_no_lock(path)?;
     let file = OpenOptions::new().create(make).append(true).open(path)?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Ok(None),
@@ -88,6 +91,18 @@ fn locked(path: &Path, make: bool) -> io::Result<Option<File>> {
         Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => Err(error),
         _ => Ok(Some(file)),
     }
+}
+
+/// A place's file is emptied when it is taken: a link to something else, or a file that is no lock of ours, stays as it is.
+fn refuse_what_is_no_lock(path: &Path) -> io::Result<()> {
+    let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
+    let ours = |text: String| text.chars().all(|c| c.is_ascii_digit() || " \0".contains(c));
+    if metadata.is_file() && metadata.len() <= LONGEST_HOLDER && std::fs::read_to_string(path).is_ok_and(ours)
+    {
+        return Ok(());
+    }
+    let reason = "is no lock of inkwave, and is not overwritten: remove it if nobody needs it";
+    Err(io::Error::other(format!("{} {reason}", path.display())))
 }
 
 /// The process's number and the time, since numbers are used again.
@@ -116,5 +131,20 @@ mod tests {
         assert!(!Slot::is_held(folder.path(), 1));
         let later = Slot::first_free(folder.path()).unwrap();
         assert!(later.number() == 1 && !Slot::is_held_by(folder.path(), 1, &holder));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_link_in_a_lock_s_place_points_to_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let thesis = folder.path().join("thesis.tex");
+        std::fs::write(&thesis, "words").unwrap();
+        std::os::unix::fs::symlink(&thesis, folder.path().join("1.lock")).unwrap();
+        std::fs::hard_link(&thesis, folder.path().join("2.lock")).unwrap();
+        for number in [1, 2] {
+            let refused = Slot::take(folder.path(), number).unwrap_err().to_string();
+            assert!(refused.contains("is no lock of inkwave"), "{refused}");
+        }
+        assert_eq!(std::fs::read_to_string(thesis).unwrap(), "words");
     }
 }
