@@ -249,3 +249,30 @@ fn what_cannot_be_exported_is_refused_with_a_remedy() {
     fs::write(out.join("results.json"), results.replace("\"seed\": 7", "\"seed\": 8")).unwrap();
     assert!(refusal(&out, &["--to", "npz"]).contains("the study has hash"));
 }
+
+/// The channels of the RGB material are red, green and blue of the spectra in the other file, in this order.
+#[test]
+fn the_rgb_material_is_the_colour_of_the_spectral_one_channel_by_channel() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), TINY), &out, &[]);
+    assert!(export(&out, &["--to", "mitsuba"]).status.success());
+    let [spectral, rgb] =
+        ["spectral", "rgb"].map(|kind| tensors(&out.join(format!("export/ink-{kind}.bsdf"))));
+    let nm: Vec<f64> = spectral["wavelengths"].values.iter().map(|&x| f64::from(x)).collect();
+    let meter = Colorimeter::new(&nm).unwrap();
+    let cells = spectral["spectra"].shape[3..].iter().product::<usize>();
+    let (spectra, channels) = (&spectral["spectra"].values, &rgb["rgb"].values);
+    // every 97th cell of the second angle of incidence
+    let mut coloured = 0;
+    for cell in (0..cells).step_by(97) {
+        let at = |all: &[f32], count: usize, k: usize| f64::from(all[(count + k) * cells + cell]);
+        let values: Vec<f64> = (0..nm.len()).map(|w| at(spectra, nm.len(), w)).collect();
+        let want = meter.linear_rgb(meter.xyz(&values).unwrap()).map(|x| x.max(0.0));
+        let found = [0, 1, 2].map(|c| at(channels, 3, c));
+        // both files hold single precision, 6e-8 of sums of a few terms
+        assert!(found.iter().zip(want).all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + b)), "{found:?} {want:?}");
+        coloured += usize::from((found[0] - found[2]).abs() > 0.1 * found[1]);
+    }
+    assert!(coloured > 10, "{coloured} cells that tell red from blue");
+}

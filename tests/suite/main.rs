@@ -16,6 +16,7 @@ mod house;
 mod housekeeping;
 mod kubelka_munk;
 mod memory;
+mod merge;
 mod packing_grains;
 mod packing_output;
 mod packing_spheres;

@@ -171,3 +171,22 @@ fn an_opaque_ink_is_published_without_what_cannot_be_known() {
     let known = |key: &str| rows.iter().all(|row| row[key]["value"].is_number());
     assert!(known("absorption_per_um") && known("scattering_per_um"));
 }
+
+/// Packed layers are drawn from the law of thicknesses that the film behind them is averaged over.
+#[test]
+fn packed_layers_are_as_uneven_as_the_film() {
+    let folder = tempfile::tempdir().unwrap();
+    let uneven = TINY.replace("thickness_um = 0.5", "thickness_um = { mean = 0.5, std = 0.05 }");
+    let study = load(&study(folder.path(), &uneven)).unwrap();
+    let moments = |all: Vec<f64>| {
+        let mean = all.iter().sum::<f64>() / all.len() as f64;
+        let square = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / all.len() as f64;
+        (mean, square.sqrt())
+    };
+    let (mean, spread) = moments((0..512).map(|r| study.draw(r).thickness_um).collect());
+    let (_, film) = moments(study.thicknesses_um());
+    // A normal law cut at three standard deviations has 0.9866 of its spread. 512 places of an even sequence leave about
+    // 1/512 of a law's range, the 32 steps of the film about 1 % of its tails.
+    assert!((mean - 0.5).abs() < 1e-3 && (spread / 0.04933 - 1.0).abs() < 0.01, "{mean} ± {spread}");
+    assert!((film / spread - 1.0).abs() < 0.02, "{film} against {spread}");
+}

@@ -104,3 +104,17 @@ fn a_copy_takes_what_is_sound_and_stops_at_contradictions() {
     assert_eq!((here.content, there.key.as_str()), (vec![2], "b"));
     assert_eq!(merged.get("point", "c"), None, "all or nothing");
 }
+
+/// Two workers that made the same record before either saw the other's: one sound copy is enough.
+#[test]
+fn a_sound_copy_in_another_file_is_found_behind_a_damaged_one() {
+    for damaged in ["1", "2"] {
+        let folder = tempfile::tempdir().unwrap();
+        let (one, two) = (open(&folder), open(&folder));
+        [&one, &two].into_iter().for_each(|store| store.put("point", "a", vec![1]).unwrap());
+        drop((one, two));
+        let path = folder.path().join(format!("records/{damaged}.sqlite"));
+        rusqlite::Connection::open(path).unwrap().execute("update records set content = x'03'", []).unwrap();
+        assert_eq!(open(&folder).get("point", "a"), Some(vec![1]), "file {damaged} damaged");
+    }
+}

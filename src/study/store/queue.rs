@@ -259,6 +259,17 @@ mod tests {
     }
 
     #[test]
+    fn one_worker_publishes_and_another_only_when_that_one_is_dead() {
+        let folder = tempfile::tempdir().unwrap();
+        let [one, two] = [(); 2].map(|()| Slot::first_free(folder.path()).unwrap());
+        let [first, second] = [&one, &two].map(|slot| Queue::join(folder.path(), slot, "work").unwrap());
+        assert!(first.publishes().unwrap() && !second.publishes().unwrap());
+        assert!(first.publishes().unwrap() && !second.publishes().unwrap(), "asked again");
+        drop((first, one));
+        assert!(second.publishes().unwrap());
+    }
+
+    #[test]
     fn a_dead_workers_tasks_are_taken_up_and_a_new_session_begins_anew() {
         let folder = tempfile::tempdir().unwrap();
         let (one, two) = (Slot::first_free(folder.path()).unwrap(), Slot::first_free(folder.path()).unwrap());

@@ -73,6 +73,18 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
+    /// Who has opened the old file reads all of it, however long that takes: the new one takes its name, not its place.
+    #[test]
+    fn a_file_that_is_being_read_stays_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        write(&path, b"old and long").unwrap();
+        let reader = std::fs::File::open(&path).unwrap();
+        write(&path, b"new").unwrap();
+        assert_eq!(io::read_to_string(reader).unwrap(), "old and long");
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+    }
+
     #[test]
     fn a_missing_folder_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
