@@ -1,11 +1,12 @@
 //! What an outline must be, wherever its file came from: names that stay inside the folder, numbers of variants, axes
 //! and labels that are there. The seal shows what was changed by accident; this holds for what was made on purpose.
 
-use super::claims::{Claim, check_light};
+use super::claims::{Claim, check_variants};
 use super::expand::is_folder_name;
 use super::file::Quantity;
 use super::load::{Outline, Place, Variant};
 use crate::input::fault::Faults;
+use crate::input::study::Study;
 use std::collections::HashSet;
 
 /// Checks an outline before any of its names becomes a path and any of its numbers an index.
@@ -38,14 +39,14 @@ pub fn check(outline: &Outline) -> Result<(), String> {
     claims.map(|(i, claim)| check_claim(&format!("claims[{i}]"), claim, count)).collect()
 }
 
-/// Checks that the conclusions speak of wavelengths that the variants have.
+/// Checks that the variants have what the conclusions ask of them: wavelengths, a target colour.
 ///
 /// # Errors
 /// As [`check`].
 pub fn check_wavelengths(claims: &[Claim], variants: &[Variant]) -> Result<(), String> {
-    let light: Vec<&[f64]> = variants.iter().map(|v| v.study.wavelengths_nm.as_slice()).collect();
+    let studies: Vec<&Study> = variants.iter().map(|v| &v.study).collect();
     let mut faults = Faults::default();
-    check_light(claims, &light, &mut faults);
+    check_variants(claims, &studies, &mut faults);
     if faults.0.is_empty() { Ok(()) } else { Err(faults.to_string()) }
 }
 
@@ -77,7 +78,14 @@ fn check_place(at: &str, place: &Place, outline: &Outline) -> Result<(), String>
 /// A conclusion's variants are there, and there are as many as its quantity compares.
 fn check_claim(at: &str, claim: &Claim, count: usize) -> Result<(), String> {
     let curve: Vec<usize> = claim.curve.iter().map(|(_, variant)| *variant).collect();
-    for (key, list) in [("plus", &claim.plus), ("minus", &claim.minus), ("curve", &curve)] {
+    let absorbing: Vec<usize> = claim.absorbed_by.into_iter().collect();
+    let lists = [
+        ("plus", &claim.plus),
+        ("minus", &claim.minus),
+        ("absorbed_by", &absorbing),
+        ("curve", &curve),
+    ];
+    for (key, list) in lists {
         list.iter().try_for_each(|&variant| within(&format!("{at}.{key}"), variant, count))?;
     }
     let compared = (claim.plus.len(), claim.minus.len());
