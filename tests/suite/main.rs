@@ -26,6 +26,7 @@ mod run_support;
 mod schema;
 mod slips;
 mod study_features;
+mod surroundings;
 mod sweep;
 mod sweep_pages;
 mod sweep_support;
