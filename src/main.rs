@@ -32,7 +32,11 @@ enum Command {
 
 fn main() -> miette::Result<()> {
     inkwave::store::set_build(env!("INKWAVE_BUILD"));
-    match Cli::parse().command {
+    let command = Cli::parse().command;
+    if !matches!(command, Command::Completions(_) | Command::Man(_) | Command::Schema(_)) {
+        commands::memory::start_threads()?;
+    }
+    match command {
         Command::Run(args) => commands::run::run(&args),
         Command::Pack(args) => commands::pack::run(&args),
         Command::Compare(args) => commands::compare::run(&args),

@@ -2,7 +2,7 @@
 
 /// The whole command line, quoted for a shell where that is needed.
 pub fn this_command() -> String {
-    std::env::args().map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
+    std::env::args_os().map(|word| quoted(&word.to_string_lossy())).collect::<Vec<_>>().join(" ")
 }
 
 /// In single quotes, unless every character is harmless.

@@ -1,5 +1,6 @@
 //! `inkwave completions SHELL` and `inkwave man DIR`: made from the same definitions as `--help`.
 
+use super::say::say;
 use clap::{Args, Command};
 use clap_complete::Shell;
 use miette::{IntoDiagnostic, WrapErr};
@@ -27,7 +28,7 @@ pub fn completions(args: &CompletionsArgs, mut command: Command) -> miette::Resu
     let name = command.get_name().to_owned();
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut command, name, &mut text);
-    std::io::Write::write_all(&mut std::io::stdout(), &text).into_diagnostic()
+    say(String::from_utf8_lossy(&text).trim_end())
 }
 
 /// Writes the pages.
@@ -35,6 +36,5 @@ pub fn man(args: &ManArgs, command: Command) -> miette::Result<()> {
     let cannot = || format!("cannot write to {}", args.folder.display());
     std::fs::create_dir_all(&args.folder).into_diagnostic().wrap_err_with(cannot)?;
     clap_mangen::generate_to(command, &args.folder).into_diagnostic().wrap_err_with(cannot)?;
-    println!("man pages: {}", args.folder.display());
-    Ok(())
+    say(format_args!("man pages: {}", args.folder.display()))
 }

@@ -1,5 +1,6 @@
 //! Study errors as a person wants to see them: the line of the file, what is wrong with it, what to try.
 
+use super::say::printable;
 use inkwave::input::fault::{Fault, StudyError};
 use inkwave::input::locate::span_of;
 use inkwave::input::tree::SyntaxFault;
@@ -51,7 +52,23 @@ const LONGEST_LINE: usize = 1000;
 /// The text to show lines of; none where they are too long to be shown.
 fn source(path: &std::path::Path, text: String) -> Option<Source> {
     let readable = text.lines().all(|line| line.len() <= LONGEST_LINE);
+    let text: String = text.chars().map(harmless).collect();
     readable.then(|| Arc::new(NamedSource::new(path.display().to_string(), text).with_language("toml")))
+}
+
+/// A character that a terminal does not obey, of as many bytes, so that places stay.
+fn harmless(c: char) -> char {
+    match c {
+        '\n' | '\r' | '\t' => c,
+        c if c.is_control() => {
+            if c.is_ascii() {
+                '?'
+            } else {
+                '¿'
+            }
+        }
+        c => c,
+    }
 }
 
 #[derive(Debug)]
@@ -78,7 +95,7 @@ impl Shown {
 
 impl fmt::Display for Shown {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(&self.message)
+        f.write_str(&printable(&self.message))
     }
 }
 
@@ -90,7 +107,7 @@ impl Diagnostic for Shown {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+        self.help.as_ref().map(|help| Box::new(printable(help)) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {

@@ -2,6 +2,7 @@
 
 use super::again::quoted;
 use super::progress::Progress;
+use super::say::say;
 use super::stop::StopFlag;
 use clap::{Args, ValueEnum};
 use inkwave::export::run::{Format, NearField, Request, export};
@@ -79,10 +80,9 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
     for file in &exported.files {
         let path = folder.join(&file.name);
         safely::write(&path, &file.bytes).map_err(|error| not_writable(&folder, &error))?;
-        println!("{}: {}", path.display(), file.about);
+        say(format_args!("{}: {}", path.display(), file.about))?;
     }
-    exported.remarks.iter().for_each(|remark| println!("{remark}"));
-    Ok(())
+    exported.remarks.iter().try_for_each(say)
 }
 
 /// Refuses, before anything is made, what cannot take the files.

@@ -55,6 +55,7 @@ impl Busy {
 pub struct Progress {
     stop: StopFlag,
     bar: ProgressBar,
+    begun: Instant,
     /// None on a terminal; elsewhere the time of the last line.
     last_line: Option<Mutex<Instant>>,
     solved: AtomicUsize,
@@ -82,6 +83,7 @@ impl Progress {
         Self {
             stop,
             bar,
+            begun: Instant::now(),
             last_line: plain.then(|| Mutex::new(Instant::now())),
             solved: AtomicUsize::new(0),
             left: AtomicUsize::new(0),
@@ -150,6 +152,19 @@ impl Progress {
         }
     }
 
+    /// A stage that takes long is not silent where no bar moves.
+    fn waiting_line(&self) {
+        let Some(mut last) = self.last_line.as_ref().and_then(|last| last.try_lock().ok()) else { return };
+        if last.elapsed() >= BETWEEN_LINES {
+            *last = Instant::now();
+            let seconds = self.begun.elapsed().as_secs();
+            note(format_args!(
+                "still at it after {seconds} s: {} (--plan estimates the whole)",
+                self.bar.message()
+            ));
+        }
+    }
+
     fn line_when_due(&self) {
         let Some(last) = self.last_line.as_ref().and_then(|last| last.lock().ok()) else { return };
         let mut last = last;
@@ -163,6 +178,7 @@ impl Progress {
 
 impl RunWatch for Progress {
     fn stop(&self) -> bool {
+        self.waiting_line();
         self.stop.is_raised()
     }
 

@@ -10,7 +10,7 @@ use std::io::{ErrorKind, Write};
 /// The line cannot be written, for example because the disk is full: the result is lost, and that must show.
 pub fn say(line: impl Display) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    match writeln!(out, "{line}").and_then(|()| out.flush()) {
+    match writeln!(out, "{}", printable(&line.to_string())).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             let help = "give the output somewhere to go: another disk, a file, a pipe that reads on";
             Err(miette!(help = help, "cannot write to standard output: {error}"))
@@ -21,5 +21,10 @@ pub fn say(line: impl Display) -> Result<()> {
 
 /// A line on standard error, for whoever looks on; nothing is lost when nobody does.
 pub fn note(line: impl Display) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", printable(&line.to_string()));
+}
+
+/// The text without what a terminal would obey: a title may hold any character.
+pub(super) fn printable(text: &str) -> String {
+    text.chars().filter(|&c| !c.is_control() || c == '\n' || c == '\t').collect()
 }

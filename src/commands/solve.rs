@@ -279,7 +279,7 @@ impl Watch for Bar {
         self.0.set_prefix(format!("{trial}"));
         // Short searches stay silent in a file of results.
         if trial.estimate.is_some() && (!self.0.is_hidden() || trial.seconds > SAID_SECONDS) {
-            self.0.suspend(|| eprintln!("grid tried: {trial}"));
+            self.0.suspend(|| super::say::note(format_args!("grid tried: {trial}")));
         }
     }
 }

@@ -6,7 +6,7 @@ use super::live::LiveSweep;
 use super::mixed_up::{Kind, not_for};
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
-use super::say::say;
+use super::say::{note, say};
 use super::stop::StopFlag;
 use clap::Args;
 use inkwave::run::runner::RunSettings;
@@ -70,7 +70,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     // most variants leave the same open
     let remarks: BTreeSet<&String> =
         sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
-    remarks.into_iter().for_each(super::say::note);
+    remarks.into_iter().for_each(note);
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     if args.plan {
         return tell_plan(&sweep, args.json, settings);
@@ -94,10 +94,8 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);
     if tally.waited >= WORTH_TELLING {
-        eprintln!(
-            "{:.1} s of this process's workers were spent waiting for others",
-            tally.waited.as_secs_f64()
-        );
+        let seconds = tally.waited.as_secs_f64();
+        note(format_args!("{seconds:.1} s of this process's workers were spent waiting for others"));
     }
     if args.grids_only {
         return tell_grids(&folder, progress.stopped());
@@ -127,7 +125,7 @@ fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputF
     if let Some(from) = &args.grids {
         let taken =
             folder::take_grids(from, &folder).map_err(|e| miette!("--grids {}: {e}", from.display()))?;
-        eprintln!("{taken} grids taken from {}", from.display());
+        note(format_args!("{taken} grids taken from {}", from.display()));
     }
     Ok(folder)
 }
@@ -194,8 +192,7 @@ fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
             "stopped before all grids were chosen"
         ));
     }
-    println!("Grids in {}", folder.path().display());
-    Ok(())
+    say(format_args!("Grids in {}", folder.path().display()))
 }
 
 fn no_bars_in_shards(variant: &str) -> miette::Report {

@@ -24,6 +24,6 @@ pub fn page(packing: &Packing, title: &str, pigments: &[&str]) -> String {
         "spheres": STANDARD.encode(numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>()),
         "kinds": STANDARD.encode(spheres().map(|(kind, _)| kind as u8).collect::<Vec<u8>>()),
     });
-    // "</" would end the script element
-    TEMPLATE.replace("/*data*/null", &data.to_string().replace("</", "<\\/"))
+    // "</script" would end the script element, "<!--<script>" hide its end
+    TEMPLATE.replace("/*data*/null", &data.to_string().replace('<', "\\u003c"))
 }

@@ -47,9 +47,9 @@ pub enum PublishError {
     /// The page.
     #[error("cannot write the report: {0}")]
     Page(#[from] minijinja::Error),
-    /// A file on the way to its place.
-    #[error("cannot use the system's folder for temporary files: {0}")]
-    Temporary(#[from] std::io::Error),
+    /// The folder's records.
+    #[error("cannot read the results: {0}")]
+    Records(#[from] std::io::Error),
 }
 
 /// What was written.
@@ -142,10 +142,7 @@ fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError
 
 fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> Result<Vec<u8>, PublishError> {
     let bitmap: Bitmap = render(picture, style, "")?;
-    let folder = tempfile::tempdir()?;
-    let path = folder.path().join("picture.png");
     let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());
     let text = [("Title", study.title.as_str()), ("Software", &program), ("Study", &key)];
-    bitmap.write_png(&path, &text)?;
-    Ok(std::fs::read(path)?)
+    Ok(bitmap.png(&text)?)
 }

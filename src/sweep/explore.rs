@@ -93,8 +93,8 @@ pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]
         variants,
         wavelengths_nm: wavelengths_nm.clone(),
     };
-    // "</" would end the script element
-    let json = serde_json::to_string(&data).unwrap_or_default().replace("</", "<\\/");
+    // "</script" would end the script element, "<!--<script>" hide its end
+    let json = serde_json::to_string(&data).unwrap_or_default().replace('<', "\\u003c");
     TEMPLATE.replace("/*style*/", STYLE).replace("/*data*/null", &json)
 }
 

@@ -24,7 +24,6 @@ use crate::report::publish::{PublishError, publish_seen};
 use crate::run::runner::Stores;
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
-use std::path::Path;
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;
@@ -153,18 +152,13 @@ fn draw(
     pictures: &[Option<InkPicture>],
     outcomes: &[Outcome],
 ) -> Result<Vec<Vec<u8>>, PublishError> {
-    let scratch = tempfile::tempdir()?;
-    let path = scratch.path().join("sheet.png");
-    let one = |sheet: &Sheet| -> Result<Vec<u8>, PublishError> {
-        write_sheet(&sheet.contact_sheet(title, pictures, outcomes), &path)?;
-        Ok(std::fs::read(&path)?)
-    };
+    let one = |sheet: &Sheet| Ok(png(&sheet.contact_sheet(title, pictures, outcomes))?);
     sheets.iter().map(one).collect()
 }
 
-/// Draws a contact sheet into a PNG file with its title.
-fn write_sheet(sheet: &ContactSheet, path: &Path) -> Result<(), FigureError> {
-    sheet.render(&SHEET_STYLE)?.write_png(path, &[("Title", sheet.title.as_str())])
+/// A contact sheet as PNG with its title.
+fn png(sheet: &ContactSheet) -> Result<Vec<u8>, FigureError> {
+    sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])
 }
 
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];

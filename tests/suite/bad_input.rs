@@ -28,6 +28,8 @@ fn every_slip_is_told_with_field_value_range_and_remedy() {
     };
     csv("negative.csv", "400,-0.2\n700,0.1\n");
     csv("narrow.csv", "500,0.1\n600,0.1\n");
+    csv("wide.csv", "380,0.1\n780,0.1\n");
+    csv("huge.csv", "380,1e5\n780,1e5\n");
     csv("empty.csv", "400,0.1\n550,\n700,0.1\n");
     csv("micrometres.csv", "0.4,0.1\n0.7,0.1\n");
     std::fs::write(folder.path().join("comma.csv"), "wavelength_nm,reflectance\n400,0,5\n").unwrap();
@@ -139,7 +141,7 @@ fn wide_gaps_between_rows_are_told_once() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("two.csv"), "wavelength_nm,kappa\n400,0.1\n700,0.2\n").unwrap();
     std::fs::write(folder.path().join("print.csv"), "wavelength_nm,reflectance\n400,0.1\n700,0.2\n").unwrap();
-    let text = TINY.replacen(K, "index = { csv = \"two.csv\" }", 1);
+    let text = TINY.replacen(K, "index = { csv = \"two.csv\", n = 1.4 }", 1);
     let text = text.replace("[output]", "[compare]\nmeasured = \"print.csv\"\n[output]");
     let done = run(&study(folder.path(), &text), &folder.path().join("out"), &["--plan"]);
     let said = plain(&done.stderr);

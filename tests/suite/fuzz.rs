@@ -125,7 +125,7 @@ fn tables_with_slips_are_read_or_refused_with_words() {
     let path = folder.path().join("table.csv");
     fuzz(500, slips("# mine\nwavelength_nm,kappa,n\n400,0.1,1.4\n500,0.3,1.5\n600,0.2,1.5\n"), |text| {
         std::fs::write(&path, &text).expect("a writable folder");
-        match Spectrum::from_csv(&path) {
+        match Spectrum::from_csv(&path, None) {
             Ok(spectrum) => prop_assert!(
                 spectrum.index(0.5).is_ok_and(|eta| eta.is_finite()) || spectrum.index(0.5).is_err()
             ),

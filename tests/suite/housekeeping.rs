@@ -265,6 +265,23 @@ fn scheduled_nights_write_outside_of_the_clone() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn a_failed_night_says_so_in_one_line_on_standard_error() {
+    use std::os::unix::fs::PermissionsExt;
+    let home = Home::new();
+    assert!(home.night(None, &[], &home.bin()).stderr.is_empty(), "a good night mails nothing");
+    let cargo = home.path("bin/cargo");
+    std::fs::write(&cargo, "#!/bin/sh\necho much to say\nexit 3\n").expect("a script");
+    std::fs::set_permissions(&cargo, std::fs::Permissions::from_mode(0o755)).expect("made executable");
+    for arguments in [&[][..], &["benchmarks"], &["nonsense"]] {
+        let done = home.night(None, arguments, &home.bin());
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert!(!done.status.success() && said.lines().count() == 1, "{arguments:?}: {said}");
+        assert!(said.contains("failed with status") && said.contains("log"), "{said}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn a_schedule_without_cargo_says_so() {
     if Path::new("/usr/bin/cargo").exists() || Path::new("/usr/local/bin/cargo").exists() {
         return;

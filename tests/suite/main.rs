@@ -28,6 +28,7 @@ mod run_support;
 mod schema;
 mod slips;
 mod study_features;
+mod surroundings;
 mod sweep;
 mod sweep_conclusions;
 mod sweep_pages;

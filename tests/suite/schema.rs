@@ -201,7 +201,7 @@ fn bad_files_do_not_fit() {
         (Study, &study, "/layer/period_um", json!([1, 2, 3])),
         (Study, &study, "/layer/cell", json!("hexagonal")),
         (Study, &study, "/layer/walls", json!("yes")),
-        (Study, &study, "/layer/binder/index", json!({ "n": 1.5, "csv": "a.csv" })),
+        (Study, &study, "/layer/binder/index", json!({ "k": 0.1, "csv": "a.csv" })),
         (Study, &study, "/pigment/0/volume_fraction", json!(30)),
         (Study, &study, "/pigment/0/shape", json!("cube")),
         (Study, &study, "/pigment/0/shape", json!({ "kind": "cylinder", "length_in_radii": 1 })),

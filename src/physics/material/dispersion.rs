@@ -22,6 +22,9 @@ use serde_norway::Value;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
+/// Brackets that may be open at once, those in comments included.
+const MOST_OPEN: usize = 200;
+
 /// A record that cannot be used.
 #[derive(Debug, Error)]
 pub enum DispersionError {
@@ -83,12 +86,15 @@ impl Dispersion {
     /// The file cannot be read, is no record, or holds numbers that make no index.
     pub fn read(path: &Path) -> Result<Self, DispersionError> {
         let unreadable = |source| DispersionError::Unreadable { path: path.into(), source };
-        let text = files::read_text(path, files::TABLE).map_err(unreadable)?;
+        let text = files::read_text(path, files::STUDY).map_err(unreadable)?;
         let no_record = |reason| DispersionError::NoRecord { path: path.into(), reason };
         Self::parse(&path.display().to_string(), &text).map_err(no_record)
     }
 
     fn parse(name: &str, text: &str) -> Result<Self, String> {
+        if let Some(depth) = too_deep(text) {
+            return Err(format!("{depth} brackets are open at once; a record has a few"));
+        }
         let record: Record = serde_norway::from_str(text).map_err(|error| error.to_string())?;
         let mut found = Self { name: name.to_owned(), n: None, kappa: None };
         for entry in &record.data {
@@ -136,11 +142,23 @@ impl Dispersion {
         gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
     }
 
-    /// n + iκ at a wavelength in µm inside the range. A record without n gets `n_default`, one without k is transparent.
-    pub fn index(&self, wavelength_um: f64, n_default: f64) -> Complex64 {
+    /// Whether the record has a real part.
+    pub fn has_n(&self) -> bool {
+        self.n.is_some()
+    }
+
+    /// With the same real part at all wavelengths of the record.
+    pub fn with_n(self, n: f64) -> Self {
+        let [lo, hi] = self.range_nm().map(|nm| 1e-3 * nm);
+        let n = Source::Formula { number: 5, range_um: [lo, hi], coefficients: vec![n] };
+        Self { n: Some(n), ..self }
+    }
+
+    /// n + iκ at a wavelength in µm inside the range; not a number without n, transparent without k.
+    pub fn index(&self, wavelength_um: f64) -> Complex64 {
         let value =
             |part: &Option<Source>, default| part.as_ref().map_or(default, |s| s.value(wavelength_um));
-        Complex64::new(value(&self.n, n_default), value(&self.kappa, 0.0))
+        Complex64::new(value(&self.n, f64::NAN), value(&self.kappa, 0.0))
     }
 }
 
@@ -212,6 +230,22 @@ fn evaluate(number: u8, c: &[f64], um: f64) -> f64 {
     }
 }
 
+/// Brackets open at once where they are more than any record has: the parser's time grows with their square.
+fn too_deep(text: &str) -> Option<usize> {
+    let mut open = 0usize;
+    for byte in text.bytes() {
+        match byte {
+            b'[' | b'{' => open += 1,
+            b']' | b'}' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        if open > MOST_OPEN {
+            return Some(open);
+        }
+    }
+    None
+}
+
 fn put(place: &mut Option<Source>, source: Source, part: &str) -> Result<(), String> {
     match place.replace(source) {
         Some(_) => Err(format!("it has {part} twice; keep one of them")),
@@ -281,7 +315,7 @@ mod tests {
             let file = material["file"].as_str().unwrap();
             let dispersion = Dispersion::read(Path::new(&format!("{FOLDER}/{file}"))).unwrap();
             for row in material["rows"].as_array().unwrap() {
-                let eta = dispersion.index(row[0].as_f64().unwrap(), f64::NAN);
+                let eta = dispersion.index(row[0].as_f64().unwrap());
                 for (have, want) in [(eta.re, row[1].as_f64()), (eta.im, row[2].as_f64())] {
                     let Some(want) = want else { continue };
                     // the same formula in another order of operations
@@ -304,5 +338,8 @@ mod tests {
         assert!(reason("DATA:\n  - type: tabulated n\n    data: |\n        0.5 x\n").contains("\"x\""));
         assert!(reason("DATA: []\n").contains("neither"));
         assert!(reason("REFERENCES: me\n").contains("DATA"));
+        assert!(reason(&"[".repeat(200_000)).contains("brackets are open at once"));
+        // the parser's own limits hold for what has no brackets
+        assert!(!reason(&"- ".repeat(100_000)).is_empty());
     }
 }

@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Re η of every pigment in P1 section 5; used where a table has no column `n`.
+/// Re η of every pigment in P1 section 5, and of the built-in synthetic ones.
 pub const PIGMENT_N: f64 = 1.4;
 /// Largest real part of an index: a decimal comma that was lost makes 155 of 1.55.
 const LARGEST_N: f64 = 10.0;
@@ -73,12 +73,12 @@ impl Spectrum {
         known.map(Self::Synthetic).ok_or_else(|| SpectrumError::UnknownPigment { value: name.into() })
     }
 
-    /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start with `#` are comments,
-    /// `n` is 1.4 (P1) where there is no such column.
+    /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start with `#` are comments. A table
+    /// without a column `n` needs `n` beside it.
     ///
     /// # Errors
-    /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ < 0, n ≤ 0.
-    pub fn from_csv(path: impl AsRef<Path>) -> Result<Self, SpectrumError> {
+    /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ < 0, n ≤ 0, n nowhere or twice.
+    pub fn from_csv(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
         let path = path.as_ref();
         let columns = Columns::read(path)?;
         let places =
@@ -86,15 +86,21 @@ impl Spectrum {
         if columns.rows.len() < 2 {
             return Err(SpectrumError::TooFewRows { path: path.into(), rows: columns.rows.len() });
         }
-        Self::tabulated(&path.display().to_string(), places.samples(&columns)?)
+        let n = the_other(path, places.n.is_some(), n)?;
+        Self::tabulated(&path.display().to_string(), places.samples(&columns, n)?)
     }
 
-    /// Reads a record of refractiveindex.info (YAML); without n it is 1.4 (P1), without k the material is transparent.
+    /// Reads a record of refractiveindex.info (YAML); a record without n needs `n` beside it, without k the material is
+    /// transparent.
     ///
     /// # Errors
-    /// Unreadable files, and files that are no such record.
-    pub fn from_yaml(path: impl AsRef<Path>) -> Result<Self, SpectrumError> {
-        Ok(Self::Recorded(Dispersion::read(path.as_ref())?))
+    /// Unreadable files, files that are no such record, n nowhere or twice.
+    pub fn from_yaml(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
+        let record = Dispersion::read(path.as_ref())?;
+        Ok(Self::Recorded(match the_other(path.as_ref(), record.has_n(), n)? {
+            Some(n) => record.with_n(n),
+            None => record,
+        }))
     }
 
     /// A table given in memory, checked as [`Spectrum::from_csv`] checks a file.
@@ -136,7 +142,7 @@ impl Spectrum {
             Self::Constant { n, kappa } => Complex64::new(*n, *kappa),
             Self::Synthetic(pigment) => Complex64::new(PIGMENT_N, pigment.kappa(nm)),
             Self::Tabulated(table) => table.interpolate(nm),
-            Self::Recorded(record) => record.index(wavelength_um, PIGMENT_N),
+            Self::Recorded(record) => record.index(wavelength_um),
         })
     }
 
@@ -172,6 +178,15 @@ impl Spectrum {
     }
 }
 
+/// The real part that is given beside a file, where the file has none: one of them must, both would contradict each other.
+fn the_other(path: &Path, in_file: bool, beside: Option<f64>) -> Result<Option<f64>, SpectrumError> {
+    match (in_file, beside) {
+        (false, None) => Err(SpectrumError::NoRealPart { path: path.into() }),
+        (true, Some(_)) => Err(SpectrumError::TwoRealParts { path: path.into() }),
+        _ => Ok(beside),
+    }
+}
+
 /// Where a table keeps what.
 struct Places {
     wavelength: usize,
@@ -196,10 +211,14 @@ impl Places {
         })
     }
 
-    fn samples(&self, columns: &Columns) -> Result<Vec<Sample>, ColumnsError> {
+    /// The rows; `n` where the table has no such column.
+    fn samples(&self, columns: &Columns, n: Option<f64>) -> Result<Vec<Sample>, ColumnsError> {
         let wavelengths = columns.wavelengths_nm(self.wavelength)?;
         let kappa = columns.numbers(self.kappa)?;
-        let n = self.n.map_or_else(|| Ok(vec![PIGMENT_N; kappa.len()]), |n| columns.numbers(n))?;
+        let n = match self.n {
+            Some(place) => columns.numbers(place)?,
+            None => vec![n.unwrap_or(f64::NAN); kappa.len()],
+        };
         let rows = wavelengths.into_iter().zip(n).zip(kappa);
         Ok(rows.map(|((wavelength_nm, n), kappa)| Sample { wavelength_nm, n, kappa }).collect())
     }
@@ -251,7 +270,7 @@ mod tests {
     #[test]
     fn a_table_is_linear_between_rows_and_exact_on_them() {
         let csv = file("# measured by me\nwavelength_nm, kappa, n\n400, 0.1, 1.4\n500, 0.3, 1.6\n");
-        let spectrum = Spectrum::from_csv(csv.path()).unwrap();
+        let spectrum = Spectrum::from_csv(csv.path(), None).unwrap();
         assert_eq!(spectrum.range_nm(), Some([400.0, 500.0]));
         for (um, n, kappa) in [(0.4, 1.4, 0.1), (0.425, 1.45, 0.15), (0.5, 1.6, 0.3)] {
             let eta = spectrum.index(um).unwrap();
@@ -261,14 +280,26 @@ mod tests {
     }
 
     #[test]
-    fn n_defaults_to_the_papers_value() {
+    fn n_is_in_the_file_or_beside_it() {
         let csv = file("wavelength_nm,kappa\n400,0.1\n500,0.3\n");
-        assert_eq!(Spectrum::from_csv(csv.path()).unwrap().index(0.45).unwrap().re, PIGMENT_N);
+        assert_eq!(Spectrum::from_csv(csv.path(), Some(1.5)).unwrap().index(0.45).unwrap().re, 1.5);
+        let without = Spectrum::from_csv(csv.path(), None).unwrap_err().to_string();
+        assert!(without.contains("no real part n"), "{without}");
+        let both = file("wavelength_nm,kappa,n\n400,0.1,1.4\n500,0.3,1.4\n");
+        assert!(Spectrum::from_csv(both.path(), Some(1.5)).unwrap_err().to_string().contains("twice"));
+        let yaml = file("DATA:\n  - type: tabulated k\n    data: |\n        0.4 0.1\n        0.6 0.2\n");
+        let record = Spectrum::from_yaml(yaml.path(), Some(1.6)).unwrap();
+        assert_eq!((record.index(0.5).unwrap().re, record.range_nm()), (1.6, Some([400.0, 600.0])));
+        assert!(Spectrum::from_yaml(yaml.path(), None).is_err());
     }
 
     #[test]
     fn bad_tables_and_wavelengths_are_refused_with_the_field() {
-        let message = |text| Spectrum::from_csv(file(text).path()).unwrap_err().to_string();
+        let message = |text| {
+            Spectrum::from_csv(file(text).path(), text.starts_with("wavelength_nm,kappa\n").then_some(1.4))
+                .unwrap_err()
+                .to_string()
+        };
         assert!(message("wavelength_nm,kappa\n400,-0.1\n500,0.3\n").contains("row 1: kappa = -0.1"));
         assert!(message("wavelength_nm,kappa\n500,0.1\n400,0.3\n").contains("row 2: wavelength_nm = 400"));
         assert!(message("wavelength_nm,kappa\n500,NaN\n600,0.3\n").contains("kappa = NaN"));
@@ -279,7 +310,12 @@ mod tests {
         assert!(message("wavelength_nm,kappa\n0.5,0.1\n0.6,0.3\n").contains("these look like µm"));
         assert!(message("wavelength_nm,kappa\n500,0.1\n").contains("1 rows"));
         assert!(message("lambda,kappa\n500,0.1\n600,0.1\n").contains("lambda"));
-        assert!(Spectrum::from_csv("no/such/file.csv").unwrap_err().to_string().contains("no/such/file.csv"));
+        assert!(
+            Spectrum::from_csv("no/such/file.csv", None)
+                .unwrap_err()
+                .to_string()
+                .contains("no/such/file.csv")
+        );
         let yellow = Spectrum::synthetic("yellow").unwrap();
         assert!(yellow.index(0.30).unwrap_err().to_string().contains("380 to 780 nm"));
         assert!(yellow.index(f64::NAN).is_err() && yellow.index(0.0).is_err());

@@ -23,10 +23,6 @@ impl JsonSchema for IndexWritten {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let path = |key: &str, what: &str| {
-            let example = format!("measured.{key}");
-            table(key, json_schema!({ "description": what, "type": "string", "examples": [example] }))
-        };
         let names = Synthetic::ALL.map(Synthetic::name);
         let built_in = json_schema!({ "description": "A built-in synthetic pigment.", "enum": names, "examples": ["yellow"] });
         json_schema!({
@@ -36,11 +32,23 @@ impl JsonSchema for IndexWritten {
                 constant("k"),
                 constant("kappa"),
                 table("built_in", built_in),
-                path("csv", "Table wavelength_nm, kappa[, n], relative to the study file."),
-                path("yaml", "Record of refractiveindex.info, relative to the study file."),
+                index_file("csv", "Table wavelength_nm, kappa[, n], relative to the study file; without a column n with n beside it."),
+                index_file("yaml", "Record of refractiveindex.info, relative to the study file; without n with n beside it."),
             ],
         })
     }
+}
+
+/// A file of indices, with n beside it where it has κ alone.
+fn index_file(key: &str, what: &str) -> Schema {
+    let path =
+        json_schema!({ "description": what, "type": "string", "examples": [format!("measured.{key}")] });
+    let mut schema = table(key, path);
+    let n = number(INDEX, "Real part at all wavelengths, where the file has κ alone.", 1.4);
+    if let Some(properties) = schema.ensure_object()["properties"].as_object_mut() {
+        properties.insert("n".into(), n.into());
+    }
+    schema
 }
 
 /// A table of n and κ, which is called `name`.

@@ -25,5 +25,6 @@ pub mod read;
 pub mod study;
 pub mod tree;
 pub mod variation;
+mod xml_limits;
 
 pub use study::Study;

@@ -1,5 +1,7 @@
 //! One of the samples of a CxF3 or CGATS.17 file.
 
+use super::xml_limits::too_large;
+
 pub(super) const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
 /// Most names that a message lists.
 const MOST_NAMES: usize = 12;
@@ -36,6 +38,9 @@ fn taken(rows: Vec<[f64; 2]>, names: &[String], place: usize) -> Taken {
 
 /// The object with a reflectance spectrum that is wanted, by its name, or the first.
 pub(super) fn from_cxf(text: &str, patch: Option<&str>) -> Result<Taken, String> {
+    if let Some(reason) = too_large(text) {
+        return Err(reason);
+    }
     let document =
         roxmltree::Document::parse(text.trim_start_matches('\u{feff}')).map_err(|e| e.to_string())?;
     let named = |name: &'static str| document.descendants().filter(move |n| n.has_tag_name((CXF, name)));

@@ -1,14 +1,102 @@
-//! Memory that a run may use when nobody says how much.
+//! Memory that a run may use when nobody says how much: what the machine, the process's limits and its cgroups leave.
+
+use std::path::Path;
 
 /// Where the system does not tell what is free.
 const OTHERWISE: f64 = 4e9;
 /// Of what is free: the packing, the pages and the rest of the machine need some.
 const SHARE: f64 = 0.8;
+/// A cgroup of version 1 without a limit has about 2⁶³ bytes.
+const UNLIMITED: f64 = 1e18;
 
 /// Bytes that solves may take: most of what is available, where the system tells it (Linux).
 pub fn usable() -> f64 {
-    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let available = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
-    let kilobytes = available.and_then(|rest| rest.trim().trim_end_matches("kB").trim().parse::<f64>().ok());
-    kilobytes.map_or(OTHERWISE, |kb| SHARE * 1024.0 * kb)
+    let meminfo = read("/proc/meminfo");
+    let machine = after(&meminfo, "MemAvailable:").map_or(OTHERWISE, |kilobytes| SHARE * 1024.0 * kilobytes);
+    machine.min(allowed())
+}
+
+/// Bytes that solves may take of what the process is allowed (`ulimit -v`, `ulimit -d`, cgroups): a solve beyond them would end the
+/// program. Infinite where there is no limit.
+pub fn allowed() -> f64 {
+    let (limits, status) = (read("/proc/self/limits"), read("/proc/self/status"));
+    let of_process = [("Max address space", "VmSize:"), ("Max data size", "VmData:")];
+    let left = of_process.map(|(limit, used)| left_of_limit(&limits, limit, &status, used));
+    SHARE * left.into_iter().chain([left_of_cgroups()]).fold(f64::INFINITY, f64::min)
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    std::fs::read_to_string(path).unwrap_or_default()
+}
+
+/// The number after a word at the start of a line.
+fn after(text: &str, word: &str) -> Option<f64> {
+    let rest = text.lines().find_map(|line| line.strip_prefix(word))?;
+    rest.split_whitespace().next()?.parse().ok()
+}
+
+/// Bytes of a process's limit that it has not taken yet; a limit that is "unlimited" is no number.
+fn left_of_limit(limits: &str, limit: &str, status: &str, used: &str) -> f64 {
+    let used = 1024.0 * after(status, used).unwrap_or(0.0);
+    after(limits, limit).map_or(f64::INFINITY, |most| (most - used).max(0.0))
+}
+
+/// Bytes that the process's cgroup and those around it leave.
+fn left_of_cgroups() -> f64 {
+    let groups = read("/proc/self/cgroup");
+    groups.lines().map(left_of_hierarchy).fold(f64::INFINITY, f64::min)
+}
+
+/// Of one hierarchy, `number:controllers:path`: the second version's has no controllers in its name, the first's for memory says so.
+fn left_of_hierarchy(line: &str) -> f64 {
+    let [_, controllers, path] = line.splitn(3, ':').collect::<Vec<_>>()[..] else { return f64::INFINITY };
+    let (root, names) = match controllers {
+        "" => ("/sys/fs/cgroup", ["memory.max", "memory.current", "inactive_file "]),
+        "memory" => (
+            "/sys/fs/cgroup/memory",
+            ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file "],
+        ),
+        _ => return f64::INFINITY,
+    };
+    let folders = Path::new(path.trim_start_matches('/')).ancestors();
+    folders.map(|folder| left_of_group(&Path::new(root).join(folder), names)).fold(f64::INFINITY, f64::min)
+}
+
+/// Of one group: its limit less its use, without the files' pages that the kernel drops on demand.
+fn left_of_group(folder: &Path, [limit, current, droppable]: [&str; 3]) -> f64 {
+    let Some(most) = after(&read(folder.join(limit)), "").filter(|&bytes| bytes < UNLIMITED) else {
+        return f64::INFINITY;
+    };
+    let used = after(&read(folder.join(current)), "").unwrap_or(0.0);
+    let files = after(&read(folder.join("memory.stat")), droppable).unwrap_or(0.0);
+    (most - (used - files).max(0.0)).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_leaves_what_is_not_taken_yet() {
+        let limits = "Limit                     Soft Limit           Hard Limit           Units\n\
+                      Max data size             unlimited            unlimited            bytes\n\
+                      Max address space         204800000            204800000            bytes\n";
+        let status = "VmSize:\t  100000 kB\nVmData:\t   50000 kB\n";
+        assert_eq!(left_of_limit(limits, "Max address space", status, "VmSize:"), 102_400_000.0);
+        assert_eq!(left_of_limit(limits, "Max data size", status, "VmData:"), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_cgroup_leaves_its_limit_less_what_cannot_be_dropped() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        let names = ["memory.max", "memory.current", "inactive_file "];
+        assert_eq!(left_of_group(folder.path(), names), f64::INFINITY);
+        put("memory.max", "max\n");
+        assert_eq!(left_of_group(folder.path(), names), f64::INFINITY);
+        put("memory.max", "1000000\n");
+        put("memory.current", "600000\n");
+        put("memory.stat", "anon 300000\ninactive_file 250000\n");
+        assert_eq!(left_of_group(folder.path(), names), 650_000.0);
+    }
 }

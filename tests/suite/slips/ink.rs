@@ -80,18 +80,28 @@ pub const INK: &[Slip] = &[
     ),
     slip(
         K,
-        "index = { csv = \"negative.csv\" }",
+        "index = { csv = \"negative.csv\", n = 1.4 }",
         ["pigment[0].index.csv", "kappa = -0.2", "kappa ≥ 0", "correct the table"],
     ),
     slip(
         K,
-        "index = { csv = \"empty.csv\" }",
+        "index = { csv = \"empty.csv\", n = 1.4 }",
         ["pigment[0].index.csv", "line 3, column kappa: an empty cell", "kappa ≥ 0", "correct the table"],
     ),
     slip(
         K,
-        "index = { csv = \"micrometres.csv\" }",
+        "index = { csv = \"micrometres.csv\", n = 1.4 }",
         ["pigment[0].index.csv", "0.7: these look like µm", "the column wants nm", "multiply it by 1000"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"wide.csv\" }",
+        ["pigment[0].index.csv", "wide.csv: no real part n", "n = 1.4", "write n beside the file"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"huge.csv\", n = 1.4 }",
+        ["pigment[0].index", "k = 100000 at 400 nm", "at most 100", "correct the file"],
     ),
     slip(
         "[output]",
@@ -105,7 +115,7 @@ pub const INK: &[Slip] = &[
     ),
     slip(
         K,
-        "index = { csv = \"narrow.csv\" }",
+        "index = { csv = \"narrow.csv\", n = 1.4 }",
         ["pigment[0].index", "400 nm", "from 500 to 600 nm", "[light]"],
     ),
     slip(

@@ -54,6 +54,18 @@ pub enum SpectrumError {
         /// Rows found.
         rows: usize,
     },
+    /// Neither the file nor the study says n.
+    #[error("{path}: no real part n; add n to the file, or give it beside the file, such as n = 1.4", path = path.display())]
+    NoRealPart {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file and the study say n.
+    #[error("{path}: the real part n is given twice, in the file and beside it; keep one of them", path = path.display())]
+    TwoRealParts {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file that is no table of numbers.
     #[error(transparent)]
     Unreadable(#[from] ColumnsError),

@@ -46,13 +46,19 @@ fn vacuum(wavelengths: usize) -> Material {
     }
 }
 
+/// What to write where a file has κ alone.
+const BESIDE_CSV: &str = "write n beside the file where it has k alone: { csv = \"…\", n = 1.4 }";
+const BESIDE_YAML: &str = "write n beside the file where it has k alone: { yaml = \"…\", n = 1.4 }";
+/// Neither part of any medium's index exceeds this between 100 nm and 10 µm: aluminium reaches 25 + 90i.
+const LARGEST_PART: f64 = 100.0;
+
 /// An index that no passive medium has: records are taken as they come, and their formulas have poles.
 fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
-    let sound = |eta: &Complex64| eta.is_finite() && eta.re > 0.0 && eta.im >= 0.0;
+    let sound = |eta: &Complex64| eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART;
     let i = index.iter().position(|eta| !sound(eta))?;
     let found = format!("n = {}, k = {} at {} nm", index[i].re, index[i].im, wavelengths_nm[i]);
     let remedy = "correct the file; absorption is a positive k here (time factor exp(-iωt))";
-    Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both finite", remedy))
+    Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both at most 100", remedy))
 }
 
 /// The spectrum's name; a transparent constant without its zero.
@@ -70,12 +76,11 @@ fn source(spectrum: &Spectrum) -> String {
 fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
     match (&written.built_in, &written.csv, &written.yaml, written.n, written.k) {
         (Some(name), None, None, None, None) => built_in(field, name, faults),
-        (None, Some(csv), None, None, None) => from_csv(field, &folder.join(csv), faults),
-        (None, None, Some(yaml), None, None) => from_yaml(field, &folder.join(yaml), faults),
+        (None, Some(csv), None, n, None) => from_csv(field, (&folder.join(csv), n), faults),
+        (None, None, Some(yaml), n, None) => from_yaml(field, (&folder.join(yaml), n), faults),
         (None, None, None, Some(n), k) => constant(field, n, k.unwrap_or(0.0), faults),
         _ => {
-            let allowed =
-                "a number, { n = …, k = … }, { built_in = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }";
+            let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, with n beside a file of k alone";
             let remedy = "write for example index = { n = 1.4, k = 0.1 }";
             let found = keys_in_words([
                 ("n", written.n.is_some()),
@@ -109,26 +114,38 @@ fn built_in(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
     found
 }
 
-fn from_csv(field: &str, path: &Path, faults: &mut Faults) -> Option<Spectrum> {
-    Spectrum::from_csv(path).map_err(|error| faults.push(csv_fault(field, path, &error))).ok()
+/// A table, with n beside it where it has κ alone.
+fn from_csv(field: &str, (path, n): (&Path, Option<f64>), faults: &mut Faults) -> Option<Spectrum> {
+    Spectrum::from_csv(path, n).map_err(|error| faults.push(csv_fault(field, path, &error))).ok()
 }
 
-fn from_yaml(field: &str, path: &Path, faults: &mut Faults) -> Option<Spectrum> {
-    let fault = |error: SpectrumError| {
-        let allowed = "a record of refractiveindex.info: tabulated nk, n, k, or formula 1 to 9";
-        let remedy = "download the record's YAML file; its path is relative to the study file";
-        Fault::new(format!("{field}.yaml"), error.to_string(), allowed, remedy)
+/// A record, with n beside it where it has k alone.
+fn from_yaml(field: &str, (path, n): (&Path, Option<f64>), faults: &mut Faults) -> Option<Spectrum> {
+    Spectrum::from_yaml(path, n).map_err(|error| faults.push(yaml_fault(field, &error))).ok()
+}
+
+fn yaml_fault(field: &str, error: &SpectrumError) -> Fault {
+    let allowed = "a record of refractiveindex.info: tabulated nk, n, k, or formula 1 to 9";
+    let remedy = match error {
+        SpectrumError::NoRealPart { .. } | SpectrumError::TwoRealParts { .. } => BESIDE_YAML,
+        _ => "download the record's YAML file; its path is relative to the study file",
     };
-    Spectrum::from_yaml(path).map_err(|error| faults.push(fault(error))).ok()
+    Fault::new(format!("{field}.yaml"), error.to_string(), allowed, remedy)
 }
 
 fn csv_fault(field: &str, path: &Path, error: &SpectrumError) -> Fault {
     let found = match error {
-        SpectrumError::Unreadable(_) | SpectrumError::Header { .. } => error.to_string(),
+        SpectrumError::Unreadable(_)
+        | SpectrumError::Header { .. }
+        | SpectrumError::NoRealPart { .. }
+        | SpectrumError::TwoRealParts { .. } => error.to_string(),
         other => format!("{} ({other})", path.display()),
     };
     let allowed = "a readable table wavelength_nm,kappa[,n] with rising wavelengths, kappa ≥ 0 and n > 0";
-    let remedy = "correct the table; its path is relative to the study file";
+    let remedy = match error {
+        SpectrumError::NoRealPart { .. } | SpectrumError::TwoRealParts { .. } => BESIDE_CSV,
+        _ => "correct the table; its path is relative to the study file",
+    };
     Fault::new(format!("{field}.csv"), found, allowed, remedy)
 }
 

@@ -23,7 +23,9 @@ pub fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
             list.clone()
         }
         (None, Some(from), Some(to), Some(step)) => wavelength_range(from, to, step, faults),
-        (None, None, None, None) => wavelength_range(VISIBLE[0], VISIBLE[1], VISIBLE[2], faults),
+        (None, None, None, step) => {
+            wavelength_range(VISIBLE[0], VISIBLE[1], step.unwrap_or(VISIBLE[2]), faults)
+        }
         _ => {
             faults.push(neither_list_nor_range(light));
             Vec::new()
@@ -32,7 +34,8 @@ pub fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
 }
 
 fn neither_list_nor_range(light: &LightTable) -> Fault {
-    let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm";
+    let allowed =
+        "either wavelengths_nm, or all of from_nm, to_nm and step_nm, or step_nm alone from 400 to 700 nm";
     let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
     let found = keys_in_words([
         ("wavelengths_nm", light.wavelengths_nm.is_some()),
@@ -45,7 +48,7 @@ fn neither_list_nor_range(light: &LightTable) -> Fault {
 
 /// A range whose last step does not end at `to_nm`.
 pub fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String> {
-    let (to, step, &last) = (light.to_nm?, light.step_nm?, wavelengths_nm.last()?);
+    let (to, step, &last) = (light.to_nm.unwrap_or(VISIBLE[1]), light.step_nm?, wavelengths_nm.last()?);
     let count = wavelengths_nm.len() - 1;
     if last < to - 1e-6 * step {
         return Some(format!(

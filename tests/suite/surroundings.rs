@@ -1,0 +1,132 @@
+//! What surrounds the program: readers that go, disks that are full, names that are no text, little memory, no folder for
+//! temporary files, titles that a terminal or a browser would obey.
+#![cfg(target_os = "linux")]
+
+use crate::run_support::{TINY, command, study, succeed};
+use std::fs::File;
+use std::os::unix::ffi::OsStrExt;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+
+fn inkwave() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_inkwave"))
+}
+
+/// A finished run that the tests share; its study's title is one that terminals and browsers would obey.
+fn finished() -> &'static Path {
+    static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let make = || {
+        let folder = tempfile::tempdir().unwrap();
+        let text = TINY.replace("Tiny yellow", r"<!--<script>\u001b]0;owned\u0007");
+        let done = command(&study(folder.path(), &text), &folder.path().join("out"), &[]).output().unwrap();
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let said = [done.stdout, done.stderr].concat();
+        assert!(!said.contains(&0x1b) && !said.contains(&7), "{}", String::from_utf8_lossy(&said));
+        folder
+    };
+    FOLDER.get_or_init(make).path()
+}
+
+fn no_panic(done: &Output) -> String {
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(done.status.code().is_some_and(|code| code != 101), "{:?}: {said}", done.status);
+    assert!(!said.contains("panicked") && !said.contains("memory allocation"), "{said}");
+    said
+}
+
+#[test]
+fn readers_that_go_and_full_disks_end_no_command_with_a_panic() {
+    let export = || {
+        let mut export = inkwave();
+        export.arg("export").arg(finished().join("out")).args(["--to", "cgats,cxf"]);
+        export
+    };
+    let mut man = inkwave();
+    man.arg("man").arg(finished().join("man"));
+    let mut completions = inkwave();
+    completions.args(["completions", "bash"]);
+    for mut command in [export(), man, completions] {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let done = command.stdout(full).stderr(Stdio::piped()).output().unwrap();
+        assert!(no_panic(&done).contains("cannot write to standard output"));
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let done = command.stdout(writer).output().unwrap();
+        assert_eq!(no_panic(&done), "", "a reader that has gone has heard enough");
+    }
+}
+
+#[test]
+fn names_that_are_no_text_are_names_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join(std::ffi::OsStr::from_bytes(b"out\xff"));
+    let done = command(&study(folder.path(), TINY), &out, &[]).output().unwrap();
+    no_panic(&done);
+    assert!(done.status.success() && out.join("results.json").exists());
+}
+
+/// Runs TINY with so many kB of address space.
+fn within(kilobytes: u32) -> Output {
+    let folder = tempfile::tempdir().unwrap();
+    let (study, out) = (study(folder.path(), TINY), folder.path().join("out"));
+    let line = format!("ulimit -v {kilobytes}; exec \"$0\" run \"$1\" --output \"$2\"");
+    let mut shell = Command::new("bash");
+    shell.args(["-c", &line, env!("CARGO_BIN_EXE_inkwave")]).arg(study).arg(out);
+    shell.env("RUST_BACKTRACE", "0").output().unwrap()
+}
+
+#[test]
+fn little_memory_is_said_and_ends_nothing_by_force() {
+    for kilobytes in [150_000, 200_000, 400_000, 800_000, 4_000_000] {
+        let done = within(kilobytes);
+        let said = no_panic(&done);
+        // a little is refused with a reason, enough of it suffices
+        assert!(done.status.success() || said.contains("memory"), "{kilobytes}: {said}");
+        assert!(done.status.success() || kilobytes < 1_000_000, "{kilobytes}: {said}");
+    }
+}
+
+#[test]
+fn a_missing_folder_for_temporary_files_is_not_missed() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let done =
+        command(&study(folder.path(), TINY), &out, &[]).env("TMPDIR", "/no/such/folder").output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    assert!(out.join("picture.png").exists());
+}
+
+#[test]
+fn titles_do_not_open_elements_in_the_data_of_pages() {
+    let export =
+        |to: &str| inkwave().arg("export").arg(finished().join("out")).args(["--to", to]).output().unwrap();
+    assert!(export("viewer").status.success());
+    let page = std::fs::read_to_string(finished().join("out/export/packing.html")).unwrap();
+    assert!(
+        page.contains(r"\u003c!--\u003cscript>") && !page.contains("<!--<script"),
+        "the title's words are escaped"
+    );
+    let sweep = finished().join("sweep.toml");
+    let axis = "base = \"study.toml\"\n[[axis]]\nfield = \"paper.albedo\"\nvalues = [0.5, 0.9]\n";
+    std::fs::write(&sweep, format!("title = \"<!--<script>\"\n{axis}")).unwrap();
+    let done = inkwave().arg("sweep").arg(&sweep).arg("-o").arg(finished().join("swept")).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let page = std::fs::read_to_string(finished().join("swept/explore.html")).unwrap();
+    assert!(
+        page.contains(r"\u003c!--\u003cscript>") && !page.contains("<!--<script"),
+        "the title's words are escaped"
+    );
+}
+
+#[test]
+fn a_step_alone_is_one_of_the_visible_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("from_nm = 400\nto_nm = 700\n", "");
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), &text), &out, &[]);
+    let spectra = std::fs::read_to_string(out.join("spectra.csv")).unwrap();
+    for nm in ["400", "500", "600", "700"] {
+        assert!(spectra.lines().any(|line| line.starts_with(nm)), "{nm}");
+    }
+}
