@@ -79,12 +79,8 @@ fn check_place(at: &str, place: &Place, outline: &Outline) -> Result<(), String>
 fn check_claim(at: &str, claim: &Claim, count: usize) -> Result<(), String> {
     let curve: Vec<usize> = claim.curve.iter().map(|(_, variant)| *variant).collect();
     let absorbing: Vec<usize> = claim.absorbed_by.into_iter().collect();
-    let lists = [
-        ("plus", &claim.plus),
-        ("minus", &claim.minus),
-        ("absorbed_by", &absorbing),
-        ("curve", &curve),
-    ];
+    let lists =
+        [("plus", &claim.plus), ("minus", &claim.minus), ("absorbed_by", &absorbing), ("curve", &curve)];
     for (key, list) in lists {
         list.iter().try_for_each(|&variant| within(&format!("{at}.{key}"), variant, count))?;
     }
