@@ -88,13 +88,6 @@ pub struct Solved {
     pub far: VectorFarField,
 }
 
-impl Solved {
-    /// 1 − R − T and the absorption summed where the index differs from the mean, by incident polarisation.
-    pub fn absorptances(&self) -> [[f64; 2]; 2] {
-        [0, 1].map(|i| [self.far.absorptance()[i], self.problem.excess_absorptance(&self.fields[i])])
-    }
-}
-
 /// The discrete problem of a case.
 pub fn problem(case: &Case, resolution: Resolution, mean: Mean, averaging: Averaging) -> VectorProblem {
     let moments = Arc::new(NormalMoments::new(&case.scene, resolution).unwrap_or_else(|e| panic!("{e}")));

@@ -74,7 +74,7 @@ fn tensor(level: Level, findings: &mut Findings) {
         findings.order(format!("p on a cylinder, {name}"), fitted_slope(&errors), range, because);
         curves.push(Curve::new(name, Style::Data, errors));
         let solved = solve_as(&reference("vsph05").case, 9, 12, 1e-10, Mean::default(), averaging);
-        let balance = solved.far.absorptance().map(f64::abs).into_iter().fold(0.0, f64::max);
+        let balance = solved.far.energy_error().map(f64::abs).into_iter().fold(0.0, f64::max);
         let because = "residual 1e-10, amplified some hundred times at index 2.6";
         findings.identity(format!("energy of a lossless cell, {name}"), balance, 1e-8, because);
     }

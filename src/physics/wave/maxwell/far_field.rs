@@ -75,13 +75,14 @@ pub struct VectorFarField {
     pub reflectance: [f64; 2],
     /// T by incident polarisation.
     pub transmittance: [f64; 2],
+    /// A by incident polarisation: the volume integral of the loss, not what R and T leave.
+    pub absorptance: [f64; 2],
 }
 
 impl VectorFarField {
-    /// 1 − R − T. The mean medium's own absorption has no closed form in the moments; with a real mean
-    /// [`VectorProblem::excess_absorptance`] gives A independently.
-    pub fn absorptance(&self) -> [f64; 2] {
-        [0, 1].map(|i| 1.0 - self.reflectance[i] - self.transmittance[i])
+    /// R + T + A − 1 by incident polarisation: zero to the solver's residual at any resolution.
+    pub fn energy_error(&self) -> [f64; 2] {
+        [0, 1].map(|i| self.reflectance[i] + self.transmittance[i] + self.absorptance[i] - 1.0)
     }
 
     /// Largest difference of any amplitude that leaves the layer or belongs to a neighbour of the specular order, in all
@@ -105,7 +106,7 @@ impl VectorFarField {
             orders: self.orders.iter().map(|o| o.polarised(i)).collect(),
             reflectance: self.reflectance[i],
             transmittance: self.transmittance[i],
-            absorptance: self.absorptance()[i],
+            absorptance: self.absorptance[i],
         }
     }
 }
@@ -118,7 +119,9 @@ fn crossed(reflected: Complex64, transmitted: Complex64) -> [[Complex64; 2]; FUR
 impl VectorProblem {
     /// Reads the orders off both faces from the solutions for s and p light.
     pub fn far_field(&self, [s, p]: [&Field; 2]) -> VectorFarField {
-        let faces = [self.faces(s, Polarisation::S), self.faces(p, Polarisation::P)];
+        let ((s, absorbed_s), (p, absorbed_p)) =
+            (self.leaving(s, Polarisation::S), self.leaving(p, Polarisation::P));
+        let faces = [s, p];
         let orders: Vec<VectorOrder> = self.listed().map(|(i, label)| self.order(&faces, i, label)).collect();
         let total = |of: &dyn Fn(&VectorOrder) -> [f64; 2]| {
             [0, 1].map(|i| orders.iter().map(|o| of(o)[i]).sum::<f64>())
@@ -128,6 +131,7 @@ impl VectorProblem {
             period_um: self.moments.grid.period_um,
             reflectance: total(&|o| o.reflected_efficiency),
             transmittance: total(&|o| o.transmitted_efficiency),
+            absorptance: [absorbed_s, absorbed_p],
             orders,
         }
     }
@@ -141,7 +145,7 @@ impl VectorProblem {
         [m, n]: [i32; 2],
     ) -> Order {
         let own = polarisation as usize;
-        let [reflected, transmitted] = self.leaving(faces, polarisation, i);
+        let [reflected, transmitted] = self.amplitudes(faces, polarisation, i);
         let [back, onward] = self.sides();
         Order {
             m,
@@ -159,7 +163,7 @@ impl VectorProblem {
 
     /// The far field of one incident polarisation from its solution alone, see [`VectorFarField::polarised`].
     pub fn polarised_far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
-        let faces = self.faces(field, polarisation);
+        let (faces, absorptance) = self.leaving(field, polarisation);
         let order = |(i, label)| self.polarised_order(&faces, polarisation, i, label);
         let orders: Vec<Order> = self.listed().map(order).collect();
         let reflectance: f64 = orders.iter().map(|o| o.reflected_efficiency).sum();
@@ -169,7 +173,7 @@ impl VectorProblem {
             period_um: self.moments.grid.period_um,
             reflectance,
             transmittance,
-            absorptance: 1.0 - reflectance - transmittance,
+            absorptance,
             orders,
         }
     }
@@ -194,7 +198,7 @@ impl VectorProblem {
     }
 
     /// Amplitudes of one harmonic in reflection and transmission.
-    fn leaving(&self, faces: &Faces, polarisation: Polarisation, i: usize) -> [Amplitudes; 2] {
+    fn amplitudes(&self, faces: &Faces, polarisation: Polarisation, i: usize) -> [Amplitudes; 2] {
         let mut leaving =
             self.sides().map(|side| [faces.electric[side][i], faces.magnetic[side][i] / self.k[side]]);
         if i == self.incident_harmonic() {
@@ -205,7 +209,7 @@ impl VectorProblem {
 
     fn order(&self, faces: &[Faces; 2], i: usize, [m, n]: [i32; 2]) -> VectorOrder {
         let [back, onward] = self.sides();
-        let [s, p] = [0, 1].map(|k| self.leaving(&faces[k], Polarisation::BOTH[k], i));
+        let [s, p] = [0, 1].map(|k| self.amplitudes(&faces[k], Polarisation::BOTH[k], i));
         let (reflected, transmitted) = ([s[0], p[0]], [s[1], p[1]]);
         VectorOrder {
             m,

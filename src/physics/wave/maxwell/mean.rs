@@ -9,6 +9,7 @@
 //! interface. Rows of a field: component c (s, p, z) of Gauss plane q in cell j is row 6j + 3q + c; columns are
 //! harmonics. Neither kz nor q is divided by.
 
+use super::absorption::Nodes;
 use super::cell::cell_functions;
 use super::kernels::{Constants, Loads, Moments, Tables};
 use super::nodes::{BLOCK, NodeSystem};
@@ -16,7 +17,7 @@ use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::scattering::row_of;
 use crate::wave::operator::sharing::SHARED;
 use crate::wave::{Field, Grid};
-use ndarray::{Array2, ArrayViewMut1, ArrayViewMut2, Axis};
+use ndarray::{Array2, ArrayView2, ArrayViewMut1, ArrayViewMut2, Axis};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 
@@ -43,6 +44,14 @@ pub struct Faces {
     pub electric: [Vec<Complex64>; 2],
     /// h = ωµ0 H_s at z = 0 and z = H.
     pub magnetic: [Vec<Complex64>; 2],
+}
+
+impl Faces {
+    /// The first and the last of all nodes.
+    pub(super) fn of(nodes: &Nodes) -> Faces {
+        let ends = |field: &Field| [0, field.nrows() - 1].map(|node| field.row(node).to_vec());
+        Faces { electric: ends(&nodes[0]), magnetic: ends(&nodes[1]) }
+    }
 }
 
 /// The mean operator A, factorised; in single precision beside double for strategies that measure the true residual.
@@ -95,17 +104,39 @@ impl VectorMean {
     /// The wave in the mean medium that enters as `entry` says.
     pub fn background(&self, entry: Entry) -> Field {
         let mut y = Field::zeros((CELL_ROWS * self.heights.len(), self.lateral.len()));
-        self.sweep(&mut y, Some(entry), &mut []);
+        self.sweep(&mut y, Some(entry));
         y
     }
 
-    /// E_s and h on both faces of A⁻¹ y, or of the background where `y` is zero; `y` is overwritten.
-    pub fn faces(&self, y: &mut Field, entry: Option<Entry>) -> Faces {
-        let count = self.lateral.len();
-        let mut values = vec![[Complex64::default(); 4]; count];
-        self.sweep(y, entry, &mut values);
-        let of = |k: usize| values.iter().map(|v| v[k]).collect();
-        Faces { electric: [of(0), of(1)], magnetic: [of(2), of(3)] }
+    /// E_s and h at all nodes of A⁻¹ y and of the wave that enters.
+    pub(super) fn nodes(&self, y: &Field, entry: Entry) -> Nodes {
+        let (nodes, count) = (self.heights.len() + 1, self.lateral.len());
+        let mut values = [Field::zeros((nodes, count)), Field::zeros((nodes, count))];
+        let [electric, magnetic] = &mut values;
+        let blocks = y.axis_chunks_iter(Axis(1), BLOCK).into_par_iter().enumerate();
+        let targets = electric.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter();
+        let targets = targets.zip(magnetic.axis_chunks_iter_mut(Axis(1), BLOCK));
+        blocks.zip(targets).for_each(|((b, y), targets)| self.block_nodes(&y, b * BLOCK, entry, targets));
+        values
+    }
+
+    /// [`VectorMean::nodes`] of the harmonics from `first`.
+    fn block_nodes(
+        &self,
+        y: &ArrayView2<Complex64>,
+        first: usize,
+        entry: Entry,
+        (mut electric, mut magnetic): (ArrayViewMut2<Complex64>, ArrayViewMut2<Complex64>),
+    ) {
+        let [mut u, mut w] = [0, 1].map(|_| vec![Complex64::default(); electric.len()]);
+        self.node_values(y, first, Some(entry), [&mut u, &mut w]);
+        electric.iter_mut().zip(u).for_each(|(to, from)| *to = from);
+        magnetic.iter_mut().zip(w).for_each(|(to, from)| *to = from);
+    }
+
+    /// Height, k̄² of every cell, and q of every harmonic.
+    pub(super) fn cells(&self) -> (&[f64], &[Complex64], &[f64]) {
+        (&self.heights, &self.mean_k2, &self.lateral)
     }
 }
 
@@ -131,46 +162,50 @@ fn cell_row(height: f64, mean_k2: Complex64, lateral: &[f64], row: [ArrayViewMut
     }
 }
 
-/// One block of harmonics under way: its columns of the field, of the faces, and buffers of the nodes.
-struct Block<'a, T: Real> {
-    y: ArrayViewMut2<'a, Complex<T>>,
-    first: usize,
-    faces: &'a mut [[Complex<T>; 4]],
-}
-
 impl<T: Real> VectorMean<T> {
     /// y ← A⁻¹ y: from V E per Gauss plane to moments of the field it scatters (minus the Green function).
     pub fn solve(&self, y: &mut Array2<Complex<T>>) {
-        self.sweep(y, None, &mut []);
+        self.sweep(y, None);
     }
 
-    /// One solve: loads, nodes, moments. `faces` is empty or one entry per harmonic: E_s and h on both faces.
-    fn sweep(&self, y: &mut Array2<Complex<T>>, entry: Option<Entry>, faces: &mut [[Complex<T>; 4]]) {
+    /// One solve: loads, nodes, moments.
+    fn sweep(&self, y: &mut Array2<Complex<T>>, entry: Option<Entry>) {
         let shared = y.len() >= SHARED;
-        let mut parts: Vec<&mut [[Complex<T>; 4]]> = faces.chunks_mut(BLOCK).collect();
-        parts.resize_with(self.lateral.len().div_ceil(BLOCK), Default::default);
         let length = (self.heights.len() + 1) * BLOCK;
         let buffers = || [vec![Complex::<T>::default(); length], vec![Complex::default(); length]];
         let blocks = y.axis_chunks_iter_mut(Axis(1), BLOCK);
-        let block = |(b, (y, faces))| Block { y, first: b * BLOCK, faces };
         if shared {
-            let blocks = blocks.into_par_iter().zip(parts).enumerate().map(block);
-            return blocks.for_each_init(buffers, |buffers, block| self.solve_block(block, entry, buffers));
+            let blocks = blocks.into_par_iter().enumerate();
+            return blocks
+                .for_each_init(buffers, |buffers, (b, y)| self.solve_block(y, b * BLOCK, entry, buffers));
         }
         let mut buffers = buffers();
-        blocks
-            .into_iter()
-            .zip(parts)
-            .enumerate()
-            .map(block)
-            .for_each(|block| self.solve_block(block, entry, &mut buffers));
+        blocks.into_iter().enumerate().for_each(|(b, y)| self.solve_block(y, b * BLOCK, entry, &mut buffers));
     }
 
-    fn solve_block(&self, block: Block<T>, entry: Option<Entry>, [u, w]: &mut [Vec<Complex<T>>; 2]) {
-        let Block { mut y, first, faces } = block;
-        let (nodes, width) = (self.heights.len() + 1, y.ncols());
-        let (u, w) = (&mut u[..nodes * width], &mut w[..nodes * width]);
-        self.loads(&y, first, u, w);
+    fn solve_block(
+        &self,
+        mut y: ArrayViewMut2<Complex<T>>,
+        first: usize,
+        entry: Option<Entry>,
+        [u, w]: &mut [Vec<Complex<T>>; 2],
+    ) {
+        let length = (self.heights.len() + 1) * y.ncols();
+        let (u, w) = (&mut u[..length], &mut w[..length]);
+        self.node_values(&y.view(), first, entry, [u, w]);
+        self.moments(&mut y, first, u, w);
+    }
+
+    /// E_s and h of a block at all nodes, one node after the other.
+    fn node_values(
+        &self,
+        y: &ArrayView2<Complex<T>>,
+        first: usize,
+        entry: Option<Entry>,
+        [u, w]: [&mut [Complex<T>]; 2],
+    ) {
+        let width = y.ncols();
+        self.loads(y, first, u, w);
         if let Some(e) = entry.filter(|e| (first..first + width).contains(&e.harmonic)) {
             let place = e.node * width + e.harmonic - first;
             u[place] += narrow::<T>(e.source[0]);
@@ -178,9 +213,6 @@ impl<T: Real> VectorMean<T> {
         }
         self.electric.solve(u, first, width);
         self.magnetic.solve(w, first, width);
-        let last = (nodes - 1) * width;
-        faces.iter_mut().enumerate().for_each(|(i, f)| *f = [u[i], u[last + i], w[i], w[last + i]]);
-        self.moments(&mut y, first, u, w);
     }
 
     fn tables(&self, j: usize, first: usize, width: usize) -> Tables<'_, T> {
@@ -189,7 +221,7 @@ impl<T: Real> VectorMean<T> {
     }
 
     /// Right-hand sides of the node systems from F = V E.
-    fn loads(&self, y: &ArrayViewMut2<Complex<T>>, first: usize, u: &mut [Complex<T>], w: &mut [Complex<T>]) {
+    fn loads(&self, y: &ArrayView2<Complex<T>>, first: usize, u: &mut [Complex<T>], w: &mut [Complex<T>]) {
         let width = y.ncols();
         u.fill(Complex::default());
         w.fill(Complex::default());

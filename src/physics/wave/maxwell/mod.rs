@@ -5,6 +5,7 @@
 //! averaging the error falls only like the spacing, with the tensor like its third power. Homogeneous layers are exact.
 //! Refused: rough surfaces, and metals (Re η² < 0) as grains or around them.
 
+mod absorption;
 pub mod cell;
 pub mod contrast;
 pub mod far_field;

@@ -177,28 +177,29 @@ impl VectorProblem {
         self.single.get_or_init(|| self.double.narrowed(PlaneFft::new(resolution.nx, resolution.ny)))
     }
 
-    /// E_s and h of every harmonic on both faces, from a solution's moments.
-    pub(super) fn faces(&self, e: &Field, polarisation: Polarisation) -> Faces {
+    /// E_s and h of every harmonic on both faces, from a solution's moments, and the absorbed share of the incident flux.
+    ///
+    /// A is the volume integral of the loss, (1/κ) ∫ Im E†(k̄² + V)E: V's part from the moments e that were found, the mean's
+    /// from the field in the cells that V e makes. R + T + A is 1 as far as e solves the problem.
+    pub(super) fn leaving(&self, e: &Field, polarisation: Polarisation) -> (Faces, f64) {
         let mut loads = Field::zeros(self.shape());
+        let mut loss = 0.0;
         if self.has_contrast() {
             self.double.contrast_product(e.view(), &mut loads);
+            loss = self.contrast_loss(e, &loads);
             // The scattered wave is −A⁻¹ V e.
             loads.par_mapv_inplace(|z| -z);
         }
-        self.double.mean.faces(&mut loads, Some(self.entry(polarisation)))
+        let nodes = self.double.mean.nodes(&loads, self.entry(polarisation));
+        loss += self.double.mean.loss(&loads, &nodes);
+        (Faces::of(&nodes), loss / self.incident_kappa())
     }
 
-    /// Σ h w_q Im⟨E†VE⟩/κ: the share of the incident flux absorbed where the index differs from the mean. With a real
-    /// mean this is all absorption, and R + T + A = 1 to the residual.
-    pub fn excess_absorptance(&self, e: &Field) -> f64 {
-        let mut product = Field::zeros(self.shape());
-        self.double.contrast_product(e.view(), &mut product);
+    /// Σ h w_q Im⟨E†VE⟩ from e and V e: the loss where the index differs from the mean.
+    fn contrast_loss(&self, e: &Field, product: &Field) -> f64 {
         let weight = |row: usize| 0.5 * self.moments.grid.height_um(row / CELL_ROWS);
         let rows = e.outer_iter().zip(product.outer_iter()).enumerate();
-        let sum: f64 = rows
-            .map(|(r, (e, v))| weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>())
-            .sum();
-        sum / self.incident_kappa()
+        rows.map(|(r, (e, v))| weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>()).sum()
     }
 }
 
@@ -221,7 +222,8 @@ fn check_metals(moments: &NormalMoments, media: &Media) -> Result<(), WaveError>
     Err(WaveError::NotInVectorMode {
         what: "a metal (Re η² < 0) as grain or around grains",
         reason: "the normal-field tensor may be singular there and has not been tested",
-        remedy: "use Re η > Im η, or the scalar wave; homogeneous metal films are solved exactly",
+        remedy: "use Re η > Im η; metals are solved as homogeneous films alone, and the scalar wave is no way out: it does not \
+                 describe metals",
     })
 }
 

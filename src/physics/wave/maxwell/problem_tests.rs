@@ -1,6 +1,7 @@
 //! Refusals, each with its reason.
 
 use super::*;
+use crate::solve::{Gmres, Goal, Silent, Solver};
 use crate::wave::{Ball, Body, Resolution, Scene, Scheme, Shape};
 
 fn problem(pigment: Complex64, scheme: Scheme) -> Result<VectorProblem, WaveError> {
@@ -18,7 +19,28 @@ fn problem(pigment: Complex64, scheme: Scheme) -> Result<VectorProblem, WaveErro
 fn metals_and_other_schemes_are_refused_with_a_reason() {
     let metal = problem(Complex64::new(0.2, 3.0), Scheme::Quadratic).err().expect("a metal is refused");
     assert!(metal.to_string().contains("singular"), "{metal}");
+    // The scalar wave knows no surface charges: for metals it is no remedy.
+    assert!(!metal.to_string().contains("or the scalar wave"), "{metal}");
     let cubic = problem(1.4.into(), Scheme::Cubic).err().expect("another scheme is refused");
     assert!(cubic.to_string().contains("two moments"), "{cubic}");
     assert!(problem(1.4.into(), Scheme::Quadratic).is_ok());
+}
+
+/// Identity: A is measured, not what R and T leave, so that light lost on the way out is missed: far less than 1e-6 is missing else.
+#[test]
+fn a_loss_of_a_millionth_is_seen() {
+    let problem = problem(Complex64::new(1.4, 0.1), Scheme::Quadratic).expect("a problem");
+    let goal = Goal { tolerance: 1e-10, ..Goal::default() };
+    let solved = Polarisation::BOTH.map(|polarisation| {
+        Gmres::default().solve(&problem.polarised(polarisation), goal, &mut Silent).expect("a solution").field
+    });
+    let far = problem.far_field([&solved[0], &solved[1]]);
+    for polarisation in Polarisation::BOTH {
+        let sound = far.polarised(polarisation);
+        assert!(sound.absorptance > 1e-3 && sound.energy_error().abs() < 10.0 * goal.tolerance, "{sound:?}");
+        let mut lossy = far.clone();
+        lossy.reflectance[polarisation as usize] -= 1e-6;
+        let error = lossy.polarised(polarisation).energy_error();
+        assert!((error + 1e-6).abs() < 1e-8, "{error:.2e}");
+    }
 }

@@ -1,0 +1,144 @@
+//! What the mean medium absorbs: Σ Im k̄² ∫|E|² over its cells, from the exact field in each of them.
+//!
+//! In a cell of height h, with τ = t − ½ and a source linear in τ, every field is made of four functions (x = kz h):
+//!
+//!   C = cos xτ / cos ½x     S = sin xτ / sin ½x     (C − 1)/x²: source 1     (S − 2τ)/x²: source 2τ
+//!
+//! TE gives E_s, TM gives h and by it E_p = (−i h' − J_p)/k̄², E_z = (−q h − J_z)/k̄². The integral is a quadrature at points that
+//! the moments of [`super::cell`] have nothing to do with, so that R + T + A = 1 is a check of both. The division by x²
+//! loses no more than rounding: |x²| ≥ Im k̄² h², and Im k̄² multiplies everything.
+
+use super::mean::{CELL_ROWS, VectorMean};
+use crate::wave::Field;
+use crate::wave::contrast::section::GaussRules;
+use crate::wave::operator::cell::decaying_root;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+const I: Complex64 = Complex64::I;
+
+/// E_s (first) and h (second) at all nodes (rows) in every harmonic (columns).
+pub(super) type Nodes = [Field; 2];
+
+/// A function of τ and its derivative.
+type WithSlope = [Complex64; 2];
+
+/// Values at a cell's nodes, and a source a + bτ with the sign of u'' + kz² u = −(a + bτ).
+struct Driven {
+    nodes: [Complex64; 2],
+    source: [Complex64; 2],
+}
+
+/// One harmonic in a cell: q, E_s, h, and a + bτ of J's components s, p, z.
+struct Waves {
+    q: f64,
+    electric: Driven,
+    magnetic: Driven,
+    sources: [[Complex64; 2]; 3],
+}
+
+/// One cell.
+struct Cell<'a> {
+    index: usize,
+    height: f64,
+    k2: Complex64,
+    rules: &'a GaussRules,
+}
+
+impl VectorMean {
+    /// Σ Im k̄² ∫|E|² dz over cells and harmonics, 1/µm: the field has these node values and the source V E = −`y`.
+    pub(super) fn loss(&self, y: &Field, nodes: &Nodes) -> f64 {
+        let rules = GaussRules::default();
+        let (heights, mean_k2, lateral) = self.cells();
+        let cell = |index| Cell { index, height: heights[index], k2: mean_k2[index], rules: &rules };
+        let losses: Vec<f64> =
+            (0..heights.len()).into_par_iter().map(|index| cell(index).loss(lateral, y, nodes)).collect();
+        losses.iter().sum()
+    }
+}
+
+impl Cell<'_> {
+    fn loss(&self, lateral: &[f64], y: &Field, nodes: &Nodes) -> f64 {
+        if self.k2.im == 0.0 {
+            return 0.0;
+        }
+        let intensity: f64 = lateral.iter().enumerate().map(|(i, &q)| self.intensity(i, q, y, nodes)).sum();
+        self.k2.im * self.height * intensity
+    }
+
+    /// ∫|E|² dt of one harmonic.
+    fn intensity(&self, harmonic: usize, q: f64, y: &Field, nodes: &Nodes) -> f64 {
+        let x2 = (self.k2 - q * q) * (self.height * self.height);
+        let x = decaying_root(x2);
+        let sources = [0, 1, 2].map(|component| self.source(harmonic, component, y));
+        let [s, p, z] = sources;
+        let at_nodes = |k: usize| [0, 1].map(|side| nodes[k][[self.index + side, harmonic]]);
+        let electric = Driven { nodes: at_nodes(0), source: s };
+        // h'' + kz² h = q J_z + i J_p'.
+        let magnetic =
+            Driven { nodes: at_nodes(1), source: [-(q * z[0] + I * p[1] / self.height), -q * z[1]] };
+        let waves = Waves { q, electric, magnetic, sources };
+        let rule = self.rules.of(points(x)).iter();
+        rule.map(|&(t, weight)| 0.5 * weight * self.square(&waves, &Basis::new(x, x2, 0.5 * t))).sum()
+    }
+
+    /// |E|² at the basis' τ.
+    fn square(&self, waves: &Waves, basis: &Basis) -> f64 {
+        let h2 = self.height * self.height;
+        let [_, p, z] = waves.sources.map(|[a, b]| a + basis.tau * b);
+        let [e, _] = waves.electric.at(basis, h2);
+        let [h, slope] = waves.magnetic.at(basis, h2);
+        let along = -I * slope / self.height - p;
+        let upright = -waves.q * h - z;
+        e.norm_sqr() + (along.norm_sqr() + upright.norm_sqr()) / self.k2.norm_sqr()
+    }
+
+    /// a and b of J = a + bτ from both Gauss planes' J = −y: ψ = ½ ∓ √3 τ.
+    fn source(&self, harmonic: usize, component: usize, y: &Field) -> [Complex64; 2] {
+        let row = CELL_ROWS * self.index + component;
+        let [first, second] = [y[[row, harmonic]], y[[row + 3, harmonic]]];
+        [-0.5 * (first + second), -(3f64.sqrt()) * (second - first)]
+    }
+}
+
+/// Nodes of the quadrature of |e^{ixτ}|² to rounding: its Chebyshev series reaches it at degree 16 + 8 √|x|.
+fn points(x: Complex64) -> usize {
+    (10.0 + 4.0 * x.norm().sqrt()).ceil().min(60.0) as usize
+}
+
+/// The four functions of one τ.
+struct Basis {
+    tau: f64,
+    even: WithSlope,
+    odd: WithSlope,
+    even_source: WithSlope,
+    odd_source: WithSlope,
+}
+
+impl Basis {
+    /// From decaying exponentials, so that nothing overflows.
+    fn new(x: Complex64, x2: Complex64, tau: f64) -> Basis {
+        let [down, up, across] = [0.5 - tau, 0.5 + tau, 1.0].map(|t| (I * x * t).exp());
+        let (sum, difference) = (up + down, up - down);
+        let even = [sum / (1.0 + across), I * x * difference / (1.0 + across)];
+        let odd = [difference / (across - 1.0), I * x * sum / (across - 1.0)];
+        let even_source = [(even[0] - 1.0) / x2, even[1] / x2];
+        let odd_source = [(odd[0] - 2.0 * tau) / x2, (odd[1] - 2.0) / x2];
+        Basis { tau, even, odd, even_source, odd_source }
+    }
+}
+
+impl Driven {
+    /// Value and derivative by t; `h2` is the cell's height squared.
+    fn at(&self, basis: &Basis, h2: f64) -> WithSlope {
+        let [first, last] = self.nodes;
+        let [a, b] = self.source.map(|s| h2 * s);
+        let (mean, half) = (0.5 * (first + last), 0.5 * (last - first));
+        [0, 1].map(|k| {
+            mean * basis.even[k]
+                + half * basis.odd[k]
+                + a * basis.even_source[k]
+                + 0.5 * b * basis.odd_source[k]
+        })
+    }
+}
