@@ -130,15 +130,14 @@ impl LayerOnPaper {
         Ok(layer)
     }
 
-    /// T̄, the mean transmittance over the hemisphere on the incident side. As all totals it is kept within 0 and 1, which
-    /// curves through few wavelengths and angles may overshoot.
+    /// T̄, the mean transmittance over the hemisphere on the incident side.
     pub fn mean_transmittance(&self) -> f64 {
-        (self.film_means[0] + self.measured.transmittance).clamp(0.0, 1.0)
+        self.film_means[0] + self.measured.transmittance
     }
 
     /// Ā from the exit side, the mean absorptance over the hemisphere there.
     pub fn mean_absorptance_exit(&self) -> f64 {
-        (self.film_means[1] + self.measured.absorptance).clamp(0.0, 1.0)
+        self.film_means[1] + self.measured.absorptance
     }
 
     /// R̄ from the exit side, 1 − T̄/n² − Ā.
@@ -166,10 +165,11 @@ impl LayerOnPaper {
 
     /// R(θ) of the layer alone, total.
     pub fn reflectance(&self, at: &PolarAngle) -> f64 {
-        (at.film[self.node][0] + self.difference(at, 0)).clamp(0.0, 1.0)
+        at.film[self.node][0] + self.difference(at, 0)
     }
 
-    /// T(θ) of the layer alone, total.
+    /// T(θ) of the layer alone, total; kept within 0 and 1, which curves through few angles and wavelengths overshoot. R and the
+    /// means are not: they enter sums, and a jackknife over values that stop at 0 would make errors too small.
     pub fn transmittance(&self, at: &PolarAngle) -> f64 {
         (at.film[self.node][1] + self.difference(at, 1)).clamp(0.0, 1.0)
     }
