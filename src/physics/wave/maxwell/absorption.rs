@@ -8,7 +8,7 @@
 //! the moments of [`super::cell`] have nothing to do with, so that R + T + A = 1 is a check of both. The division by x²
 //! loses no more than rounding: |x²| ≥ Im k̄² h², and Im k̄² multiplies everything.
 
-use super::mean::{CELL_ROWS, VectorMean};
+use super::mean::{CELL_ROWS, Nodes, VectorMean};
 use crate::wave::Field;
 use crate::wave::contrast::section::GaussRules;
 use crate::wave::operator::cell::decaying_root;
@@ -16,9 +16,6 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 const I: Complex64 = Complex64::I;
-
-/// E_s (first) and h (second) at all nodes (rows) in every harmonic (columns).
-pub(super) type Nodes = [Field; 2];
 
 /// A function of τ and its derivative.
 type WithSlope = [Complex64; 2];
@@ -134,11 +131,8 @@ impl Driven {
         let [first, last] = self.nodes;
         let [a, b] = self.source.map(|s| h2 * s);
         let (mean, half) = (0.5 * (first + last), 0.5 * (last - first));
-        [0, 1].map(|k| {
-            mean * basis.even[k]
-                + half * basis.odd[k]
-                + a * basis.even_source[k]
-                + 0.5 * b * basis.odd_source[k]
-        })
+        let Basis { even, odd, even_source, odd_source, .. } = basis;
+        let driven = |k: usize| a * even_source[k] + 0.5 * b * odd_source[k];
+        [0, 1].map(|k| mean * even[k] + half * odd[k] + driven(k))
     }
 }

@@ -9,7 +9,6 @@
 //! interface. Rows of a field: component c (s, p, z) of Gauss plane q in cell j is row 6j + 3q + c; columns are
 //! harmonics. Neither kz nor q is divided by.
 
-use super::absorption::Nodes;
 use super::cell::cell_functions;
 use super::kernels::{Constants, Loads, Moments, Tables};
 use super::nodes::{BLOCK, NodeSystem};
@@ -25,6 +24,9 @@ use rayon::prelude::*;
 pub const CELL_ROWS: usize = 6;
 
 const I: Complex64 = Complex64::I;
+
+/// E_s (first) and h (second) at all nodes (rows) in every harmonic (columns).
+pub(super) type Nodes = [Field; 2];
 
 /// A wave that enters through one face in one harmonic: node rows' right-hand sides of the TE and the TM problem.
 #[derive(Clone, Copy, Debug)]
