@@ -1,12 +1,13 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
+use super::again::this_command;
 use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
 use inkwave::compare::experiment::{CompareError, ComparisonFile, Plan};
 use inkwave::compare::matrix::Cell;
-use inkwave::compare::pages::Row;
+use inkwave::compare::pages::{Row, is_of_a_comparison};
 use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
@@ -37,11 +38,15 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         return say(format_args!("{}: {rows} solves on a layer of {bodies} bodies", args.file.display()));
     }
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
+    let output = output.going_on_with(this_command());
+    output.mark_partial().map_err(folder_report)?;
     let mut stop = Stop(super::stop::StopFlag::listen());
     let matrix =
         file.run_matrix(&registry, &mut stop, tell_cell).inspect_err(|_| output.discard_when_empty());
     if let Some(matrix) = matrix.map_err(report)? {
+        output.remove_files(is_of_a_comparison).map_err(folder_report)?;
         matrix.write(output.path()).into_diagnostic()?;
+        complete(&output, matrix.cells.len() == matrix.asked)?;
         say(format_args!("Comparison: {}", output.path().join("matrix.html").display()))?;
         return ended(matrix.cells.len(), matrix.asked);
     }
@@ -49,7 +54,9 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         .run(&registry, &mut stop, tell_row)
         .inspect_err(|_| output.discard_when_empty())
         .map_err(report)?;
+    output.remove_files(is_of_a_comparison).map_err(folder_report)?;
     comparison.write(output.path()).into_diagnostic()?;
+    complete(&output, comparison.rows.len() == comparison.asked)?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     ended(comparison.rows.len(), comparison.asked)?;
     if comparison.rows.iter().any(|row| row.converged()) {
@@ -57,6 +64,11 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let reason = comparison.rows.first().map_or("no rows", |row| row.outcome.as_str());
     Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
+}
+
+/// Takes the mark away where every solve is there.
+fn complete(output: &OutputFolder, all: bool) -> Result<()> {
+    if all { output.complete().map_err(folder_report) } else { Ok(()) }
 }
 
 /// One finished solve of a matrix: index, period, strategy, cost and outcome.

@@ -2,13 +2,15 @@
 
 use super::again::quoted;
 use super::progress::Progress;
+use super::run::folder_report;
 use super::say::say;
 use super::stop::StopFlag;
 use clap::{Args, ValueEnum};
 use inkwave::export::run::{Format, NearField, Request, export};
 use inkwave::export::stored::{Stored, StoredError};
-use inkwave::store::marker::Marker;
-use inkwave::store::{partial, safely};
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
+use inkwave::store::partial;
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -66,7 +68,7 @@ impl From<To> for Format {
 pub fn run(args: &ExportArgs) -> miette::Result<()> {
     let stored = Stored::read(&args.folder).map_err(|error| not_stored(&error, &args.folder))?;
     let folder = args.output.clone().unwrap_or_else(|| args.folder.join("export"));
-    refuse(&folder)?;
+    let folder = OutputFolder::open(&folder, Holds::Exports).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
     let request = Request {
         formats: args.to.iter().map(|&to| to.into()).collect(),
@@ -75,37 +77,15 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
     };
     let exported = export(&stored, &request, &progress);
     progress.finish();
-    let exported = exported.into_diagnostic()?;
-    std::fs::create_dir_all(&folder).map_err(|error| not_writable(&folder, &error))?;
+    let exported = exported.inspect_err(|_| folder.discard_when_empty()).into_diagnostic()?;
     for file in &exported.files {
         let path = folder.join(&file.name);
         safely::write(&path, &file.bytes).map_err(|error| not_writable(&folder, &error))?;
         say(format_args!("{}: {}", path.display(), file.about))?;
+        folder.write(&file.name, &file.bytes).map_err(folder_report)?;
+        println!("{}: {}", folder.path().join(&file.name).display(), file.about);
     }
     exported.remarks.iter().try_for_each(say)
-}
-
-/// Refuses, before anything is made, what cannot take the files.
-fn refuse(folder: &Path) -> miette::Result<()> {
-    if let Some(marker) = Marker::read(folder) {
-        return Err(miette!(
-            help = OWN_FOLDER,
-            "{} holds {} of inkwave",
-            folder.display(),
-            marker.inkwave_folder
-        ));
-    }
-    if folder.exists() && !folder.is_dir() {
-        return Err(miette!(help = OWN_FOLDER, "--output {} is a file, no folder", folder.display()));
-    }
-    Ok(())
-}
-
-const OWN_FOLDER: &str = "give a folder of its own: --output DIR; FOLDER/export when left out";
-
-fn not_writable(folder: &Path, error: &std::io::Error) -> miette::Report {
-    let help = "give a folder that you may write to, on a disk with room: --output DIR";
-    miette!(help = help, "cannot write to {}: {error}", folder.display())
 }
 
 fn not_stored(error: &StoredError, folder: &Path) -> miette::Report {

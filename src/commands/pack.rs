@@ -1,5 +1,6 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
+use super::again::this_command;
 use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::say;
@@ -10,7 +11,7 @@ use inkwave::ink::pack;
 use inkwave::ink::{PackProgress, PackWatch, Packing};
 use inkwave::input::Study;
 use inkwave::input::load::load_packing;
-use inkwave::report::packing::write_report;
+use inkwave::report::packing::{is_of_one_packing, write_report};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result, WrapErr};
@@ -44,10 +45,14 @@ pub fn run(args: &PackArgs) -> Result<()> {
     let stop = StopFlag::listen();
     let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.study));
     let folder = OutputFolder::open(&folder, Holds::Packings).map_err(folder_report)?;
+    let folder = folder.going_on_with(this_command());
+    folder.mark_partial().map_err(folder_report)?;
     let packings = (0..study.realisations).map(|k| one(&study, k, &stop)).collect::<Result<Vec<_>>>();
     let packings = packings.inspect_err(|_| folder.discard_when_empty())?;
     let pigments: Vec<_> = study.pigments.iter().map(|p| (p.name.clone(), p.grains.shape.clone())).collect();
+    folder.remove_files(is_of_one_packing).map_err(folder_report)?;
     let (_, page) = write_report(folder.path(), &study.title, &pigments, &packings).into_diagnostic()?;
+    folder.complete().map_err(folder_report)?;
     say(format_args!("report: {}", page.display()))?;
     Ok(())
 }

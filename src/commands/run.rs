@@ -123,8 +123,9 @@ fn tell(
     let help = match (stopped, failed) {
         (true, _) => format!("to go on: {}", this_command()),
         (false, 0) => {
-            "the numbers are means over the others; a larger layer.period_um or smaller volume_fraction \
-                       gives grains room"
+            "the numbers are means over the packings that had room, and no bar holds what that selects: lower \
+             pigment.volume_fraction, or try another layer.period_um (a larger one may refuse more often, as all \
+             its grains must find room)"
                 .to_owned()
         }
         _ => {

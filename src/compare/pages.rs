@@ -11,6 +11,9 @@ use serde::Serialize;
 use std::path::Path;
 use thiserror::Error;
 
+/// Plots, without the numbers of those that are several.
+const PLOTS: [&str; 4] = ["applications", "residuals", "error_against_work", "error_against_seconds"];
+
 /// What may fail while a comparison is written.
 #[derive(Debug, Error)]
 pub enum ComparisonError {
@@ -81,6 +84,15 @@ pub struct Comparison {
     pub asked: usize,
     /// One row for each strategy, discretisation and grid.
     pub rows: Vec<Row>,
+}
+
+/// Whether a file's name is one of those that a comparison or a matrix of comparisons writes.
+pub fn is_of_a_comparison(name: &str) -> bool {
+    let tables = ["comparison", "residuals", "matrix"]
+        .map(|stem| ["csv", "md", "html"].map(|e| format!("{stem}.{e}")));
+    let plot =
+        name.strip_suffix(".svg").map(|stem| stem.trim_end_matches(|c: char| c == '-' || c.is_ascii_digit()));
+    tables.as_flattened().iter().any(|table| table == name) || plot.is_some_and(|stem| PLOTS.contains(&stem))
 }
 
 impl Comparison {

@@ -35,8 +35,8 @@ pub fn check(outline: &Outline) -> Result<(), String> {
             return Err(format!("sheet.{key}: found {name:?}; allowed: the name of an axis"));
         }
     }
-    let claims = outline.claims.iter().enumerate();
-    claims.map(|(i, claim)| check_claim(&format!("claims[{i}]"), claim, count)).collect()
+    let mut claims = outline.claims.iter().enumerate();
+    claims.try_for_each(|(i, claim)| check_claim(&format!("claims[{i}]"), claim, count))
 }
 
 /// Checks that the variants have what the conclusions ask of them: wavelengths, a target colour.

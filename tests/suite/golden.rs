@@ -9,6 +9,7 @@ use inkwave::report::publish::publish;
 use inkwave::run::collected::{Collected, Realisation};
 use inkwave::run::resolve::Resolved;
 use inkwave::store::folder::OutputFolder;
+use inkwave::store::identity::METHOD_VERSION;
 use inkwave::store::marker::Holds;
 use inkwave::store::{PackingRecord, PointRecord};
 use serde::Deserialize;
@@ -251,4 +252,25 @@ fn a_sweep_has_its_golden_numbers() {
         ledger.number(&row[2], row[3].parse().ok(), want.as_f64());
     }
     ledger.close("sweep");
+}
+
+/// The golden numbers of every method: the version, and the digest of the files that hold them. A line is added, never changed.
+const METHODS: [(u32, &str); 1] = [(1, "f8549ee6fb120b47")];
+
+/// Published numbers and the method's version change together, so that stored results of an older method are never taken for new ones.
+#[test]
+fn golden_numbers_change_with_the_version_of_the_method() {
+    let mut hasher = blake3::Hasher::new();
+    for name in ["film.json", "fixed.json", "varied.json", "sweep.json"] {
+        let text = std::fs::read_to_string(golden(name)).expect("a file");
+        hasher.update(text.replace("\r\n", "\n").as_bytes());
+    }
+    let digest = hasher.finalize().to_hex()[..16].to_owned();
+    let versions: Vec<u32> = METHODS.iter().map(|(version, _)| *version).collect();
+    assert!(versions.iter().copied().eq(1..=METHODS.len() as u32), "one line for each version: {versions:?}");
+    assert_eq!(
+        METHODS.last().map(|(version, digest)| (*version, (*digest).to_owned())),
+        Some((METHOD_VERSION, digest)),
+        "golden numbers and METHOD_VERSION (src/study/store/identity.rs) change together: count it up and add its line to METHODS"
+    );
 }

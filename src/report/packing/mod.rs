@@ -7,5 +7,5 @@ mod vtk;
 
 pub use coordinates::{grains_csv, packing_json, read_packing_json};
 pub use files::write_whole;
-pub use report::write_report;
+pub use report::{is_of_one_packing, write_report};
 pub use vtk::spheres_vtp;

@@ -41,6 +41,14 @@ pub fn write_report(
     Ok((statistics, page))
 }
 
+/// Whether a file's name is that of one realisation in a folder of packings.
+pub fn is_of_one_packing(name: &str) -> bool {
+    let number = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
+    let kinds = [("grains_", ".csv"), ("packing_", ".json"), ("spheres_", ".vtp")];
+    let between = |(head, tail)| name.strip_prefix(head)?.strip_suffix(tail);
+    kinds.into_iter().filter_map(between).any(number)
+}
+
 fn scalars_csv(statistics: &Statistics) -> Result<Vec<u8>, OutputError> {
     let rows = statistics.scalars.iter().map(|(name, unit, value)| {
         vec![name.clone(), unit.clone(), value.value.to_string(), or_empty(value.standard_error)]

@@ -3,7 +3,7 @@
 //! A [`database`] keeps sealed records ([`seal`]) in one SQLite file for each worker ([`rows`], [`slot`]); [`store`] is the typed
 //! door to it, [`mod@record`] and [`packing_record`] are what goes through. Damage counts as absence and is told ([`damage`]).
 //! Workers of one folder share their tasks through a [`queue`]. [`folder`] is the place for everything a run writes, known
-//! by its [`marker`], its processes by their [`presence`]; [`safely`] is the way it is written, [`identity`] the content hash, [`build`](mod@build) the program's own name.
+//! by its [`marker`], its processes by their `presence`; [`safely`] is the way it is written, [`identity`] the content hash, [`build`](mod@build) the program's own name.
 
 mod aside;
 pub mod build;

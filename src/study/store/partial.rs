@@ -9,7 +9,7 @@ const INDENT: &str = "    ";
 
 /// What the mark says.
 pub(super) fn text(go_on: Option<&str>) -> String {
-    let begun = "This study is not finished. Run it again to continue where it stopped";
+    let begun = "The work here is not finished, and files may be of an earlier run. The same command goes on";
     match go_on {
         Some(command) => format!("{begun}:\n\n{INDENT}{command}\n"),
         None => format!("{begun}.\n"),
