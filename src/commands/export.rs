@@ -79,11 +79,8 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
     progress.finish();
     let exported = exported.inspect_err(|_| folder.discard_when_empty()).into_diagnostic()?;
     for file in &exported.files {
-        let path = folder.join(&file.name);
-        safely::write(&path, &file.bytes).map_err(|error| not_writable(&folder, &error))?;
-        say(format_args!("{}: {}", path.display(), file.about))?;
         folder.write(&file.name, &file.bytes).map_err(folder_report)?;
-        println!("{}: {}", folder.path().join(&file.name).display(), file.about);
+        say(format_args!("{}: {}", folder.path().join(&file.name).display(), file.about))?;
     }
     exported.remarks.iter().try_for_each(say)
 }
