@@ -1,6 +1,8 @@
 //! Which variants come nearest to the colour that they shall have.
 
+use super::axes::plain;
 use super::conclusions::{QUANTILE, student};
+use super::load::{Outline, Place};
 use super::outcome::Outcome;
 use super::sweep_page::{NearRow, Nearest};
 use crate::numerics::estimate::Estimate;
@@ -49,7 +51,7 @@ pub(crate) fn in_words(outcomes: &[Outcome]) -> Option<String> {
 }
 
 /// The part of the page that says which variants come nearest.
-pub(crate) fn nearest(outcomes: &[Outcome]) -> Option<Nearest> {
+pub(crate) fn nearest(outline: &Outline, outcomes: &[Outcome]) -> Option<Nearest> {
     let target = in_words(outcomes)?;
     let order = in_order(outcomes);
     let tied = order.iter().skip(1).filter(|near| near.is_tied() == Some(true)).count();
@@ -60,6 +62,7 @@ pub(crate) fn nearest(outcomes: &[Outcome]) -> Option<Nearest> {
         summary: order.first().map_or_else(String::new, |best| {
             let asked = outcomes.iter().filter(|outcome| outcome.aim.is_some()).count();
             summary(&outcomes[best.variant], [order.len(), asked], [tied, unknown])
+                + &at_the_edge(outline, best.variant)
         }),
         rows: rows.map(|(rank, near)| row(rank, near, outcomes)).collect(),
     })
@@ -80,6 +83,32 @@ fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]
         text += &format!(" {} have no colour yet.", all - known);
     }
     text
+}
+
+/// Where a variant has the least or the largest number of an axis: what is nearest there may be surpassed beyond.
+fn at_the_edge(outline: &Outline, variant: usize) -> String {
+    let Some(Place { place, .. }) = outline.variants.get(variant) else { return String::new() };
+    let edges: Vec<String> = outline
+        .axes
+        .iter()
+        .enumerate()
+        .filter_map(|(a, axis)| edge(outline, a, axis.number(place[a])?))
+        .collect();
+    if edges.is_empty() {
+        return String::new();
+    }
+    format!(" It lies at the edge of what was tried ({}): a nearer one may lie beyond.", edges.join(", "))
+}
+
+/// In words whether a number is the least or the largest that the variants have on an axis.
+fn edge(outline: &Outline, a: usize, here: f64) -> Option<String> {
+    let (axis, all) = (&outline.axes[a], &outline.variants);
+    let numbers: Vec<f64> = all.iter().filter_map(|v| axis.number(v.place[a])).collect();
+    let [least, most] = [f64::min, f64::max].map(|of| numbers.iter().copied().fold(here, of));
+    let which = if here == least { "smallest" } else { "largest" };
+    let unit = if axis.unit.is_empty() { String::new() } else { format!("\u{a0}{}", axis.unit) };
+    (least < most && (here == least || here == most))
+        .then(|| format!("{here}{unit} is the {which} {}", plain(&axis.name)))
 }
 
 /// All variants that have a distance, the nearest first.
