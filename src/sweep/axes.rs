@@ -82,10 +82,10 @@ impl Axis {
 /// Ends of the names of fields, and the units that they stand for.
 const UNITS: [(&str, &str); 3] = [("_nm", "nm"), ("_um", "µm"), ("_deg", "°")];
 
-/// The unit of a field's values, unless their labels are words, which may have units of their own.
+/// The unit of a field's values, unless they have labels of their own, which may hold units.
 fn unit(field: &str, settings: &[Setting]) -> &'static str {
-    let numbers = settings.iter().all(|s| s.label.parse::<f64>().is_ok());
-    UNITS.iter().find(|(end, _)| numbers && field.ends_with(end)).map_or("", |(_, unit)| unit)
+    let bare = settings.iter().all(|s| s.label == s.value);
+    UNITS.iter().find(|(end, _)| bare && field.ends_with(end)).map_or("", |(_, unit)| unit)
 }
 
 /// A name without the unit that it ends with.

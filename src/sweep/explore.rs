@@ -89,7 +89,7 @@ pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]
     let variants = pictures.iter().zip(places).enumerate().map(variant).collect();
     let data = Page {
         title: &outline.title,
-        program: crate::evaluate::summary::program(),
+        program: crate::report::page::made_by(),
         reference: &reference.name,
         target: target::nearest(outline, outcomes)
             .map(|nearest| Wanted { colour: nearest.target, nearest: nearest.summary }),

@@ -75,9 +75,11 @@ impl AxisOutline {
         }
     }
 
-    /// A label as a number, where it is one.
+    /// The number of a label, alone or before its unit: `0.9`, `15 %`, `200 nm`.
     pub fn number(&self, k: usize) -> Option<f64> {
-        self.labels.get(k)?.parse().ok().filter(|x: &f64| x.is_finite())
+        let mut words = self.labels.get(k)?.split_whitespace();
+        let number = words.next()?.parse().ok().filter(|x: &f64| x.is_finite())?;
+        (words.count() < 2).then_some(number)
     }
 
     /// The name as it stands at an axis or over a column, with the unit: `diameter, nm`.

@@ -12,7 +12,7 @@ use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
 use crate::evaluate::manifest::Count;
 use crate::numerics::estimate::Estimate;
-use crate::report::page::{Picture, png_data, svg_data};
+use crate::report::page::{Picture, made_by, png_data, svg_data};
 use crate::report::scalar_error;
 
 /// Most spectra in one figure: colours of the palette.
@@ -44,7 +44,7 @@ pub(crate) fn page(
         reference: reference.name.clone(),
         variants: (0..all).map(|v| row(sweep, v, &reported.outcomes)).collect(),
         figures: figures(sweep, sheets, &reported.outcomes)?,
-        program: crate::evaluate::summary::program(),
+        program: made_by(),
     })
 }
 

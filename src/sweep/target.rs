@@ -1,6 +1,5 @@
 //! Which variants come nearest to the colour that they shall have.
 
-use super::axes::plain;
 use super::conclusions::{QUANTILE, student};
 use super::load::{Outline, Place};
 use super::outcome::Outcome;
@@ -88,27 +87,21 @@ fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]
 /// Where a variant has the least or the largest number of an axis: what is nearest there may be surpassed beyond.
 fn at_the_edge(outline: &Outline, variant: usize) -> String {
     let Some(Place { place, .. }) = outline.variants.get(variant) else { return String::new() };
-    let edges: Vec<String> = outline
-        .axes
-        .iter()
-        .enumerate()
-        .filter_map(|(a, axis)| edge(outline, a, axis.number(place[a])?))
-        .collect();
+    let edges: Vec<String> = (0..place.len()).filter_map(|a| edge(outline, a, place[a])).collect();
     if edges.is_empty() {
         return String::new();
     }
     format!(" It lies at the edge of what was tried ({}): a nearer one may lie beyond.", edges.join(", "))
 }
 
-/// In words whether a number is the least or the largest that the variants have on an axis.
-fn edge(outline: &Outline, a: usize, here: f64) -> Option<String> {
-    let (axis, all) = (&outline.axes[a], &outline.variants);
-    let numbers: Vec<f64> = all.iter().filter_map(|v| axis.number(v.place[a])).collect();
-    let [least, most] = [f64::min, f64::max].map(|of| numbers.iter().copied().fold(here, of));
-    let which = if here == least { "smallest" } else { "largest" };
-    let unit = if axis.unit.is_empty() { String::new() } else { format!("\u{a0}{}", axis.unit) };
-    (least < most && (here == least || here == most))
-        .then(|| format!("{here}{unit} is the {which} {}", plain(&axis.name)))
+/// In words whether a label has the least or the largest number that the variants have on an axis.
+fn edge(outline: &Outline, a: usize, k: usize) -> Option<String> {
+    let axis = &outline.axes[a];
+    let here = axis.number(k)?;
+    let numbers = || outline.variants.iter().filter_map(|v| axis.number(v.place[a]));
+    let (below, above) = (numbers().any(|x| x < here), numbers().any(|x| x > here));
+    let which = if below { "largest" } else { "smallest" };
+    (below != above).then(|| format!("{} is the {which}", axis.named(k)))
 }
 
 /// All variants that have a distance, the nearest first.
