@@ -3,7 +3,7 @@
 use super::error::missing;
 use super::matrix::{Cell, Matrix};
 use super::pages::{ComparisonError, place_in};
-use crate::draw::log_plot::{Curve, LogPlot, Style};
+use crate::draw::chart::{Chart, Curve, Style};
 use crate::report::page::{STYLE, svg_data};
 use crate::report::seal::sealed;
 use minijinja::{Environment, context};
@@ -60,7 +60,7 @@ impl Matrix {
     }
 
     /// Applications against the period, one plot a pigment; lines are broken where a strategy fails.
-    fn plots(&self) -> Vec<(String, LogPlot)> {
+    fn plots(&self) -> Vec<(String, Chart)> {
         let mut pigments: Vec<[f64; 2]> = self.cells.iter().map(|c| [c.n, c.kappa]).collect();
         pigments.dedup();
         pigments.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
@@ -71,11 +71,11 @@ impl Matrix {
     }
 
     /// Operator applications of every strategy on a pigment against the period.
-    fn plot(&self, pigment: [f64; 2]) -> LogPlot {
+    fn plot(&self, pigment: [f64; 2]) -> Chart {
         let curves = self.strategies.iter().map(|name| self.curve(pigment, name));
         let curves = curves.filter(|c| c.points.iter().any(|p| p[1].is_finite())).collect();
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
-        LogPlot::log_log(&title, "period, µm", "operator applications", curves)
+        Chart::log_log(&title, "period, µm", "operator applications", curves)
     }
 
     /// Operator applications of one strategy; its colour and marker are the same in every plot.

@@ -1,8 +1,8 @@
 //! The outputs of a comparison: tables, plots with logarithmic axes, and a page.
 
 use super::error::missing;
-use crate::draw::figure::FigureError;
-use crate::draw::log_plot::{Curve, LogPlot, Style};
+use crate::draw::OutputError;
+use crate::draw::chart::{Chart, Curve, Style};
 use crate::report::cell::markdown;
 use crate::solve::Account;
 use crate::wave::{Resolution, Scheme};
@@ -30,7 +30,7 @@ pub enum ComparisonError {
     Csv(#[from] csv::Error),
     /// A plot.
     #[error(transparent)]
-    Figure(#[from] FigureError),
+    Figure(#[from] OutputError),
     /// The template does not fit its data: a fault of the program.
     #[error("cannot make the page: {0}")]
     Page(#[from] minijinja::Error),
@@ -148,7 +148,7 @@ impl Comparison {
     }
 
     /// File name and plot.
-    fn plots(&self) -> Vec<(&'static str, LogPlot)> {
+    fn plots(&self) -> Vec<(&'static str, Chart)> {
         let finest = self.rows.iter().map(|r| (r.unknowns, r.nx)).max().unwrap_or_default();
         let last = self.rows.iter().filter(|r| (r.unknowns, r.nx) == finest);
         // The start, before any application, would not show on a logarithmic axis.
@@ -158,9 +158,9 @@ impl Comparison {
         let work = self.curves(|r| (r.operator_applications * r.unknowns) as f64);
         let seconds = self.curves(|r| r.seconds);
         let error = "largest amplitude error";
-        let residuals = LogPlot {
+        let residuals = Chart {
             log: [false, true],
-            ..LogPlot::log_log(
+            ..Chart::log_log(
                 "Residual on the finest grid",
                 "operator applications",
                 "relative residual",
@@ -171,9 +171,9 @@ impl Comparison {
             ("residuals.svg", residuals),
             (
                 "error_against_work.svg",
-                LogPlot::log_log("Error against work", "applications × unknowns", error, work),
+                Chart::log_log("Error against work", "applications × unknowns", error, work),
             ),
-            ("error_against_seconds.svg", LogPlot::log_log("Error against time", "seconds", error, seconds)),
+            ("error_against_seconds.svg", Chart::log_log("Error against time", "seconds", error, seconds)),
         ]
     }
 
