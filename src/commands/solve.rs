@@ -203,6 +203,7 @@ fn report(e: &Estimated) -> Value {
     let (far, account, grid) = (&e.far_field, &e.solution.account, &e.problem.coverage.grid);
     let bytes = e.problem.bytes() + account.bytes;
     json!({
+        "wave": "scalar",
         "orders": far.orders.iter().map(order).collect::<Vec<_>>(),
         "R_total": far.reflectance,
         "T_total": far.transmittance,
@@ -246,6 +247,8 @@ fn order(o: &Order) -> Value {
         "m": o.m,
         "n": o.n,
         "propagating": o.reflected_propagates || o.transmitted_propagates,
+        "propagating_R": o.reflected_propagates,
+        "propagating_T": o.transmitted_propagates,
         "R": [o.reflected.re, o.reflected.im],
         "T": [o.transmitted.re, o.transmitted.im],
         "eff_R": o.reflected_efficiency,

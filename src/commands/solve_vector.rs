@@ -1,5 +1,6 @@
 //! The report of `inkwave solve --wave vector`: orders in both polarisations, as JSON.
 
+use inkwave::run::crew::processor_seconds;
 use inkwave::solve::accuracy::Estimated;
 use inkwave::solve::accuracy::discretisation::joint_account;
 use inkwave::wave::maxwell::{NormalMoments, VectorOrder};
@@ -10,6 +11,7 @@ use serde_json::{Value, json};
 pub fn report(e: &Estimated<NormalMoments>) -> Value {
     let (far, grid, account) = (&e.far_field, &e.problem.moments.grid, joint_account(&e.solution));
     let (rows, harmonics) = e.problem.shape();
+    let (unknowns, bytes) = (rows * harmonics, e.problem.bytes() + account.bytes);
     json!({
         "wave": "vector",
         "orders": far.orders.iter().map(order).collect::<Vec<_>>(),
@@ -21,14 +23,15 @@ pub fn report(e: &Estimated<NormalMoments>) -> Value {
         "energy_error": total(far.energy_error()),
         "solver": account.solver,
         "residual": account.residual,
-        "steps": account.steps,
-        "steps_by_polarisation": by_polarisation([0, 1].map(|i| e.solution[i].account.steps)),
+        "steps": by_polarisation([0, 1].map(|i| e.solution[i].account.steps)),
         "operator_applications": account.operator_applications,
         "seconds": account.seconds,
         "seconds_setup": e.seconds_setup,
         "seconds_estimate": e.seconds_estimate,
-        "unknowns": rows * harmonics,
-        "bytes": e.problem.bytes() + account.bytes,
+        "unknowns": unknowns,
+        "process_seconds": processor_seconds(),
+        "bytes": bytes,
+        "bytes_per_unknown": bytes as f64 / unknowns as f64,
         "resolution": super::solve::resolution_of(grid, 2 * grid.cells()),
         "version": env!("CARGO_PKG_VERSION"),
     })
@@ -52,6 +55,7 @@ fn order(o: &VectorOrder) -> Value {
     json!({
         "m": o.m,
         "n": o.n,
+        "propagating": o.reflected_propagates || o.transmitted_propagates,
         "propagating_R": o.reflected_propagates,
         "propagating_T": o.transmitted_propagates,
         "R": pairs(o.reflected),
