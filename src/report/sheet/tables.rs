@@ -10,9 +10,9 @@ use crate::input::study::{Dissolved, Pigment, Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
 use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
 use crate::report::scalar_error;
-use crate::solve::door::Wave;
 use crate::store::packing_record::{PackingRecord, ShareRecord};
 use crate::wave::Resolution;
+use crate::wave::Wave;
 
 fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
     Meant { name: name.to_owned(), value, meaning: meaning.into() }
