@@ -7,7 +7,7 @@ use crate::input::case::Case;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task};
 use crate::solve::{Coverages, Gmres, Goal, Watch};
-use crate::wave::{FarField, Mean, Order, Physical, Problem, Resolution, Scene, Scheme, TotalErrors};
+use crate::wave::{FarField, Mean, Order, Physical, Resolution, Scene, Scheme, TotalErrors};
 use num_complex::Complex64;
 
 /// A grid to try, and its share of the error.
@@ -51,7 +51,7 @@ impl ComparisonFile {
         let solver = Gmres::default();
         let task = task(case, &coverages, &solver, self.goal().tolerance);
         task.admitted(resolution).map_err(AccuracyError::Memory)?;
-        Problem::new(&coverages.at(resolution)?, task.media, task.incidence, task.mean)?;
+        task.systems(resolution)?;
         Ok(())
     }
 
@@ -67,11 +67,10 @@ impl ComparisonFile {
         let coverages = Coverages::of(&case.scene);
         let solver = Gmres::default();
         let task = task(case, &coverages, &solver, 1e-3 * self.goal().tolerance);
-        let (problem, solution, _) = task.solve(finer(&grids), watch)?;
-        let errors = TotalErrors::of_totals([1.0; 2], solution.account.residual);
-        let mut far = Physical::judge(problem.far_field(&solution.field), errors)
-            .map_err(AccuracyError::Unphysical)?
-            .into_inner();
+        let (solved, _) = task.solve(finer(&grids), watch)?;
+        let errors = TotalErrors::of_totals([1.0; 2], solved[0].solution.account.residual);
+        let mut far =
+            Physical::judge(solved[0].far_field(), errors).map_err(AccuracyError::Unphysical)?.into_inner();
         if let Some(known) = subject.known() {
             far.orders.retain_mut(|order| replace(order, known));
         }
@@ -98,7 +97,7 @@ fn searched_trial(task: &Task, accuracy: f64, watch: &mut dyn Watch) -> Result<T
     match task.solve_to_accuracy(accuracy, watch) {
         Err(stopped) if stopped.is_stop() => Err(stopped.into()),
         Err(failed) => Ok(Trial { grid: Err(failed.to_string()), parts: None }),
-        Ok(found) => Ok(Trial { grid: Ok(found.problem.coverage.grid.resolution), parts: Some(found.parts) }),
+        Ok(found) => Ok(Trial { grid: Ok(found.system().grid().resolution), parts: Some(found.parts) }),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::run::crew::processor_seconds;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
 use crate::solve::{Coverages, Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{FarField, Mean, Physical, Problem, Resolution, Scheme, TotalErrors};
+use crate::wave::{FarField, Mean, Physical, Resolution, Scheme, System, TotalErrors};
 
 /// A case with all that its rows share.
 pub(super) struct Bench<'a> {
@@ -72,23 +72,22 @@ impl Bench<'_> {
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
         let admitted = task.admitted(resolution)?;
-        let coverage = task.coverages.at(resolution)?;
-        let problem = Problem::new(&coverage, task.media, task.incidence, task.mean)?;
-        (row.unknowns, row.bytes) = (Some(problem.unknowns()), problem.bytes());
+        let system = task.systems(resolution)?.remove(0);
+        (row.unknowns, row.bytes) = (Some(system.unknowns()), system.bytes());
         let (solver, goal) = (admitted.solver(), task.goal);
-        let (Solution { field, account }, processor_seconds) = timed(solver, &problem, goal, watch)?;
+        let (Solution { field, account }, processor_seconds) = timed(solver, &*system, goal, watch)?;
         let mut seconds = vec![account.seconds];
         let mut processor_seconds: Vec<f64> = processor_seconds.into_iter().collect();
         let residual = account.residual;
         row.bytes += account.bytes;
         row.account = Some(account);
-        let far = problem.far_field(&field);
+        let far = system.far_field(&field);
         let error = largest_difference(&self.truth, &far);
         row.error_estimate = parts.map(|parts| error_estimate(parts, residual));
         let errors = TotalErrors::of_amplitudes(row.error_estimate.unwrap_or(error), residual);
         Physical::judge(far, errors)?;
         for _ in 1..self.file.repeats.unwrap_or(3) {
-            let (solution, processors) = timed(solver, &problem, goal, watch)?;
+            let (solution, processors) = timed(solver, &*system, goal, watch)?;
             seconds.push(solution.account.seconds);
             processor_seconds.extend(processors);
         }
@@ -100,12 +99,12 @@ impl Bench<'_> {
 /// A solution and the processor time that it took, s.
 fn timed(
     solver: &dyn Solver,
-    problem: &Problem,
+    system: &dyn System,
     goal: Goal,
     watch: &mut dyn Watch,
 ) -> Result<(Solution, Option<f64>), SolveError> {
     let before = processor_seconds();
-    let solution = solver.solve(problem, goal, watch)?;
+    let solution = solver.solve(system, goal, watch)?;
     Ok((solution, processor_seconds().zip(before).map(|(after, before)| after - before)))
 }
 
