@@ -3,7 +3,7 @@
 use super::say::say;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use inkwave::schema::{Document, annotated};
+use inkwave::schema::Document;
 use miette::{IntoDiagnostic, Result};
 
 /// Print the JSON Schema of an input file, from which editors complete and underline, or a file with every key.
@@ -25,7 +25,7 @@ fn kinds() -> impl TypedValueParser<Value = Document> {
 /// Runs the command.
 pub fn run(args: &SchemaArgs) -> Result<()> {
     if args.annotated {
-        return say(annotated(args.kind).trim_end());
+        return say(args.kind.every_key().trim_end());
     }
     say(serde_json::to_string_pretty(&args.kind.schema()).into_diagnostic()?)
 }

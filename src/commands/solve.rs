@@ -4,8 +4,6 @@ use super::say::{note, say};
 use super::solve_light::LightArgs;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
-use inkwave::input::older;
-use inkwave::numerics::files;
 use inkwave::run::crew::processor_seconds;
 use inkwave::solve::accuracy::discretisation::Discretisation;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
@@ -95,8 +93,6 @@ impl From<SchemeName> for Scheme {
 pub fn run(args: &SolveArgs) -> Result<()> {
     check(args)?;
     let mut case = Case::read(&args.case).into_diagnostic()?;
-    let text = files::read_text(&args.case, files::CASE).into_diagnostic()?;
-    older::remarks(&text).iter().for_each(super::say::note);
     if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
         miette::bail!(
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"

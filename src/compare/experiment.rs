@@ -6,7 +6,6 @@ mod rows;
 mod unused;
 
 pub use super::error::CompareError;
-pub use super::layer::PackedLayer;
 pub use file::{ComparisonFile, Points};
 
 use super::error::kept;

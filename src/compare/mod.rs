@@ -2,7 +2,6 @@
 
 pub mod error;
 pub mod experiment;
-pub mod layer;
 pub mod matrix;
 mod matrix_page;
 pub mod pages;

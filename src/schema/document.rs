@@ -36,6 +36,16 @@ impl Document {
         }
     }
 
+    /// A commented file of this kind with every key, its meaning, range and default.
+    pub fn every_key(self) -> &'static str {
+        match self {
+            Document::Study => include_str!("../../examples/every-key.toml"),
+            Document::Sweep => include_str!("../../examples/every-key-sweep.toml"),
+            Document::Compare => include_str!("../../examples/every-key-compare.toml"),
+            Document::Case => include_str!("../../examples/every-key-case.toml"),
+        }
+    }
+
     /// Its JSON Schema (draft 7, which most editors know).
     pub fn schema(self) -> Value {
         match self {

@@ -9,7 +9,6 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::file::StudyFile;
 use crate::input::load::read_file;
-use crate::input::older;
 use crate::input::read::read;
 use crate::input::study::Study;
 use crate::numerics::files;
@@ -153,9 +152,6 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     let mut variants = Vec::new();
     for draft in &drafts {
         variants.extend(reading.variant(draft, &mut faults)?);
-    }
-    if let Some(first) = variants.first_mut() {
-        first.study.remarks.extend(older::remarks(&text));
     }
     let outline = outline(&file, title.clone(), &axes, &drafts, &mut faults);
     if faults.0.is_empty() {

@@ -79,7 +79,7 @@ fn numbers_out_of_range_name_field_value_range_and_remedy() {
             ["spheres[0].eta (absorption) is -0.1", "0 or above", "change the sign"],
         ),
         ("/eta_binder", json!([0, 0]), ["eta_binder is 0", "other than 0", "[real part, absorption]"]),
-        ("/n_below", json!(-1), ["n_in (real part) is -1", "0 or above", "positive"]),
+        ("/n_in", json!(-1), ["n_in (real part) is -1", "0 or above", "positive"]),
         ("/spheres/0", sphere(0.2, 0.1, 0.15), ["spheres[0]", "from z = -0.05", "layer is 0 … 0.6"]),
         ("/spheres/0", sphere(0.2, 0.3, 0.28), ["own periodic image", "6.000e-2", "period L larger"]),
         (
@@ -87,11 +87,11 @@ fn numbers_out_of_range_name_field_value_range_and_remedy() {
             json!([sphere(0.1, 0.3, 0.1), sphere(0.2, 0.3, 0.1)]),
             ["spheres[0] and spheres[1]", "1.000e-1", "apart"],
         ),
-        ("/eta_below", json!([1, 0]), ["n_in", "twice", "one of them"]),
+        ("/eta_in", json!([1, 0]), ["n_in", "twice", "one of them"]),
     ] {
         let mut text = with(pointer, value);
-        if pointer == "/eta_below" {
-            text = text.replacen('{', "{\"n_below\": 1.0, ", 1);
+        if pointer == "/eta_in" {
+            text = text.replacen('{', "{\"n_in\": 1.0, ", 1);
         }
         refuses_text("case.json", &text, &[], &words);
     }
@@ -300,7 +300,7 @@ fn light_from_below_sees_less_of_an_asymmetric_layer() {
         json!({ "wavelength": 0.55, "from": from, "layers_from_z0":
                 [{ "thickness": 0.2, "eta": [1.5, 0] }, { "thickness": 0.2, "eta": [1.5, 0.3] }] })
     };
-    let [above, below] = ["above", "below"].map(|from| solved(&case(from).to_string(), "case.json", &[]));
+    let [above, below] = ["incident", "exit"].map(|from| solved(&case(from).to_string(), "case.json", &[]));
     let number = |value: &Value| value.as_f64().expect("a number");
     // Reciprocity makes the transmittance the same; absorption makes the reflectance differ.
     assert!((number(&above["T_total"]) - number(&below["T_total"])).abs() < 1e-13);
@@ -338,7 +338,7 @@ fn a_lit_square_adds_its_lobes_and_their_totals() {
 
 #[test]
 fn what_a_lit_square_cannot_show_is_said() {
-    let absorber = json!({ "wavelength": 0.5, "n_above": [1.5, 0.1],
+    let absorber = json!({ "wavelength": 0.5, "n_out": [1.5, 0.1],
                            "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0] }] });
     let folder = Folder::new();
     let path = folder.file("case.json", &absorber.to_string());

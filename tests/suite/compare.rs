@@ -13,14 +13,12 @@ schemes = ["cubic", "second_difference"]
 resolutions = [{ points = 5, cells = 6 }]
 repeats = 1
 
-[layer]
-period_um = 0.5
-thickness_um = 0.5
-diameter_nm = 250
-volume_fraction = 0.12
-pigment = [2.5, 0.0]
-binder = [1.558, 0.0]
-wavelength_um = 0.6
+[study]
+layer = { cell = "fixed", period_um = 0.5, thickness_um = 0.5 }
+pigment = [{ diameter_nm = 250, volume_fraction = 0.12, index = 2.5 }]
+light.wavelengths_nm = [600]
+angles.polar_deg = [0]
+run.seed = 0
 "#;
 
 fn tiny(folder: &Path) -> ComparisonFile {
@@ -94,7 +92,7 @@ fn slips_are_told() {
         ("repeats = 1", "repeats = 0", "repeats"),
         ("points = 5", "pionts = 5", "pionts"),
         ("volume_fraction = 0.12", "volume_fraction = 1.2", "volume_fraction"),
-        ("[layer]", "case = \"x.json\"\n[layer]", "exactly one"),
+        ("[study]", "case = \"x.json\"\n[study]", "exactly one"),
         ("points = 5", "points = 0", "resolutions[0].points"),
         ("points = 5", "points = 60000", "would need"),
         ("repeats = 1", "goal.tolerance = -1", "goal.tolerance"),

@@ -1,7 +1,6 @@
 //! A comparison as written, read and checked.
 
 use crate::compare::error::{CompareError, applications};
-use crate::compare::layer::PackedLayer;
 use crate::compare::matrix::MatrixTable;
 use crate::compare::subject::{Packed, StudyWritten};
 use crate::input::fault::StudyError;
@@ -9,7 +8,6 @@ use crate::input::limits;
 use crate::input::read::read as read_tree;
 use crate::input::tree::parse_toml;
 use crate::numerics::files;
-use crate::numerics::written::older_place;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
 use crate::wave::Scheme;
 use crate::wave::grid::MOST_POINTS;
@@ -37,9 +35,6 @@ pub struct ComparisonFile {
     /// Polar angle of the comparison, degrees; the first of the study's when left out.
     #[schemars(transform = limits::POLAR_DEG.mark(), example = 0)]
     pub polar_deg: Option<f64>,
-    /// Older form of `study`: equal spheres.
-    #[schemars(transform = older_place)]
-    pub layer: Option<PackedLayer>,
     /// Many contrasts and periods of the study instead of many grids.
     pub matrix: Option<MatrixTable>,
     /// Names of the strategies; all of the registry but those for tiny grids unless told.
@@ -95,7 +90,6 @@ impl Default for ComparisonFile {
             case: None,
             wavelength_nm: None,
             polar_deg: None,
-            layer: None,
             matrix: None,
             strategies: None,
             schemes: default_schemes(),
@@ -128,8 +122,7 @@ fn default_repeats() -> usize {
 /// Whether the file is a study rather than a comparison: it has none of a comparison's own keys.
 fn is_study(table: &toml::Table) -> bool {
     let own = ["study", "case", "matrix", "strategies", "schemes", "resolutions", "goal", "repeats"];
-    let short = table.get("layer").is_some_and(|layer| layer.get("wavelength_um").is_some());
-    table.contains_key("layer") && !short && !own.iter().any(|key| table.contains_key(*key))
+    table.contains_key("layer") && !own.iter().any(|key| table.contains_key(*key))
 }
 
 impl ComparisonFile {
@@ -182,13 +175,11 @@ impl ComparisonFile {
                 remedy: "add one or leave it out",
             });
         }
-        let given = [self.study.is_some(), self.case.is_some(), self.layer.is_some()];
-        let count = given.into_iter().filter(|given| *given).count();
-        if count != 1 {
+        if self.study.is_some() == self.case.is_some() {
             return Err(CompareError::Field {
                 field: "geometry".into(),
-                found: format!("given {count} times"),
-                allowed: "exactly one of `study`, `case` and `[layer]`".into(),
+                found: if self.study.is_some() { "both `study` and `case`" } else { "nothing" }.into(),
+                allowed: "exactly one of `study` and `case`".into(),
                 remedy: "name a study file or a case file, or write a whole study as [study]",
             });
         }
@@ -216,13 +207,8 @@ impl ComparisonFile {
 
     /// The study, whichever way it is written; none for a case.
     pub(super) fn packed(&self) -> Result<Option<Packed>, CompareError> {
-        let values = |faults| StudyError::Values { path: self.origin.clone(), text: String::new(), faults };
-        let packed = match (&self.study, &self.layer) {
-            (Some(study), _) => Packed::read(study, &self.origin)?,
-            (None, Some(layer)) => layer.packed(&self.origin).map_err(values)?,
-            (None, None) => return Ok(None),
-        };
-        Ok(Some(packed.lit(self.wavelength_nm, self.polar_deg)))
+        let Some(study) = &self.study else { return Ok(None) };
+        Ok(Some(Packed::read(study, &self.origin)?.lit(self.wavelength_nm, self.polar_deg)))
     }
 
     pub(super) fn folder(&self) -> &Path {

@@ -28,7 +28,7 @@ impl ComparisonFile {
                 json.and_then(|v: serde_json::Value| v.get("outputs").and_then(|o| o.get("orders")).cloned());
             return Ok(Subject { case, known });
         }
-        let packed = self.packed()?.expect("checked: a study, a case or a layer");
+        let packed = self.packed()?.expect("checked: a study or a case");
         Ok(Subject { case: packed.case()?, known: None })
     }
 

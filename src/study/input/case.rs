@@ -1,8 +1,7 @@
 //! One solve of an explicit geometry: the `inputs` object of a reference case, as JSON or TOML.
 
 pub use super::case_inputs::{
-    BarInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, PeriodInput, SphereInput,
-    SublayerInput,
+    BarInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, SphereInput, SublayerInput,
 };
 use super::case_names::with_names;
 use super::fault::Faults;
@@ -51,8 +50,8 @@ impl Case {
         let strata = builder.strata(inputs)?;
         let scene = Scene { period_um: inputs.period_um(), strata, bodies: builder.bodies(inputs)? };
         let media = Media {
-            incident: half_space("n_in", inputs.n_in, inputs.eta_below)?,
-            exit: half_space("n_out", inputs.n_out, inputs.eta_above)?,
+            incident: half_space("n_in", inputs.n_in, inputs.eta_in)?,
+            exit: half_space("n_out", inputs.n_out, inputs.eta_out)?,
             backgrounds: builder.backgrounds,
             inclusions: builder.inclusions,
         };
@@ -173,7 +172,7 @@ fn index_of(list: &mut Vec<Complex64>, [re, im]: [f64; 2]) -> usize {
 
 fn half_space(name: &str, n: Option<IndexInput>, eta: Option<[f64; 2]>) -> Result<Complex64, CaseError> {
     if n.is_some() && eta.is_some() {
-        let old = name.replace("n_in", "eta_below").replace("n_out", "eta_above");
+        let old = name.replace("n_in", "eta_in").replace("n_out", "eta_out");
         return Err(field(name, &format!("given twice, as {name} and as {old}"), "give one of them"));
     }
     let [re, im] = n.map(IndexInput::parts).or(eta).unwrap_or([1.0, 0.0]);

@@ -1,6 +1,7 @@
 //! Ranges of a case's numbers, named as they are written in the file.
 
-use super::case_inputs::{CaseError, CaseInputs, IndexInput, PeriodInput};
+use super::case_inputs::{CaseError, CaseInputs, IndexInput};
+use super::forms::Pair;
 
 /// Refuses numbers out of range before they are combined into a scene.
 pub fn check(inputs: &CaseInputs) -> Result<(), CaseError> {
@@ -42,7 +43,7 @@ fn lengths(inputs: &CaseInputs) -> Result<(), CaseError> {
     let [x, y] = inputs.period_um();
     positive("L", x)?;
     positive("Ly", y)?;
-    if let (Some(PeriodInput::Pair(_)), Some(_)) = (inputs.period, inputs.period_y) {
+    if let (Some(Pair::Each(_)), Some(_)) = (inputs.period, inputs.period_y) {
         let (found, remedy) = ("given beside a pair L = [Lx, Ly]", "give one of them");
         return Err(CaseError::Field { field: "Ly".into(), found: found.into(), remedy: remedy.into() });
     }
@@ -64,8 +65,8 @@ fn indices(inputs: &CaseInputs) -> Result<(), CaseError> {
     let eta = |field: &str, value: Option<[f64; 2]>| value.map_or(Ok(()), |v| index(field, v));
     eta("n_in", inputs.n_in.map(IndexInput::parts))?;
     eta("n_out", inputs.n_out.map(IndexInput::parts))?;
-    eta("eta_below", inputs.eta_below)?;
-    eta("eta_above", inputs.eta_above)?;
+    eta("eta_in", inputs.eta_in)?;
+    eta("eta_out", inputs.eta_out)?;
     eta("eta_binder", inputs.eta_binder)?;
     for (i, s) in inputs.spheres.iter().flatten().enumerate() {
         index(&format!("spheres[{i}].eta"), s.eta)?;

@@ -14,7 +14,6 @@ pub use pigments::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults, keys_in_words};
 use super::file::{LayerTable, OutputTable, SolverTable, StudyFile};
-use super::forms::ThicknessWritten;
 use super::limits;
 use super::study::{Layer, Output, Study, WantedResolution};
 use super::variation::{CellRule, THICKNESS_CUT, Variation};
@@ -68,7 +67,6 @@ pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Stud
 
 /// The study as far as it can be understood, and everything that is wrong with it.
 fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
-    let file = &file.in_todays_places();
     let mut faults = Faults::default();
     let wavelengths_nm = light::wavelengths(&file.light, &mut faults);
     let period_um = period(file, &mut faults);
@@ -104,7 +102,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         target_colour: file.run.target_colour,
         variation,
         resolution,
-        solver: file.solver.strategy.0,
+        solver: file.solver.strategy,
         goal,
         output: output(&file.output),
         judgement,
@@ -138,7 +136,7 @@ fn layer(
     folder: &Path,
     faults: &mut Faults,
 ) -> Layer {
-    let ThicknessWritten { mean, std } = table.thickness_um;
+    let (mean, std) = (table.thickness_um.mean(), table.thickness_um.std());
     faults.number("layer.thickness_um", mean, limits::THICKNESS_UM, "a printed layer is about 1 µm thick");
     if mean > 0.0 {
         let allowed = Allowed::between(0.0, mean / (THICKNESS_CUT + 1.0), "µm");
@@ -174,15 +172,15 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
         return [pigments::nominal_period_um(file); 2];
     };
     let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
-    for period in written.0 {
+    for period in written.xy() {
         faults.number("layer.period_um", period, limits::PERIOD_UM, remedy);
     }
-    written.0
+    written.xy()
 }
 
 /// How realisations differ.
 fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
-    let thickness_std_um = file.layer.thickness_um.std;
+    let thickness_std_um = file.layer.thickness_um.std();
     Variation {
         cell: file.layer.cell,
         thickness_std_um,

@@ -22,7 +22,7 @@ pub fn pigments(
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
     let pigments: Vec<Pigment> = tables
         .map(|(i, table)| Pigment {
-            name: name(table),
+            name: name(i, table),
             grains: grains(i, table, (&file.layer, period_um), faults),
             material: index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults),
         })
@@ -44,7 +44,7 @@ pub fn dissolved(
         .map(|(i, table)| {
             fraction(i, table, faults);
             let material = index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults);
-            Dissolved { name: name(table), volume_fraction: table.volume_fraction, material }
+            Dissolved { name: name(i, table), volume_fraction: table.volume_fraction, material }
         })
         .collect()
 }
@@ -76,13 +76,13 @@ pub fn solution(
     }
 }
 
-/// Filled in already where it was left out.
-fn name(table: &PigmentTable) -> String {
-    table.name.clone().unwrap_or_default()
+/// As written, or by its place in the file.
+fn name(i: usize, table: &PigmentTable) -> String {
+    table.name.clone().unwrap_or_else(|| format!("pigment {}", i + 1))
 }
 
 pub(super) fn is_molecular(table: &PigmentTable) -> bool {
-    table.diameter_nm == Some(Diameter::Molecular)
+    matches!(table.diameter_nm, Some(Diameter::Vanishing(_)))
 }
 
 /// The packing of the nominal cell; a fault of its own check is added unless there are others.
@@ -94,7 +94,7 @@ pub(super) fn packing(
 ) -> PackingRequest {
     let request = PackingRequest {
         period_um,
-        thickness_um: file.layer.thickness_um.mean,
+        thickness_um: file.layer.thickness_um.mean(),
         pigments: pigments.iter().map(|pigment| pigment.grains.clone()).collect(),
         method: file.packing.method,
         seed: file.run.seed,
@@ -219,7 +219,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): Room, faults: &
         CellRule::Fixed => "half the layer's period",
         CellRule::Varied => "half the shortest side that a varied cell gets (0.65 layer.period_um)",
     };
-    let thinnest = match layer.thickness_um.std > 0.0 {
+    let thinnest = match layer.thickness_um.std() > 0.0 {
         true => "the thinnest layer drawn, mean - 3 std of layer.thickness_um",
         false => "the layer's thickness",
     };
@@ -234,7 +234,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): Room, faults: &
 
 /// The thinnest layer that a realisation may get, µm.
 fn thinnest_um(layer: &LayerTable) -> f64 {
-    layer.thickness_um.mean - THICKNESS_CUT * layer.thickness_um.std
+    layer.thickness_um.mean() - THICKNESS_CUT * layer.thickness_um.std()
 }
 
 /// Thickness and length of the largest grain.
@@ -250,10 +250,10 @@ pub fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
 }
 
 fn names(file: &StudyFile, faults: &mut Faults) {
-    for (i, pigment) in file.pigments.iter().enumerate() {
-        let repeated = file.pigments[..i].iter().any(|earlier| earlier.name == pigment.name);
-        if repeated || name(pigment).trim().is_empty() {
-            let found = format!("{:?}", name(pigment));
+    let names: Vec<String> = file.pigments.iter().enumerate().map(|(i, table)| name(i, table)).collect();
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].contains(name) || name.trim().is_empty() {
+            let found = format!("{name:?}");
             let allowed = "a name that no other pigment has";
             faults.push(Fault::new(of(i, "name"), found, allowed, "give it another name"));
         }

@@ -16,10 +16,8 @@ pub struct Layer {
     /// Thickness, µm.
     pub thickness_um: f64,
     /// Real index of the incident side.
-    #[serde(rename = "index_above")]
     pub index_in: f64,
     /// Real index of the exit side.
-    #[serde(rename = "index_below")]
     pub index_out: f64,
     /// What is between the grains.
     pub binder: Material,

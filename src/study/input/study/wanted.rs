@@ -65,16 +65,6 @@ impl WantedResolution {
         }
     }
 
-    /// The same with one grid for all wavelengths.
-    pub fn on_one_grid(self) -> Self {
-        match self {
-            Self::Accuracy { amplitude, scheme, .. } => {
-                Self::Accuracy { amplitude, scheme, per_wavelength: false }
-            }
-            grid @ Self::Grid { .. } => grid,
-        }
-    }
-
     /// Relative error of the contrast's coefficients that is nothing beside the grid's: a grid of one's own choice may
     /// be as fine as it likes.
     pub fn coverage_error(&self) -> f64 {
