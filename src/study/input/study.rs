@@ -8,9 +8,9 @@ pub use wanted::{Angles, Judgement, Output, WantedResolution};
 
 use super::variation::{Draw, Turn, Variation, stratified_deg};
 use crate::ink::PackingRequest;
-use crate::solve::door::Wave;
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
+use crate::wave::Wave;
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{Incidence, Media, Side};
 use num_complex::Complex64;
