@@ -66,7 +66,7 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     let start = Instant::now();
     let bar = ProgressBar::new(0).with_style(style());
     bar.set_prefix(format!("realisation {}/{}", realisation + 1, study.realisations));
-    let packed = pack(&study.packing_request(realisation), &mut Bar { bar: &bar, stop });
+    let packed = pack(&study.packing_request(realisation), &mut PackBar { bar: &bar, stop });
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {}", realisation + 1))?;
     say(format_args!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64())))?;
@@ -94,12 +94,12 @@ fn style() -> ProgressStyle {
 }
 
 /// Shows progress on stderr and stops when Ctrl-C was pressed.
-struct Bar<'a> {
+struct PackBar<'a> {
     bar: &'a ProgressBar,
     stop: &'a StopFlag,
 }
 
-impl PackWatch for Bar<'_> {
+impl PackWatch for PackBar<'_> {
     fn progress(&mut self, p: &PackProgress) -> ControlFlow<()> {
         self.bar.tick();
         self.bar.set_message(format!(

@@ -9,7 +9,7 @@ use super::fault::{Fault, Faults};
 use super::read::read;
 use super::tree::{Node, SyntaxFault, parse_json, parse_toml};
 use crate::numerics::files;
-use crate::wave::{Ball, Body, Incidence, Media, Scene, Shape, Stratum};
+use crate::wave::{Ball, Body, BodyShape, Incidence, Media, Scene, Stratum};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -50,7 +50,7 @@ impl Case {
         if !faults.0.is_empty() {
             return Err(CaseError::Values { path: TEXT.into(), faults });
         }
-        let mut builder = Builder::default();
+        let mut builder = CaseBuilder::default();
         let strata = builder.strata(inputs)?;
         let scene = Scene { period_um: inputs.period_um(), strata, bodies: builder.bodies(inputs)? };
         let media = Media {
@@ -93,12 +93,12 @@ fn unreadable(fault: &SyntaxFault, text: &str) -> CaseError {
 
 /// Collects distinct indices while bodies and strata are read.
 #[derive(Default)]
-struct Builder {
+struct CaseBuilder {
     backgrounds: Vec<Complex64>,
     inclusions: Vec<Complex64>,
 }
 
-impl Builder {
+impl CaseBuilder {
     fn strata(&mut self, inputs: &CaseInputs) -> Result<Vec<Stratum>, CaseError> {
         // A binder stated beside sublayers of the same background says the same thing twice.
         let same = |l: &SublayerInput| Some(l.eta_background) == inputs.eta_binder;
@@ -139,24 +139,24 @@ impl Builder {
         let mut bodies = Vec::new();
         for s in inputs.spheres.iter().flatten() {
             let ball = Ball { center_um: s.center, radius_um: s.radius };
-            bodies.push(self.body(Shape::Balls(vec![ball]), s.eta));
+            bodies.push(self.body(BodyShape::Balls(vec![ball]), s.eta));
         }
         for c in inputs.cylinders.iter().flatten() {
-            bodies.push(self.body(Shape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius }, c.eta));
+            bodies.push(self.body(BodyShape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius }, c.eta));
         }
         let mut bottom = 0.0;
         for sublayer in inputs.sublayers_from_z0.iter().flatten() {
             let z_um = [bottom, bottom + sublayer.thickness];
             for bar in sublayer.bars.iter().filter(|_| sublayer.thickness != 0.0) {
                 check_bar(bar, inputs.period_um()[0])?;
-                bodies.push(self.body(Shape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
+                bodies.push(self.body(BodyShape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
             }
             bottom = z_um[1];
         }
         Ok(bodies)
     }
 
-    fn body(&mut self, shape: Shape, eta: [f64; 2]) -> Body {
+    fn body(&mut self, shape: BodyShape, eta: [f64; 2]) -> Body {
         Body::new(shape, index_of(&mut self.inclusions, eta))
     }
 }

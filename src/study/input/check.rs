@@ -15,12 +15,12 @@ pub use pigments::largest_extents_nm;
 use super::fault::{Allowed, Fault, Faults, keys_in_words};
 use super::file::{LayerTable, OutputTable, SolverTable, StudyFile};
 use super::limits;
-use super::study::{Layer, Material, Output, Study, WantedResolution};
+use super::study::{IndexSpectrum, Layer, Output, Study, WantedResolution};
 use super::variation::{CellRule, THICKNESS_CUT, Variation};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::numerics::allowed::Whole;
 use crate::solve::Goal;
-use index::Indices;
+use index::Tabulation;
 use std::path::Path;
 
 /// Packings of varied cells unless told.
@@ -74,7 +74,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let (mut faults, mut optics) = (Faults::default(), Faults::default());
     let wavelengths_nm = light::wavelengths(&file.light, &mut optics);
     let period_um = period(file, &mut faults);
-    let indices = Indices { wavelengths_nm: &wavelengths_nm, folder };
+    let indices = Tabulation { wavelengths_nm: &wavelengths_nm, folder };
     let binder = indices.tabulate("layer.binder.index", &file.layer.binder.index, &mut optics);
     let mut layer = layer(&file.layer, period_um, binder, &mut faults);
     let grains = pigments::grains(file, period_um, &mut faults);
@@ -136,7 +136,7 @@ fn aim(study: &Study) -> Option<Fault> {
     Some(Fault::new("run.target_delta_e", target, allowed, remedy))
 }
 
-fn layer(table: &LayerTable, period_um: [f64; 2], binder: Material, faults: &mut Faults) -> Layer {
+fn layer(table: &LayerTable, period_um: [f64; 2], binder: IndexSpectrum, faults: &mut Faults) -> Layer {
     let (mean, std) = (table.thickness_um.mean(), table.thickness_um.std());
     faults.number("layer.thickness_um", mean, limits::THICKNESS_UM, "a printed layer is about 1 µm thick");
     if mean > 0.0 {

@@ -3,7 +3,7 @@
 mod layer;
 mod wanted;
 
-pub use layer::{Dissolved, Layer, Material, Paper, Pigment};
+pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
 pub use wanted::{Angles, Judgement, Output, WantedResolution};
 
 use super::variation::{Draw, Turn, Variation, stratified_deg};

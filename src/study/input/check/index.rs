@@ -3,7 +3,7 @@
 use crate::input::fault::{Fault, Faults, keys_in_words};
 use crate::input::forms::IndexWritten;
 use crate::input::limits;
-use crate::input::study::Material;
+use crate::input::study::IndexSpectrum;
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::{Spectrum, SpectrumError};
 use crate::material::synthetic::Synthetic;
@@ -12,14 +12,14 @@ use std::path::Path;
 
 /// What indices are wanted at, and where their tables are.
 #[derive(Clone, Copy)]
-pub struct Indices<'a> {
+pub struct Tabulation<'a> {
     pub wavelengths_nm: &'a [f64],
     pub folder: &'a Path,
 }
 
-impl Indices<'_> {
+impl Tabulation<'_> {
     /// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
-    pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> Material {
+    pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> IndexSpectrum {
         let vacuum = || vacuum(self.wavelengths_nm.len());
         let Some(spectrum) = spectrum(field, written, self.folder, faults) else { return vacuum() };
         if let Some(fault) = outside(field, &spectrum, self.wavelengths_nm) {
@@ -34,13 +34,13 @@ impl Indices<'_> {
             return vacuum();
         }
         let (source, dissolved) = (source(&spectrum), Vec::new());
-        Material { source, index, spectrum, dissolved, mixing: MixingRule::default() }
+        IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() }
     }
 }
 
 /// The index 1 at so many wavelengths.
-fn vacuum(wavelengths: usize) -> Material {
-    Material {
+fn vacuum(wavelengths: usize) -> IndexSpectrum {
+    IndexSpectrum {
         source: String::new(),
         index: vec![Complex64::ONE; wavelengths],
         spectrum: Spectrum::VACUUM,

@@ -1,13 +1,13 @@
 //! Pigments: names, shares, shapes and sizes that fit the layer, and the packing they ask for.
 
 use super::grain_count;
-use super::index::Indices;
+use super::index::Tabulation;
 use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::{LayerTable, PigmentTable, StudyFile};
 use crate::input::forms::Diameter;
 use crate::input::limits;
-use crate::input::study::{Dissolved, Material, Pigment};
+use crate::input::study::{Dissolved, IndexSpectrum, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
 use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
@@ -31,7 +31,7 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
 pub fn pigments(
     file: &StudyFile,
     grains: Vec<PigmentGrains>,
-    indices: &Indices,
+    indices: &Tabulation,
     faults: &mut Faults,
 ) -> Vec<Pigment> {
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
@@ -44,7 +44,7 @@ pub fn pigments(
 }
 
 /// The pigments without grains.
-pub fn dissolved(file: &StudyFile, indices: &Indices, faults: &mut Faults) -> Vec<Dissolved> {
+pub fn dissolved(file: &StudyFile, indices: &Tabulation, faults: &mut Faults) -> Vec<Dissolved> {
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| is_molecular(table));
     let dissolved = |(i, table): (usize, &PigmentTable)| Dissolved {
         name: name(i, table),
@@ -56,11 +56,11 @@ pub fn dissolved(file: &StudyFile, indices: &Indices, faults: &mut Faults) -> Ve
 
 /// The binder with what is dissolved in it, over the volume that the grains leave.
 pub fn solution(
-    binder: Material,
+    binder: IndexSpectrum,
     dissolved: &[Dissolved],
     grains: &[Pigment],
     mixing: MixingRule,
-) -> Material {
+) -> IndexSpectrum {
     if dissolved.is_empty() {
         return binder;
     }
@@ -69,7 +69,7 @@ pub fn solution(
         let share = |d: &Dissolved| (d.volume_fraction / room, d.material.index[w]);
         mixing.mix(eta, &dissolved.iter().map(share).collect::<Vec<_>>())
     };
-    Material {
+    IndexSpectrum {
         source: binder.source,
         index: binder.index.iter().enumerate().map(mixed).collect(),
         spectrum: binder.spectrum,
@@ -128,13 +128,13 @@ fn of(pigment: usize, key: &str) -> String {
 }
 
 /// A layer and the nominal period of its cells.
-type Room<'a> = (&'a LayerTable, [f64; 2]);
+type NominalCell<'a> = (&'a LayerTable, [f64; 2]);
 
 /// The grains of one pigment, whose faults begin at `before`.
 fn grains_of(
     i: usize,
     table: &PigmentTable,
-    layer: Room,
+    layer: NominalCell,
     faults: &mut Faults,
     before: usize,
 ) -> PigmentGrains {
@@ -213,7 +213,7 @@ fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution
 }
 
 /// Grains fit between the walls and do not meet their own periodic images.
-fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): Room, faults: &mut Faults) {
+fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, faults: &mut Faults) {
     let remedy = "pigment grains measure 50 to 500 nm; take smaller grains or a larger cell";
     if grains.shape.defect().is_some() {
         // The packing's own check tells of the shape.
