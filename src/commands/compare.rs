@@ -15,15 +15,15 @@ use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-/// Compares strategies, resolutions and discretisations on one geometry.
+/// Compare strategies, resolutions and discretisations on one geometry
 #[derive(Args)]
 pub struct CompareArgs {
     /// Comparison (TOML), or a study (TOML) or a case (JSON) to compare with the default lists
     file: PathBuf,
-    /// Folder for tables, plots and the page
+    /// Output folder
     #[arg(short, long, default_value = "out/comparison")]
     output: PathBuf,
-    /// Only read and check everything, pack the layer, and say how many solves there are to do
+    /// Check the files, pack the layer, print the number of solves and exit
     #[arg(long)]
     plan: bool,
 }
@@ -40,7 +40,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let output = output.going_on_with(this_command());
     output.mark_partial().map_err(folder_report)?;
-    let mut stop = Stop(super::stop::StopFlag::listen());
+    let mut stop = StopWatch(super::stop::StopFlag::listen());
     let matrix =
         file.run_matrix(&registry, &mut stop, tell_cell).inspect_err(|_| output.discard_when_empty());
     if let Some(matrix) = matrix.map_err(report)? {
@@ -112,9 +112,9 @@ fn report(error: CompareError) -> miette::Report {
 }
 
 /// Stops a solve on Ctrl-C.
-struct Stop(super::stop::StopFlag);
+struct StopWatch(super::stop::StopFlag);
 
-impl Watch for Stop {
+impl Watch for StopWatch {
     fn step(&mut self, _: &Step) -> ControlFlow<()> {
         if self.0.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -17,7 +17,7 @@ use crate::wave::{Resolution, Scene, Scheme};
 
 /// What a comparison is about to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct ComparisonPlan {
     /// Bodies of the geometry (of the matrix's own study).
     pub bodies: usize,
     /// Solves, but for those of the search for a grid.
@@ -29,21 +29,24 @@ impl ComparisonFile {
     ///
     /// # Errors
     /// As [`ComparisonFile::run`], but those of solves.
-    pub fn plan(&self, registry: &Registry) -> Result<Plan, CompareError> {
+    pub fn plan(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.planned(registry).map_err(|error| error.in_file(&self.origin))
     }
 
-    fn planned(&self, registry: &Registry) -> Result<Plan, CompareError> {
+    fn planned(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.check()?;
         let strategies = self.strategies(registry)?.len();
         let subject = self.subject()?;
         let bodies = subject.case.scene.bodies.len();
         let Some(matrix) = &self.matrix else {
             self.check_reference(&subject)?;
-            return Ok(Plan { bodies, rows: strategies * self.schemes.len() * self.resolutions.len() });
+            return Ok(ComparisonPlan {
+                bodies,
+                rows: strategies * self.schemes.len() * self.resolutions.len(),
+            });
         };
         matrix.check_cases(&self.varying()?)?;
-        Ok(Plan { bodies, rows: strategies * matrix.pigments.len() * matrix.periods_um.len() })
+        Ok(ComparisonPlan { bodies, rows: strategies * matrix.pigments.len() * matrix.periods_um.len() })
     }
 
     /// The study that a matrix varies.

@@ -35,9 +35,9 @@ pub fn curve_plot(curve: &Curve) -> Result<String, OutputError> {
     Ok(super::leaf::at_night(&text.replace(" opacity=\"1\"", "")))
 }
 
-type Fault<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
+type DrawFault<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
 
-fn draw_curve<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, curve: &Curve) -> Result<(), Fault<DB>> {
+fn draw_curve<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, curve: &Curve) -> Result<(), DrawFault<DB>> {
     area.fill(&WHITE)?;
     let bar = |i: usize| curve.y[i].standard_error.unwrap_or(0.0);
     let shown: Vec<usize> = (0..curve.x.len()).filter(|i| curve.y[*i].value.is_finite()).collect();
@@ -75,9 +75,13 @@ fn span(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
     (if low == 0.0 { low } else { low - extra })..high + extra
 }
 
-type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type CurveChart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-fn axes<DB: DrawingBackend>(chart: &mut Chart<DB>, curve: &Curve, spans: [f64; 2]) -> Result<(), Fault<DB>> {
+fn axes<DB: DrawingBackend>(
+    chart: &mut CurveChart<DB>,
+    curve: &Curve,
+    spans: [f64; 2],
+) -> Result<(), DrawFault<DB>> {
     chart
         .configure_mesh()
         .x_desc(&curve.x_label)

@@ -1,6 +1,6 @@
 //! From a sweep file to checked variants.
 
-use super::axes::Axis;
+use super::axes::{Axis, plain};
 use super::claims;
 use super::claims::Claim;
 use super::expand::{Draft, expand};
@@ -41,6 +41,9 @@ pub struct Outline {
     pub sheet: SheetTable,
     /// The variant that colour differences refer to.
     pub reference: usize,
+    /// Whether the file names that variant.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub reference_asked: bool,
     /// Conclusions to be judged.
     pub claims: Vec<Claim>,
     /// Where each variant lies on the axes.
@@ -54,6 +57,9 @@ pub struct AxisOutline {
     pub name: String,
     /// Labels of its settings.
     pub labels: Vec<String>,
+    /// Unit of the labels, where they are numbers that have one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
 }
 
 impl AxisOutline {
@@ -61,7 +67,23 @@ impl AxisOutline {
     pub fn named(&self, k: usize) -> String {
         let label = &self.labels[k];
         let speaks = label.chars().next().is_some_and(char::is_alphabetic);
-        if speaks { label.clone() } else { format!("{} {label}", self.name) }
+        match self.unit.as_str() {
+            _ if speaks => label.clone(),
+            "" => format!("{} {label}", self.name),
+            unit => format!("{} {label}\u{a0}{unit}", plain(&self.name)),
+        }
+    }
+
+    /// The number of a label, alone or before its unit: `0.9`, `15 %`, `200 nm`.
+    pub fn number(&self, k: usize) -> Option<f64> {
+        let mut words = self.labels.get(k)?.split_whitespace();
+        let number = words.next()?.parse().ok().filter(|x: &f64| x.is_finite())?;
+        (words.count() < 2).then_some(number)
+    }
+
+    /// The name as it stands at an axis or over a column, with the unit: `diameter, nm`.
+    pub fn heading(&self) -> String {
+        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", plain(&self.name), self.unit) }
     }
 }
 
@@ -118,6 +140,7 @@ impl Sweep {
             axes: Vec::new(),
             sheet: SheetTable::default(),
             reference: 0,
+            reference_asked: false,
             claims: Vec::new(),
             variants: vec![Place { name: name.to_owned(), place: Vec::new() }],
         };
@@ -171,6 +194,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
 
 fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
     let names = |axis: &Axis| axis.settings.iter().map(|s| s.label.clone()).collect();
+    let shown = |a: &Axis| AxisOutline { name: a.name.clone(), labels: names(a), unit: a.unit.clone() };
     let known = |name: &String| axes.iter().any(|axis| axis.name == *name);
     for (key, name) in [("rows", &file.sheet.rows), ("columns", &file.sheet.columns)] {
         if let Some(name) = name.as_ref().filter(|name| !known(name)) {
@@ -194,9 +218,10 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
     }
     Outline {
         title,
-        axes: axes.iter().map(|a| AxisOutline { name: a.name.clone(), labels: names(a) }).collect(),
+        axes: axes.iter().map(shown).collect(),
         sheet: file.sheet.clone(),
         reference: first.unwrap_or(0),
+        reference_asked: file.reference.is_some(),
         claims,
         variants: drafts.iter().map(|d| Place { name: d.name.clone(), place: d.place.clone() }).collect(),
     }
@@ -224,8 +249,9 @@ impl Reading<'_> {
         };
         match check(&file, self.folder, &draft.name) {
             Ok(study) => {
-                self.keep_inputs(&mut table)?;
-                let text = toml::to_string(&table).unwrap_or_default();
+                let mut written = Value::Table(table);
+                self.keep_inputs(&mut written)?;
+                let text = toml::to_string(&written).unwrap_or_default();
                 Ok(Some(Variant { name: draft.name.clone(), study, text }))
             }
             Err(found) => {
@@ -257,20 +283,27 @@ impl Reading<'_> {
         }
     }
 
-    /// Copies the tables that the study names, and names the copies instead.
-    fn keep_inputs(&mut self, study: &mut Table) -> Result<(), StudyError> {
-        for file_name in table_files(study) {
-            let Value::String(name) = file_name else { continue };
-            let from = self.folder.join(name.as_str());
-            let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
-            let bytes = files::read_bytes(&from, files::TABLE).map_err(unreadable)?;
-            let file =
-                from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
-            let input = Input::new(&file, bytes);
-            *name = format!("../../{}", input.path);
-            if !self.inputs.contains(&input) {
-                self.inputs.push(input);
+    /// Copies the files that the study names, and names the copies instead.
+    fn keep_inputs(&mut self, study: &mut Value) -> Result<(), StudyError> {
+        for path in FILES {
+            for value in at_path(study, path) {
+                if let Value::String(name) = value {
+                    self.keep_input(name)?;
+                }
             }
+        }
+        Ok(())
+    }
+
+    fn keep_input(&mut self, name: &mut String) -> Result<(), StudyError> {
+        let from = self.folder.join(name.as_str());
+        let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
+        let bytes = files::read_bytes(&from, files::TABLE).map_err(unreadable)?;
+        let file = from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
+        let input = Input::new(&file, bytes);
+        *name = format!("../../{}", input.path);
+        if !self.inputs.contains(&input) {
+            self.inputs.push(input);
         }
         Ok(())
     }
@@ -293,21 +326,26 @@ fn same_field(study: &Table, one: &str, other: &str) -> bool {
     (0..one.len().min(other.len())).all(same)
 }
 
-/// Every `csv` and `yaml` of a study: the tables that it names.
-fn table_files(study: &mut Table) -> Vec<&mut Value> {
-    let mut found = Vec::new();
-    for (key, value) in study.iter_mut() {
-        match value {
-            Value::String(_) if ["csv", "yaml", "measured"].contains(&key.as_str()) => found.push(value),
-            Value::Table(table) => found.extend(table_files(table)),
-            Value::Array(items) => {
-                found.extend(items.iter_mut().filter_map(Value::as_table_mut).flat_map(table_files));
-            }
-            _ => {}
-        }
+/// Keys of a study that name files; `*` stands for every entry of a list.
+const FILES: [&[&str]; 6] = [
+    &["layer", "binder", "index", "csv"],
+    &["layer", "binder", "index", "yaml"],
+    &["pigment", "*", "index", "csv"],
+    &["pigment", "*", "index", "yaml"],
+    &["paper", "albedo", "csv"],
+    &["compare", "measured"],
+];
+
+/// The values at a path, as far as they are there.
+fn at_path<'a>(value: &'a mut Value, path: &[&str]) -> Vec<&'a mut Value> {
+    match (path, value) {
+        ([], value) => vec![value],
+        (["*", rest @ ..], Value::Array(items)) => items.iter_mut().flat_map(|v| at_path(v, rest)).collect(),
+        ([key, rest @ ..], Value::Table(table)) => table.get_mut(*key).map_or(vec![], |v| at_path(v, rest)),
+        _ => Vec::new(),
     }
-    found
 }
+
 /// Two axes of one field: the later one would decide, and the captions of the earlier one lie.
 fn check_fields(file: &SweepFile, faults: &mut Faults) {
     for (i, table) in file.axis.iter().enumerate() {

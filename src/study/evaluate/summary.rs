@@ -6,7 +6,7 @@ use super::ink_maker::{InkMaker, ink_maker};
 use super::layer::{LayerEnsemble, Mean, Total};
 use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
 use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::uncertainty::{Shift, Sure, Uncertainty, lit, lit_moved, natural_light_moved};
 use crate::appearance::paper::PRINT_DEG;
@@ -181,7 +181,7 @@ fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
 fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
     let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
     let film = layer.film(w.wavelength_nm);
-    let difference = |s: &Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
+    let difference = |s: &SolvedDirection| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
     let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
     sum / w.strata.len() as f64
 }

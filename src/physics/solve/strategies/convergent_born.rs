@@ -6,12 +6,11 @@
 //! the circle of convergence, so |V| is scaled below it and the step shortened (Vettenburg and Vellekoop 2022).
 
 use super::relaxation::contrasts;
-use crate::solve::System;
 use crate::solve::demand::Size;
 use crate::solve::ledger::Ledger;
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
+use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, split};
 use crate::wave::operator::banded::ShiftedMean;
-use crate::wave::{Field, Problem};
+use crate::wave::{Field, Problem, System};
 use ndarray::Array2;
 use num_complex::Complex64;
 use schemars::JsonSchema;
@@ -47,7 +46,7 @@ impl Solver for ConvergentBorn {
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
-        let problem = scalar(system, self.name())?;
+        let problem = split(system, self.name())?;
         self.check()?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let mut scratch = Field::zeros(problem.shape());
@@ -55,7 +54,7 @@ impl Solver for ConvergentBorn {
         if ledger.reached() {
             return Ok(ledger.finish(field));
         }
-        let mut series = Series::new(problem, self, &field);
+        let mut series = BornSeries::new(problem, self, &field);
         ledger.account.bytes = series.bytes();
         loop {
             for _ in 0..self.check_every.max(1) {
@@ -98,7 +97,7 @@ impl ConvergentBorn {
 }
 
 /// The iteration at the points of all planes.
-struct Series<'a> {
+struct BornSeries<'a> {
     problem: &'a Problem,
     shifted: ShiftedMean,
     /// V'/D and step · γ at the points.
@@ -113,8 +112,8 @@ struct Series<'a> {
     harmonics: Field,
 }
 
-impl<'a> Series<'a> {
-    fn new(problem: &'a Problem, settings: &ConvergentBorn, field: &Field) -> Series<'a> {
+impl<'a> BornSeries<'a> {
+    fn new(problem: &'a Problem, settings: &ConvergentBorn, field: &Field) -> BornSeries<'a> {
         let plain = contrasts(problem);
         let largest = plain.iter().map(|v| v.norm()).fold(1e-300, f64::max);
         let shift = Complex64::new(0.0, largest / settings.scale);
@@ -127,7 +126,7 @@ impl<'a> Series<'a> {
         let mut u = Array2::zeros(contrast.dim());
         problem.planes_to_points(&problem.mean.to_planes(field), &mut u);
         let (points, harmonics) = (u.clone(), Field::zeros(problem.shape()));
-        Series { problem, shifted, contrast, gamma, source, u, points, harmonics }
+        BornSeries { problem, shifted, contrast, gamma, source, u, points, harmonics }
     }
 
     fn bytes(&self) -> usize {
