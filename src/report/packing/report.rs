@@ -4,7 +4,7 @@ use super::files::write_whole;
 use super::{grains_csv, packing_json, spheres_vtp};
 use crate::draw::chart::{self, Chart};
 use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
-use crate::ink::statistics::{Curve, Statistics, gather};
+use crate::ink::statistics::{StatisticCurve, Statistics, gather};
 use crate::ink::{Packing, Shape};
 use crate::numerics::estimate::Estimate;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ fn scalars_csv(statistics: &Statistics) -> Result<Vec<u8>, OutputError> {
     csv_of(&["quantity", "unit", "mean", "standard_error"], rows)
 }
 
-fn curve_csv(curve: &Curve) -> Result<Vec<u8>, OutputError> {
+fn curve_csv(curve: &StatisticCurve) -> Result<Vec<u8>, OutputError> {
     let point =
         |(x, y): (&f64, &Estimate)| vec![x.to_string(), y.value.to_string(), or_empty(y.standard_error)];
     csv_of(&[&curve.x_label, &curve.y_label, "standard error"], curve.x.iter().zip(&curve.y).map(point))
@@ -156,7 +156,7 @@ fn sided(quantity: &str) -> String {
 }
 
 /// A chart of one curve, whose axis calls the pigment by name.
-fn chart_of(curve: &Curve, pigments: &[(String, Shape)]) -> Chart {
+fn chart_of(curve: &StatisticCurve, pigments: &[(String, Shape)]) -> Chart {
     let points = curve.x.iter().copied().zip(curve.y.iter().copied());
     let curves = vec![chart::Curve::measured("", points)];
     let y_label = named(&curve.y_label, pigments);
