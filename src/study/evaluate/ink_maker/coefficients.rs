@@ -124,7 +124,7 @@ mod tests {
             substrate: &substrate,
             outputs_nm: &[430.0, 520.0, 610.0, 670.0],
         };
-        InkOnPaper::new(layer, &solved, &inputs).unwrap()
+        InkOnPaper::new((layer, &solved), None, &inputs).unwrap()
     }
 
     /// Shares of intervals that hold the truth: of K and of S.
