@@ -15,15 +15,15 @@ use miette::Result;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-/// Compares strategies, resolutions and discretisations on one geometry.
+/// Compare strategies, resolutions and discretisations on one geometry
 #[derive(Args)]
 pub struct CompareArgs {
     /// Comparison (TOML), or a study (TOML) or a case (JSON) to compare with the default lists
     file: PathBuf,
-    /// Folder for tables, plots and the page
+    /// Output folder
     #[arg(short, long, default_value = "out/comparison")]
     output: PathBuf,
-    /// Only read and check everything, pack the layer, and say how many solves there are to do
+    /// Check the files, pack the layer, print the number of solves and exit
     #[arg(long)]
     plan: bool,
 }

@@ -22,16 +22,16 @@ use std::time::Instant;
 /// Pack the grains of a study and report on their statistics.
 #[derive(Args, Debug)]
 pub struct PackArgs {
-    /// Study file; what only the wave needs (light, indices, paper) may be left out.
+    /// Study file (TOML); light, indices and paper may be left out
     pub study: PathBuf,
-    /// Folder for the results (default: the study's name followed by "-packing").
+    /// Output folder (default: the study's name followed by "-packing")
     #[arg(short, long)]
     pub output: Option<PathBuf>,
-    /// Number of realisations, instead of the study's.
+    /// Number of realisations, instead of the study's
     #[arg(short, long)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     pub realisations: Option<u16>,
-    /// Seed, instead of the study's.
+    /// Seed, instead of the study's
     #[arg(short, long)]
     pub seed: Option<u64>,
 }

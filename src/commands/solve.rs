@@ -18,7 +18,7 @@ const USUAL_UM: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Accuracy without `--accuracy` or a grid.
 const DEFAULT_ACCURACY: f64 = 1e-3;
 
-/// Solves one explicit geometry and prints its orders as JSON.
+/// Solve one explicit geometry and print its orders as JSON
 ///
 /// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d, cylinder2d, lamellar2d)
 /// as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].

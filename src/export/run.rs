@@ -1,12 +1,11 @@
 //! `inkwave export`: from a finished study to files in the formats asked for.
 
-mod error;
 mod instrument;
 mod request;
 
-pub use error::ExportError;
 pub use request::{Format, NearField, Request};
 
+use super::error::ExportError;
 use super::mitsuba::{self, Table};
 use super::print::Print;
 use super::provenance::{self, Described, Run, STUDY};

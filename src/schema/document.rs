@@ -5,12 +5,13 @@ use crate::compare::experiment::ComparisonFile;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
 use crate::sweep::file::SweepFile;
+use clap::ValueEnum;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, json_schema};
 use serde_json::Value;
 
 /// A kind of input file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Document {
     /// One ink: for `run`, `pack`, `sweep` (as its base) and `compare`.
     Study,

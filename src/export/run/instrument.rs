@@ -1,11 +1,11 @@
 //! What an instrument would report of the print: its spectra every 10 nm, and the Lab that these have under the study's light.
 
-use super::error::ExportError;
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::evaluate::ink_maker::{InkMaker, Swatch};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::see;
 use crate::evaluate::summary::{program, summarise};
+use crate::export::error::ExportError;
 use crate::export::print::{Geometry, Print, PrintSpectrum, resample, uniform_grid};
 use crate::export::stored::Stored;
 use crate::input::study::Study;

@@ -1,6 +1,6 @@
 //! The keys of a case, as written.
 
-use super::fault::Faults;
+use super::fault::{Fault, Faults};
 use super::forms::Pair;
 use super::limits;
 use crate::wave::Side;
@@ -184,7 +184,7 @@ pub enum CaseError {
         /// What to try.
         remedy: &'static str,
     },
-    /// Keys or values that a case cannot have.
+    /// Everything that is wrong with its keys and values.
     #[error("{path} is not a case: {faults}")]
     Values {
         /// The file.
@@ -192,29 +192,16 @@ pub enum CaseError {
         /// All that is wrong.
         faults: Faults,
     },
-    /// A number outside its range.
-    #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
-    Range {
-        /// The key.
-        field: String,
-        /// The value found.
-        value: f64,
-        /// What is allowed.
-        allowed: String,
-        /// What to try.
-        remedy: String,
-    },
-    /// A key that does not fit the others.
-    #[error("{field}: {found}; {remedy}")]
-    Field {
-        /// The key.
-        field: String,
-        /// What was found.
-        found: String,
-        /// What to try.
-        remedy: String,
-    },
     /// The case is no wave problem.
     #[error(transparent)]
     Wave(#[from] crate::wave::WaveError),
+}
+
+/// Stands for the path where a text is given.
+pub(super) const TEXT: &str = "the text";
+
+impl From<Fault> for CaseError {
+    fn from(fault: Fault) -> Self {
+        Self::Values { path: TEXT.into(), faults: Faults(vec![fault]) }
+    }
 }

@@ -10,29 +10,32 @@ use crate::material::synthetic::Synthetic;
 use num_complex::Complex64;
 use std::path::Path;
 
-/// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
-pub fn tabulate(
-    field: &str,
-    written: &IndexWritten,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-) -> Material {
-    let vacuum = || vacuum(wavelengths_nm.len());
-    let Some(spectrum) = spectrum(field, written, folder, faults) else { return vacuum() };
-    if let Some(fault) = outside(field, &spectrum, wavelengths_nm) {
-        faults.push(fault);
-        return vacuum();
+/// What indices are wanted at, and where their tables are.
+#[derive(Clone, Copy)]
+pub struct Indices<'a> {
+    pub wavelengths_nm: &'a [f64],
+    pub folder: &'a Path,
+}
+
+impl Indices<'_> {
+    /// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
+    pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> Material {
+        let vacuum = || vacuum(self.wavelengths_nm.len());
+        let Some(spectrum) = spectrum(field, written, self.folder, faults) else { return vacuum() };
+        if let Some(fault) = outside(field, &spectrum, self.wavelengths_nm) {
+            faults.push(fault);
+            return vacuum();
+        }
+        let values = self.wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
+        // Wavelengths that are no numbers have their own fault.
+        let Ok(index) = values.collect::<Result<Vec<_>, _>>() else { return vacuum() };
+        if let Some(fault) = unsound(field, &index, self.wavelengths_nm) {
+            faults.push(fault);
+            return vacuum();
+        }
+        let (source, dissolved) = (source(&spectrum), Vec::new());
+        Material { source, index, spectrum, dissolved, mixing: MixingRule::default() }
     }
-    let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3)).collect::<Result<Vec<_>, _>>();
-    // Wavelengths that are no numbers have their own fault.
-    let Ok(index) = values else { return vacuum() };
-    if let Some(fault) = unsound(field, &index, wavelengths_nm) {
-        faults.push(fault);
-        return vacuum();
-    }
-    let (source, dissolved) = (source(&spectrum), Vec::new());
-    Material { source, index, spectrum, dissolved, mixing: MixingRule::default() }
 }
 
 /// The index 1 at so many wavelengths.

@@ -1,6 +1,7 @@
 //! Pigments: names, shares, shapes and sizes that fit the layer, and the packing they ask for.
 
-use super::{grain_count, index};
+use super::grain_count;
+use super::index::Indices;
 use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::{LayerTable, PigmentTable, StudyFile};
@@ -10,43 +11,47 @@ use crate::input::study::{Dissolved, Material, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
 use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
-use std::path::Path;
 
+/// The grains of every pigment that has some.
+pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec<PigmentGrains> {
+    let mut all = Vec::new();
+    for (i, table) in file.pigments.iter().enumerate() {
+        let sound = faults.0.len();
+        fraction(i, table, faults);
+        if !is_molecular(table) {
+            all.push(grains_of(i, table, (&file.layer, period_um), faults, sound));
+        }
+    }
+    names(file, faults);
+    total_fraction(file, faults);
+    all
+}
+
+/// The same pigments with their indices.
 pub fn pigments(
     file: &StudyFile,
-    period_um: [f64; 2],
-    wavelengths_nm: &[f64],
-    folder: &Path,
+    grains: Vec<PigmentGrains>,
+    indices: &Indices,
     faults: &mut Faults,
 ) -> Vec<Pigment> {
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
-    let pigments: Vec<Pigment> = tables
-        .map(|(i, table)| Pigment {
-            name: name(i, table),
-            grains: grains(i, table, (&file.layer, period_um), faults),
-            material: index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults),
-        })
-        .collect();
-    names(file, faults);
-    total_fraction(file, faults);
-    pigments
+    let pigment = |((i, table), grains): ((usize, &PigmentTable), _)| Pigment {
+        name: name(i, table),
+        grains,
+        material: indices.tabulate(&of(i, "index"), &table.index, faults),
+    };
+    tables.zip(grains).map(pigment).collect()
 }
 
 /// The pigments without grains.
-pub fn dissolved(
-    file: &StudyFile,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-) -> Vec<Dissolved> {
+pub fn dissolved(file: &StudyFile, indices: &Indices, faults: &mut Faults) -> Vec<Dissolved> {
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| is_molecular(table));
-    tables
-        .map(|(i, table)| {
-            fraction(i, table, faults);
-            let material = index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults);
-            Dissolved { name: name(i, table), volume_fraction: table.volume_fraction, material }
-        })
-        .collect()
+    let dissolved = |(i, table): (usize, &PigmentTable)| Dissolved {
+        name: name(i, table),
+        volume_fraction: table.volume_fraction,
+        material: indices.tabulate(&of(i, "index"), &table.index, faults),
+    };
+    tables.map(dissolved).collect()
 }
 
 /// The binder with what is dissolved in it, over the volume that the grains leave.
@@ -112,10 +117,10 @@ pub(super) fn packing(
 }
 
 /// What the packing's own check finds.
-pub(super) fn packing_fault(request: &PackingRequest) -> Option<Fault> {
-    let Err(PackError::BadInput { field, found, allowed, advice }) = request.check() else { return None };
+fn packing_fault(request: &PackingRequest) -> Option<Fault> {
+    let Err(PackError::BadInput { field, found, allowed, remedy }) = request.check() else { return None };
     let field = if field.starts_with("pigment") { field } else { format!("packing.{field}") };
-    Some(Fault::new(field, found, allowed, advice))
+    Some(Fault::new(field, found, allowed, remedy))
 }
 
 fn of(pigment: usize, key: &str) -> String {
@@ -125,9 +130,14 @@ fn of(pigment: usize, key: &str) -> String {
 /// A layer and the nominal period of its cells.
 type Room<'a> = (&'a LayerTable, [f64; 2]);
 
-fn grains(i: usize, table: &PigmentTable, layer: Room, faults: &mut Faults) -> PigmentGrains {
-    let before = faults.0.len();
-    fraction(i, table, faults);
+/// The grains of one pigment, whose faults begin at `before`.
+fn grains_of(
+    i: usize,
+    table: &PigmentTable,
+    layer: Room,
+    faults: &mut Faults,
+    before: usize,
+) -> PigmentGrains {
     let grains = as_written(table, size(i, table, faults));
     let field = of(i, if table.diameter_nm.is_some() { "diameter_nm" } else { "size" });
     fits(&field, &grains, layer, faults);

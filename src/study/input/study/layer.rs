@@ -22,7 +22,6 @@ pub struct Layer {
     /// What is between the grains.
     pub binder: Material,
     /// Which part of the contrast scatters.
-    #[serde(default, skip_serializing_if = "ContrastPart::is_full")]
     pub contrast: ContrastPart,
 }
 
@@ -60,7 +59,6 @@ pub struct Material {
     /// What is dissolved in it: shares of its own volume, and indices.
     pub dissolved: Vec<(f64, Spectrum)>,
     /// How that mixes with it.
-    #[serde(default, skip_serializing_if = "MixingRule::is_volume_average")]
     pub mixing: MixingRule,
 }
 

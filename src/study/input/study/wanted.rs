@@ -43,7 +43,6 @@ pub enum WantedResolution {
         /// Discretisation along z.
         scheme: Scheme,
         /// Whether longer waves may have coarser grids.
-        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         per_wavelength: bool,
     },
     /// Points and planes per µm.
