@@ -48,6 +48,9 @@ pub struct Study {
     /// Which colours.
     #[serde(default)]
     pub target_colour: TargetColour,
+    /// Largest share of the packings that may have no room; no solve depends on it.
+    #[serde(default)]
+    pub failed_packings: f64,
     /// How realisations differ.
     pub variation: Variation,
     /// The grid asked for.
