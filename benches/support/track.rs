@@ -6,7 +6,7 @@
 //! (`operator/floor` on the largest grid), is a bench like others: when it changes, that is said once, and not of all.
 
 use clap::Parser;
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::report::seal::sealed;
 use inkwave::store::safely;
 use serde::{Deserialize, Serialize};
@@ -251,34 +251,29 @@ fn series<'a>(run: &'a [Entry], value: impl Fn(&Entry) -> Option<f64> + 'a) -> V
     curves.into_iter().filter(|c| c.1.len() > 1).map(sorted).collect()
 }
 
-/// Slope of a least-squares line through logarithms.
-fn exponent(curve: &Curve) -> f64 {
-    let points: Vec<[f64; 2]> = curve.points.iter().map(|p| [p[0].ln(), p[1].ln()]).collect();
-    let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(0), mean(1));
-    let square: f64 = points.iter().map(|p| (p[0] - x).powi(2)).sum();
-    points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>() / square
-}
-
-fn costs(run: &[Entry]) -> LogPlot {
+fn costs(run: &[Entry]) -> Chart {
     let mut curves = series(run, |e| Some(1e-9 * e.median_ns));
     let guide = curves.first().map(|c| {
         let [x0, y0, _] = c.points[0];
         let at = |p: &[f64; 3]| (p[0], y0 * p[0] * p[0].ln() / (x0 * x0.ln()));
         Curve::new("N log N", Style::Guide, c.points.iter().map(at))
     });
-    curves.iter_mut().for_each(|c| c.name = format!("{}: N^{:.2}", c.name, exponent(c)));
+    for curve in &mut curves {
+        if let Some(slope) = curve.exponent() {
+            curve.name = format!("{}: N^({})", curve.name, slope.in_words(2));
+        }
+    }
     curves.extend(guide);
-    LogPlot::log_log("Cost against size", "unknowns N", "seconds", curves)
+    Chart::log_log("Cost against size", "unknowns N", "seconds", curves)
 }
 
-fn bytes(run: &[Entry]) -> LogPlot {
+fn bytes(run: &[Entry]) -> Chart {
     let curves = series(run, |e| e.bytes_per_unknown.filter(|_| e.bench.starts_with("strategy")));
-    LogPlot::log_log("Memory", "unknowns N", "bytes per unknown", curves)
+    Chart::log_log("Memory", "unknowns N", "bytes per unknown", curves)
 }
 
 /// Geometric mean of each group's times over those of the first run, against the day.
-fn trend(history: &[Entry]) -> LogPlot {
+fn trend(history: &[Entry]) -> Chart {
     let mut runs: Vec<&str> = history.iter().map(|e| e.date.as_str()).collect();
     runs.dedup();
     let mut groups: Vec<&str> =
@@ -286,13 +281,14 @@ fn trend(history: &[Entry]) -> LogPlot {
     groups.sort_unstable();
     groups.dedup();
     let curves = groups.iter().map(|group| group_curve(group, &runs, history)).collect();
-    let (first, last) = (runs.first().copied().unwrap_or("–"), runs.last().copied().unwrap_or("–"));
-    let x_label = format!("days since {first}; the last run is of {last}");
-    LogPlot {
+    let start = runs.first().and_then(|date| days(date)).unwrap_or(0.0);
+    let x_ticks = runs.iter().filter_map(|date| Some((days(date)? - start, (*date).replace('T', " "))));
+    Chart {
         log: [false, true],
-        ..LogPlot::log_log(
+        x_ticks: x_ticks.collect(),
+        ..Chart::log_log(
             "Costs over the runs",
-            &x_label,
+            "date of the run, UTC",
             "time ÷ that of the first run (geometric mean)",
             curves,
         )

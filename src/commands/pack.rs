@@ -80,10 +80,10 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let sweeps = if account.sweeps > 0 { format!(", {} sweeps", account.sweeps) } else { String::new() };
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {}: {} grains by {:?} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{notes}",
+        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{notes}",
         realisation + 1,
         packing.grains().len(),
-        account.method,
+        account.method.in_words(),
         account.steps,
     )
 }

@@ -4,7 +4,7 @@
 use super::load::Sweep;
 use super::outcome::Outcome;
 use super::sheets::Sheet;
-use crate::draw::plots::{Plot, Series};
+use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::manifest::SpectrumRow;
 use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
 use crate::input::contrast::ContrastPart;
@@ -33,7 +33,7 @@ enum Abscissa {
 }
 
 /// All curves of a sheet; none where neither share nor size has several values.
-pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Plot> {
+pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Chart> {
     let shown = sheet.variants.iter().flatten().flatten();
     let made: Vec<(usize, Make)> =
         shown.filter_map(|&v| Some((v, Make::of(&sweep.variants[v].study)?))).collect();
@@ -85,8 +85,8 @@ fn plot(
     y_label: &str,
     y: &dyn Fn(usize) -> Option<Estimate>,
     most_curves: usize,
-) -> Option<Plot> {
-    let mut series: Vec<Series> = Vec::new();
+) -> Option<Chart> {
+    let mut curves: Vec<Curve> = Vec::new();
     for name in names(made, x) {
         let (mut points, mut asked): (BTreeMap<u64, Estimate>, Vec<f64>) = Default::default();
         for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
@@ -95,14 +95,16 @@ fn plot(
                 points.entry(make.at(x)).or_insert(value);
             }
         }
-        let points: Vec<(f64, Estimate)> = points.into_iter().map(|(k, y)| (in_units(k, x), y)).collect();
         // A molecular mixture alone is no curve.
         if points.len() > 1 {
-            series.push(Series::of_points(name.in_words(made), points).asked_at(&asked));
+            curves.push(
+                Curve::measured(name.in_words(made), points.into_iter().map(|(k, y)| (in_units(k, x), y)))
+                    .asked_at(&asked),
+            );
         }
     }
-    series.truncate(most_curves);
-    if series.is_empty() {
+    curves.truncate(most_curves);
+    if curves.is_empty() {
         return None;
     }
     let x_label = match x {
@@ -111,13 +113,8 @@ fn plot(
     };
     let title = if sheet.caption.is_empty() { String::new() } else { format!("{}: ", sheet.caption) };
     let against = if x == Abscissa::Share { "concentration" } else { "grain size" };
-    Some(Plot {
-        title: format!("{title}{y_label} against {against}"),
-        x_label: x_label.into(),
-        y_label: y_label.into(),
-        series,
-        ..Plot::default()
-    })
+    let title = format!("{title}{y_label} against {against}");
+    Some(Chart { from_zero: true, ..Chart::linear(&title, x_label, y_label, curves) })
 }
 
 /// Makes that differ in more than the abscissa, in their order of appearance; molecular mixtures belong to all sizes.

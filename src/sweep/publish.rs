@@ -14,7 +14,7 @@ use super::stored::refused;
 use super::target;
 use crate::appearance::picture::InkPicture;
 use crate::draw::contact_sheet::ContactSheet;
-use crate::draw::figure::FigureError;
+use crate::draw::OutputError;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
@@ -85,7 +85,9 @@ fn report(
     damages: Vec<Damage>,
 ) -> Result<Reported, PublishError> {
     let conclusions: Vec<Judged> = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
-    let reported = Reported { outcomes, conclusions, damages };
+    let nearest =
+        target::nearest(&sweep.outline, &outcomes).map(|n| format!("Target {}: {}", n.target, n.summary));
+    let reported = Reported { outcomes, conclusions, nearest, damages };
     let sheets = sheets(&sweep.outline);
     let drawn = draw(&sweep.outline.title, &sheets, pictures, &reported.outcomes)?;
     for (i, png) in drawn.iter().enumerate() {
@@ -148,7 +150,7 @@ fn draw(
 }
 
 /// A contact sheet as PNG with its title.
-fn png(sheet: &ContactSheet) -> Result<Vec<u8>, FigureError> {
+fn png(sheet: &ContactSheet) -> Result<Vec<u8>, OutputError> {
     sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])
 }
 

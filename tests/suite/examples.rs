@@ -141,15 +141,12 @@ fn a_study_is_the_same_wherever_it_is_written() {
         .replace("[light]", "[study.light]")
         .replace("[angles]", "[study.angles]")
         .replace("[run]", "[study.run]");
-    let short = "layer = { period_um = 0.5, thickness_um = 0.4, diameter_nm = 200, volume_fraction = 0.1, \
-        pigment = [1.4, 0.0], binder = [1.558, 0.0], wavelength_um = 0.6, seed = 3 }\n";
     let lists = "strategies = ['krylov', 'born']\nresolutions = [{ points = 5, cells = 4 }]\nrepeats = 1\n";
     let mut tables = Vec::new();
     for (name, text) in [
         ("study.toml", study.to_owned()),
         ("by-name.toml", format!("{lists}study = 'study.toml'\n")),
         ("inside.toml", format!("{lists}{inner}")),
-        ("short.toml", format!("{lists}{short}")),
     ] {
         std::fs::write(scratch.path().join(name), text).expect("written");
         if name == "study.toml" {

@@ -7,8 +7,8 @@
 
 use crate::claim::{Claim, Findings, Level};
 use crate::support::{ball, fitted_slope};
-use crate::vector::order;
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use crate::vector::{far_fields, order};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::material::mixing::MixingRule;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem};
@@ -80,9 +80,7 @@ fn lattice(layers: usize) -> [[Complex64; 2]; 2] {
     let goal = Goal { tolerance: 1e-8, ..Goal::default() };
     let fields = Polarisation::BOTH
         .map(|p| Gmres::default().solve(&problem.polarised(p), goal, &mut Silent).expect("converges").field);
-    let far = problem.far_field([&fields[0], &fields[1]]);
-    let straight = order(&far, 0, 0);
-    [0, 1].map(|i| [straight.reflected[i][i], straight.transmitted[i][i]])
+    order(&far_fields(&problem, &fields), 0, 0).map(|straight| [straight.reflected, straight.transmitted])
 }
 
 fn distance(a: [Complex64; 2], b: [Complex64; 2]) -> f64 {
@@ -124,5 +122,5 @@ fn measure(level: Level, findings: &mut Findings) {
         because,
     );
     let (title, size) = ("Balls of a lattice as they shrink, Maxwell's equations", "lattice constant a, nm");
-    findings.plots.push(LogPlot::log_log(title, size, "difference of r, t", curves));
+    findings.plots.push(Chart::log_log(title, size, "difference of r, t", curves));
 }

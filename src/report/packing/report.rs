@@ -2,7 +2,7 @@
 
 use super::files::write_whole;
 use super::{grains_csv, packing_json, spheres_vtp};
-use crate::draw::curve_plot;
+use crate::draw::chart::{self, Chart};
 use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
 use crate::ink::statistics::{Curve, Statistics, gather};
 use crate::ink::{Packing, Shape};
@@ -33,8 +33,8 @@ pub fn write_report(
     write_whole(&folder.join("statistics.csv"), &scalars_csv(&statistics)?)?;
     for curve in &statistics.curves {
         write_whole(&folder.join(format!("{}.csv", curve.name)), &curve_csv(curve)?)?;
-        let plot = curve_plot(&called(curve, pigments))?;
-        write_whole(&folder.join(format!("{}.svg", curve.name)), plot.as_bytes())?;
+        let chart = chart_of(curve, pigments).svg()?;
+        write_whole(&folder.join(format!("{}.svg", curve.name)), chart.as_bytes())?;
     }
     let page = folder.join("index.html");
     write_whole(&page, html(title, pigments, packings, &statistics).as_bytes())?;
@@ -93,8 +93,9 @@ fn html(title: &str, pigments: &[(String, Shape)], packings: &[Packing], statist
     for (file, alt) in PICTURES {
         page += &format!("<figure><img src=\"{file}\" alt=\"{alt}\"></figure>\n");
     }
-    for curve in statistics.curves.iter().map(|curve| called(curve, pigments)) {
-        let (file, y, x) = (format!("{}.svg", curve.name), escaped(&curve.y_label), escaped(&curve.x_label));
+    for curve in &statistics.curves {
+        let (y, x) = (escaped(&named(&curve.y_label, pigments)), escaped(&curve.x_label));
+        let file = format!("{}.svg", curve.name);
         page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{y} against {x}\"></figure>\n");
     }
     page
@@ -122,8 +123,10 @@ fn accounts(packings: &[Packing]) -> String {
         let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
         let (number, notes) = (k + 1, escaped(&a.notes.join("; ")));
         table += &format!(
-            "<tr><td>{number}<td>{:?}<td>{}<td>{}<td>{gap}<td>{notes}</tr>\n",
-            a.method, a.steps, a.sweeps
+            "<tr><td>{number}<td>{}<td>{}<td>{}<td>{gap}<td>{notes}</tr>\n",
+            a.method.in_words(),
+            a.steps,
+            a.sweeps
         );
     }
     table + "</table></div>\n"
@@ -152,9 +155,12 @@ fn sided(quantity: &str) -> String {
     SIDES.iter().fold(quantity.to_owned(), |name, (heights, sides)| name.replace(heights, sides))
 }
 
-/// A curve whose axis calls its pigment by name.
-fn called(curve: &Curve, pigments: &[(String, Shape)]) -> Curve {
-    Curve { y_label: named(&curve.y_label, pigments), ..curve.clone() }
+/// A chart of one curve, whose axis calls the pigment by name.
+fn chart_of(curve: &Curve, pigments: &[(String, Shape)]) -> Chart {
+    let points = curve.x.iter().copied().zip(curve.y.iter().copied());
+    let curves = vec![chart::Curve::measured("", points)];
+    let y_label = named(&curve.y_label, pigments);
+    Chart { from_zero: true, ..Chart::linear("", &curve.x_label, &y_label, curves) }
 }
 
 /// Numbers of pigments are for tables; people know their names.
@@ -174,17 +180,24 @@ fn rounded(Estimate { value, standard_error }: Estimate) -> String {
     let digits = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     let standard_error = standard_error.filter(|error| *error > ROUNDING * value.abs());
     if value != 0.0 && value.abs() < SMALL {
+        // What would be rounded to 10.000 is 1.000 of the next power.
+        let digits =
+            if (1e3 * value.abs() / 10f64.powf(digits)).round() >= 1e4 { digits + 1.0 } else { digits };
         let unit = 10f64.powf(digits);
         let scaled =
             Estimate { value: value / unit, standard_error: standard_error.map(|error| error / unit) };
         let words = scaled.in_words(3);
-        let words = if words.contains('±') { format!("({words})") } else { words };
+        let words = if words.contains('±') { format!("({words})") } else { without_zeros(&words) };
         return format!("{words} · 10<sup>−{}</sup>", -digits);
     }
     let words = Estimate { value, standard_error }.in_words((3.0 - digits).clamp(0.0, 12.0) as usize);
     if words.contains('±') || !words.contains('.') {
         return words;
     }
+    without_zeros(&words)
+}
+
+fn without_zeros(words: &str) -> String {
     words.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
@@ -199,7 +212,9 @@ mod tests {
     #[test]
     fn small_means_have_a_power_of_ten_and_rounding_is_no_error() {
         let words = |mean: f64, error: f64| rounded(Estimate { value: mean, standard_error: Some(error) });
-        assert_eq!(words(7.5e-8, 1e-23), "7.500 · 10<sup>−8</sup>");
+        assert_eq!(words(7.5e-8, 1e-23), "7.5 · 10<sup>−8</sup>");
+        // *Planted*: a gap of 10⁻⁸ less a rounding was 10.000 · 10⁻⁹.
+        assert_eq!(words(1e-8 - 1e-17, 1e-24), "1 · 10<sup>−8</sup>");
         assert_eq!(words(7.5e-8, 1.2e-9), "(7.50 ± 0.12) · 10<sup>−8</sup>");
         assert_eq!(words(0.2, 1e-17), "0.2");
         assert_eq!(words(0.2, 1.2e-3), "0.2000 ± 0.0012");

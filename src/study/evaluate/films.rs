@@ -1,8 +1,8 @@
 //! The coherent film at every wavelength and thickness that an ensemble needs.
 
 use super::film::{Film, Profile};
-use crate::solve::door::Wave;
 use crate::wave::Side;
+use crate::wave::Wave;
 use crate::wave::maxwell::Polarisation;
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
