@@ -8,6 +8,7 @@ use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, Spect
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::seen::{LayerSeen, NoInk, Seen, see};
+use super::survivors::Survivors;
 use super::uncertainty::{Shift, Sure, UNMOVED, Uncertainty, lit, natural_light};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::input::study::{Study, TargetColour};
@@ -33,9 +34,11 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     let finished = collected.finished();
     let asked = if collected.enough { finished } else { study.solves() };
     let certainty = certainty(collected, records().collect(), seen);
+    let survivors = Survivors { packed: collected.realisations.len(), refused: collected.refused.len() };
     let uncertainty = Uncertainty {
         grid: collected.resolved.grid_error,
         residual: certainty.mean_energy_error,
+        missing_cells: survivors.largest_shift(seen.realisations.len()),
         certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
     let mut spectra = spectra(study, seen, &uncertainty);
@@ -53,6 +56,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         realisations: Count { asked: study.realisations, finished: collected.complete().count() },
         solves: Count { asked, finished },
         failures: failures(collected),
+        tried_packings: survivors,
         resolution: collected.resolved.resolution,
         resolution_longest: Some(collected.resolved.longest(study))
             .filter(|longest| *longest != collected.resolved.resolution),

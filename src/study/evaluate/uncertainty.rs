@@ -23,6 +23,8 @@ pub(super) struct Uncertainty {
     pub grid: GridError,
     /// Of R and T from the solver's residual: the mean imbalance of energy, which is nothing else.
     pub residual: f64,
+    /// Largest shift by packings without room, in standard errors by chance.
+    pub missing_cells: f64,
     /// No grains: chance plays no part, and the grid is all that is uncertain.
     pub certain: bool,
 }
@@ -54,12 +56,18 @@ impl Uncertainty {
         let none = (self.certain && moved.iter().any(|by| *by != [0.0; 3])).then_some([[0.0; 3]; 3]);
         let shared = |i: usize, j: usize| moved.iter().map(|by| by[i] * by[j]).sum::<f64>();
         let sum = |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + shared(i, j)));
-        chance.or(none).map(sum)
+        chance.map(|chance| self.with_missing_cells(chance)).or(none).map(sum)
+    }
+
+    /// A covariance by chance with that of the largest shift by packings without room, whichever way it goes.
+    fn with_missing_cells(&self, chance: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+        chance.map(|row| row.map(|c| c * (1.0 + self.missing_cells * self.missing_cells)))
     }
 
     /// Adds a shared error; unknown chance leaves the whole unknown.
     pub fn widen(&self, estimate: Estimate, shared: f64) -> Estimate {
-        let chance = estimate.standard_error.or(self.certain.then_some(0.0));
+        let chance = estimate.standard_error.map(|chance| chance * 1.0_f64.hypot(self.missing_cells));
+        let chance = chance.or(self.certain.then_some(0.0));
         let standard_error = chance.map(|chance| chance.hypot(shared)).filter(|&e| e > 0.0 || !self.certain);
         Estimate { standard_error, ..estimate }
     }
@@ -95,6 +103,7 @@ impl Uncertainty {
             wavelengths: length(ink.wavelength_shift(plain)?),
             grid,
             residual,
+            missing_cells: self.missing_cells * chance.map_or(0.0, spread),
             beyond_range: below.hypot(above),
         };
         Ok(Sure { colour, budget: budget.apart(), deviations })
@@ -137,6 +146,9 @@ pub struct Budget {
     pub grid: f64,
     /// The solver's residual.
     pub residual: f64,
+    /// Packings without room: what their cells could change at most; absent where all had room.
+    #[serde(skip_serializing_if = "nothing")]
+    pub missing_cells: f64,
     /// Visible light outside the range of the wavelengths, for which the spectrum's ends stand; absent where all is inside.
     #[serde(skip_serializing_if = "nothing")]
     pub beyond_range: f64,
@@ -192,10 +204,16 @@ mod tests {
     #[test]
     fn chance_and_grid_add_as_squares_and_unknown_stays_unknown() {
         let grid = GridError { reflectance: 3e-3, transmittance: 0.0 };
-        let [chance, sure] = [false, true].map(|certain| Uncertainty { grid, residual: 4e-3, certain });
+        let [chance, sure] =
+            [false, true].map(|certain| Uncertainty { grid, residual: 4e-3, missing_cells: 0.0, certain });
         let known = Estimate { value: 0.5, standard_error: Some(4e-3) };
         let widened = chance.widen(known, 3e-3);
         assert!((widened.standard_error.unwrap() - 5e-3).abs() < 1e-15 && widened.value == 0.5);
+        // a shift of 0.75 standard errors: 4e-3 and 3e-3
+        let missing = Uncertainty { missing_cells: 0.75, ..chance };
+        assert!((missing.widen(known, 0.0).standard_error.unwrap() - 5e-3).abs() < 1e-15);
+        let covariance = missing.widen_lab(Some([[16e-6, 0.0, 0.0], [0.0; 3], [0.0; 3]]), &[]).unwrap();
+        assert!((covariance[0][0] - 25e-6).abs() < 1e-18);
         let unknown = Estimate::unknown_error(0.5);
         assert_eq!(chance.widen(unknown, 3e-3).standard_error, None);
         assert_eq!(sure.widen(unknown, 3e-3).standard_error, Some(3e-3));
