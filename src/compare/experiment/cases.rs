@@ -64,10 +64,10 @@ impl MatrixTable {
 /// A case before it is packed.
 pub(super) struct Subject {
     pub varied: Option<Varied>,
-    geometry: Geometry,
+    geometry: CaseGeometry,
 }
 
-enum Geometry {
+enum CaseGeometry {
     Packed(Box<Packed>),
     /// A case file, and the amplitudes that it has.
     Written(Box<Case>, Option<serde_json::Value>),
@@ -77,16 +77,16 @@ impl Subject {
     /// Reads or packs the geometry.
     pub fn case(&self) -> Result<Case, CompareError> {
         match &self.geometry {
-            Geometry::Packed(packed) => packed.case(),
-            Geometry::Written(case, _) => Ok(Case::clone(case)),
+            CaseGeometry::Packed(packed) => packed.case(),
+            CaseGeometry::Written(case, _) => Ok(Case::clone(case)),
         }
     }
 
     /// The indices of all media; a study is checked for it.
     pub fn media(&self) -> Result<Media, CompareError> {
         match &self.geometry {
-            Geometry::Packed(packed) => packed.media(),
-            Geometry::Written(case, _) => Ok(case.media.clone()),
+            CaseGeometry::Packed(packed) => packed.media(),
+            CaseGeometry::Written(case, _) => Ok(case.media.clone()),
         }
     }
 
@@ -98,8 +98,8 @@ impl Subject {
     /// Amplitudes that a case file brings along.
     pub fn known(&self) -> Option<&[serde_json::Value]> {
         match &self.geometry {
-            Geometry::Written(_, known) => known.as_ref()?.as_array().map(Vec::as_slice),
-            Geometry::Packed(_) => None,
+            CaseGeometry::Written(_, known) => known.as_ref()?.as_array().map(Vec::as_slice),
+            CaseGeometry::Packed(_) => None,
         }
     }
 
@@ -121,10 +121,10 @@ impl ComparisonFile {
             let json = files::read_text(&path, files::CASE).ok();
             let json: Option<serde_json::Value> = json.and_then(|text| serde_json::from_str(&text).ok());
             let known = json.and_then(|json| json.pointer("/outputs/orders").cloned());
-            return Ok(vec![Subject { varied: None, geometry: Geometry::Written(case, known) }]);
+            return Ok(vec![Subject { varied: None, geometry: CaseGeometry::Written(case, known) }]);
         }
         let packed = self.packed()?;
-        let packing = |packed| Geometry::Packed(Box::new(packed));
+        let packing = |packed| CaseGeometry::Packed(Box::new(packed));
         let Some(matrix) = &self.matrix else {
             return Ok(vec![Subject { varied: None, geometry: packing(packed) }]);
         };

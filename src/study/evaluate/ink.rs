@@ -8,7 +8,7 @@ use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
 use super::on_paper::{
-    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, PolarAngle, SYMMETRIC, Totals,
+    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, LayerTotals, PolarAngle, SYMMETRIC,
 };
 use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
@@ -183,7 +183,7 @@ impl InkOnPaper {
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
         let bends =
-            |fits: &Fits| Totals::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
+            |fits: &Fits| LayerTotals::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
         let curve = AngleCurve {
