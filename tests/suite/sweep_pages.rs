@@ -159,7 +159,8 @@ fn differences_between_inks_are_shown_where_they_are_asked_for_and_axes_have_uni
     let difference = |ink: &str, size: &str| cells(&page, [ink, size])[5].to_owned();
     assert!(difference("yellow", "150").contains('.'), "{:?}", cells(&page, ["yellow", "150"]));
     assert_eq!([difference("blue", "200"), difference("blue", "150")], ["", ""]);
-    std::fs::write(place.path("tiny.toml"), format!("reference = {{ ink = \"yellow\" }}\n{base}{INKS}")).unwrap();
+    std::fs::write(place.path("tiny.toml"), format!("reference = {{ ink = \"yellow\" }}\n{base}{INKS}"))
+        .unwrap();
     place.sweep("out", &[]);
     let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
     assert!(cells(&page, ["blue", "200"])[5].contains('.'), "{page}");

@@ -3,7 +3,7 @@
 use super::{grains_csv, packing_json, spheres_vtp};
 use crate::draw::chart::{self, Chart};
 use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
-use crate::ink::statistics::{Curve, Statistics, gather};
+use crate::ink::statistics::{StatisticCurve, Statistics, gather};
 use crate::ink::{Packing, Shape};
 use crate::numerics::estimate::Estimate;
 use crate::report::cell;
@@ -66,7 +66,7 @@ fn scalars_csv(statistics: &Statistics) -> csv::Result<Vec<u8>> {
     cell::table(["quantity", "unit", "mean", "standard_error"], statistics.scalars.iter().map(row))
 }
 
-fn curve_csv(curve: &Curve) -> csv::Result<Vec<u8>> {
+fn curve_csv(curve: &StatisticCurve) -> csv::Result<Vec<u8>> {
     let point = |(x, y): (&f64, &Estimate)| std::iter::once(x.to_string()).chain(cell::numbers(Some(*y)));
     cell::table(
         [curve.x_label.as_str(), &curve.y_label, "standard error"],
@@ -152,7 +152,7 @@ fn sided(quantity: &str) -> String {
 }
 
 /// A chart of one curve, whose axis calls the pigment by name.
-fn chart_of(curve: &Curve, pigments: &[(String, Shape)]) -> Chart {
+fn chart_of(curve: &StatisticCurve, pigments: &[(String, Shape)]) -> Chart {
     let points = curve.x.iter().copied().zip(curve.y.iter().copied());
     let curves = vec![chart::Curve::measured("", points)];
     let y_label = named(&curve.y_label, pigments);

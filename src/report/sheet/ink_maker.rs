@@ -2,7 +2,7 @@
 
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve};
-use crate::evaluate::ink_maker::{Comparison, InkMaker, Swatch};
+use crate::evaluate::ink_maker::{InkMaker, MeasuredComparison, Swatch};
 use crate::evaluate::manifest::Manifest;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
@@ -97,7 +97,7 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
     figure("Kubelka–Munk coefficients", "1/µm", series, caption)
 }
 
-fn compared(measured: &Comparison) -> Result<Vec<Figure>, OutputError> {
+fn compared(measured: &MeasuredComparison) -> Result<Vec<Figure>, OutputError> {
     let exact = |value: f64| Estimate { value, standard_error: None };
     let of = |value: &dyn Fn(&crate::evaluate::ink_maker::ComparedRow) -> Estimate| {
         measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
