@@ -5,8 +5,6 @@ use super::solve_light::LightArgs;
 use super::solve_report;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
-use inkwave::input::older;
-use inkwave::numerics::files;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, Registry, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_among};
@@ -20,7 +18,7 @@ const USUAL_UM: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Accuracy without `--accuracy` or a grid.
 const DEFAULT_ACCURACY: f64 = 1e-3;
 
-/// Solves one explicit geometry and prints its orders as JSON.
+/// Solve one explicit geometry and print its orders as JSON
 ///
 /// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d, cylinder2d, lamellar2d)
 /// as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].
@@ -93,8 +91,6 @@ impl From<SchemeName> for Scheme {
 pub fn run(args: &SolveArgs) -> Result<()> {
     check(args)?;
     let mut case = Case::read(&args.case).into_diagnostic()?;
-    let text = files::read_text(&args.case, files::CASE).into_diagnostic()?;
-    older::remarks(&text).iter().for_each(super::say::note);
     if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
         miette::bail!(
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"

@@ -24,7 +24,7 @@ use rows::Bench;
 
 /// What a comparison is about to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct ComparisonPlan {
     /// Bodies of the geometry (of the first case).
     pub bodies: usize,
     /// Solves, but for those of searches for a grid and of repetitions.
@@ -39,11 +39,11 @@ impl ComparisonFile {
     ///
     /// # Errors
     /// As [`ComparisonFile::run`], but those of solves.
-    pub fn plan(&self, registry: &Registry) -> Result<Plan, CompareError> {
+    pub fn plan(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.planned(registry).map_err(|error| error.in_file(&self.origin))
     }
 
-    fn planned(&self, registry: &Registry) -> Result<Plan, CompareError> {
+    fn planned(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.check()?;
         let strategies = self.strategies(registry)?;
         let subjects = self.subjects()?;
@@ -59,7 +59,7 @@ impl ComparisonFile {
             }
             bodies.get_or_insert(case.scene.bodies.len());
         }
-        Ok(Plan { bodies: bodies.unwrap_or(0), rows: self.asked(&subjects, &strategies)? })
+        Ok(ComparisonPlan { bodies: bodies.unwrap_or(0), rows: self.asked(&subjects, &strategies)? })
     }
 
     /// Rows asked for; faults of every case show on the way.

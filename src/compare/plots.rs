@@ -3,7 +3,7 @@
 
 use super::page::Comparison;
 use super::row::{Row, Varied, mean_name, scheme_name};
-use crate::draw::log_plot::{Curve, LogPlot, Style};
+use crate::draw::chart::{Chart, Curve, Style};
 use crate::wave::Scheme;
 
 /// What tells the curves of one strategy apart.
@@ -11,14 +11,14 @@ type Variant = (Option<Scheme>, bool);
 
 impl Comparison {
     /// File names and plots; none without a curve.
-    pub(super) fn plots(&self) -> Vec<(String, LogPlot)> {
+    pub(super) fn plots(&self) -> Vec<(String, Chart)> {
         let plots = if self.has_cases() { self.applications() } else { self.of_one_case() };
         plots.into_iter().filter(|(_, plot)| !plot.curves.is_empty()).collect()
     }
 
     /// Applications against the period, one plot for each pigment; lines are broken where a
     /// strategy fails.
-    fn applications(&self) -> Vec<(String, LogPlot)> {
+    fn applications(&self) -> Vec<(String, Chart)> {
         let cases = || self.rows.iter().filter_map(|row| row.case);
         let mut pigments: Vec<[f64; 2]> = cases().map(|case| case.pigment).collect();
         pigments.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -27,21 +27,21 @@ impl Comparison {
         plots.map(|(k, pigment)| (format!("applications-{}.svg", k + 1), self.of_pigment(pigment))).collect()
     }
 
-    fn of_pigment(&self, pigment: [f64; 2]) -> LogPlot {
+    fn of_pigment(&self, pigment: [f64; 2]) -> Chart {
         let own = |row: &&Row| row.case.is_some_and(|case| case.pigment == pigment);
         let rows: Vec<&Row> = self.rows.iter().filter(own).collect();
         let curves = self.curves(&rows, |row| [period(row.case), counted(row)]);
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
-        LogPlot::log_log(&title, "period, µm", "operator applications", curves)
+        Chart::log_log(&title, "period, µm", "operator applications", curves)
     }
 
-    fn of_one_case(&self) -> Vec<(String, LogPlot)> {
+    fn of_one_case(&self) -> Vec<(String, Chart)> {
         let all: Vec<&Row> = self.rows.iter().filter(|row| row.converged()).collect();
         let work = |row: &Row| (row.applications() * row.unknowns.unwrap_or(0)) as f64;
         let work = self.curves(&all, |row| [work(row), error(row)]);
         let seconds = self.curves(&all, |row| [row.seconds.unwrap_or(f64::NAN), error(row)]);
         let of_error = |name: &str, title: &str, cost: &str, curves| {
-            (format!("{name}.svg"), LogPlot::log_log(title, cost, "largest amplitude error", curves))
+            (format!("{name}.svg"), Chart::log_log(title, cost, "largest amplitude error", curves))
         };
         vec![
             ("residuals.svg".into(), self.residual_plot()),
@@ -51,7 +51,7 @@ impl Comparison {
     }
 
     /// Residuals on the finest grid of every scheme and mean.
-    fn residual_plot(&self) -> LogPlot {
+    fn residual_plot(&self) -> Chart {
         let finest = self.rows.iter().filter_map(|row| row.unknowns).max();
         let rows: Vec<&Row> = self.rows.iter().filter(|row| row.unknowns == finest).collect();
         // The start, before any application, would not show on a logarithmic axis.
@@ -62,7 +62,7 @@ impl Comparison {
         });
         let histories = histories.filter(|curve| !curve.points.is_empty()).collect();
         let words = ["Residual on the finest grid", "operator applications", "relative residual"];
-        LogPlot { log: [false, true], ..LogPlot::log_log(words[0], words[1], words[2], histories) }
+        Chart { log: [false, true], ..Chart::log_log(words[0], words[1], words[2], histories) }
     }
 
     /// One curve for each strategy, scheme and mean; where a value is not finite, the line is

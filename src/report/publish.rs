@@ -4,7 +4,8 @@ use super::sheet::sheet;
 use super::tables;
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
-use crate::draw::figure::{Bitmap, FigureError};
+use crate::draw::OutputError;
+use crate::draw::figure::Bitmap;
 use crate::draw::picture::{PictureStyle, render};
 use crate::evaluate::ink::InkError;
 use crate::evaluate::manifest::{Manifest, Status, Withheld};
@@ -31,7 +32,7 @@ pub enum PublishError {
     Unphysical(String),
     /// A plot or picture.
     #[error(transparent)]
-    Figure(#[from] FigureError),
+    Figure(#[from] OutputError),
     /// Ink on paper.
     #[error(transparent)]
     Ink(#[from] InkError),

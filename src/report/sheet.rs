@@ -6,7 +6,7 @@ mod tables;
 
 use super::page::{ColourBlock, ColourRow, Page, Picture, png_data};
 use crate::appearance::paper::{Coupling, MirroredSky};
-use crate::draw::figure::FigureError;
+use crate::draw::OutputError;
 use crate::evaluate::manifest::{ColourNote, Manifest, Status};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
@@ -23,7 +23,7 @@ pub fn sheet(
     manifest: &Manifest<&Study>,
     seen: &Seen,
     picture: Option<&[u8]>,
-) -> Result<Page, FigureError> {
+) -> Result<Page, OutputError> {
     let picture = picture.map(|png| Picture { data: png_data(png), caption: picture_caption(study) });
     Ok(Page {
         title: study.title.clone(),

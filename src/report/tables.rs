@@ -115,8 +115,8 @@ fn row(
 ) -> impl Iterator<Item = String> {
     let incidence = bdf.incidence();
     let (from, here, beyond) = match incidence.from {
-        Side::Incident => ("above", 1.0, index_out),
-        Side::Exit => ("below", index_out, 1.0),
+        Side::Incident => ("incident", 1.0, index_out),
+        Side::Exit => ("exit", index_out, 1.0),
     };
     let index = if lobe == Lobe::Reflected { here } else { beyond };
     let [x, y] = order.direction;

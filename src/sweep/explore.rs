@@ -29,7 +29,7 @@ const TEMPLATE: &str = include_str!("explore.html");
 const STYLE: &str = crate::report::page::STYLE;
 
 #[derive(Serialize)]
-struct Page<'a> {
+struct ExplorePage<'a> {
     title: &'a str,
     program: String,
     reference: &'a str,
@@ -87,7 +87,7 @@ pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]
         |(number, (picture, place))| variant((sweep, outcomes, number), picture, place, &wavelengths_nm);
     let places = outline.variants.iter().map(|v| v.place.as_slice());
     let variants = pictures.iter().zip(places).enumerate().map(variant).collect();
-    let data = Page {
+    let data = ExplorePage {
         title: &outline.title,
         program: crate::report::page::made_by(),
         reference: &reference.name,
@@ -192,7 +192,7 @@ mod tests {
     use super::*;
     use crate::appearance::colour::{Colorimeter, Colour};
     use crate::evaluate::manifest::Count;
-    use crate::sweep::aim::{Aim, Found};
+    use crate::sweep::aim::{Aim, AimFound};
     use crate::sweep::load::{AxisOutline, Outline, Place};
     use ndarray::Array2;
 
@@ -219,7 +219,7 @@ mod tests {
         let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
         let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
         let colour = Colour { lab_covariance: covariance, ..colour };
-        let found = Some(Found {
+        let found = Some(AimFound {
             delta_e_2000: number(),
             deviations: Vec::new(),
             contrast_ratio: number(),

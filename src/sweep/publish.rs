@@ -13,8 +13,8 @@ use super::sheets::{Sheet, sheets};
 use super::stored::stage_key;
 use super::target;
 use crate::appearance::picture::InkPicture;
+use crate::draw::OutputError;
 use crate::draw::contact_sheet::ContactSheet;
-use crate::draw::figure::FigureError;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
@@ -159,7 +159,7 @@ fn draw(
 }
 
 /// A contact sheet as PNG with its title.
-fn png(sheet: &ContactSheet) -> Result<Vec<u8>, FigureError> {
+fn png(sheet: &ContactSheet) -> Result<Vec<u8>, OutputError> {
     sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])
 }
 

@@ -106,9 +106,7 @@ impl Sheet {
 fn why_blank(outcome: Option<&Outcome>) -> String {
     match outcome {
         None => "left out of the sweep".into(),
-        Some(o) if o.failures > 0 && o.colour.is_none() => {
-            o.short_reason().unwrap_or_else(|| format!("{} failed", o.failures))
-        }
+        Some(o) if o.failures > 0 && o.colour.is_none() => format!("{} failed", o.failures),
         Some(o) if o.solves.finished == 0 => "not solved yet".into(),
         Some(o) if o.realisations == 0 => format!("{} of {} solves", o.solves.finished, o.solves.asked),
         Some(_) => "angles without paper".into(),

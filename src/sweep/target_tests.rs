@@ -1,12 +1,12 @@
 use super::*;
 use crate::evaluate::manifest::Count;
-use crate::sweep::aim::{Aim, Found};
+use crate::sweep::aim::{Aim, AimFound};
 use crate::sweep::load::AxisOutline;
 
 /// A variant of three realisations that is so far from its target.
 fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> Outcome {
     let estimate = Estimate { value, standard_error: error };
-    let found = Found {
+    let found = AimFound {
         delta_e_2000: estimate,
         deviations: deviations.into_iter().enumerate().collect(),
         contrast_ratio: Estimate { value: 0.8, standard_error: Some(0.01) },

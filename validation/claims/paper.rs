@@ -7,7 +7,7 @@ use inkwave::evaluate::film::Profile;
 use inkwave::evaluate::films::Films;
 use inkwave::evaluate::ink::{InkInputs, InkOnPaper};
 use inkwave::evaluate::layer::LayerEnsemble;
-use inkwave::evaluate::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use inkwave::evaluate::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use inkwave::evaluate::wavelengths::SpectralBasis;
 use inkwave::input::variation::stratified_deg;
 use inkwave::wave::Wave;
@@ -62,7 +62,7 @@ const WRONG_INDEX: Complex64 = Complex64::new(0.02, 0.004);
 fn by_formula(film: &Film, strata: usize, r: usize) -> SolvedRealisation {
     let at = |&deg: &f64| {
         let [r, t] = amplitudes(1.0, &[*film], 1.0.into(), 1e-3 * OUTPUT_NM, deg).map(|a| a.norm_sqr());
-        Solved {
+        SolvedDirection {
             polar_deg: deg,
             reflectance: r,
             specular_reflectance: r,

@@ -49,12 +49,12 @@ pub enum ReliefRule {
 impl ReliefRequest {
     pub(crate) fn check(&self, thickness_um: f64, walls: bool) -> Result<(), PackError> {
         if !walls {
-            let advice = "set walls = true, or leave the relief out";
+            let remedy = "set walls = true, or leave the relief out";
             return Err(PackError::input(
                 "relief",
                 "with walls = false",
                 "relief between walls only",
-                advice,
+                remedy,
             ));
         }
         if !(self.depth_um >= 0.0 && self.depth_um < thickness_um) {

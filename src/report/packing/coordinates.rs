@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 #[derive(Serialize)]
-struct Row {
+struct CoordinateRow {
     grain: usize,
     pigment: usize,
     agglomerate: Option<usize>,
@@ -28,7 +28,7 @@ pub fn grains_csv(packing: &Packing) -> Result<Vec<u8>, OutputError> {
         for sphere in &grain.spheres {
             let [x_um, y_um, z_um] = sphere.center_um;
             let (pigment, agglomerate, radius_um) = (grain.pigment, grain.agglomerate, sphere.radius_um);
-            let row = Row {
+            let row = CoordinateRow {
                 grain: number,
                 pigment,
                 agglomerate,

@@ -2,9 +2,9 @@
 
 use super::files::write_whole;
 use super::{grains_csv, packing_json, spheres_vtp};
-use crate::draw::curve_plot;
+use crate::draw::chart::{self, Chart};
 use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
-use crate::ink::statistics::{Curve, Statistics, gather};
+use crate::ink::statistics::{StatisticCurve, Statistics, gather};
 use crate::ink::{Packing, Shape};
 use crate::numerics::estimate::Estimate;
 use std::path::{Path, PathBuf};
@@ -33,8 +33,8 @@ pub fn write_report(
     write_whole(&folder.join("statistics.csv"), &scalars_csv(&statistics)?)?;
     for curve in &statistics.curves {
         write_whole(&folder.join(format!("{}.csv", curve.name)), &curve_csv(curve)?)?;
-        let plot = curve_plot(&called(curve, pigments))?;
-        write_whole(&folder.join(format!("{}.svg", curve.name)), plot.as_bytes())?;
+        let chart = chart_of(curve, pigments).svg()?;
+        write_whole(&folder.join(format!("{}.svg", curve.name)), chart.as_bytes())?;
     }
     let page = folder.join("index.html");
     write_whole(&page, html(title, pigments, packings, &statistics).as_bytes())?;
@@ -56,7 +56,7 @@ fn scalars_csv(statistics: &Statistics) -> Result<Vec<u8>, OutputError> {
     csv_of(&["quantity", "unit", "mean", "standard_error"], rows)
 }
 
-fn curve_csv(curve: &Curve) -> Result<Vec<u8>, OutputError> {
+fn curve_csv(curve: &StatisticCurve) -> Result<Vec<u8>, OutputError> {
     let point =
         |(x, y): (&f64, &Estimate)| vec![x.to_string(), y.value.to_string(), or_empty(y.standard_error)];
     csv_of(&[&curve.x_label, &curve.y_label, "standard error"], curve.x.iter().zip(&curve.y).map(point))
@@ -93,8 +93,9 @@ fn html(title: &str, pigments: &[(String, Shape)], packings: &[Packing], statist
     for (file, alt) in PICTURES {
         page += &format!("<figure><img src=\"{file}\" alt=\"{alt}\"></figure>\n");
     }
-    for curve in statistics.curves.iter().map(|curve| called(curve, pigments)) {
-        let (file, y, x) = (format!("{}.svg", curve.name), escaped(&curve.y_label), escaped(&curve.x_label));
+    for curve in &statistics.curves {
+        let (y, x) = (escaped(&named(&curve.y_label, pigments)), escaped(&curve.x_label));
+        let file = format!("{}.svg", curve.name);
         page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{y} against {x}\"></figure>\n");
     }
     page
@@ -154,9 +155,12 @@ fn sided(quantity: &str) -> String {
     SIDES.iter().fold(quantity.to_owned(), |name, (heights, sides)| name.replace(heights, sides))
 }
 
-/// A curve whose axis calls its pigment by name.
-fn called(curve: &Curve, pigments: &[(String, Shape)]) -> Curve {
-    Curve { y_label: named(&curve.y_label, pigments), ..curve.clone() }
+/// A chart of one curve, whose axis calls the pigment by name.
+fn chart_of(curve: &StatisticCurve, pigments: &[(String, Shape)]) -> Chart {
+    let points = curve.x.iter().copied().zip(curve.y.iter().copied());
+    let curves = vec![chart::Curve::measured("", points)];
+    let y_label = named(&curve.y_label, pigments);
+    Chart { from_zero: true, ..Chart::linear("", &curve.x_label, &y_label, curves) }
 }
 
 /// Numbers of pigments are for tables; people know their names.

@@ -337,14 +337,13 @@ fn few_wavelengths(study: &Study, manifest: &Manifest<&Study>) -> Option<String>
 }
 
 /// What an air gap before the paper leaves out.
+const AIR_GAP: &str = "A thin air gap between layer and paper is assumed. Printed layers are mostly in optical contact with their \
+    paper: [paper] coupling = \"optical_contact\", with the paper's index as [layer] index_out, makes them darker (the ink of \
+    examples/yellow.toml with index_out = 1.5, under natural light: L* 89 → 83, a* −13 → −8, b* 83 → 82).";
+
 fn air_gap(study: &Study) -> Option<String> {
     let assumed = study.paper.coupling == Coupling::Gap && study.angles.strata > 0;
-    assumed.then(|| {
-        "A thin air gap between layer and paper is assumed. Printed layers are mostly in optical contact with their paper: \
-         [paper] coupling = \"optical_contact\", with the paper's index as [layer] index_out, makes them darker (the ink of \
-         examples/yellow.toml with index_out = 1.5, under natural light: L* 89 → 83, a* −13 → −8, b* 83 → 82)."
-            .to_owned()
-    })
+    assumed.then(|| AIR_GAP.to_owned())
 }
 
 /// A wanted bar that was not reached.

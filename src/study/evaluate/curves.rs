@@ -6,7 +6,7 @@ use super::on_paper::{
     AZIMUTHAL, Anchors, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
 };
 use super::regression::{Fits, Normal, Sums};
-use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 
 /// Differences at 0° and 45° from a source of them.
@@ -65,7 +65,7 @@ fn normal_of_curves(
 }
 
 /// Sums over the strata of one wavelength: the bends with the rest of R, T and specular R beyond film and anchors.
-fn sums_of_strata(strata: &[Solved], film: &FilmAt, own: &Anchors) -> Sums {
+fn sums_of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> Sums {
     let mut sums = Sums::new(BENDS, 3);
     for s in strata {
         let (between, bends) = anchor_weights(s.polar_deg.to_radians().cos());

@@ -7,7 +7,9 @@ pub use colours::Sight;
 use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
-use super::on_paper::{AZIMUTHAL, BENDS, Curve, DIFFUSE, LayerOnPaper, Nodes, PolarAngle, SYMMETRIC};
+use super::on_paper::{
+    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, PolarAngle, SYMMETRIC,
+};
 use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
@@ -81,7 +83,7 @@ pub struct InkOnPaper {
     /// Places of 0° and 45° among the exact angles.
     anchored: [usize; 2],
     substrate: Substrate,
-    nodes: Nodes,
+    nodes: AngleNodes,
     places: Places,
     daylight: Result<Sight, ColourError>,
     curves: Fits,
@@ -204,7 +206,7 @@ impl InkOnPaper {
             |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
-        let curve = Curve {
+        let curve = AngleCurve {
             bends: bends(&self.curves),
             returned: bends(self.returned.as_ref().map_or(&self.curves, |(_, fits)| fits)),
             diffuse: std::array::from_fn(diffuse),
@@ -274,12 +276,12 @@ fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
 }
 
 /// All that is known at these wavelengths beside the solves.
-fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<Nodes, InkError> {
+fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<AngleNodes, InkError> {
     let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
     let albedos = nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
     let weights = nodes_nm.iter().map(|&nm| layer.basis.weights(nm)).collect();
     let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
-    Ok(Nodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
+    Ok(AngleNodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
 }
 
 fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {

@@ -44,7 +44,7 @@ pub struct InkMaker {
     /// Difference to the target colour.
     pub target: Option<Target>,
     /// Difference to a measured spectrum.
-    pub measured: Option<Comparison>,
+    pub measured: Option<MeasuredComparison>,
 }
 
 /// A colour with what a screen shows of it.
@@ -73,7 +73,7 @@ pub struct Target {
 
 /// A measured spectrum beside the prediction.
 #[derive(Clone, Debug, Serialize)]
-pub struct Comparison {
+pub struct MeasuredComparison {
     /// The file.
     pub source: String,
     /// CIEDE2000 between both spectra on the wavelengths they share; its error is that of the prediction.
@@ -167,13 +167,13 @@ impl Question<'_> {
     }
 
     /// A measured spectrum beside the prediction.
-    fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> Comparison {
+    fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> MeasuredComparison {
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let predicted = predicted.estimates().into_iter().enumerate();
         let rows: Vec<ComparedRow> =
             predicted.filter_map(|(i, by_chance)| self.compared_row(measured, i, by_chance)).collect();
         let square: f64 = rows.iter().map(|r| (r.measured - r.predicted.value).powi(2)).sum();
-        Comparison {
+        MeasuredComparison {
             source: measured.source.clone(),
             // too few shared wavelengths carry no colour; the residuals stand all the same
             delta_e_2000: self.difference(study, measured, &rows).ok(),

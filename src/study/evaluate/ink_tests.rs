@@ -8,7 +8,7 @@ use crate::appearance::colour::Colorimeter;
 use crate::appearance::colour::Colour;
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::evaluate::film::Profile;
-use crate::evaluate::samples::Solved;
+use crate::evaluate::samples::SolvedDirection;
 use crate::material::mixing::molecular_mixture;
 use crate::material::spectra::Spectrum;
 use crate::wave::Wave;
@@ -195,7 +195,8 @@ fn the_furnace_is_exact() {
             .map(|r| made.realisation([0.1 * r as f64, 0.9 - 0.15 * r as f64], || draws.normal()))
             .collect();
         for w in solved.iter_mut().flat_map(|r| &mut r.wavelengths) {
-            let lossless = |s: &mut Solved| (s.absorptance, s.reflectance) = (0.0, 1.0 - s.transmittance);
+            let lossless =
+                |s: &mut SolvedDirection| (s.absorptance, s.reflectance) = (0.0, 1.0 - s.transmittance);
             w.exact.iter_mut().chain(&mut w.strata).for_each(lossless);
             if index_out > 1.0 {
                 w.exit = w.strata.clone();

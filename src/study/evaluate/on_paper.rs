@@ -21,7 +21,7 @@ pub type Anchors = [[f64; 3]; 2];
 
 /// Everything that is known at every wavelength of interest.
 #[derive(Clone, Debug)]
-pub struct Nodes {
+pub struct AngleNodes {
     /// Vacuum wavelengths, nm.
     pub wavelengths_nm: Vec<f64>,
     /// The coherent film there.
@@ -49,7 +49,7 @@ pub struct Measured {
 
 /// What is fitted over the angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Curve {
+pub struct AngleCurve {
     /// \[R, T, specular R\]: coefficients of the bends between the anchors.
     pub bends: [[f64; BENDS]; 3],
     /// The same in the light that the paper gives back.
@@ -82,7 +82,7 @@ impl PolarAngle {
 
     /// # Errors
     /// Angles outside 0° ≤ θ < 90°.
-    pub fn new(polar_deg: f64, nodes: &Nodes) -> Result<Self, PaperError> {
+    pub fn new(polar_deg: f64, nodes: &AngleNodes) -> Result<Self, PaperError> {
         if !(0.0..90.0).contains(&polar_deg) {
             return Err(PaperError::AngleOutOfRange { value: polar_deg });
         }
@@ -107,7 +107,7 @@ fn both_ways(film: &FilmAt, polar_deg: f64) -> [f64; 3] {
 pub struct LayerOnPaper {
     node: usize,
     measured: Measured,
-    curve: Curve,
+    curve: AngleCurve,
     /// T̄ and Ā from the exit side, of the film.
     film_means: [f64; 2],
     albedo: f64,
@@ -121,7 +121,7 @@ impl LayerOnPaper {
         node: usize,
         film_means: [f64; 2],
         measured: Measured,
-        curve: Curve,
+        curve: AngleCurve,
         albedo: f64,
         index_out: f64,
     ) -> Result<Self, PaperError> {
@@ -329,7 +329,7 @@ mod tests {
     /// Fits of few cells may fall below zero; at the normal nothing depends on the azimuth.
     #[test]
     fn the_directional_brdf_is_a_number_where_the_fit_is_negative() {
-        let curve = Curve { diffuse: [-0.01; DIFFUSE], ..Curve::default() };
+        let curve = AngleCurve { diffuse: [-0.01; DIFFUSE], ..AngleCurve::default() };
         let layer = LayerOnPaper::new(0, [0.5, 0.2], Measured::default(), curve, 0.8, 1.0).unwrap();
         for [illumination, viewing] in [[1.0, 1.0], [1.0, 0.4], [0.3, 0.6]] {
             let f = layer.directional_brdf(illumination, viewing, 1.0);

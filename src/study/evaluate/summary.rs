@@ -3,10 +3,10 @@
 use super::gate;
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::{InkMaker, ink_maker};
-use super::layer::{LayerEnsemble, Mean, Total};
+use super::layer::{EnsembleMean, LayerEnsemble, Total};
 use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
 use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::uncertainty::{Shift, Sure, Uncertainty, lit, lit_moved, natural_light_moved};
 use crate::appearance::paper::PRINT_DEG;
@@ -181,7 +181,7 @@ fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
 fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
     let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
     let film = layer.film(w.wavelength_nm);
-    let difference = |s: &Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
+    let difference = |s: &SolvedDirection| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
     let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
     sum / w.strata.len() as f64
 }
@@ -202,7 +202,8 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
 /// Mean over the wavelengths of R̄ + T̄/n² + Ā, all as differences from the film, of one realisation.
 fn exit_difference(ensemble: &LayerEnsemble, index: f64, realisation: usize) -> f64 {
     let [t, a, r] =
-        [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
+        [EnsembleMean::Transmittance, EnsembleMean::ExitAbsorptance, EnsembleMean::ExitReflectance]
+            .map(|m| ensemble.mean_column(m));
     let wavelengths = ensemble.wavelengths_nm(realisation).len();
     let value = |j: usize, column: usize| ensemble.measured(realisation, j, column);
     let apart = |j: usize| value(j, r) + value(j, t) / (index * index) + value(j, a);

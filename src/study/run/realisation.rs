@@ -200,8 +200,8 @@ impl RealisationRun<'_> {
         jobs: usize,
         grids: &Grids,
         todo: &[&(Point, Key)],
-    ) -> Result<Vec<Solved>, RunError> {
-        let results: Vec<Mutex<Solved>> = todo.iter().map(|_| Mutex::new(None)).collect();
+    ) -> Result<Vec<RealisationSolved>, RunError> {
+        let results: Vec<Mutex<RealisationSolved>> = todo.iter().map(|_| Mutex::new(None)).collect();
         let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
         let stop = || self.watch.stop() || lock(&trouble).is_some();
         let groups: Vec<&[&(Point, Key)]> =
@@ -227,7 +227,7 @@ impl RealisationRun<'_> {
         solver: &dyn Solver,
         grids: &Grids,
         group: &[&(Point, Key)],
-        results: &[Mutex<Solved>],
+        results: &[Mutex<RealisationSolved>],
     ) -> io::Result<()> {
         let mut systems = None;
         for ((point, key), result) in group.iter().zip(results) {
@@ -246,7 +246,7 @@ impl RealisationRun<'_> {
         (grids, shared): (&Grids, &mut Option<Vec<Box<dyn System>>>),
         point: &Point,
         key: &Key,
-    ) -> io::Result<Solved> {
+    ) -> io::Result<RealisationSolved> {
         self.watch.solving(self.study, point);
         let (study, grid) = (self.study, self.resolved.grid_error);
         let made = match shared.take() {
@@ -275,7 +275,7 @@ impl RealisationRun<'_> {
 }
 
 /// A record, the reason why there is none, or nothing when the run was stopped before.
-type Solved = Option<Result<PointRecord, String>>;
+type RealisationSolved = Option<Result<PointRecord, String>>;
 
 /// Places of the first members of groups that lie one after another.
 fn starts<T>(groups: &[&[T]]) -> Vec<usize> {

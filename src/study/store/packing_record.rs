@@ -2,7 +2,7 @@
 
 use super::store::Record;
 use crate::ink::statistics::profile;
-use crate::ink::{Account, Method, Packing, Share};
+use crate::ink::{Method, Packing, PackingAccount, Share};
 use serde::{Deserialize, Serialize};
 
 /// Slices of the profile.
@@ -51,7 +51,7 @@ pub struct ShareRecord {
 impl PackingRecord {
     /// The record of a packing.
     pub fn new(realisation: usize, packing: &Packing) -> Self {
-        let Account { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
+        let PackingAccount { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
         let shares = packing.shares().iter().map(ShareRecord::from).collect();
         let (period_um, thickness_um) = (packing.period_um(), packing.thickness_um());
         let profile = profile(packing, SLICES);

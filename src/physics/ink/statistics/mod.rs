@@ -6,7 +6,7 @@ mod pairs;
 mod profile;
 mod sections;
 
-pub use ensemble::{Curve, Statistics, gather};
+pub use ensemble::{StatisticCurve, Statistics, gather};
 pub use orientation::{OrientationTensor, orientation_tensor};
 pub use pairs::{PairStatistics, pair_statistics, pair_statistics_to};
 pub use profile::profile;

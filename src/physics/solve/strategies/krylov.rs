@@ -81,7 +81,7 @@ impl Solver for Gmres {
         let correction = problem.split().and_then(|p| self.guided_modes.correction(p));
         let single = if goal.tolerance >= SINGLE { problem.single() } else { None };
         let (restart, first_cycle) = (self.restart.max(1), true);
-        let mut run = Run { ledger, field, work, correction, single, restart, first_cycle };
+        let mut run = KrylovRun { ledger, field, work, correction, single, restart, first_cycle };
         let first = if start.is_some() { run.ledger.measure(&run.field, &mut run.work) } else { 1.0 };
         run.ledger.note(first)?;
         while !run.ledger.reached() {
@@ -152,7 +152,7 @@ impl Scatter<f64> for Double<'_> {
 }
 
 /// One solve under way; `work` holds the residual at the start of a cycle.
-struct Run<'a> {
+struct KrylovRun<'a> {
     ledger: Ledger<'a>,
     field: Field,
     work: Field,
@@ -164,7 +164,7 @@ struct Run<'a> {
     first_cycle: bool,
 }
 
-impl Run<'_> {
+impl KrylovRun<'_> {
     /// One restart cycle: builds a basis from the residual in `work` and corrects the field.
     fn cycle<T: Real>(&mut self, operator: &dyn Scatter<T>, restart: usize) -> Result<(), SolveError> {
         let beta = norm(flat(&self.work));

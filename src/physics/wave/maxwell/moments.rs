@@ -8,7 +8,7 @@ use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{Patch, SourceTransform, Spreading};
 use crate::wave::contrast::section::{Demands, GaussRules, Sampling};
-use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Scheme, Shape, WaveError};
+use crate::wave::{Ball, Body, BodyShape, Grid, Layout, Resolution, Scene, Scheme, WaveError};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -32,7 +32,7 @@ pub struct NormalMoments {
     pub seconds: f64,
 }
 
-struct Builder<'a> {
+struct MomentBuilder<'a> {
     scene: &'a Scene,
     grid: &'a Grid,
     channels: &'a [Channel],
@@ -68,7 +68,7 @@ impl NormalMoments {
         check(scene, resolution)?;
         let grid = Grid::new(scene, resolution)?;
         let channels = find_channels(scene, &grid);
-        let builder = Builder::new(scene, &grid, &channels, precision.bounded_error());
+        let builder = MomentBuilder::new(scene, &grid, &channels, precision.bounded_error());
         let cells: Vec<Vec<Option<CellFields>>> = (0..grid.cells())
             .into_par_iter()
             .map(|j| if stop() { Vec::new() } else { builder.cell(j) })
@@ -116,7 +116,7 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
             remedy: "leave --scheme out",
         });
     }
-    if scene.bodies.iter().any(|b| matches!(b.shape, Shape::Above { .. })) {
+    if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Above { .. })) {
         return Err(WaveError::NotInVectorMode {
             what: "a rough surface (relief)",
             reason: "its normal-field tensor is not written yet, and averaging without it errs by several per cent",
@@ -126,15 +126,15 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
     Ok(())
 }
 
-impl<'a> Builder<'a> {
-    fn new(scene: &'a Scene, grid: &'a Grid, channels: &'a [Channel], error: f64) -> Builder<'a> {
+impl<'a> MomentBuilder<'a> {
+    fn new(scene: &'a Scene, grid: &'a Grid, channels: &'a [Channel], error: f64) -> MomentBuilder<'a> {
         let [nx, ny] = [grid.resolution.nx, grid.resolution.ny];
         let [mmax, nmax] = [nx, ny].map(|n| (n - 1) / 2);
         let k = |max: usize, period: f64| TAU * max as f64 / period;
         let kmax = k(mmax, grid.period_um[0]).hypot(k(nmax, grid.period_um[1]));
         // All harmonics count, unlike those that the scalar scheme folds: twice as many points as orders.
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
-        Builder {
+        MomentBuilder {
             scene,
             grid,
             channels,
@@ -180,15 +180,15 @@ impl<'a> Builder<'a> {
             return None;
         }
         let slab = Slab { range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]] };
-        let mut sum = CellSum::new(self, slab);
+        let mut sum = MomentSum::new(self, slab);
         present.iter().for_each(|body| sum.add_body(&body.shape));
         Some(sum.finish())
     }
 }
 
 /// The running moments of one channel in one cell.
-struct CellSum<'a> {
-    builder: &'a Builder<'a>,
+struct MomentSum<'a> {
+    builder: &'a MomentBuilder<'a>,
     slab: Slab,
     /// Sources of each field on the fine grid, first plane + i · second plane; empty while there are none.
     sources: Vec<Vec<Complex64>>,
@@ -197,32 +197,32 @@ struct CellSum<'a> {
     direct: Vec<Vec<Complex64>>,
 }
 
-impl<'a> CellSum<'a> {
-    fn new(builder: &'a Builder<'a>, slab: Slab) -> CellSum<'a> {
+impl<'a> MomentSum<'a> {
+    fn new(builder: &'a MomentBuilder<'a>, slab: Slab) -> MomentSum<'a> {
         let direct = vec![vec![Complex64::default(); builder.harmonics.len()]; FIELDS];
-        CellSum { builder, slab, sources: Vec::new(), patch: Patch::empty(), direct }
+        MomentSum { builder, slab, sources: Vec::new(), patch: Patch::empty(), direct }
     }
 
-    fn add_body(&mut self, shape: &Shape) {
+    fn add_body(&mut self, shape: &BodyShape) {
         let (slab, sampling) = (self.slab, &self.builder.sampling);
         match shape {
-            Shape::Balls(balls) => {
+            BodyShape::Balls(balls) => {
                 (0..balls.len()).for_each(|i| self.add_ball(balls, i));
             }
-            Shape::CylinderY { x_um, z_um, radius_um } => {
+            BodyShape::CylinderY { x_um, z_um, radius_um } => {
                 for (x, values) in sources::of_cylinder(*z_um, *radius_um, &slab, sampling) {
                     self.add_lines(&values, |k, lx| Complex64::cis(-k * (x_um + x)) / lx);
                 }
             }
-            Shape::BarY { x_um, z_um } => {
+            BodyShape::BarY { x_um, z_um } => {
                 let values = sources::of_block(*z_um, &slab, true);
                 self.add_lines(&values, |k, lx| strip_coefficient(*x_um, k, lx));
             }
-            Shape::Sheet { z_um } => {
+            BodyShape::Sheet { z_um } => {
                 let values = sources::of_block(*z_um, &slab, false);
                 self.add_lines(&values, |k, _| Complex64::from(f64::from(u8::from(k == 0.0))));
             }
-            Shape::Above { .. } => unreachable!("rough surfaces are refused first"),
+            BodyShape::Above { .. } => unreachable!("rough surfaces are refused first"),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The discrete vector problem e + A⁻¹V e = e₀: mean solve, contrast product, incident waves of both polarisations.
 
 use super::contrast::{Averaging, tensors};
-use super::mean::{CELL_ROWS, Entry, Faces, VectorMean};
+use super::mean::{CELL_ROWS, Faces, MeanEntry, VectorMean};
 use super::moments::NormalMoments;
 use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
@@ -131,7 +131,7 @@ impl VectorProblem {
     }
 
     /// Right-hand sides of the entry face's nodes: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k, over k²).
-    fn entry(&self, polarisation: Polarisation) -> Entry {
+    fn entry(&self, polarisation: Polarisation) -> MeanEntry {
         let side = self.entry_side();
         let node = if side == 0 { 0 } else { self.moments.grid.cells() };
         let strength = 2.0 * Complex64::I * self.kappa[side][self.incident];
@@ -140,7 +140,7 @@ impl VectorProblem {
             Polarisation::S => [strength, zero],
             Polarisation::P => [zero, strength / self.k[side]],
         };
-        Entry { node, harmonic: self.incident, source }
+        MeanEntry { node, harmonic: self.incident, source }
     }
 
     /// e₀, the wave of one polarisation in the mean medium.
