@@ -23,6 +23,7 @@ use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
+use inkwave::sweep::plan::by_size;
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 
@@ -63,6 +64,9 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let folder = folder.going_on_with(this_command());
     if let Some(reason) = &study.angles.no_paper {
         super::say::note(format_args!("no paper, colour and picture: {reason}"));
+    }
+    if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
+        super::say::note(format_args!("out of reach: {reason} (--plan tells more; Ctrl-C stops)"));
     }
     let progress = Progress::new(StopFlag::listen());
     let live = LivePage::new(&study, &folder);
@@ -123,9 +127,8 @@ fn tell(
     let help = match (stopped, failed) {
         (true, _) => format!("to go on: {}", this_command()),
         (false, 0) => {
-            "the numbers are means over the packings that had room, and no bar holds what that selects: lower \
-             pigment.volume_fraction, or try another layer.period_um (a larger one may refuse more often, as all \
-             its grains must find room)"
+            "the numbers are means over the packings that had room, and the error bars hold what the others could change at \
+             most: lower pigment.volume_fraction, or try a smaller layer.period_um, where fewer grains have to find room at once"
                 .to_owned()
         }
         _ => {

@@ -3,10 +3,11 @@
 use super::say::{note, say};
 use super::solve_light::LightArgs;
 use super::solve_report;
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
-use inkwave::solve::{Coverages, Goal, GridTrial, Registry, Step, Watch};
+use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_among};
 use inkwave::wave::{Mean, Precision, Resolution, Scheme, Wave};
 use miette::{IntoDiagnostic, Result};
@@ -29,8 +30,8 @@ pub struct SolveArgs {
     /// Largest amplitude error accepted: chooses the resolution (default 1e-3 unless --nxy and --nz are given)
     #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"], allow_negative_numbers = true)]
     accuracy: Option<f64>,
-    /// Strategy: krylov, bicgstab, born, convergent_born, relaxation (needs --real-mean), direct
-    #[arg(long, default_value = "krylov")]
+    /// Strategy; relaxation needs --real-mean
+    #[arg(long, default_value = SolverChoice::NAMES[0], value_parser = PossibleValuesParser::new(SolverChoice::NAMES))]
     solver: String,
     /// Points along x and y of one period
     #[arg(long, value_name = "POINTS", requires = "nz")]
@@ -117,7 +118,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
 
 /// Solves on the grid asked for, or searches one.
 fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<Estimated> {
-    let solver = Registry::default().build(&args.solver).into_diagnostic()?;
+    let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
         coverages,
         media: &case.media,

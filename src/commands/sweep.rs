@@ -218,12 +218,15 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
     let progress = Progress::new(StopFlag::listen());
-    let plan = plan::plan(sweep, jobs, &progress);
+    let plan = plan::plan(sweep, RunSettings { jobs: Some(jobs), ..settings }, &progress);
     progress.finish();
     let plan = plan.map_err(run_report)?;
     if json {
         say(format_args!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?))?;
         return Ok(());
+    }
+    if let Some(reason) = &plan.out_of_reach {
+        say(format_args!("out of reach: {reason}"))?;
     }
     let time = |cores: f64| in_words(plan.core_seconds / cores);
     say(format_args!("variants          {}", plan.variants))?;
@@ -249,7 +252,8 @@ fn in_words(seconds: f64) -> String {
     match seconds {
         s if s < 100.0 => format!("{s:.0} s"),
         s if s < 6000.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
+        s if s < 360_000.0 => format!("{:.1} h", s / 3600.0),
+        s => format!("{:.0} days", s / 86_400.0),
     }
 }
 

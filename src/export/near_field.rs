@@ -51,7 +51,7 @@ fn plane_values(problem: &Problem, field: &Field) -> Array2<Complex64> {
     let mut harmonics = Field::zeros(problem.shape());
     for (plane, mut row) in harmonics.outer_iter_mut().enumerate() {
         if let Some(row) = row.as_slice_mut() {
-            problem.mean.plane_values(field.view(), plane, row);
+            problem.mean.inverse.plane_values(&field.view(), plane, row);
         }
     }
     let mut points = Array2::zeros((problem.shape().0, problem.coverage.grid.points()));

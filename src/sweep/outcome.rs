@@ -11,7 +11,7 @@ use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
-use crate::run::runner::{Collected, Stores};
+use crate::run::runner::{Collected, Refused, Stores};
 use std::collections::BTreeMap;
 
 /// The numbers of a variant that tables and conclusions use.
@@ -83,6 +83,12 @@ impl Outcome {
             spectra: manifest.spectra.clone(),
             ..self
         }
+    }
+
+    /// With the packings and grids that failed.
+    pub fn with_failed_stages(self, refused: Vec<Refused>) -> Self {
+        let failures = refused.len();
+        Self { failures, reason: refused.into_iter().next().map(|r| r.reason), ..self }
     }
 
     /// One number, if it is there, with its error and what each realisation moves it by. An unfinished variant counts with its complete

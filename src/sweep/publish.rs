@@ -10,7 +10,7 @@ use super::page;
 pub use super::reported::Reported;
 use super::reported::numbers;
 use super::sheets::{Sheet, sheets};
-use super::stored::stage_key;
+use super::stored::refused;
 use super::target;
 use crate::appearance::picture::InkPicture;
 use crate::draw::OutputError;
@@ -116,18 +116,19 @@ fn variant(
     folder: &OutputFolder,
 ) -> Result<(Outcome, Option<InkPicture>), PublishError> {
     let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
-    let outcome = |outcome| with_stage_failures(outcome, study, stores);
-    let Some(collected) = collect(study, stores) else { return Ok((outcome(nothing), None)) };
+    let Some(collected) = collect(study, stores) else {
+        return Ok((nothing.with_failed_stages(refused(study, stores, study.realisations)), None));
+    };
     let seen = see(study, &collected)?;
     let manifest = summarise(study, &collected, &seen);
     let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
     match publish_seen(study, &manifest, &seen, &of_variant) {
         // One variant without a result is no reason to keep back the others.
-        Err(unphysical @ PublishError::Unphysical(_)) => {
-            let (solves, reason) = (manifest.solves, Some(unphysical.to_string()));
-            Ok((outcome(Outcome { solves, failures: 1, reason, ..nothing }), None))
+        Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
+            let (solves, failures) = (manifest.solves, 1 + manifest.failures.len());
+            Ok((Outcome { solves, failures, reason: Some(none.to_string()), ..nothing }, None))
         }
-        published => published.map(|_| (outcome(nothing.with(&manifest)), picture(study, &seen))),
+        published => published.map(|_| (nothing.with(&manifest), picture(study, &seen))),
     }
 }
 
@@ -135,16 +136,6 @@ fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {
     let step = study.angles.picture_max_deg / (SHEET_ANGLES - 1) as f64;
     let angles: Vec<f64> = (0..SHEET_ANGLES).map(|i| i as f64 * step).collect();
     seen.ink.as_ref().ok()?.picture(&angles, study.output.mirrored_sky).ok()
-}
-
-/// Packings and grids that failed.
-fn with_stage_failures(mut outcome: Outcome, study: &Study, stores: &Stores) -> Outcome {
-    let failed = |r: usize| stores.failures.as_ref()?.get(stage_key(study, r).as_str());
-    for record in (0..study.realisations).filter_map(failed) {
-        outcome.failures += 1;
-        outcome.reason.get_or_insert(record.reason);
-    }
-    outcome
 }
 
 /// Every contact sheet as PNG.

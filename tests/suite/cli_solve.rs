@@ -195,7 +195,7 @@ fn options_out_of_range_are_told_what_to_try() {
         (&["--tolerance", "0"], &["--tolerance is 0", "try 1e-6"]),
         (&["--tolerance", "-1"], &["--tolerance is -1", "try 1e-6"]),
         (&["--memory-gb", "0"], &["--memory-gb is 0", "try 4"]),
-        (&["--solver", "magic"], &["solver is magic", "krylov", "choose one"]),
+        (&["--solver", "magic"], &["magic", "--solver", "krylov, bicgstab", "direct"]),
         (&["--nxy", "12"], &["--nz"]),
         (&["--nz", "12"], &["--nxy is missing", "--accuracy 1e-3"]),
         (&["--nxy", "0", "--nz", "9"], &["nx is 0", "1 … 100000"]),

@@ -5,6 +5,7 @@ use crate::appearance::paper::{Coupling, MirroredSky};
 use crate::evaluate::manifest::{Budget, Certainty, ColourNote, FailureNote, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
+use crate::evaluate::survivors::Survivors;
 use crate::ink::Method;
 use crate::input::study::{Dissolved, Pigment, Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
@@ -78,7 +79,8 @@ fn exactness(certainty: &Certainty) -> [Meant; 4] {
 
 /// Which part of the first colour's error is how large: what dominates tells what to buy.
 fn budget(note: &ColourNote) -> Vec<Meant> {
-    let Budget { chance_and_cell, angles, wavelengths, grid, residual, beyond_range } = note.budget;
+    let Budget { chance_and_cell, angles, wavelengths, grid, residual, missing_cells, beyond_range } =
+        note.budget;
     let parts = [
         (
             "… chance and cell",
@@ -92,6 +94,11 @@ fn budget(note: &ColourNote) -> Vec<Meant> {
         ),
         ("… grid", Some(grid), "resolution.accuracy lessens it"),
         ("… residual", Some(residual), "solver.tolerance lessens it"),
+        (
+            "… missing cells",
+            Some(missing_cells).filter(|&part| part > 0.0),
+            "packings without room: what their cells could change at most, if chance and room went together",
+        ),
         (
             "… beyond the range",
             Some(beyond_range).filter(|&part| part > 0.0),
@@ -286,6 +293,7 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
                     range (from_nm, to_nm, step_nm) is sampled at shifted wavelengths, and has no such error.";
         lines.push(line.to_owned());
     }
+    lines.splice(0..0, missing_cells(manifest));
     lines.extend(beyond_range(study, manifest));
     lines.extend(missed_target(study, manifest));
     if let Some(reason) = &manifest.no_ink_maker {
@@ -305,6 +313,19 @@ fn missing(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> {
     let help = "Curves through few angles, cells or points overshoot: angles.count, run.realisations or a finer grid help.";
     let withheld = manifest.withheld.iter().map(|number| format!("No result: {}. {help}", number.in_words()));
     colour.chain(withheld).collect()
+}
+
+/// Packings that are not in the means.
+fn missing_cells(manifest: &Manifest<&Study>) -> Option<String> {
+    let Survivors { packed, refused } = manifest.tried_packings;
+    if refused == 0 {
+        return None;
+    }
+    Some(format!(
+        "{refused} of {} packings have no room: the means are those of the others, and all error bars hold what the missing cells \
+         could change at most.",
+        packed + refused
+    ))
 }
 
 /// Visible light that the colours have not seen.

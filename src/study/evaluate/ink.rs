@@ -8,7 +8,7 @@ use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
 use super::on_paper::{
-    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, PolarAngle, SYMMETRIC,
+    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, PolarAngle, SYMMETRIC, Totals,
 };
 use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
@@ -101,32 +101,12 @@ pub struct InkOnPaper {
 }
 
 impl InkOnPaper {
-    /// Fits what the layer itself does not hold, and puts it on its paper.
+    /// Fits what the layer itself does not hold, and puts it on its paper. Where polarised light comes in, `inputs.films`
+    /// are those of that light, and `returned` is the layer in the unpolarised light that the paper gives back.
     ///
     /// # Errors
     /// Angles that do not carry it, an albedo that does not answer everywhere, a lossless mirror over a lossless paper.
     pub fn new(
-        layer: LayerEnsemble,
-        solved: &[SolvedRealisation],
-        inputs: &InkInputs,
-    ) -> Result<Self, InkError> {
-        Self::lit((layer, solved), None, inputs)
-    }
-
-    /// The same where polarised light comes in, `inputs.films` being its own; `returned` is the layer in the unpolarised
-    /// light that the paper gives back.
-    ///
-    /// # Errors
-    /// As [`InkOnPaper::new`].
-    pub fn polarised(
-        lit: (LayerEnsemble, &[SolvedRealisation]),
-        returned: (LayerEnsemble, &[SolvedRealisation]),
-        inputs: &InkInputs,
-    ) -> Result<Self, InkError> {
-        Self::lit(lit, Some(returned), inputs)
-    }
-
-    fn lit(
         (layer, solved): (LayerEnsemble, &[SolvedRealisation]),
         returned: Option<(LayerEnsemble, &[SolvedRealisation])>,
         inputs: &InkInputs,
@@ -174,7 +154,7 @@ impl InkOnPaper {
     pub fn homogeneous(inputs: &InkInputs) -> Result<Self, InkError> {
         let basis = SpectralBasis::Listed(inputs.outputs_nm.to_vec());
         let exit = inputs.substrate.coupling.index_out() != 1.0;
-        Self::new(LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[], inputs)
+        Self::new((LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[]), None, inputs)
     }
 
     /// The same layer on another paper with the same contact.
@@ -203,7 +183,7 @@ impl InkOnPaper {
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
         let bends =
-            |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
+            |fits: &Fits| Totals::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
         let curve = AngleCurve {
@@ -217,14 +197,8 @@ impl InkOnPaper {
         };
         let [mean_t, _, mean_a, _] = self.nodes.means[node];
         let film = [mean_t, mean_a];
-        LayerOnPaper::new(
-            node,
-            film,
-            measured,
-            curve,
-            self.nodes.albedos[node],
-            self.substrate.coupling.index_out(),
-        )
+        let paper = [self.nodes.albedos[node], self.substrate.coupling.index_out()];
+        LayerOnPaper::new(node, film, measured, curve, paper)
     }
 
     /// Wavelengths of the spectra, nm.

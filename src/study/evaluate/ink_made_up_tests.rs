@@ -94,7 +94,7 @@ impl MadeUp<'_> {
         let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
         let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
         let inputs = InkInputs { films: &self.films, substrate: &substrate, outputs_nm: &outputs_nm };
-        (InkOnPaper::new(layer, &solved, &inputs).unwrap(), solved)
+        (InkOnPaper::new((layer, &solved), None, &inputs).unwrap(), solved)
     }
 }
 

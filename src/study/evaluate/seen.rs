@@ -196,15 +196,11 @@ fn on_paper(
     }
     let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
     let inputs = InkInputs { films, substrate: &substrate, outputs_nm: &study.wavelengths_nm };
-    let lit = (ensemble.clone(), solved);
-    Ok(match returned {
-        None => InkOnPaper::new(lit.0, lit.1, &inputs)?,
-        Some(solved) => {
-            let basis = ensemble.basis.clone();
-            let layer = LayerEnsemble::new(solved, basis, &films.returned(), &study.angles.exact_deg);
-            InkOnPaper::polarised(lit, (layer, solved), &inputs)?
-        }
-    })
+    let returned = returned.map(|solved| {
+        let basis = ensemble.basis.clone();
+        (LayerEnsemble::new(solved, basis, &films.returned(), &study.angles.exact_deg), solved)
+    });
+    Ok(InkOnPaper::new((ensemble.clone(), solved), returned, &inputs)?)
 }
 
 /// Distributions at every exact angle, one for each stratum of wavelengths.

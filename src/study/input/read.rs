@@ -63,6 +63,14 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// A value in words.
+fn described(node: &Node) -> String {
+    match node {
+        Node::List(items) => format!("a list of {} entries", items.len()),
+        other => said(unexpected(other)),
+    }
+}
+
 fn unexpected(node: &Node) -> Unexpected<'_> {
     match node {
         Node::Null => Unexpected::Unit,
@@ -170,7 +178,7 @@ impl<'de> SeqAccess<'de> for &mut Items<'_> {
         let Some(item) = items.get_mut(self.next) else { return Ok(None) };
         let item = std::mem::replace(item, Node::Null);
         self.next += 1;
-        let found = said(unexpected(&item));
+        let found = described(&item);
         seed.deserialize(self.reader.child(item, &step)).map(Some).map_err(|e| e.inside(&step, &found))
     }
 }
@@ -205,7 +213,7 @@ impl<'de> MapAccess<'de> for Entries<'_> {
         };
         let (key, node) = (key.clone(), std::mem::replace(node, Node::Null));
         self.next += 1;
-        let found = said(unexpected(&node));
+        let found = described(&node);
         seed.deserialize(self.reader.child(node, &key)).map_err(|e| e.inside(&key, &found))
     }
 }
@@ -240,12 +248,12 @@ impl<'de> VariantAccess<'de> for Content<'_> {
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Misfit> {
-        let found = said(unexpected(&self.reader.node));
+        let found = described(&self.reader.node);
         seed.deserialize(self.reader).map_err(|e| e.inside(&self.key, &found))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Misfit> {
-        let found = said(unexpected(&self.reader.node));
+        let found = described(&self.reader.node);
         self.reader.deserialize_any(visitor).map_err(|e| e.inside(&self.key, &found))
     }
 
@@ -254,7 +262,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
-        let found = said(unexpected(&self.reader.node));
+        let found = described(&self.reader.node);
         self.reader.deserialize_struct("", known, visitor).map_err(|e| e.inside(&self.key, &found))
     }
 }

@@ -44,6 +44,9 @@ pub struct Study {
     pub target_delta_e: Option<f64>,
     /// Which colours.
     pub target_colour: TargetColour,
+    /// Largest share of the packings that may have no room; no solve depends on it.
+    #[serde(default)]
+    pub failed_packings: f64,
     /// How realisations differ.
     pub variation: Variation,
     /// The grid asked for.

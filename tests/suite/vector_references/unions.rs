@@ -18,7 +18,7 @@ const GRID: Resolution = Resolution { nx: 15, ny: 15, cells: 8, scheme: Scheme::
 
 fn largest(a: &NormalMoments, b: &NormalMoments) -> f64 {
     let planes = a.planes.iter().zip(&b.planes);
-    let pairs = planes.flat_map(|(a, b)| a.iter().zip(b)).flat_map(|((_, a), (_, b))| a.iter().zip(b));
+    let pairs = planes.flat_map(|(a, b)| a.iter().zip(b)).flat_map(|(a, b)| a.fields.iter().zip(&b.fields));
     pairs.flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 

@@ -123,7 +123,7 @@ impl Packing {
         let box_um3 = period_um[0] * period_um[1] * thickness_um;
         let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
         let account = PackingAccount::new(Method::Given, 0, 0);
-        Self::proven(period_um, thickness_um, walls, grains, shares, account)
+        Self::proven(period_um, thickness_um, walls, grains, (shares, account))
     }
 
     /// The only way in: every pair is checked here.
@@ -132,8 +132,7 @@ impl Packing {
         thickness_um: f64,
         walls: bool,
         grains: Vec<Grain>,
-        shares: Vec<Share>,
-        mut account: PackingAccount,
+        (shares, mut account): (Vec<Share>, PackingAccount),
     ) -> Result<Self, PackError> {
         account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
         Ok(Self { period_um, thickness_um, walls, grains, shares, account, relief: None })

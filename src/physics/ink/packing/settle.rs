@@ -103,14 +103,14 @@ fn bisect(f: impl Fn(f64) -> f64, target: f64, mut low: f64, mut high: f64) -> f
 fn deviation(tops: &[f64], columns: &HeightColumns, period: [f64; 2], rule: ReliefRule) -> Vec<f64> {
     let ReliefRule::Following { follow, smoothing_um } = rule else { return vec![0.0; tops.len()] };
     let [nx, ny] = columns.count;
-    let in_x = smoothed(tops, nx, ny, 1, nx, smoothing_um * nx as f64 / period[0]);
-    let smooth = smoothed(&in_x, ny, nx, nx, 1, smoothing_um * ny as f64 / period[1]);
+    let in_x = smoothed(tops, [nx, 1], [ny, nx], smoothing_um * nx as f64 / period[0]);
+    let smooth = smoothed(&in_x, [ny, nx], [nx, 1], smoothing_um * ny as f64 / period[1]);
     let centre = mean(&smooth);
     smooth.iter().map(|t| follow * (t - centre)).collect()
 }
 
 /// Periodic Gaussian filter along one axis of `n` points with stride `along`, for `lines` lines `across` apart.
-fn smoothed(values: &[f64], n: usize, lines: usize, along: usize, across: usize, sigma: f64) -> Vec<f64> {
+fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, across]: [usize; 2], sigma: f64) -> Vec<f64> {
     let reach = ((4.0 * sigma).ceil() as usize).min(n / 2);
     let weight = |k: usize| if k == 0 { 1.0 } else { (-0.5 * (k as f64 / sigma).powi(2)).exp() };
     let weights: Vec<f64> = (0..=reach).map(weight).collect();

@@ -8,7 +8,7 @@
 use super::relaxation::contrasts;
 use crate::solve::demand::Size;
 use crate::solve::ledger::Ledger;
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, split};
+use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch, split};
 use crate::wave::operator::banded::ShiftedMean;
 use crate::wave::{Field, Problem, System};
 use ndarray::Array2;
@@ -74,9 +74,9 @@ impl Solver for ConvergentBorn {
         }
     }
 
-    fn most_bytes(&self, size: &Size) -> f64 {
+    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
         // Five fields of the series, three of the ledger, and the banded factors with their making.
-        size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0))
+        Fit::fixed(size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
     }
 }
 

@@ -172,15 +172,16 @@ fn a_basis_that_is_too_short_grows_within_its_leave() {
         Gmres { restart: 512, ..Gmres::default() }.solve(&problem, goal, &mut Silent).expect("converges");
     let goal = Goal { max_applications: 3 * whole.account.operator_applications, ..goal };
     let short = Gmres { restart: 1, ..Gmres::default() };
-    let failed = |solver: Gmres| match solver.solve(&problem, goal, &mut Silent) {
+    let failed = |solver: &dyn Solver| match solver.solve(&problem, goal, &mut Silent) {
         Err(error) => error.to_string(),
         Ok(solution) => format!("{} applications", solution.account.operator_applications),
     };
-    let alone = failed(short);
+    let alone = failed(&short);
     assert!(alone.contains("krylov = { restart = 2 }"), "{alone}");
-    let bound = failed(Gmres { longest: 2, ..short });
+    let bound = failed(&Growing { settings: short, longest: 2 });
     assert!(bound.contains("--memory-gb"), "{bound}");
-    let roomy = Gmres { longest: 512, ..short }.solve(&problem, goal, &mut Silent).expect("converges");
+    let roomy =
+        Growing { settings: short, longest: 512 }.solve(&problem, goal, &mut Silent).expect("converges");
     // Both residuals are 1e-6; the matrix of a strong contrast amplifies them.
     assert!(largest(&roomy.field, &whole.field) < 1e-3);
 }
@@ -207,8 +208,9 @@ fn a_hard_solve_takes_pains() {
     assert!(restarted.is_err(), "restarts alone do not get there in 2000 applications");
     // One cycle of 60 and one of some 200; two of 60 and one of 200 are beyond.
     let few = Goal { max_applications: 300, ..goal };
-    let pains = Gmres { longest: 240, ..short }.solve(&problem, few, &mut Silent).expect("converges");
-    let whole = Gmres { guided_modes: off, restart: 600, longest: 0 }.solve(&problem, goal, &mut Silent);
+    let pains =
+        Growing { settings: short, longest: 240 }.solve(&problem, few, &mut Silent).expect("converges");
+    let whole = Gmres { guided_modes: off, restart: 600 }.solve(&problem, goal, &mut Silent);
     // Both residuals are at most 1e-4; resonances amplify them.
     assert!(largest(&whole.expect("converges").field, &pains.field) < 0.05);
 }

@@ -13,7 +13,7 @@ use super::cell::cell_functions;
 use super::kernels::{Constants, Loads, Moments, Tables};
 use super::nodes::{BLOCK, NodeSystem};
 use crate::numerics::fourier::{Real, narrow};
-use crate::wave::operator::scattering::row_of;
+use crate::wave::operator::inverse::row_of;
 use crate::wave::operator::sharing::SHARED;
 use crate::wave::{Field, Grid};
 use ndarray::{Array2, ArrayView2, ArrayViewMut1, ArrayViewMut2, Axis};

@@ -16,14 +16,22 @@ use std::f64::consts::TAU;
 /// All fields of one material at the points of a plane (x fastest).
 pub type Fields = Vec<[f64; FIELDS]>;
 
+/// The moments of one channel on a Gauss plane.
+pub struct ChannelFields {
+    /// Index of the channel.
+    pub channel: usize,
+    /// χ and the six components of χN at every point.
+    pub fields: Fields,
+}
+
 /// Moments of every material's indicator and normal tensor on every Gauss plane.
 pub struct NormalMoments {
     /// Points and cells; two Gauss planes a cell.
     pub grid: Grid,
     /// Pairs of materials that share a cell.
     pub channels: Vec<Channel>,
-    /// Per Gauss plane, the channels present there and their fields.
-    pub planes: Vec<Vec<(usize, Fields)>>,
+    /// Per Gauss plane, the channels present there.
+    pub planes: Vec<Vec<ChannelFields>>,
     /// Per channel, mean of χ over each cell of the grid.
     pub fractions: Vec<Vec<f64>>,
     /// Along which axes nothing changes, so that one point is enough.
@@ -76,14 +84,14 @@ impl NormalMoments {
         if stop() {
             return Err(WaveError::Stopped);
         }
-        let mut planes: Vec<Vec<(usize, Fields)>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
+        let mut planes: Vec<Vec<ChannelFields>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
         let mut fractions = vec![vec![0.0; grid.cells()]; channels.len()];
         for (j, cell) in cells.into_iter().enumerate() {
-            for (c, fields) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
-                fractions[c][j] = fields.fraction;
-                let [first, second] = fields.planes;
-                planes[2 * j].push((c, first));
-                planes[2 * j + 1].push((c, second));
+            for (channel, own) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
+                fractions[channel][j] = own.fraction;
+                for (q, fields) in own.planes.into_iter().enumerate() {
+                    planes[2 * j + q].push(ChannelFields { channel, fields });
+                }
             }
         }
         let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
@@ -103,7 +111,7 @@ impl NormalMoments {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.planes.iter().flatten().map(|(_, fields)| size_of_val(fields.as_slice())).sum()
+        self.planes.iter().flatten().map(|own| size_of_val(own.fields.as_slice())).sum()
     }
 }
 

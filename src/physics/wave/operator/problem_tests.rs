@@ -34,7 +34,7 @@ fn assemble(problem: &Problem) -> Vec<Vec<Complex64>> {
         unit.as_slice_mut().expect("contiguous")[j] = Complex64::ONE;
         let mut loads = Field::zeros(problem.shape());
         problem.contrast_loads(unit.view(), &mut loads);
-        problem.mean.load(&mut loads);
+        problem.mean.inverse.load(&mut loads);
         loads += &problem.mean.apply(&unit, [&problem.kappa[0], &problem.kappa[1]]);
         loads.into_raw_vec_and_offset().0
     });

@@ -124,7 +124,7 @@ mod tests {
             substrate: &substrate,
             outputs_nm: &[430.0, 520.0, 610.0, 670.0],
         };
-        InkOnPaper::new(layer, &solved, &inputs).unwrap()
+        InkOnPaper::new((layer, &solved), None, &inputs).unwrap()
     }
 
     /// Shares of intervals that hold the truth: of K and of S.
@@ -152,7 +152,8 @@ mod tests {
         };
         let made = MadeUp { films: films(), strata: 3, wavelengths: 10, noise: 0.01 };
         let exact = MadeUp { films: films(), strata: 12, wavelengths: 10, noise: 0.0 };
-        let sure = Uncertainty { grid: GridError::default(), residual: 0.0, certain: false };
+        let sure =
+            Uncertainty { grid: GridError::default(), residual: 0.0, missing_cells: 0.0, certain: false };
         let rows = |ink: &InkOnPaper| -> Vec<[Estimate; 2]> {
             let rows = kubelka_munk(ink, &sure, 1.0);
             rows.iter().map(|row| [row.absorption_per_um, row.scattering_per_um]).collect()

@@ -7,6 +7,7 @@ use crate::input::study::IndexSpectrum;
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::{Spectrum, SpectrumError};
 use crate::material::synthetic::Synthetic;
+use crate::numerics::allowed::shown;
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -59,7 +60,8 @@ const LARGEST_PART: f64 = 100.0;
 fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
     let sound = |eta: &Complex64| eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART;
     let i = index.iter().position(|eta| !sound(eta))?;
-    let found = format!("n = {}, k = {} at {} nm", index[i].re, index[i].im, wavelengths_nm[i]);
+    let [n, k] = [index[i].re, index[i].im].map(shown);
+    let found = format!("n = {n}, k = {k} at {} nm", wavelengths_nm[i]);
     let remedy = "correct the file; absorption is a positive k here (time factor exp(-iωt))";
     Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both at most 100", remedy))
 }

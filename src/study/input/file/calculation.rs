@@ -21,13 +21,23 @@ pub struct RunTable {
     pub target_delta_e: Option<f64>,
     /// Which colours `target_delta_e` speaks of. At 45° to the normal few directions are seen, so that colour takes the most cells.
     pub target_colour: TargetColour,
+    /// Largest share of the packings that may have no room; with more of them there is no result. The error bars hold what the missing
+    /// cells could change at most.
+    #[schemars(transform = limits::FAILED_PACKINGS.mark())]
+    pub failed_packings: f64,
     /// Seed of all random draws.
     pub seed: u64,
 }
 
 impl Default for RunTable {
     fn default() -> Self {
-        Self { realisations: None, target_delta_e: None, target_colour: TargetColour::Every, seed: 1 }
+        Self {
+            realisations: None,
+            target_delta_e: None,
+            target_colour: TargetColour::Every,
+            failed_packings: 0.1,
+            seed: 1,
+        }
     }
 }
 
