@@ -1,15 +1,17 @@
-//! A comparison: strategies × means × grids × discretisations on one case, or on all cases of a matrix, side by side.
+//! A comparison: strategies × means × grids × discretisations on one case, or on all cases of a
+//! matrix, side by side.
 
 mod cases;
 mod file;
+mod matrix;
 mod means;
 mod reference;
 mod rows;
 mod unused;
 
 pub use super::error::CompareError;
-pub use cases::MatrixTable;
 pub use file::{ComparisonFile, GoalWritten, Points};
+pub use matrix::MatrixTable;
 
 use super::error::kept;
 use super::page::Comparison;
@@ -71,11 +73,12 @@ impl ComparisonFile {
         Ok(rows * grids)
     }
 
-    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison: rows solved
-    /// by then are kept.
+    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can
+    /// stop the comparison: rows solved by then are kept.
     ///
     /// # Errors
-    /// Unknown strategies, layers that cannot be packed, a case without a reference, Ctrl-C before the first row.
+    /// Unknown strategies, layers that cannot be packed, a case without a reference, Ctrl-C before
+    /// the first row.
     pub fn run(
         &self,
         registry: &Registry,

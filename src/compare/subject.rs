@@ -1,4 +1,5 @@
-//! What strategies are compared on: a study's first packing at one wavelength and direction, or an explicit case.
+//! What strategies are compared on: a study's first packing at one wavelength and direction, or an
+//! explicit case.
 
 use super::error::CompareError;
 use crate::ink::pack;

@@ -1,4 +1,5 @@
-//! The grids of a case, what they cost in accuracy, and the amplitudes that every row is held against.
+//! The grids of a case, what they cost in accuracy, and the amplitudes that every row is held
+//! against.
 
 use super::cases::Subject;
 use super::file::{ComparisonFile, Points};
@@ -14,7 +15,8 @@ use num_complex::Complex64;
 pub(super) struct ReferenceTrial {
     /// None where the search for it failed, for this reason.
     pub grid: Result<Resolution, String>,
-    /// Parts of the estimated error from the plane and from z; none where no coarser grid could be solved.
+    /// Parts of the estimated error from the plane and from z; none where no coarser grid could be
+    /// solved.
     pub parts: Option<[f64; 2]>,
 }
 
@@ -55,7 +57,8 @@ impl ComparisonFile {
         Ok(())
     }
 
-    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and cells again.
+    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and
+    /// cells again.
     pub(super) fn truth(
         &self,
         subject: &Subject,
