@@ -1,16 +1,18 @@
-//! Kubelka–Munk coefficients of a layer: what an ink maker mixes with, from the layer's own diffuse reflectance and
+//! Kubelka–Munk coefficients of a layer, as used in ink mixing, from its diffuse reflectance and
 //! transmittance.
 //!
-//! Two diffuse fluxes in a layer of thickness X obey (Kubelka 1948), with a = 1 + K/S and b = √(a² − 1):
+//! Two diffuse fluxes in a layer of thickness X obey (Kubelka 1948), with a = 1 + K/S and b = √(a²
+//! − 1):
 //!
 //! ```text
 //! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)      over a backing ρ:  R + T² ρ/(1 − ρ R)
 //! ```
 //!
-//! K and S are those of the layer with its faces: Fresnel reflection at them is part of S, as it is in coefficients from
-//! measured reflectances without Saunderson's correction. They hold for a layer that is the same from both sides.
+//! K and S are those of the layer with its faces: Fresnel reflection at the faces is part of S, as
+//! in coefficients from measured reflectances without Saunderson's correction. They assume a layer
+//! with the same reflectance from both sides.
 
-/// Absorption and scattering per unit of thickness.
+/// Absorption and scattering per unit thickness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KubelkaMunk {
     /// K, 1/µm.
@@ -19,18 +21,19 @@ pub struct KubelkaMunk {
     pub scattering_per_um: f64,
 }
 
-/// a² − 1 below this counts as no absorption: differences of rounding size.
+/// a² − 1 below this counts as no absorption: it is of the size of rounding.
 const NO_ABSORPTION: f64 = 1e-12;
 
 impl KubelkaMunk {
-    /// From the diffuse reflectance and transmittance of the layer alone. Noise that makes R + T exceed 1 counts as no
-    /// absorption. `None` unless 0 ≤ R < 1, 0 < T ≤ 1 and the thickness is positive.
+    /// Coefficients from the diffuse reflectance and transmittance of the layer alone. If noise
+    /// makes R + T exceed 1, the absorption is 0. `None` unless 0 ≤ R < 1, 0 < T ≤ 1 and the
+    /// thickness is positive.
     pub fn from_layer(reflectance: f64, transmittance: f64, thickness_um: f64) -> Option<Self> {
         Self::with(reflectance, transmittance, thickness_um, |a| a.max(1.0))
     }
 
-    /// The same continued smoothly to R + T above 1, where K is negative: what noise does to K and S is seen here whole, while
-    /// K of [`KubelkaMunk::from_layer`] stops at 0 and says of noise below it nothing.
+    /// Analytic continuation of [`KubelkaMunk::from_layer`] to R + T above 1, where K is negative.
+    /// It shows the full effect of noise on K and S, whereas `from_layer` clips K at 0.
     pub fn continued(reflectance: f64, transmittance: f64, thickness_um: f64) -> Option<Self> {
         Self::with(reflectance, transmittance, thickness_um, |a| a)
     }
@@ -54,11 +57,13 @@ impl KubelkaMunk {
         Some(Self { absorption_per_um: scattering_per_um * (a - 1.0), scattering_per_um })
     }
 
-    /// From reflectances of one layer over two known backings, as a draw-down card gives them. `None` where no layer gives
-    /// such a pair: R over the lighter backing must be larger, and both inside 0–1.
+    /// Coefficients from the reflectances of one layer over two known backings, as measured on a
+    /// draw-down card. `None` if no layer gives such a pair: R over the lighter backing must be
+    /// larger, and both must lie inside 0–1.
     pub fn from_backings(darker: [f64; 2], lighter: [f64; 2], thickness_um: f64) -> Option<Self> {
         let ([rho0, r0], [rho1, r1]) = (darker, lighter);
-        // (r_i − R)(1 − ρ_i R) = T² ρ_i: the difference of both divided by ρ leaves one equation for R
+        // (r_i − R)(1 − ρ_i R) = T² ρ_i: dividing each by its ρ and subtracting leaves one equation
+        // for R
         let square = |r: f64| {
             let t2 = |rho: f64, measured: f64| (measured - r) * (1.0 - rho * r) / rho;
             if rho0 > 0.0 { t2(rho0, r0) - t2(rho1, r1) } else { r - r0 }
@@ -68,7 +73,7 @@ impl KubelkaMunk {
         if t2 > 0.0 { Self::from_layer(r, t2.sqrt(), thickness_um) } else { None }
     }
 
-    /// \[R, T\] of a layer of any thickness.
+    /// \[R, T\] of a layer of the given thickness, µm.
     pub fn layer(&self, thickness_um: f64) -> [f64; 2] {
         let (k, s) = (self.absorption_per_um * thickness_um, self.scattering_per_um * thickness_um);
         if s == 0.0 {
@@ -79,7 +84,7 @@ impl KubelkaMunk {
         if b * b < NO_ABSORPTION {
             return [s / (1.0 + s), 1.0 / (1.0 + s)];
         }
-        // divided through by e^{bS}, so that thick layers do not overflow
+        // divided by e^{bS} so that thick layers do not overflow
         let (sinh, cosh) = ((1.0 - (-2.0 * b * s).exp()) / 2.0, (1.0 + (-2.0 * b * s).exp()) / 2.0);
         let denominator = a * sinh + b * cosh;
         [sinh / denominator, b * (-b * s).exp() / denominator]
@@ -91,7 +96,7 @@ impl KubelkaMunk {
         r + t * t * backing / (1.0 - backing * r)
     }
 
-    /// R∞ = a − b, the reflectance of a layer that hides everything; 1 without absorption.
+    /// R∞ = a − b, the reflectance of an opaque layer; 1 without absorption.
     pub fn infinite(&self) -> f64 {
         if self.scattering_per_um == 0.0 {
             return 0.0;
@@ -101,10 +106,11 @@ impl KubelkaMunk {
     }
 }
 
-/// A start this much smaller than the end is zero but for rounding.
+/// If the value at the start is this much smaller than at the end, it is zero within rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// The root of a function that changes sign in an interval, to rounding; its start where that is a root already.
+/// Root of a function that changes sign in an interval, to rounding; the start if it already is a
+/// root.
 fn root(f: impl Fn(f64) -> f64, mut lo: f64, mut hi: f64) -> Option<f64> {
     if f(lo).abs() <= ROUNDING * f(hi).abs() {
         return Some(lo);
@@ -137,7 +143,8 @@ mod tests {
         }
     }
 
-    /// Two layers of half the thickness, put together by the light going back and forth between them, are one layer.
+    /// Two layers of half the thickness, put together by the light going back and forth between
+    /// them, are one layer.
     #[test]
     fn half_layers_add_up() {
         for [absorption_per_um, scattering_per_um] in CASES {
