@@ -18,7 +18,7 @@ pub enum PaperError {
         value: f64,
     },
     /// A wavelength outside the table.
-    #[error("paper albedo is given from {lo} to {hi} nm, requested {value} nm; extend the table")]
+    #[error("paper albedo is given from {lo} to {hi} nm, requested at {value} nm; extend the table")]
     AlbedoRange {
         /// The wavelength, nm.
         value: f64,
@@ -78,7 +78,7 @@ pub enum ColourError {
     },
     /// Wavelengths that cover too little of the visible range for a reliable colour.
     #[error(
-        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of its {name}, at least {least} needed: less would make the colour a guess; cover 400 to 700 nm (about 440 to 610 nm is the least), with tables that reach as far"
+        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of its {name}, at least {least} needed: with less, the colour would be a guess; cover 400 to 700 nm (about 440 to 610 nm is the least), with tables that reach as far"
     )]
     WhiteNotCovered {
         /// First wavelength, nm.

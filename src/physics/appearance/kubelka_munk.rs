@@ -143,8 +143,8 @@ mod tests {
         }
     }
 
-    /// Two layers of half the thickness, put together by the light going back and forth between
-    /// them, are one layer.
+    /// Two layers of half the thickness, coupled by multiple reflections, are equivalent to one
+    /// layer.
     #[test]
     fn half_layers_add_up() {
         for [absorption_per_um, scattering_per_um] in CASES {

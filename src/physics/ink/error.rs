@@ -72,7 +72,7 @@ pub enum PackError {
     },
 
     /// The watch requested a stop.
-    #[error("stopped on request during {stage} after {steps} steps; nothing is delivered")]
+    #[error("stopped on request during {stage} after {steps} steps; no packing is returned")]
     Stopped {
         /// Stage that was interrupted.
         stage: &'static str,

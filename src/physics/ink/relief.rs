@@ -52,7 +52,7 @@ pub enum ReliefRule {
 impl ReliefRequest {
     pub(crate) fn check(&self, thickness_um: f64, walls: bool) -> Result<(), PackError> {
         if !walls {
-            let remedy = "set walls = true, or leave the relief out";
+            let remedy = "set walls = true, or remove the relief";
             return Err(PackError::input(
                 "relief",
                 "with walls = false",

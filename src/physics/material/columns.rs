@@ -44,7 +44,7 @@ impl Columns {
         let unreadable = |source| ColumnsError::Unreadable { path: path.into(), source };
         let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
         if bytes.contains(&0) {
-            let what = "it is no plain text (UTF-16, or a spreadsheet's own format): save it as CSV in UTF-8";
+            let what = "it is not plain text (UTF-16, or a spreadsheet's own format): save it as CSV in UTF-8";
             return Err(unreadable(io::Error::new(io::ErrorKind::InvalidData, what)));
         }
         Self::parse(path, &String::from_utf8_lossy(&bytes))
@@ -181,7 +181,7 @@ mod tests {
         assert!(message.contains("column kappa: found \"much\""), "{message}");
         assert!(parse("# nothing\n").is_err());
         let message = parse("wavelength_nm,n,n\n400,1.4,1.5\n").unwrap_err().to_string();
-        assert!(message.contains("column n is there twice"), "{message}");
+        assert!(message.contains("column n occurs twice"), "{message}");
     }
 
     #[test]
@@ -192,6 +192,6 @@ mod tests {
         assert!(message.contains("ink.csv, line 5, column kappa: an empty cell"), "{message}");
         let table = parse("wavelength_nm,kappa\n0.4,0.1\n0.7,0.2\n").unwrap();
         let message = table.wavelengths_nm(0).unwrap_err().to_string();
-        assert!(message.contains("0.7: these look like µm; the column wants nm"), "{message}");
+        assert!(message.contains("0.7: these look like µm; the column must be in nm"), "{message}");
     }
 }

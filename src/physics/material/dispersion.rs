@@ -306,7 +306,7 @@ fn rows(entry: &DataEntry, columns: usize) -> Result<Vec<Vec<f64>>, String> {
         return Err(format!("type {:?} has no data", entry.kind));
     }
     match rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-        Some(pair) => Err(format!("wavelengths do not rise: {} µm after {} µm", pair[1][0], pair[0][0])),
+        Some(pair) => Err(format!("wavelengths do not increase: {} µm after {} µm", pair[1][0], pair[0][0])),
         None => Ok(rows),
     }
 }
@@ -321,7 +321,7 @@ fn formula(entry: &DataEntry, number: &str) -> Result<DataSource, String> {
     };
     let range = numbers(&text(&entry.wavelength_range), 2)?;
     if range[0] >= range[1] {
-        return Err(format!("wavelength_range does not rise: {} to {} µm", range[0], range[1]));
+        return Err(format!("wavelength_range does not increase: {} to {} µm", range[0], range[1]));
     }
     let coefficients = numbers(&text(&entry.coefficients), 1)?;
     Ok(DataSource::Formula { number, range_um: [range[0], range[1]], coefficients })

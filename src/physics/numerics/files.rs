@@ -35,7 +35,7 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        let what = format!("it is larger than the {} MB that are read", most >> 20);
+        let what = format!("it is larger than the limit of {} MB", most >> 20);
         return Err(Error::new(ErrorKind::FileTooLarge, what));
     }
     Ok(bytes)

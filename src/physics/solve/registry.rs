@@ -68,7 +68,7 @@ impl Registry {
                 field: "name of the strategy",
                 value: format!("{name:?}"),
                 allowed: format!("any but {}", self.list()),
-                remedy: "give it a name of its own".into(),
+                remedy: "choose another name".into(),
             });
         }
         self.entries.push(Entry { name: name.into(), description: description.into(), make: Box::new(make) });

@@ -110,7 +110,7 @@ pub struct Solution {
 pub enum SolveError {
     /// The goal was not met within its limits.
     #[error(
-        "{} stopped at residual {:.2e} after {} operator applications (asked: {tolerance:.1e}): {advice}",
+        "{} stopped at residual {:.2e} after {} operator applications (requested: {tolerance:.1e}): {advice}",
         .account.solver, .account.residual, .account.operator_applications
     )]
     NotConverged {

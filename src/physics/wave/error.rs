@@ -28,7 +28,7 @@ pub enum WaveError {
     },
     /// A coordinate too large for its rounding.
     #[error(
-        "{field} is {value:e}; at most {most_um:e} µm (a million periods) leaves enough digits of its place in the period: \
+        "{field} is {value:e}; at most {most_um:e} µm (a million periods) leaves enough digits of its position in the period: \
          give it within the period"
     )]
     FarOut {
@@ -86,7 +86,7 @@ pub enum WaveError {
         imaginary: f64,
     },
     /// A case that the solver of Maxwell's equations does not support.
-    #[error("{what} is refused by the vector wave: {reason}; {remedy}")]
+    #[error("{what} is not supported by the vector wave: {reason}; {remedy}")]
     NotInVectorMode {
         /// What was found.
         what: &'static str,

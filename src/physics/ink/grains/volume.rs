@@ -174,7 +174,7 @@ mod tests {
         let got = union_volume(&[at(0.0, 0.0), at(1.6, 0.0), at(0.0, 1.6)]);
         let lens = 4.0 * PI / 3.0 - (PI * 1.6 - PI * 1.6f64.powi(3) / 12.0);
         let expected = 4.0 * PI - 2.0 * lens;
-        // Significance: five standard errors; the bar itself must be small enough to be of use.
+        // Significance: five standard errors; the error itself must be small enough to be useful.
         assert!((got.um3 - expected).abs() < 5.0 * got.error_um3, "{} {expected}", got.um3);
         assert!(got.error_um3 > 0.0 && got.error_um3 < 1e-4 * expected, "{}", got.error_um3);
     }

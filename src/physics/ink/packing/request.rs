@@ -257,7 +257,7 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
             field,
             share,
             "0 to 1",
-            "give the share of the layer's volume, not percent",
+            "give a fraction of the layer's volume, not a percentage",
         ));
     }
     let agglomeration = pigment.agglomeration.as_ref().and_then(Agglomeration::defect);

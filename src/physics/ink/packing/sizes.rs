@@ -141,11 +141,11 @@ pub(super) fn unlike(k: usize, pigment: &PigmentGrains, share: &Share) -> Option
         return None;
     }
     let effect = match pigment.share {
-        ShareRule::NearestGrain => format!("{drawn:.2} of the volume asked is in this cell"),
+        ShareRule::NearestGrain => format!("{drawn:.2} of the requested volume is in this cell"),
         ShareRule::ScaleSizes => format!("all sizes are multiplied by {size_factor:.2}"),
     };
     Some(format!(
-        "pigment[{k}]: {grains} grains cannot show their size law, {effect}; the mean over many cells is right, \
+        "pigment[{k}]: {grains} grains cannot represent their size distribution, {effect}; the mean over many cells is right, \
          and a larger period_um brings every cell near it"
     ))
 }
@@ -209,8 +209,8 @@ mod tests {
 
     type Rule = fn(&PigmentGrains, &Template, f64, &mut Draws) -> Result<Vec<f64>, PackError>;
 
-    /// A law without spread draws what it always drew; a cell that holds half a grain and more is
-    /// never empty.
+    /// Without a spread of sizes the number of grains is fixed; a cell that holds half a grain or
+    /// more is never empty.
     #[test]
     fn grains_of_one_size_are_counted_and_no_cell_is_empty() {
         let template = crate::ink::grains::shape::Shape::Sphere.template();

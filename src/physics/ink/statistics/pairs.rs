@@ -120,7 +120,7 @@ mod tests {
     use crate::ink::{Grain, Sphere};
     use crate::numerics::Draws;
 
-    /// Points thrown uniformly between walls must have g = 1: the normalisation itself is on trial.
+    /// Uniform random points between walls have g = 1: a test of the normalisation.
     #[test]
     fn an_ideal_gas_between_walls_has_no_correlation() {
         let mut draws = Draws::new(2, 0);

@@ -29,7 +29,7 @@ pub enum ColumnsError {
         path: PathBuf,
     },
     /// Two columns have the same name.
-    #[error("{}: column {column} is there twice; keep one of them", path.display())]
+    #[error("{}: column {column} occurs twice; keep one of them", path.display())]
     Twice {
         /// The file.
         path: PathBuf,
@@ -66,7 +66,7 @@ pub enum ColumnsError {
         found: String,
     },
     /// A required cell is empty.
-    #[error("{}, line {line}, column {column}: an empty cell; give its number, or take the line out", path.display())]
+    #[error("{}, line {line}, column {column}: an empty cell; enter a number, or remove the line", path.display())]
     EmptyCell {
         /// The file.
         path: PathBuf,
@@ -77,7 +77,7 @@ pub enum ColumnsError {
     },
     /// Wavelengths that are probably in µm.
     #[error(
-        "{}, column {column}: the largest wavelength is {largest}: these look like µm; the column wants nm: \
+        "{}, column {column}: the largest wavelength is {largest}: these look like µm; the column must be in nm: \
          multiply it by 1000", path.display()
     )]
     Micrometres {

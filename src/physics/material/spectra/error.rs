@@ -81,7 +81,7 @@ pub enum SpectrumError {
     #[error(transparent)]
     Unreadable(#[from] ColumnsError),
     /// A table that is not a spectrum.
-    #[error("{path}: {reason}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k for kappa will do)", path = path.display())]
+    #[error("{path}: {reason}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k is accepted for kappa)", path = path.display())]
     Header {
         /// The file.
         path: PathBuf,

@@ -76,7 +76,7 @@ mod tests {
         assert!(!std::ptr::eq(first.grid(), at(2).grid()), "older ones make room");
     }
 
-    /// Stopped within the only cell: what is done of it is no coverage.
+    /// A computation stopped within its only cell returns no coverage.
     #[test]
     fn a_stop_between_two_grains_is_heard() {
         use crate::ink::{PackingRequest, PigmentGrains, pack};

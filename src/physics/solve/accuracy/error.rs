@@ -55,7 +55,7 @@ pub enum AccuracyError {
     },
     /// The error does not decrease as the grid is refined.
     #[error(
-        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} after {levels} finer and finer grids; ask for \
+        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} after {levels} successively finer grids; ask for \
          less accuracy"
     )]
     GivenUp {
@@ -68,7 +68,7 @@ pub enum AccuracyError {
     },
     /// The layer is more wavelengths thick or wide than any grid can resolve.
     #[error(
-        "accuracy {asked:.1e} is not reached: already the coarsest grid would need {need:.1e} points along an axis of at \
+        "accuracy {asked:.1e} is not reached: even the coarsest grid would need {need:.1e} points along an axis of at \
          most {MOST_POINTS}; check that the wavelength and all lengths are in µm"
     )]
     TooManyWaves {

@@ -176,7 +176,7 @@ impl Growing {
             }
             _ => format!("take strategy = \"bicgstab\", a finer grid, or {by_hand}"),
         };
-        format!("a basis of {restart} vectors is too short for it; {remedy}")
+        format!("a basis of {restart} vectors is too short for this problem; {remedy}")
     }
 }
 

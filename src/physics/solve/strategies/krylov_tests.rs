@@ -242,7 +242,7 @@ fn operator_applications_are_pinned() {
     let goal = Goal { tolerance: 1e-6, ..Goal::default() };
     let problem = problem([7, 5, 3], Scheme::Cubic, Complex64::new(1.4, 0.2), Side::Incident);
     let solution = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges");
-    // One application a step, and one for the true residual at the end.
+    // One application per step, and one for the true residual at the end.
     assert_eq!(solution.account.operator_applications, solution.account.steps + 1);
     assert_eq!(solution.account.steps, PINNED_STEPS);
     assert!(solution.account.residual <= goal.tolerance);

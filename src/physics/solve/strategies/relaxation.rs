@@ -1,16 +1,11 @@
 //! Relaxation to the stationary state by Crank–Nicolson splitting (P2 section 3, with (3.13)'s sign
 //! corrected).
 //!
-//! In plane values, with D the lumped mass and c = iτ/2, one step is (D − cV) D⁻¹ (D − cÃ) û = (D +
-//! cV) D⁻¹ (D + cÃ) u − 2c b, whose fixed point is (Ã + V) u = b for every τ. The state stored is s
-//! = D⁻¹(D − cÃ)u at the points; since (D + cÃ)u = 2Du − Ds, a step costs one inverse and one
-//! forward transform. Without absorption trapped waves circulate undamped; replacing the state by
-//! its mean over a window ("averaging restart") removes them.
-
-mod march;
-mod memory;
-
-pub(crate) use march::contrasts;
+//! In plane values, with D the lumped mass and c = iτ/2, one step is
+//! (D − cV) D⁻¹ (D − cÃ) û = (D + cV) D⁻¹ (D + cÃ) u − 2c b, whose fixed point is (Ã + V) u = b for
+//! every τ. The state stored is s = D⁻¹(D − cÃ)u at the points; since (D + cÃ)u = 2Du − Ds, a step
+//! costs one inverse and one forward transform. Without absorption trapped waves circulate
+//! undamped; replacing the state by its mean over a window ("averaging restart") removes them.
 
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};

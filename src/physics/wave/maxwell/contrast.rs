@@ -129,7 +129,7 @@ fn effective<'a>(
         return Err(WaveError::NotInVectorMode {
             what: "this contrast",
             reason: "the normal-field tensor is nearly singular at a point of the grid",
-            remedy: "raise the resolution, or take the naive averaging",
+            remedy: "raise the resolution, or use the naive averaging",
         });
     }
     Ok(symmetric_product(&d, &adjugate).map(|v| v / determinant))

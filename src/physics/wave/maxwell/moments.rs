@@ -129,8 +129,8 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
     if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Above { .. })) {
         return Err(WaveError::NotInVectorMode {
             what: "a rough surface (relief)",
-            reason: "its normal-field tensor is not written yet, and averaging without it errs by several per cent",
-            remedy: "take a flat surface, or the scalar wave",
+            reason: "its normal-field tensor is not implemented, and averaging without it has an error of several per cent",
+            remedy: "use a flat surface, or the scalar wave",
         });
     }
     Ok(())
