@@ -30,7 +30,7 @@ pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
     finish(table)
 }
 
-/// `kubelka-munk.csv`, and `measured.csv` where there is a measurement. `factor` on a standard error gives half of a 95 % interval:
+/// `kubelka-munk.csv` where K and S are known, and `measured.csv` where there is a measurement. `factor` on a standard error gives half of a 95 % interval:
 /// few realisations make it far more than 2.
 pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<(&'static str, Vec<u8>)>> {
     let Some(maker) = maker else { return Ok(Vec::new()) };
