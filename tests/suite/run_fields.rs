@@ -167,6 +167,7 @@ const CHANGES: &[Change] = &[
     (&[("colour.target_lab", "[80, 0, 40]")], Published),
     (&[("compare.measured", "'measured.csv'")], Published),
     (&[("compare.measured", "'measured.cgats'"), ("compare.patch", "'second'")], Published),
+    (&[("compare.measured", "'measured.csv'"), ("compare.unit", "'percent'")], Published),
 ];
 
 /// Files that studies are compared with.

@@ -18,6 +18,7 @@ pub mod limits;
 pub mod load;
 pub mod locate;
 pub mod measured;
+pub mod measured_colour;
 mod misfit;
 pub mod older;
 mod patches;

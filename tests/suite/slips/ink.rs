@@ -114,6 +114,16 @@ pub const INK: &[Slip] = &[
         ["compare.measured", "line 2: 3 cells", "(wavelength_nm,reflectance)", "(wavelength_nm;reflectance)"],
     ),
     slip(
+        "[output]",
+        "[compare]\nmeasured = \"dark.csv\"\n[output]",
+        ["compare.measured", "the largest value is 2.9", "compare.unit", "\"percent\" or \"factor\""],
+    ),
+    slip(
+        "[output]",
+        "[compare]\nunit = \"percent\"\n[output]",
+        ["compare.unit", "percent", "a unit beside compare.measured", "add compare.measured"],
+    ),
+    slip(
         K,
         "index = { csv = \"narrow.csv\", n = 1.4 }",
         ["pigment[0].index", "400 nm", "from 500 to 600 nm", "[light]"],
