@@ -217,6 +217,7 @@ mod tests {
         let made = MadeUp { films: films.clone(), strata: 100, wavelengths: 6, noise: 0.0 };
         let mut solved: Vec<_> =
             (0..4).map(|r| made.realisation([0.5, 0.2 + 0.2 * f64::from(r)], || 0.0)).collect();
+        solved.iter_mut().for_each(|realisation| realisation.thickness_um = thickness_um);
         for wavelength in solved.iter_mut().flat_map(|r| &mut r.wavelengths) {
             for solve in wavelength.exact.iter_mut().chain(&mut wavelength.strata) {
                 (solve.reflectance, solve.transmittance) = (reflectance, transmittance);
