@@ -180,7 +180,11 @@ fn a_file_of_lab_alone_is_the_target_if_it_states_the_conditions_of_the_study() 
     let lab = "CGATS.17\nWEIGHTING_FUNCTION \"ILLUMINANT, D50\"\nWEIGHTING_FUNCTION \"OBSERVER, 2 degree\"\n\
                BEGIN_DATA_FORMAT\nSAMPLE_NAME LAB_L LAB_A LAB_B\nEND_DATA_FORMAT\nBEGIN_DATA\n\"ink\" 85.5 -10 80\nEND_DATA\n";
     std::fs::write(folder.path().join("lab.cgats"), lab).unwrap();
-    std::fs::write(folder.path().join("bare.cgats"), lab.replace("ILLUMINANT", "LIGHT").replace("OBSERVER", "EYE")).unwrap();
+    std::fs::write(
+        folder.path().join("bare.cgats"),
+        lab.replace("ILLUMINANT", "LIGHT").replace("OBSERVER", "EYE"),
+    )
+    .unwrap();
     let loaded = |name: &str, colour: &str| {
         let text = format!("{TINY}[compare]\nmeasured = \"{name}\"\n[colour]\n{colour}\n");
         load(&study(folder.path(), &text))

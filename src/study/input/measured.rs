@@ -205,7 +205,10 @@ mod tests {
         assert!(asked.contains("2.9") && asked.contains("compare.unit = \"percent\""), "{asked}");
         assert_eq!(rows(dark, some(MeasuredUnit::Percent)).unwrap(), dark.map(|x| x / 100.0));
         assert_eq!(rows(dark, some(MeasuredUnit::Factor)).unwrap(), dark);
-        assert_eq!(rows([0.2, 0.9], some(MeasuredUnit::Percent)).unwrap(), [0.2, 0.9].map(|x: f64| x / 100.0));
+        assert_eq!(
+            rows([0.2, 0.9], some(MeasuredUnit::Percent)).unwrap(),
+            [0.2, 0.9].map(|x: f64| x / 100.0)
+        );
         assert_eq!(rows([0.2, 1.0], None).unwrap(), [0.2, 1.0]);
         assert!(
             rows([20.0, 90.0], some(MeasuredUnit::Factor)).unwrap_err().contains("no reflectance factor")

@@ -55,8 +55,10 @@ impl PackingRecord {
     /// The record of a packing.
     pub fn new(realisation: usize, packing: &Packing) -> Self {
         let Account { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
-        let share =
-            |(k, share): (usize, &Share)| ShareRecord { sizes: ReachedSizes::of(packing, k), ..ShareRecord::from(share) };
+        let share = |(k, share): (usize, &Share)| ShareRecord {
+            sizes: ReachedSizes::of(packing, k),
+            ..ShareRecord::from(share)
+        };
         let shares = packing.shares().iter().enumerate().map(share).collect();
         let (period_um, thickness_um) = (packing.period_um(), packing.thickness_um());
         let profile = profile(packing, SLICES);

@@ -173,6 +173,21 @@ pub const INK: &[Slip] = &[
         "diameter_nm = \"big\"",
         ["pigment[0].diameter_nm", "\"big\"", "a number of nm such as 250, or \"molecular\"", "in that form"],
     ),
+    slip(
+        "diameter_nm = 200",
+        "size = { kind = \"log_normal\", median_nm = 150, sigma = 0.1 }",
+        ["pigment[0].size.by", "found nothing", "by = \"number\", as it was meant", "by = \"volume\""],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "size = { kind = \"percentiles\", d10_nm = 200, d50_nm = 150, d90_nm = 250 }",
+        ["pigment[0].size", "d10 200, d50 150, d90 250 nm", "d10_nm below d50_nm", "correct this entry"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "size = { kind = \"percentiles\", d10_nm = 120, d50_nm = 150, d90_nm = 220 }",
+        ["pigment[0].size", "the log-normal law has d10 110.8", "within 5 %", "kind = \"list\""],
+    ),
     slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
     slip(
         "name = \"yellow\"",

@@ -112,7 +112,8 @@ mod tests {
     /// Size that a share of the number or of the volume stays below, from many even quantiles.
     fn reached(law: &SizeDistribution, share: f64, power: i32) -> f64 {
         let steps = 400_000;
-        let sizes: Vec<f64> = (0..steps).map(|i| law.quantile_nm((i as f64 + 0.5) / f64::from(steps))).collect();
+        let sizes: Vec<f64> =
+            (0..steps).map(|i| law.quantile_nm((i as f64 + 0.5) / f64::from(steps))).collect();
         let mut left = share * sizes.iter().map(|d| d.powi(power)).sum::<f64>();
         let below = |d: &&f64| {
             left -= d.powi(power);

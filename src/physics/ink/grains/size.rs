@@ -172,7 +172,9 @@ impl SizeDistribution {
                 let found = format!("median {median_nm}, sigma {sigma}");
                 Some(("size", found, "a median above 0 and sigma from 0 to 2"))
             }
-            Self::Percentiles { d10_nm, d50_nm, d90_nm, .. } => percentiles_defect([*d10_nm, *d50_nm, *d90_nm]),
+            Self::Percentiles { d10_nm, d50_nm, d90_nm, .. } => {
+                percentiles_defect([*d10_nm, *d50_nm, *d90_nm])
+            }
             Self::List { values_nm, weights, .. } => list_defect(values_nm, weights),
             _ => None,
         }
@@ -200,7 +202,9 @@ impl SizeDistribution {
             Self::LogNormal { median_nm, sigma, cut_at_sigmas, by: By::Number, .. } => {
                 median_nm * (sigma * cut_normal(draws, *cut_at_sigmas)).exp()
             }
-            Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().quantile_nm(draws.uniform()),
+            Self::LogNormal { .. } | Self::Percentiles { .. } => {
+                self.log_normal().quantile_nm(draws.uniform())
+            }
             Self::List { values_nm, weights, .. } => weighted(values_nm, weights, draws.uniform()),
         }
     }
@@ -219,7 +223,11 @@ impl SizeDistribution {
 fn percentiles_defect([d10, d50, d90]: [f64; 3]) -> Option<(&'static str, String, &'static str)> {
     let found = format!("d10 {d10}, d50 {d50}, d90 {d90} nm");
     if ![d10, d50, d90].iter().all(|d| SIZE_NM.holds(*d)) || d10 >= d50 || d50 >= d90 {
-        return Some(("size", found, "d10_nm below d50_nm below d90_nm, all above 0; kind = \"constant\" for one size"));
+        return Some((
+            "size",
+            found,
+            "d10_nm below d50_nm below d90_nm, all above 0; kind = \"constant\" for one size",
+        ));
     }
     let sigma = LogNormalLaw::sigma_of([d10, d90]);
     if !SIGMA.holds(sigma) {
@@ -300,7 +308,9 @@ mod tests {
         };
         assert_eq!(law([100.0, 200.0, 400.0]).defect(), None);
         assert_eq!(law([104.0, 200.0, 400.0]).defect(), None);
-        for unordered in [[200.0, 100.0, 400.0], [100.0, 100.0, 100.0], [f64::NAN, 1.0, 2.0], [-1.0, 1.0, 2.0]] {
+        for unordered in
+            [[200.0, 100.0, 400.0], [100.0, 100.0, 100.0], [f64::NAN, 1.0, 2.0], [-1.0, 1.0, 2.0]]
+        {
             assert!(law(unordered).defect().unwrap().2.contains("d10_nm below d50_nm"), "{unordered:?}");
         }
         let (_, found, allowed) = law([150.0, 200.0, 400.0]).defect().unwrap();

@@ -82,11 +82,19 @@ mod tests {
 
     fn laws() -> Vec<SizeDistribution> {
         let of = Measure::Radius;
-        let log = |sigma, cut_at_sigmas| {
-            SizeDistribution::LogNormal { median_nm: 90.0, sigma, by: By::Number, cut_at_sigmas, of }
+        let log = |sigma, cut_at_sigmas| SizeDistribution::LogNormal {
+            median_nm: 90.0,
+            sigma,
+            by: By::Number,
+            cut_at_sigmas,
+            of,
         };
-        let volume = |sigma, cut_at_sigmas| {
-            SizeDistribution::LogNormal { median_nm: 90.0, sigma, by: By::Volume, cut_at_sigmas, of }
+        let volume = |sigma, cut_at_sigmas| SizeDistribution::LogNormal {
+            median_nm: 90.0,
+            sigma,
+            by: By::Volume,
+            cut_at_sigmas,
+            of,
         };
         let normal = |standard_deviation_nm, cut_at_sigmas| SizeDistribution::Normal {
             mean_nm: 100.0,

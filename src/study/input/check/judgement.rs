@@ -24,7 +24,12 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
     }
     if let (Some(unit), None) = (&file.compare.unit, &file.compare.measured) {
         let allowed = "a unit beside compare.measured";
-        faults.push(Fault::new("compare.unit", format!("{unit:?}").to_lowercase(), allowed, "add compare.measured"));
+        faults.push(Fault::new(
+            "compare.unit",
+            format!("{unit:?}").to_lowercase(),
+            allowed,
+            "add compare.measured",
+        ));
     }
     let measured = match measured_colour(file, folder) {
         Some(colour) => {
