@@ -287,11 +287,12 @@ mod tests {
                 of_plane_layer(&diffuse_ink(want, thickness_um, 0.0), &SURE, thickness_um).unwrap();
             assert!(reason.is_none() && rows.len() == 6, "{reason:?}");
             for row in rows {
-                let off = |e: Estimate, want: f64| (e.value - want).abs() / e.standard_error.unwrap();
-                let (k, s) = (row.absorption_per_um, row.scattering_per_um);
-                println!("{thickness_um} µm: K {k:?}, S {s:?}");
-                // the model's standard error of 3 % beside what the fits leave
-                assert!(off(k, 0.1) < 1.0 && off(s, 2.0) < 1.0, "{thickness_um}: {row:?}");
+                for (got, want) in [(row.absorption_per_um, 0.1), (row.scattering_per_um, 2.0)] {
+                    let bar = got.standard_error.unwrap() / got.value;
+                    // at 4 µm T is 3 %, of which fits over angle and wavelength leave some 1e-4 open: 1 % of S
+                    assert!((got.value / want - 1.0).abs() < 0.015, "{thickness_um} µm: {row:?}");
+                    assert!((MODEL..0.04).contains(&bar), "{thickness_um} µm: {row:?}");
+                }
             }
             let (rows, reason) =
                 of_plane_layer(&diffuse_ink(want, thickness_um, 0.05), &SURE, thickness_um).unwrap();
@@ -311,7 +312,8 @@ mod tests {
         [inside(0), inside(1)]
     }
 
-    /// *Planted*: replicates whose K stops at 0, and the normal law's 1.96 in place of Student's factor, are noticed.
+    /// Without the part of the model, which these made-up layers follow exactly. *Planted*: replicates whose K stops at 0, the
+    /// normal law's 1.96 in place of Student's factor, and S that is 5 % off, as much as its standard error, are noticed.
     #[test]
     fn intervals_of_few_realisations_hold_k_and_s() {
         let clear = |_: f64| (num_complex::Complex64::from(1.5), Vec::new());
@@ -349,15 +351,10 @@ mod tests {
         };
         let [stopped, _] = covered(&inks.iter().map(stopped).collect::<Vec<_>>(), &truth, student);
         let normal = covered(&seeds, &truth, 1.96);
-        let [_, biased] = covered(
-            &seeds,
-            &truth.iter().map(|[k, s]| [*k, Estimate { value: 1.05 * s.value, ..*s }]).collect::<Vec<_>>(),
-            student,
-        );
-        println!(
-            "held: K {k:.3}, S {s:.3}; K that stops at 0 {stopped:.3}; normal law's {normal:.3?}; biased {biased:.3} {:?}",
-            seeds[0]
-        );
+        let more = |e: &Estimate| Estimate { value: 1.05 * e.value, ..*e };
+        let biased: Vec<[Estimate; 2]> = truth.iter().map(|[k, s]| [*k, more(s)]).collect();
+        let [_, biased] = covered(&seeds, &biased, student);
+        println!("held: K {k:.3}, S {s:.3}; stopped {stopped:.3}, normal {normal:.3?}, biased {biased:.3}");
         // Significance: 95 % of 150 studies scatter by 1.8 %, wavelengths of one study belong together; K at 0 may be held more often.
         assert!((0.90..=1.0).contains(&k) && (0.90..=0.995).contains(&s), "{k} {s}");
         assert!(
