@@ -6,12 +6,12 @@ use inkwave::evaluate::manifest::SpectrumRow;
 use inkwave::input::study::Study;
 use inkwave::numerics::estimate::Estimate;
 use inkwave::numerics::linked::Linked;
-use inkwave::solve::door::Wave;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::file::Quantity;
 use inkwave::sweep::outcome::Outcome;
 use inkwave::sweep::{folder, publish::publish};
+use inkwave::wave::Wave;
 use std::error::Error;
 use std::path::Path;
 

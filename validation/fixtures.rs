@@ -6,7 +6,7 @@ use inkwave::evaluate::films::Films;
 use inkwave::evaluate::ink::{InkInputs, InkOnPaper};
 use inkwave::material::mixing::molecular_mixture;
 use inkwave::material::spectra::Spectrum;
-use inkwave::solve::door::Wave;
+use inkwave::wave::Wave;
 use inkwave::wave::{FarField, Incidence, Order, Side};
 use num_complex::Complex64;
 

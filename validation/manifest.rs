@@ -1,17 +1,20 @@
 //! Where a report's numbers come from.
 
 use crate::claim::Level;
-use serde::Serialize;
+use inkwave::store::identity::METHOD_VERSION;
+use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
 use std::process::Command;
 
 /// Everything needed to make the numbers again; seeds are fixed in the claims, whose code the commit names.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Manifest {
     pub date: String,
     pub level: Level,
-    pub version: &'static str,
+    pub version: String,
+    /// Version of the method that was measured.
+    pub method: u32,
     pub commit: String,
     /// Whether files differed from the commit.
     pub changed: bool,
@@ -55,7 +58,8 @@ impl Manifest {
         Ok(Self {
             date: date.into(),
             level,
-            version: env!("CARGO_PKG_VERSION"),
+            version: env!("CARGO_PKG_VERSION").into(),
+            method: METHOD_VERSION,
             commit: asked("git", &["rev-parse", "--short=12", "HEAD"]),
             changed: !matches!(
                 asked("git", &["status", "--porcelain", "--untracked-files=no"]).as_str(),

@@ -49,6 +49,9 @@ struct Args {
     /// Prints what claim 24 keeps of its truth, from the folder of a finished run of validation/data/intervals.toml.
     #[arg(long, hide = true)]
     truth: Option<PathBuf>,
+    /// Makes the pages anew from the numbers that lie beside them, and measures nothing.
+    #[arg(long)]
+    redraw: bool,
     /// Puts a seal under a page that another script has made.
     #[arg(long, hide = true)]
     seal: Option<PathBuf>,
@@ -100,6 +103,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     if let Some(folder) = &args.truth {
         println!("{:#}", claims::intervals::truth(folder));
         return Ok(ExitCode::SUCCESS);
+    }
+    if args.redraw {
+        let out = args.out.unwrap_or_else(|| "reports/latest".into());
+        return redraw(&out, &args.history);
     }
     let level = if args.quick { Level::Quick } else { Level::Full };
     let manifest = Manifest::gather(&args.date, level)?;
@@ -178,5 +185,26 @@ fn measure(id: &str, level: Level, store: &Store<Measured>) -> Result<ExitCode, 
     let failure = findings.without_gaps();
     let measured = Measured { id: id.into(), seconds: clock.elapsed().as_secs_f64(), findings, failure };
     store.put(id, &measured)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What `numbers.json` keeps of a night.
+#[derive(Deserialize)]
+struct Kept {
+    manifest: Manifest,
+    claims: Vec<Measured>,
+}
+
+/// The pages of a night that is over, as they are made today.
+fn redraw(folder: &Path, history: &Path) -> Result<ExitCode, Box<dyn Error>> {
+    let kept: Kept = serde_json::from_slice(&std::fs::read(folder.join("numbers.json"))?)?;
+    let mut nights = history::read(history, kept.manifest.level)?;
+    nights.retain(|night| night.date < kept.manifest.date);
+    let claim_of = |measured: Measured| {
+        let claim = ALL.iter().find(|c| c.id == measured.id);
+        claim.map(|claim| Judged { claim, measured })
+    };
+    let judged: Vec<Judged> = kept.claims.into_iter().filter_map(claim_of).collect();
+    page::write(folder, &kept.manifest, &judged, &nights)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -6,7 +6,7 @@ use crate::claim::{Check, Table, short};
 use crate::history::{Night, Trend, margins, trend};
 use crate::manifest::Manifest;
 use inkwave::draw::log_plot::LogPlot;
-use inkwave::report::seal::sealed;
+use inkwave::report::seal::sealed_by;
 use inkwave::store::safely;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, value::Serde};
@@ -139,7 +139,7 @@ pub fn write(
     templates.add_template("report.md", include_str!("page.md"))?;
     for name in ["index.html", "report.md"] {
         let text = templates.get_template(name)?.render(Serde(&report))?;
-        let text = if name.ends_with(".md") { sealed(&text) } else { text };
+        let text = if name.ends_with(".md") { sealed_by(&text, manifest.method) } else { text };
         safely::write(&folder.join(name), text.as_bytes())?;
     }
     let measured: Vec<_> = judged.iter().map(|j| &j.measured).collect();

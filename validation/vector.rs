@@ -4,10 +4,8 @@ use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Task};
 use inkwave::solve::{Coverages, Gmres, Goal, Silent, Solver};
 use inkwave::wave::contrast::coverage::error_for;
-use inkwave::wave::maxwell::{
-    Averaging, NormalMoments, Polarisation, VectorFarField, VectorOrder, VectorProblem,
-};
-use inkwave::wave::{Field, Mean, Resolution, Scheme};
+use inkwave::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem};
+use inkwave::wave::{FarField, Field, Mean, Order, Precision, Resolution, Scheme, System, Wave};
 use num_complex::Complex64;
 use serde_json::Value;
 use std::sync::{Arc, OnceLock};
@@ -43,7 +41,7 @@ pub fn reference(id: &str) -> &'static Reference {
 
 impl Reference {
     /// Largest error of the amplitudes in → out of orders that propagate or neighbour the specular one.
-    pub fn errors(&self, far: &VectorFarField) -> [[f64; 2]; 2] {
+    pub fn errors(&self, far: &[FarField]) -> [[f64; 2]; 2] {
         let mut errors = [[0.0_f64; 2]; 2];
         for expected in &self.orders {
             let number = |key: &str| expected[key].as_i64().expect("orders are whole numbers") as i32;
@@ -55,7 +53,7 @@ impl Reference {
             let own = order(far, m, n);
             for (i, input) in ["s", "p"].into_iter().enumerate() {
                 for (j, output) in ["s", "p"].into_iter().enumerate() {
-                    for (side, amplitudes) in [("R", own.reflected), ("T", own.transmitted)] {
+                    for (side, amplitudes) in ["R", "T"].into_iter().zip(pairs(own)) {
                         let difference = complex(&expected[side][input][output]) - amplitudes[i][j];
                         errors[i][j] = errors[i][j].max(difference.norm());
                     }
@@ -66,7 +64,7 @@ impl Reference {
     }
 
     /// The largest of [`Reference::errors`].
-    pub fn error(&self, far: &VectorFarField) -> f64 {
+    pub fn error(&self, far: &[FarField]) -> f64 {
         self.errors(far).into_iter().flatten().fold(0.0, f64::max)
     }
 }
@@ -76,20 +74,30 @@ fn complex(value: &Value) -> Complex64 {
     Complex64::new(part(0), part(1))
 }
 
-/// The order (m, n) of a far field.
-pub fn order(far: &VectorFarField, m: i32, n: i32) -> &VectorOrder {
-    far.orders.iter().find(|o| (o.m, o.n) == (m, n)).unwrap_or_else(|| panic!("no order ({m}, {n})"))
+/// The order (m, n) of s and p light.
+pub fn order(far: &[FarField], m: i32, n: i32) -> [&Order; 2] {
+    [0, 1].map(|i| crate::support::order(&far[i], m, n))
+}
+
+/// Amplitudes \[reflected, transmitted\]\[in\]\[out\] of one order of s and p light.
+pub fn pairs(orders: [&Order; 2]) -> [[[Complex64; 2]; 2]; 2] {
+    [0, 1].map(|side| {
+        [0, 1].map(|i| {
+            let [own, crossed] = [0, 1].map(|k| orders[i].amplitudes().nth(k).expect("four")[side]);
+            if i == 0 { [own, crossed] } else { [crossed, own] }
+        })
+    })
 }
 
 /// Both solutions of a case and what leaves the layer.
 pub struct Solved {
-    pub problem: VectorProblem,
+    pub problem: Arc<VectorProblem>,
     pub fields: [Field; 2],
-    pub far: VectorFarField,
+    pub far: [FarField; 2],
 }
 
 /// The discrete problem of a case.
-pub fn problem(case: &Case, resolution: Resolution, mean: Mean, averaging: Averaging) -> VectorProblem {
+pub fn problem(case: &Case, resolution: Resolution, mean: Mean, averaging: Averaging) -> Arc<VectorProblem> {
     let moments = Arc::new(NormalMoments::new(&case.scene, resolution).unwrap_or_else(|e| panic!("{e}")));
     VectorProblem::new(&moments, &case.media, &case.incidence, mean, averaging)
         .unwrap_or_else(|e| panic!("{e}"))
@@ -115,8 +123,13 @@ pub fn solve_as(
         let solved = Gmres::default().solve(&problem.polarised(polarisation), goal, &mut Silent);
         solved.unwrap_or_else(|e| panic!("{e}")).field
     });
-    let far = problem.far_field([&fields[0], &fields[1]]);
+    let far = far_fields(&problem, &fields);
     Solved { problem, fields, far }
+}
+
+/// What leaves the layer in s and p light.
+pub fn far_fields(problem: &Arc<VectorProblem>, fields: &[Field; 2]) -> [FarField; 2] {
+    [0, 1].map(|i| problem.polarised(Polarisation::BOTH[i]).far_field(&fields[i]))
 }
 
 /// Points and cells, one point along directions in which nothing changes.
@@ -125,10 +138,10 @@ pub fn resolution(case: &Case, points: usize, cells: usize) -> Resolution {
 }
 
 /// What `inkwave solve --wave vector --accuracy` does.
-pub fn solve_to(case: &Case, accuracy: f64) -> Result<Estimated<NormalMoments>, AccuracyError> {
+pub fn solve_to(case: &Case, accuracy: f64) -> Result<Estimated, AccuracyError> {
     let solver = Gmres::default();
     let task = Task {
-        coverages: &Coverages::vector(&case.scene, error_for(accuracy)),
+        coverages: &Coverages::new(Wave::Unpolarised, &case.scene, Precision::of(error_for(accuracy))),
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean::default(),

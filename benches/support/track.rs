@@ -251,13 +251,23 @@ fn series<'a>(run: &'a [Entry], value: impl Fn(&Entry) -> Option<f64> + 'a) -> V
     curves.into_iter().filter(|c| c.1.len() > 1).map(sorted).collect()
 }
 
-/// Slope of a least-squares line through logarithms.
-fn exponent(curve: &Curve) -> f64 {
+/// Fewest points of an exponent: two make a line exactly, three leave one degree of freedom.
+const FEWEST_POINTS: usize = 4;
+
+/// Slope of a least-squares line through logarithms with its standard error; none of few points.
+fn exponent(curve: &Curve) -> Option<[f64; 2]> {
+    let count = curve.points.len();
+    if count < FEWEST_POINTS {
+        return None;
+    }
     let points: Vec<[f64; 2]> = curve.points.iter().map(|p| [p[0].ln(), p[1].ln()]).collect();
     let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64;
     let (x, y) = (mean(0), mean(1));
     let square: f64 = points.iter().map(|p| (p[0] - x).powi(2)).sum();
-    points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>() / square
+    let slope = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>() / square;
+    let off = |p: &[f64; 2]| (p[1] - y - slope * (p[0] - x)).powi(2);
+    let variance = points.iter().map(off).sum::<f64>() / (count - 2) as f64;
+    Some([slope, (variance / square).sqrt()])
 }
 
 fn costs(run: &[Entry]) -> LogPlot {
@@ -267,7 +277,11 @@ fn costs(run: &[Entry]) -> LogPlot {
         let at = |p: &[f64; 3]| (p[0], y0 * p[0] * p[0].ln() / (x0 * x0.ln()));
         Curve::new("N log N", Style::Guide, c.points.iter().map(at))
     });
-    curves.iter_mut().for_each(|c| c.name = format!("{}: N^{:.2}", c.name, exponent(c)));
+    for curve in &mut curves {
+        if let Some([slope, error]) = exponent(curve) {
+            curve.name = format!("{}: N^({slope:.2} ± {error:.2})", curve.name);
+        }
+    }
     curves.extend(guide);
     LogPlot::log_log("Cost against size", "unknowns N", "seconds", curves)
 }
@@ -286,17 +300,31 @@ fn trend(history: &[Entry]) -> LogPlot {
     groups.sort_unstable();
     groups.dedup();
     let curves = groups.iter().map(|group| group_curve(group, &runs, history)).collect();
-    let (first, last) = (runs.first().copied().unwrap_or("–"), runs.last().copied().unwrap_or("–"));
-    let x_label = format!("days since {first}; the last run is of {last}");
+    let start = runs.first().and_then(|date| days(date)).unwrap_or(0.0);
+    let x_ticks = runs.iter().filter_map(|date| Some((days(date)? - start, (*date).replace('T', " "))));
+    let x_ticks = spread(x_ticks.collect());
     LogPlot {
         log: [false, true],
+        x_ticks,
         ..LogPlot::log_log(
             "Costs over the runs",
-            &x_label,
+            "date of the run, UTC",
             "time ÷ that of the first run (geometric mean)",
             curves,
         )
     }
+}
+
+/// Dates that are far enough apart to be read: a third of the axis.
+fn spread(all: Vec<(f64, String)>) -> Vec<(f64, String)> {
+    let length = all.last().map_or(0.0, |last| last.0);
+    let mut kept: Vec<(f64, String)> = Vec::new();
+    for tick in all {
+        if kept.last().is_none_or(|last| tick.0 - last.0 >= length / 3.0 && tick.0 > last.0) {
+            kept.push(tick);
+        }
+    }
+    kept
 }
 
 fn group_curve(group: &str, runs: &[&str], history: &[Entry]) -> Curve {

@@ -17,6 +17,6 @@ pub mod say;
 pub mod schema;
 pub mod solve;
 mod solve_light;
-mod solve_vector;
+mod solve_report;
 pub mod stop;
 pub mod sweep;

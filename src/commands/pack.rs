@@ -84,10 +84,10 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let sizes: String = (0..packing.shares().len()).filter_map(sizes).collect();
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {}: {} grains by {:?} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{sizes}{notes}",
+        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{sizes}{notes}",
         realisation + 1,
         packing.grains().len(),
-        account.method,
+        account.method.in_words(),
         account.steps,
     )
 }

@@ -2,18 +2,16 @@
 
 use super::say::{note, say};
 use super::solve_light::LightArgs;
+use super::solve_report;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
 use inkwave::input::older;
 use inkwave::numerics::files;
-use inkwave::run::crew::processor_seconds;
-use inkwave::solve::accuracy::discretisation::Discretisation;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, Registry, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_among};
-use inkwave::wave::{Grid, Mean, Order, Resolution, Scheme};
+use inkwave::wave::{Mean, Precision, Resolution, Scheme, Wave};
 use miette::{IntoDiagnostic, Result};
-use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -110,17 +108,10 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         Some(_) => EXACT,
         None => error_among(args.accuracy.unwrap_or(DEFAULT_ACCURACY), case.media.largest_contrast()),
     };
-    let mut report = match args.wave {
-        WaveName::Scalar => {
-            let solved = estimate(args, &case, &Coverages::within(&case.scene, error))?;
-            let mut report = report(&solved);
-            args.light.add_area(&solved.far_field, &case.media, &mut report)?;
-            report
-        }
-        WaveName::Vector => {
-            super::solve_vector::report(&estimate(args, &case, &Coverages::vector(&case.scene, error))?)
-        }
-    };
+    let wave = if args.wave == WaveName::Vector { Wave::Unpolarised } else { Wave::Scalar };
+    let solved = estimate(args, &case, &Coverages::new(wave, &case.scene, Precision::of(error)))?;
+    let mut report = solve_report::report(&solved, wave);
+    args.light.add_area(solved.far_field(), &case.media, &mut report)?;
     if let Some(snapped) = snapped {
         report["snapped"] = snapped;
     }
@@ -129,11 +120,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
 }
 
 /// Solves on the grid asked for, or searches one.
-fn estimate<G: Discretisation>(
-    args: &SolveArgs,
-    case: &Case,
-    coverages: &Coverages<'_, G>,
-) -> Result<Estimated<G>> {
+fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<Estimated> {
     let solver = Registry::default().build(&args.solver).into_diagnostic()?;
     let task = Task {
         coverages,
@@ -197,60 +184,6 @@ fn scheme(args: &SolveArgs) -> Scheme {
     let searched = || suited_scheme(args.accuracy.unwrap_or(DEFAULT_ACCURACY));
     let suited = || if args.nz.is_some() { Scheme::default() } else { searched() };
     args.scheme.map_or_else(suited, Scheme::from)
-}
-
-fn report(e: &Estimated) -> Value {
-    let (far, account, grid) = (&e.far_field, &e.solution.account, &e.problem.coverage.grid);
-    let bytes = e.problem.bytes() + account.bytes;
-    json!({
-        "orders": far.orders.iter().map(order).collect::<Vec<_>>(),
-        "R_total": far.reflectance,
-        "T_total": far.transmittance,
-        "A_total": far.absorptance,
-        "error_estimate": e.error_estimate,
-        "error_estimate_parts": { "plane": e.parts[0], "z": e.parts[1] },
-        "energy_error": far.energy_error(),
-        "solver": account.solver,
-        "residual": account.residual,
-        "steps": account.steps,
-        "operator_applications": account.operator_applications,
-        "seconds": account.seconds,
-        "seconds_setup": e.seconds_setup,
-        "seconds_estimate": e.seconds_estimate,
-        "unknowns": e.problem.unknowns(),
-        // User and system time of the whole process: reading, search, companions and this solve.
-        "process_seconds": processor_seconds(),
-        "bytes": bytes,
-        "bytes_per_unknown": bytes as f64 / e.problem.unknowns() as f64,
-        "resolution": resolution_of(grid, grid.planes()),
-        "version": env!("CARGO_PKG_VERSION"),
-    })
-}
-
-/// Points, cells and planes, also per µm.
-pub(super) fn resolution_of(grid: &Grid, planes: usize) -> Value {
-    let Resolution { nx, ny, cells, scheme } = grid.resolution;
-    json!({
-        "nx": nx,
-        "ny": ny,
-        "cells": cells,
-        "planes": planes,
-        "scheme": scheme,
-        "points_per_um": [nx as f64 / grid.period_um[0], ny as f64 / grid.period_um[1]],
-        "planes_per_um": (scheme.degree() * cells) as f64 / grid.nodes_um[grid.cells()],
-    })
-}
-
-fn order(o: &Order) -> Value {
-    json!({
-        "m": o.m,
-        "n": o.n,
-        "propagating": o.reflected_propagates || o.transmitted_propagates,
-        "R": [o.reflected.re, o.reflected.im],
-        "T": [o.transmitted.re, o.transmitted.im],
-        "eff_R": o.reflected_efficiency,
-        "eff_T": o.transmitted_efficiency,
-    })
 }
 
 /// A grid that took longer to try is told, also where nobody watches.

@@ -140,6 +140,9 @@ pub(super) fn tell(
     for judged in &reported.conclusions {
         say(format_args!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality))?;
     }
+    if let Some(nearest) = &reported.nearest {
+        say(format_args!("{nearest}"))?;
+    }
     say(format_args!("Report: {}", folder.path().join("report.html").display()))?;
     let (complete, all, failures) = (reported.complete(), reported.outcomes.len(), reported.failures());
     if complete == all {

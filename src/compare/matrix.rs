@@ -219,14 +219,14 @@ impl MatrixTable {
         reference: &Estimated,
         watch: &mut dyn Watch,
     ) -> Result<Cell, CompareError> {
-        let problem = &reference.problem;
+        let problem = reference.system();
         let clock = Instant::now();
         let solved = solver.solve(problem, self.goal(), watch);
         let seconds = clock.elapsed().as_secs_f64();
         let (account, difference, outcome) = match solved {
             Ok(solution) => {
                 let far = problem.far_field(&solution.field);
-                let difference = largest_difference(&reference.far_field, &far);
+                let difference = largest_difference(reference.far_field(), &far);
                 (solution.account, Some(difference), "converged".to_string())
             }
             Err(cancelled @ SolveError::Cancelled { .. }) => return Err(cancelled.into()),
@@ -239,7 +239,7 @@ impl MatrixTable {
                 )
             }
         };
-        let resolution = problem.coverage.grid.resolution;
+        let resolution = problem.grid().resolution;
         Ok(Cell {
             n,
             kappa,

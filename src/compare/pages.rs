@@ -216,7 +216,7 @@ impl Comparison {
         let mut templates = Environment::new();
         templates.add_template("style.css", crate::report::page::STYLE)?;
         templates.add_template("comparison.html", include_str!("comparison.html"))?;
-        let rows = self.rows.iter().map(|r| context!(failed => !r.converged(), cells => r.cells_of_table()));
+        let rows = self.rows.iter().map(Row::on_the_page);
         let figures =
             pictures.iter().map(|(title, svg)| context!(title, data => crate::report::page::svg_data(svg)));
         templates.get_template("comparison.html")?.render(context! {
@@ -280,6 +280,13 @@ impl Row {
         self.error.is_some()
     }
 
+    /// The cells of the table; a failure's reason has a line of its own beneath, where there is room for it.
+    fn on_the_page(&self) -> minijinja::Value {
+        let (failed, mut cells) = (!self.converged(), self.cells_of_table());
+        let reason = cells.last_mut().filter(|_| failed).map(|last| std::mem::replace(last, "failed".into()));
+        context!(failed, cells, reason)
+    }
+
     fn label(&self) -> String {
         format!("{}, {}", self.strategy, scheme_name(self))
     }
@@ -312,4 +319,23 @@ impl Row {
 
 fn scheme_name(row: &Row) -> String {
     format!("{:?}", row.scheme).to_lowercase().replace("seconddifference", "second difference")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// *Planted*: a reason in the last of twelve columns is a sliver at 1280 pixels.
+    #[test]
+    fn the_reason_of_a_failure_has_the_whole_width() {
+        let grid = Resolution { nx: 9, ny: 9, cells: 4, scheme: Scheme::Cubic };
+        let failed = Row { outcome: "born diverges: use krylov".into(), ..Row::new("born", grid) };
+        let there = Row { error: Some(1e-3), outcome: "converged".into(), ..Row::new("krylov", grid) };
+        let registry = vec!["krylov".to_owned(), "born".to_owned()];
+        let rows = vec![failed, there];
+        let (title, reference) = (String::new(), "the dense solve".to_owned());
+        let html = Comparison { title, reference, registry, asked: 2, rows }.html(&[]).unwrap();
+        assert!(html.contains("<td colspan=\"12\">born diverges: use krylov</td>"), "{html}");
+        assert!(html.contains("<td>converged</td>") && html.matches("colspan").count() == 1, "{html}");
+    }
 }

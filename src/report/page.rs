@@ -1,5 +1,6 @@
 //! The page to show a colleague: one HTML file with its pictures inside.
 
+use crate::store::identity::METHOD_VERSION;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::{Environment, value::Serde};
@@ -158,6 +159,11 @@ impl Named {
     pub fn code(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self { code: true, ..Self::new(name, value) }
     }
+}
+
+/// Program and method of a page, for its footer.
+pub(crate) fn made_by() -> String {
+    format!("{}, method {METHOD_VERSION}", crate::evaluate::summary::program())
 }
 
 impl Page {

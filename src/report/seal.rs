@@ -1,7 +1,11 @@
-//! A last line that shows whether a generated page is still as it was generated.
+//! A last line that shows whether a generated page is still as it was generated, and by which method.
+
+use crate::store::identity::METHOD_VERSION;
 
 /// What the seal's line begins with.
 const MARK: &str = "<!-- generated; seal ";
+/// What stands before the version of the method, in seals and in footers.
+const METHOD: &str = ", method ";
 /// Digits of the hash.
 const DIGITS: usize = 16;
 
@@ -16,10 +20,27 @@ pub enum Broken {
     Edited,
 }
 
-/// The text with its seal, in place of one that it has.
+/// The text with its seal, in place of one that it has, and with the version of today's method.
 pub fn sealed(text: &str) -> String {
+    sealed_by(text, METHOD_VERSION)
+}
+
+/// The same for numbers that were made by another version.
+pub fn sealed_by(text: &str, method: u32) -> String {
+    with_method(text, Some(method))
+}
+
+fn with_method(text: &str, method: Option<u32>) -> String {
     let body = body(text).trim_end();
-    format!("{body}\n\n{MARK}{} -->\n", hash(body))
+    let method = method.map_or_else(String::new, |version| format!("{METHOD}{version}"));
+    format!("{body}\n\n{MARK}{}{method} -->\n", hash(&format!("{body}{method}")))
+}
+
+/// The method that a page's numbers were made by, where its seal or its footer says so.
+pub fn method_of(page: &str) -> Option<u32> {
+    let digits = page.rsplit_once(METHOD)?.1;
+    let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
+    digits[..end].parse().ok()
 }
 
 /// Whether a text is as it was sealed.
@@ -27,11 +48,11 @@ pub fn sealed(text: &str) -> String {
 /// # Errors
 /// It has no seal, or was edited.
 pub fn check(text: &str) -> Result<(), Broken> {
-    let body = body(text);
-    let seal =
-        text[body.len()..].strip_prefix(MARK).and_then(|rest| rest.get(..DIGITS)).ok_or(Broken::Missing)?;
-    let whole = sealed(body) == text && seal == hash(body.trim_end());
-    if whole { Ok(()) } else { Err(Broken::Edited) }
+    let seal = &text[body(text).len()..];
+    if !seal.starts_with(MARK) {
+        return Err(Broken::Missing);
+    }
+    if with_method(text, method_of(seal)) == text { Ok(()) } else { Err(Broken::Edited) }
 }
 
 /// What stands before the seal.
@@ -55,5 +76,8 @@ mod tests {
         assert_eq!(check(&page.replace("well", "fine")), Err(Broken::Edited));
         assert_eq!(check(&format!("{page}More.\n")), Err(Broken::Edited));
         assert_eq!(check("# Report\n"), Err(Broken::Missing));
+        let older = page.replace(&format!("method {METHOD_VERSION}"), "method 0");
+        assert_eq!((check(&older), method_of(&page)), (Err(Broken::Edited), Some(METHOD_VERSION)));
+        assert_eq!(method_of("of some method"), None);
     }
 }

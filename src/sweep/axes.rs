@@ -14,6 +14,8 @@ pub struct Axis {
     pub name: String,
     /// Name shared by axes that vary together.
     pub zip: Option<String>,
+    /// Unit of its values where they are numbers of a field: "nm", "µm", "°"; empty otherwise.
+    pub unit: String,
     /// Its settings, in their order.
     pub settings: Vec<Setting>,
 }
@@ -50,7 +52,8 @@ impl Axis {
             faults.push(Fault::new(of("name"), "nothing", "a name for an axis of cases", remedy));
             String::new()
         });
-        let axis = Self { name, zip: table.zip.clone(), settings };
+        let unit = table.field.as_ref().map_or("", |field| unit(field, &settings)).to_owned();
+        let axis = Self { name, zip: table.zip.clone(), unit, settings };
         axis.check_labels(&of("labels"), faults);
         axis
     }
@@ -74,6 +77,20 @@ impl Axis {
         let fits = |s: &Setting| all.iter().any(|word| *word == s.label || *word == s.value);
         (0..self.settings.len()).filter(|&k| fits(&self.settings[k])).collect()
     }
+}
+
+/// Ends of the names of fields, and the units that they stand for.
+const UNITS: [(&str, &str); 3] = [("_nm", "nm"), ("_um", "µm"), ("_deg", "°")];
+
+/// The unit of a field's values, unless they have labels of their own, which may hold units.
+fn unit(field: &str, settings: &[Setting]) -> &'static str {
+    let bare = settings.iter().all(|s| s.label == s.value);
+    UNITS.iter().find(|(end, _)| bare && field.ends_with(end)).map_or("", |(_, unit)| unit)
+}
+
+/// A name without the unit that it ends with.
+pub(super) fn plain(name: &str) -> &str {
+    UNITS.iter().find_map(|(end, _)| name.strip_suffix(end)).unwrap_or(name)
 }
 
 impl From<&super::file::CaseTable> for Setting {

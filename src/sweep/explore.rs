@@ -6,7 +6,7 @@
 
 use super::load::Sweep;
 use super::outcome::Outcome;
-use super::reported::numbers;
+use super::reported::shown;
 use super::target;
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
@@ -33,20 +33,29 @@ struct Page<'a> {
     title: &'a str,
     program: String,
     reference: &'a str,
-    /// The wanted colour in words, where there is one.
-    target: Option<String>,
+    /// The wanted colour, where there is one.
+    target: Option<Wanted>,
     axes: Vec<AxisOf<'a>>,
     wavelengths_nm: Vec<f64>,
     /// Names of the spectra in their order.
     spectra: [&'static str; 4],
+    /// What each is a share of, at its axis.
+    units: [&'static str; 4],
     steps: f64,
     lowest: f64,
     variants: Vec<VariantOf<'a>>,
 }
 
+/// The wanted colour in words, and which variant is nearest.
+#[derive(Serialize)]
+struct Wanted {
+    colour: String,
+    nearest: String,
+}
+
 #[derive(Serialize)]
 struct AxisOf<'a> {
-    name: &'a str,
+    name: String,
     labels: &'a [String],
 }
 
@@ -70,23 +79,32 @@ struct VariantOf<'a> {
 /// The page as HTML.
 pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]) -> String {
     let outline = &sweep.outline;
-    let axes = outline.axes.iter().map(|axis| AxisOf { name: &axis.name, labels: &axis.labels }).collect();
+    let axes =
+        outline.axes.iter().map(|axis| AxisOf { name: axis.heading(), labels: &axis.labels }).collect();
     let wavelengths_nm = wavelengths_nm(outcomes);
     let reference = &outcomes[outline.reference];
-    let variant = |((outcome, picture), place)| variant(outcome, picture, place, reference, &wavelengths_nm);
+    let variant =
+        |(number, (picture, place))| variant((sweep, outcomes, number), picture, place, &wavelengths_nm);
     let places = outline.variants.iter().map(|v| v.place.as_slice());
-    let variants = outcomes.iter().zip(pictures).zip(places).map(variant).collect();
+    let variants = pictures.iter().zip(places).enumerate().map(variant).collect();
     let data = Page {
         title: &outline.title,
-        program: crate::evaluate::summary::program(),
+        program: crate::report::page::made_by(),
         reference: &reference.name,
-        target: target::in_words(outcomes),
+        target: target::nearest(outline, outcomes)
+            .map(|nearest| Wanted { colour: nearest.target, nearest: nearest.summary }),
         axes,
         spectra: [
             "under a uniform sky",
             "lit at 45°, seen at 0°",
             "transmittance of the layer",
             "reflectance of the layer",
+        ],
+        units: [
+            "share of a perfect white",
+            "share of a perfect white",
+            "share of the light",
+            "share of the light",
         ],
         steps: STEPS,
         lowest: LOWEST,
@@ -105,12 +123,12 @@ fn wavelengths_nm(outcomes: &[Outcome]) -> Vec<f64> {
 }
 
 fn variant<'a>(
-    outcome: &'a Outcome,
+    (sweep, outcomes, number): (&Sweep, &'a [Outcome], usize),
     picture: &Option<InkPicture>,
     place: &'a [usize],
-    reference: &Outcome,
     wavelengths_nm: &[f64],
 ) -> VariantOf<'a> {
+    let outcome = &outcomes[number];
     let finite = |x: f64| Some((x * NUMBERS).round() / NUMBERS).filter(|x| x.is_finite());
     let both = |e: Estimate| [finite(e.value), e.standard_error.and_then(finite)];
     let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], both));
@@ -125,7 +143,8 @@ fn variant<'a>(
         name: &outcome.name,
         place,
         hex,
-        numbers: numbers(outcome, reference).map(|all| all.into_iter().map(both).chain(to_target).collect()),
+        numbers: shown(sweep, number, outcomes)
+            .map(|all| all.into_iter().map(both).chain(to_target).collect()),
         realisations: outcome.realisations,
         state: outcome.reason.clone().unwrap_or(missing),
         spectra: spectra(&outcome.spectra, wavelengths_nm),
@@ -243,6 +262,7 @@ mod tests {
         let axis = |name: &str, n: usize| AxisOutline {
             name: name.into(),
             labels: (0..n).map(|k| format!("{name} number {k}")).collect(),
+            unit: String::new(),
         };
         let place = |i: usize| Place {
             name: format!("a_rather_long_name_of_a_variant_of_the_study-{i}"),
@@ -253,6 +273,7 @@ mod tests {
             axes: vec![axis("ink", 5), axis("share", 4), axis("grains", 13)],
             sheet: Default::default(),
             reference: 0,
+            reference_asked: false,
             claims: Vec::new(),
             variants: (0..260).map(place).collect(),
         };

@@ -1,6 +1,6 @@
 //! From a sweep file to checked variants.
 
-use super::axes::Axis;
+use super::axes::{Axis, plain};
 use super::claims;
 use super::claims::Claim;
 use super::expand::{Draft, expand};
@@ -42,6 +42,9 @@ pub struct Outline {
     pub sheet: SheetTable,
     /// The variant that colour differences refer to.
     pub reference: usize,
+    /// Whether the file names that variant.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub reference_asked: bool,
     /// Conclusions to be judged.
     pub claims: Vec<Claim>,
     /// Where each variant lies on the axes.
@@ -55,6 +58,9 @@ pub struct AxisOutline {
     pub name: String,
     /// Labels of its settings.
     pub labels: Vec<String>,
+    /// Unit of the labels, where they are numbers that have one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
 }
 
 impl AxisOutline {
@@ -62,7 +68,23 @@ impl AxisOutline {
     pub fn named(&self, k: usize) -> String {
         let label = &self.labels[k];
         let speaks = label.chars().next().is_some_and(char::is_alphabetic);
-        if speaks { label.clone() } else { format!("{} {label}", self.name) }
+        match self.unit.as_str() {
+            _ if speaks => label.clone(),
+            "" => format!("{} {label}", self.name),
+            unit => format!("{} {label}\u{a0}{unit}", plain(&self.name)),
+        }
+    }
+
+    /// The number of a label, alone or before its unit: `0.9`, `15 %`, `200 nm`.
+    pub fn number(&self, k: usize) -> Option<f64> {
+        let mut words = self.labels.get(k)?.split_whitespace();
+        let number = words.next()?.parse().ok().filter(|x: &f64| x.is_finite())?;
+        (words.count() < 2).then_some(number)
+    }
+
+    /// The name as it stands at an axis or over a column, with the unit: `diameter, nm`.
+    pub fn heading(&self) -> String {
+        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", plain(&self.name), self.unit) }
     }
 }
 
@@ -119,6 +141,7 @@ impl Sweep {
             axes: Vec::new(),
             sheet: SheetTable::default(),
             reference: 0,
+            reference_asked: false,
             claims: Vec::new(),
             variants: vec![Place { name: name.to_owned(), place: Vec::new() }],
         };
@@ -175,6 +198,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
 
 fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
     let names = |axis: &Axis| axis.settings.iter().map(|s| s.label.clone()).collect();
+    let shown = |a: &Axis| AxisOutline { name: a.name.clone(), labels: names(a), unit: a.unit.clone() };
     let known = |name: &String| axes.iter().any(|axis| axis.name == *name);
     for (key, name) in [("rows", &file.sheet.rows), ("columns", &file.sheet.columns)] {
         if let Some(name) = name.as_ref().filter(|name| !known(name)) {
@@ -198,9 +222,10 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
     }
     Outline {
         title,
-        axes: axes.iter().map(|a| AxisOutline { name: a.name.clone(), labels: names(a) }).collect(),
+        axes: axes.iter().map(shown).collect(),
         sheet: file.sheet.clone(),
         reference: first.unwrap_or(0),
+        reference_asked: file.reference.is_some(),
         claims,
         variants: drafts.iter().map(|d| Place { name: d.name.clone(), place: d.place.clone() }).collect(),
     }

@@ -4,7 +4,7 @@ use super::conclusions::Judged;
 use super::curves;
 use super::load::Sweep;
 use super::outcome::Outcome;
-use super::reported::{Reported, numbers};
+use super::reported::{Reported, shown};
 use super::sheets::Sheet;
 use super::sweep_page::{ConclusionGroup, ConclusionRow, SweepPage, VariantRow};
 use super::target;
@@ -12,7 +12,7 @@ use crate::draw::figure::FigureError;
 use crate::draw::plots::{Plot, Series};
 use crate::evaluate::manifest::Count;
 use crate::numerics::estimate::Estimate;
-use crate::report::page::{Picture, png_data, svg_data};
+use crate::report::page::{Picture, made_by, png_data, svg_data};
 use crate::report::scalar_error;
 
 /// Most spectra in one figure: colours of the palette.
@@ -39,12 +39,12 @@ pub(crate) fn page(
         scalar_error: scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
         sheets: sheets.iter().zip(drawn).map(picture).collect(),
         conclusions: conclusions(&reported.conclusions),
-        nearest: target::nearest(&reported.outcomes),
-        axes: outline.axes.iter().map(|axis| axis.name.clone()).collect(),
+        nearest: target::nearest(outline, &reported.outcomes),
+        axes: outline.axes.iter().map(|axis| axis.heading()).collect(),
         reference: reference.name.clone(),
-        variants: reported.outcomes.iter().map(|outcome| row(outcome, reference)).collect(),
+        variants: (0..all).map(|v| row(sweep, v, &reported.outcomes)).collect(),
         figures: figures(sweep, sheets, &reported.outcomes)?,
-        program: crate::evaluate::summary::program(),
+        program: made_by(),
     })
 }
 
@@ -106,8 +106,8 @@ fn conclusion(judged: &Judged) -> ConclusionRow {
     }
 }
 
-fn row(outcome: &Outcome, reference: &Outcome) -> VariantRow {
-    let numbers = numbers(outcome, reference);
+fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
+    let (outcome, numbers) = (&outcomes[number], shown(sweep, number, outcomes));
     let all = outcome.solves;
     let state = match (&outcome.reason, all.finished) {
         (Some(reason), _) => format!("{} failed: {reason}", outcome.failures),

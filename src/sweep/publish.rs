@@ -85,7 +85,9 @@ fn report(
     damages: Vec<Damage>,
 ) -> Result<Reported, PublishError> {
     let conclusions: Vec<Judged> = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
-    let reported = Reported { outcomes, conclusions, damages };
+    let nearest =
+        target::nearest(&sweep.outline, &outcomes).map(|n| format!("Target {}: {}", n.target, n.summary));
+    let reported = Reported { outcomes, conclusions, nearest, damages };
     let sheets = sheets(&sweep.outline);
     let drawn = draw(&sweep.outline.title, &sheets, pictures, &reported.outcomes)?;
     for (i, png) in drawn.iter().enumerate() {

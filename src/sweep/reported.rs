@@ -1,6 +1,7 @@
 //! What a sweep's report has found.
 
 use super::conclusions::Judged;
+use super::load::Sweep;
 use super::outcome::{Outcome, lab};
 use crate::numerics::estimate::Estimate;
 use crate::store::damage::Damage;
@@ -12,6 +13,8 @@ pub struct Reported {
     pub outcomes: Vec<Outcome>,
     /// The conclusions with their verdicts.
     pub conclusions: Vec<Judged>,
+    /// Which variant comes nearest to the wanted colour, in words; none where there is no such colour.
+    pub nearest: Option<String>,
     /// What was found damaged in the store.
     pub damages: Vec<Damage>,
 }
@@ -26,6 +29,26 @@ impl Reported {
     pub fn failures(&self) -> usize {
         self.outcomes.iter().map(|o| o.failures).sum()
     }
+}
+
+/// The same as far as a page shows them: no ΔE₀₀ to a reference of another ink, unless the file names the reference.
+pub(crate) fn shown(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Option<[Estimate; 6]> {
+    let outline = &sweep.outline;
+    let mut numbers = numbers(&outcomes[number], &outcomes[outline.reference])?;
+    if !(outline.reference_asked || inks(sweep, number) == inks(sweep, outline.reference)) {
+        numbers[5] = Estimate::unknown_error(f64::NAN);
+    }
+    Some(numbers)
+}
+
+/// Names of a variant's pigments.
+fn inks(sweep: &Sweep, number: usize) -> Vec<&str> {
+    let study = sweep.variants.get(number).map(|variant| &variant.study);
+    let grains = study.iter().flat_map(|s| &s.pigments).map(|p| p.name.as_str());
+    let mut names: Vec<&str> =
+        grains.chain(study.iter().flat_map(|s| &s.dissolved).map(|d| d.name.as_str())).collect();
+    names.sort_unstable();
+    names
 }
 
 /// L*, a*, b*, C*, h and ΔE₀₀ to the reference; `None` without a colour.

@@ -58,7 +58,7 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
     let names = |axis: Option<usize>, used: &[usize]| -> Vec<String> {
         used.iter().map(|&k| axis.map_or_else(String::new, |a| outline.axes[a].labels[k].clone())).collect()
     };
-    let axis_name = |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].name.clone());
+    let axis_name = |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].heading());
     let shown = |a: usize| Some(a) == row || Some(a) == column;
     let captions = (0..outline.axes.len()).filter(|&a| !shown(a)).map(|a| outline.axes[a].named(other[a]));
     Sheet {

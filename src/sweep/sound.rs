@@ -111,9 +111,14 @@ mod tests {
         let place = |name: &str, k: usize| Place { name: name.into(), place: vec![k] };
         Outline {
             title: "Tiny".into(),
-            axes: vec![AxisOutline { name: "size".into(), labels: vec!["100".into(), "200".into()] }],
+            axes: vec![AxisOutline {
+                name: "size".into(),
+                labels: vec!["100".into(), "200".into()],
+                unit: String::new(),
+            }],
             sheet: SheetTable::default(),
             reference: 0,
+            reference_asked: false,
             claims: Vec::new(),
             variants: vec![place("100", 0), place("200", 1)],
         }

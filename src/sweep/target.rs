@@ -1,6 +1,7 @@
 //! Which variants come nearest to the colour that they shall have.
 
 use super::conclusions::{QUANTILE, student};
+use super::load::{Outline, Place};
 use super::outcome::Outcome;
 use super::sweep_page::{NearRow, Nearest};
 use crate::numerics::estimate::Estimate;
@@ -49,7 +50,7 @@ pub(crate) fn in_words(outcomes: &[Outcome]) -> Option<String> {
 }
 
 /// The part of the page that says which variants come nearest.
-pub(crate) fn nearest(outcomes: &[Outcome]) -> Option<Nearest> {
+pub(crate) fn nearest(outline: &Outline, outcomes: &[Outcome]) -> Option<Nearest> {
     let target = in_words(outcomes)?;
     let order = in_order(outcomes);
     let tied = order.iter().skip(1).filter(|near| near.is_tied() == Some(true)).count();
@@ -60,6 +61,7 @@ pub(crate) fn nearest(outcomes: &[Outcome]) -> Option<Nearest> {
         summary: order.first().map_or_else(String::new, |best| {
             let asked = outcomes.iter().filter(|outcome| outcome.aim.is_some()).count();
             summary(&outcomes[best.variant], [order.len(), asked], [tied, unknown])
+                + &at_the_edge(outline, best.variant)
         }),
         rows: rows.map(|(rank, near)| row(rank, near, outcomes)).collect(),
     })
@@ -80,6 +82,26 @@ fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]
         text += &format!(" {} have no colour yet.", all - known);
     }
     text
+}
+
+/// Where a variant has the least or the largest number of an axis: what is nearest there may be surpassed beyond.
+fn at_the_edge(outline: &Outline, variant: usize) -> String {
+    let Some(Place { place, .. }) = outline.variants.get(variant) else { return String::new() };
+    let edges: Vec<String> = (0..place.len()).filter_map(|a| edge(outline, a, place[a])).collect();
+    if edges.is_empty() {
+        return String::new();
+    }
+    format!(" It lies at the edge of what was tried ({}): a nearer one may lie beyond.", edges.join(", "))
+}
+
+/// In words whether a label has the least or the largest number that the variants have on an axis.
+fn edge(outline: &Outline, a: usize, k: usize) -> Option<String> {
+    let axis = &outline.axes[a];
+    let here = axis.number(k)?;
+    let numbers = || outline.variants.iter().filter_map(|v| axis.number(v.place[a]));
+    let (below, above) = (numbers().any(|x| x < here), numbers().any(|x| x > here));
+    let which = if below { "largest" } else { "smallest" };
+    (below != above).then(|| format!("{} is the {which}", axis.named(k)))
 }
 
 /// All variants that have a distance, the nearest first.

@@ -1,6 +1,7 @@
 use super::*;
 use crate::evaluate::manifest::Count;
 use crate::sweep::aim::{Aim, Found};
+use crate::sweep::load::AxisOutline;
 
 /// A variant of three realisations that is so far from its target.
 fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> Outcome {
@@ -28,6 +29,38 @@ fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> 
     }
 }
 
+/// Variants along an axis of diameters from 100 nm on.
+fn grid(count: usize) -> Outline {
+    let labels = (0..count).map(|k| (100 * (k + 1)).to_string()).collect();
+    let axis = AxisOutline { name: "diameter_nm".into(), labels, unit: "nm".into() };
+    Outline {
+        title: String::new(),
+        axes: vec![axis],
+        sheet: Default::default(),
+        reference: 0,
+        reference_asked: false,
+        claims: Vec::new(),
+        variants: (0..count).map(|k| Place { name: k.to_string(), place: vec![k] }).collect(),
+    }
+}
+
+/// *Planted*: the nearest at the end of an axis passed for the best there is.
+#[test]
+fn the_nearest_at_the_edge_of_the_grid_is_flagged() {
+    let far = [3.0, 2.0, 1.0];
+    let by = [0.1, 0.0, -0.1];
+    let said = |order: [usize; 3]| {
+        let outcomes = order.map(|k| variant("v", far[k], Some(0.1), by));
+        nearest(&grid(3), &outcomes).unwrap().summary
+    };
+    let last = said([0, 1, 2]);
+    assert!(last.ends_with("(diameter 300\u{a0}nm is the largest): a nearer one may lie beyond."), "{last}");
+    assert!(said([2, 1, 0]).contains("diameter 100\u{a0}nm is the smallest"));
+    assert!(!said([0, 2, 1]).contains("edge"));
+    assert_eq!(grid(1).axes[0].heading(), "diameter, nm");
+    assert_eq!(grid(1).axes[0].named(0), "diameter 100\u{a0}nm");
+}
+
 /// t of 2 degrees of freedom is 4.303. *Planted*: errors added as if independent tie "same packings", too.
 #[test]
 fn ties_with_the_nearest_rest_on_the_error_of_the_difference() {
@@ -40,7 +73,7 @@ fn ties_with_the_nearest_rest_on_the_error_of_the_difference() {
         variant("other packings", 2.5, error, [-0.3, 0.1, 0.2]),
         variant("one realisation", 3.0, None, [0.0; 3]),
     ];
-    let nearest = nearest(&outcomes).unwrap();
+    let nearest = nearest(&grid(5), &outcomes).unwrap();
     let told: Vec<[&str; 2]> =
         nearest.rows.iter().map(|r| [r.labels[0].as_str(), r.verdict.as_str()]).collect();
     assert_eq!(told[0], ["best", "nearest"]);
@@ -64,12 +97,13 @@ fn ties_with_the_nearest_rest_on_the_error_of_the_difference() {
 fn without_a_target_there_is_neither_a_table_nor_a_column() {
     let plain = Outcome { aim: None, ..variant("plain", 1.0, None, [0.0; 3]) };
     assert!(
-        nearest(std::slice::from_ref(&plain)).is_none() && columns(std::slice::from_ref(&plain)).is_empty()
+        nearest(&grid(1), std::slice::from_ref(&plain)).is_none()
+            && columns(std::slice::from_ref(&plain)).is_empty()
     );
     // one that is not computed yet still has its columns
     let mut asked = variant("asked", 1.0, None, [0.0; 3]);
     asked.aim.as_mut().unwrap().found = None;
     let both = [plain, asked];
-    assert_eq!((columns(&both).len(), nearest(&both).unwrap().rows.len()), (2, 0));
+    assert_eq!((columns(&both).len(), nearest(&grid(2), &both).unwrap().rows.len()), (2, 0));
     assert_eq!(numbers(&both[1]), [None, None]);
 }

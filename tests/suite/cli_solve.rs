@@ -282,6 +282,25 @@ fn a_good_run_prints_every_documented_key() {
     }
 }
 
+/// Programs that read one wave's results read the other's: keys are the same, values of the vector wave are by polarisation.
+#[test]
+fn both_waves_print_the_same_keys() {
+    let [scalar, vector] = ["scalar", "vector"].map(|wave| {
+        let options = ["--wave", wave, "--nxy", "9", "--nz", "8"];
+        solved(&good().to_string(), "case.json", &options)
+    });
+    let keys = |value: &Value| value.as_object().expect("an object").keys().cloned().collect::<Vec<_>>();
+    for pointer in ["", "/orders/0", "/resolution", "/error_estimate_parts"] {
+        let [scalar, vector] =
+            [&scalar, &vector].map(|r| keys(r.pointer(pointer).expect("a part of a result")));
+        assert_eq!(scalar, vector, "{pointer}");
+    }
+    assert_eq!([&scalar["wave"], &vector["wave"]], ["scalar", "vector"]);
+    for total in ["R_total", "T_total", "A_total", "energy_error", "steps"] {
+        assert!(scalar[total].is_number() && vector[total]["s"].is_number(), "{total}");
+    }
+}
+
 #[test]
 fn whole_cases_and_toml_are_accepted_and_give_the_same() {
     let options = ["--nxy", "12", "--nz", "10"];

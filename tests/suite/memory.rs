@@ -4,7 +4,7 @@
 use inkwave::input::case::Case;
 use inkwave::solve::Registry;
 use inkwave::solve::demand::Size;
-use inkwave::wave::{Resolution, Scheme};
+use inkwave::wave::{Resolution, Scheme, Wave};
 use serde_json::json;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -59,7 +59,7 @@ fn no_solve_takes_more_than_its_bound() {
             solve.arg("--real-mean");
         }
         let solver = Registry::default().build(name).expect("a name");
-        let size = Size::new(&case.scene, &case.media, 0.5, resolution);
+        let size = Size::new(Wave::Scalar, &case.scene, &case.media, 0.5, resolution);
         let (bound, peak) = (size.bytes(&*solver), peak_bytes(solve));
         let held = size.problem() + size.fields(2.0);
         println!("{name}: bound {:.0} MB, peak {:.0} MB", 1e-6 * bound, 1e-6 * peak);

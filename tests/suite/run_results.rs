@@ -38,6 +38,7 @@ fn a_finished_run_leaves_numbers_tables_picture_and_page() {
         !page.contains("NaN") && !page.contains("http://") && !page.contains("src=\"/"),
         "self-contained"
     );
+    assert!(page.contains("Only 4 wavelengths were solved") && page.contains("A thin air gap"), "{page}");
 }
 
 #[test]
@@ -92,6 +93,9 @@ fn the_examples_are_sound_and_the_first_is_yellow() {
     let results = results(&out);
     // six strata of wavelengths between seven outputs
     assert_eq!(results["solves"]["asked"], 2 * 6 * 4);
+    // *Planted*: the strata of one realisation were counted, and twelve wavelengths called fewer than eight.
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(!page.contains("wavelengths were solved") && page.contains("A thin air gap"), "{page}");
     let colour = &results["colours"][0];
     let (chroma, hue) =
         (colour["chroma"]["value"].as_f64().unwrap(), colour["hue_deg"]["value"].as_f64().unwrap());

@@ -91,7 +91,7 @@ fn a_sweep_with_a_target_names_the_variant_that_meets_it() {
     let lab: [f64; 3] = serde_json::from_value(results(wanted)["ink_maker"]["print"]["lab"].clone()).unwrap();
     let target = format!("[base.colour]\ntarget_lab = {lab:?}\n[[axis]]");
     std::fs::write(place.path("tiny.toml"), TINY.replacen("[[axis]]", &target, 1)).unwrap();
-    place.sweep("out", &[]);
+    let console = place.sweep("out", &[]);
     let text = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
     let more = ",delta_e_2000_to_target,delta_e_2000_to_target_standard_error,contrast_ratio,contrast_ratio_standard_error";
     assert_eq!(header(&text), before + more);
@@ -115,7 +115,53 @@ fn a_sweep_with_a_target_names_the_variant_that_meets_it() {
     assert_eq!(nearest.unwrap()["variant"], wanted);
     let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
     assert!(page.contains("Nearest to the target") && page.contains(&format!("{wanted} is nearest.")));
-    assert!(std::fs::read_to_string(place.path("out/explore.html")).unwrap().contains("\"target\":\"L* "));
+    let edge = "It lies at the edge of what was tried (share 15 % is the largest";
+    let explorer = std::fs::read_to_string(place.path("out/explore.html")).unwrap();
+    assert!(explorer.contains("\"target\":{\"colour\":\"L* ") && explorer.contains(edge));
+    assert!(page.contains(edge), "{page}");
+    assert!(console.contains(&format!("{wanted} is nearest.")) && console.contains(edge), "{console}");
     succeed(&["report", &place.path("out")]);
     assert_eq!(std::fs::read_to_string(place.path("out/sweep.csv")).unwrap(), text);
+}
+
+/// Two inks of two sizes, the yellow one first.
+const INKS: &str = r#"
+[[axis]]
+name = "ink"
+[[axis.case]]
+label = "yellow"
+[[axis.case]]
+label = "blue"
+set = { pigment = [{ name = "blue", diameter_nm = 200, volume_fraction = 0.15, index = { built_in = "blue" } }] }
+[[axis]]
+field = "pigment[0].diameter_nm"
+values = [200, 150]
+"#;
+
+/// The cells of a sweep's table that a variant has: its labels and its numbers.
+fn cells<'a>(page: &'a str, labels: [&str; 2]) -> Vec<&'a str> {
+    let [ink, size] = labels;
+    let row = page.split(&format!("<tr><td>{ink}</td><td>{size}</td>")).nth(1).expect("a row");
+    let row = row.split("</tr>").next().unwrap();
+    row.split("<td class=\"n\">").skip(1).map(|cell| cell.split("</td>").next().unwrap()).collect()
+}
+
+/// *Planted*: a blue ink had a ΔE to a yellow one that nobody had asked for, and the axis of diameters no unit.
+#[test]
+fn differences_between_inks_are_shown_where_they_are_asked_for_and_axes_have_units() {
+    let base = TINY.split("[[axis]]").next().unwrap();
+    let place = Place::new(&format!("{base}{INKS}"));
+    place.sweep("out", &[]);
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("<th>diameter, nm</th>"), "{page}");
+    let explorer = std::fs::read_to_string(place.path("out/explore.html")).unwrap();
+    assert!(explorer.contains("\"name\":\"diameter, nm\""));
+    let difference = |ink: &str, size: &str| cells(&page, [ink, size])[5].to_owned();
+    assert!(difference("yellow", "150").contains('.'), "{:?}", cells(&page, ["yellow", "150"]));
+    assert_eq!([difference("blue", "200"), difference("blue", "150")], ["", ""]);
+    std::fs::write(place.path("tiny.toml"), format!("reference = {{ ink = \"yellow\" }}\n{base}{INKS}"))
+        .unwrap();
+    place.sweep("out", &[]);
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(cells(&page, ["blue", "200"])[5].contains('.'), "{page}");
 }

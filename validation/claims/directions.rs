@@ -8,6 +8,7 @@
 use super::dilute::{PLACE, Single, array, cases};
 use crate::claim::{Claim, Findings, Level};
 use crate::formulas::mie::{Mie, Sphere};
+use crate::vector::{far_fields, pairs};
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem};
 use inkwave::wave::{Incidence, Mean, Problem, Resolution, Scheme, Side};
@@ -154,8 +155,9 @@ fn vector_orders(single: &Single, mie: &Mie, side: f64) -> Vec<Amplitude> {
         .map(|p| Gmres::default().solve(&problem.polarised(p), GOAL, &mut Silent).expect("converges").field);
     let (view, k0) = (View::new(mie, side, scene.thickness_um()), TAU / single.sphere.wavelength_um);
     let mut all = Vec::new();
-    for order in problem.far_field([&fields[0], &fields[1]]).orders {
-        for (reflected, amplitudes) in [(true, order.reflected), (false, order.transmitted)] {
+    let [s, p] = far_fields(&problem, &fields);
+    for (order, other) in s.orders.iter().zip(&p.orders) {
+        for (reflected, amplitudes) in [true, false].into_iter().zip(pairs([order, other])) {
             let Some(out) = view.outgoing(order.direction, k0, reflected) else { continue };
             for pair in [[0, 0], [0, 1], [1, 0], [1, 1]] {
                 let straight = !reflected && (order.m, order.n) == (0, 0) && pair[0] == pair[1];

@@ -7,7 +7,7 @@
 
 use crate::claim::{Claim, Findings, Level};
 use crate::support::{ball, fitted_slope};
-use crate::vector::order;
+use crate::vector::{far_fields, order};
 use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::material::mixing::MixingRule;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
@@ -80,9 +80,7 @@ fn lattice(layers: usize) -> [[Complex64; 2]; 2] {
     let goal = Goal { tolerance: 1e-8, ..Goal::default() };
     let fields = Polarisation::BOTH
         .map(|p| Gmres::default().solve(&problem.polarised(p), goal, &mut Silent).expect("converges").field);
-    let far = problem.far_field([&fields[0], &fields[1]]);
-    let straight = order(&far, 0, 0);
-    [0, 1].map(|i| [straight.reflected[i][i], straight.transmitted[i][i]])
+    order(&far_fields(&problem, &fields), 0, 0).map(|straight| [straight.reflected, straight.transmitted])
 }
 
 fn distance(a: [Complex64; 2], b: [Complex64; 2]) -> f64 {

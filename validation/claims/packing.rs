@@ -5,7 +5,7 @@ use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::ink::pack;
 use inkwave::ink::statistics::{PairStatistics, orientation_tensor, pair_statistics_to, section_statistics};
 use inkwave::ink::{
-    EquilibrationSettings, MethodChoice, Orientation, Packing, PackingRequest, PigmentGrains, Shape,
+    EquilibrationSettings, Method, MethodChoice, Orientation, Packing, PackingRequest, PigmentGrains, Shape,
 };
 use inkwave::numerics::estimate::Estimate;
 use rayon::prelude::*;
@@ -194,10 +194,11 @@ fn fluid(level: Level, findings: &mut Findings) {
     }
     // The power of the test: without equilibration the same criterion refuses.
     let truth = &file["by_fraction"]["0.30"];
-    for method in [MethodChoice::SequentialAddition, MethodChoice::Relaxation] {
+    let sequential = (MethodChoice::SequentialAddition, Method::SequentialAddition);
+    for (method, made) in [sequential, (MethodChoice::Relaxation, Method::Relaxation)] {
         let measured = g_of(&ensemble(4.0, 0.30, method, 0, realisations));
         let misfit = misfit(&measured, &numbers(&truth["g"]), &numbers(&truth["se"]));
-        let what = format!("{method:?} told from equilibrium, φ = 0.3");
+        let what = format!("{} told from equilibrium, φ = 0.3", made.in_words());
         findings.check(
             what,
             misfit,

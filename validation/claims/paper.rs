@@ -10,7 +10,7 @@ use inkwave::evaluate::layer::LayerEnsemble;
 use inkwave::evaluate::samples::{Solved, SolvedRealisation, SolvedWavelength};
 use inkwave::evaluate::wavelengths::SpectralBasis;
 use inkwave::input::variation::stratified_deg;
-use inkwave::solve::door::Wave;
+use inkwave::wave::Wave;
 use num_complex::Complex64;
 use serde_json::Value;
 use std::f64::consts::PI;

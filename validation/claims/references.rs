@@ -40,8 +40,8 @@ struct Row {
 
 fn solve(reference: &'static Reference, accuracy: f64) -> Row {
     let solved = solve_to(&reference.case, accuracy).unwrap_or_else(|e| panic!("{}: {e}", reference.id));
-    let grid = &solved.problem.coverage.grid;
-    let account = &solved.solution.account;
+    let grid = solved.system().grid();
+    let account = solved.account();
     Row {
         id: &reference.id,
         kind: &reference.kind,
@@ -49,12 +49,12 @@ fn solve(reference: &'static Reference, accuracy: f64) -> Row {
             grid.resolution.nx as f64 / grid.period_um[0],
             (grid.planes() - 1) as f64 / reference.case.scene.thickness_um(),
         ],
-        error: reference.largest_error(&solved.far_field),
+        error: reference.largest_error(solved.far_field()),
         estimate: solved.error_estimate,
         applications: account.operator_applications,
         seconds: account.seconds,
-        energy_over_residual: solved.far_field.energy_error().abs() / account.residual.max(1e-15),
-        megabytes: (account.bytes + solved.problem.bytes()) as f64 / 1e6,
+        energy_over_residual: solved.far_field().energy_error().abs() / account.residual.max(1e-15),
+        megabytes: (account.bytes + solved.system().bytes()) as f64 / 1e6,
     }
 }
 

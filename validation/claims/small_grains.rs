@@ -11,7 +11,7 @@ use crate::support::fitted_slope;
 use inkwave::draw::log_plot::{Curve, LogPlot, Style};
 use inkwave::ink::{Packing, PackingRequest, PigmentGrains, pack};
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
-use inkwave::wave::{Coverage, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+use inkwave::wave::{Coverage, Incidence, Mean, Media, Precision, Problem, Resolution, Scene, Scheme, Side};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -92,7 +92,7 @@ fn solved(packing: &Packing, diameter: f64) -> Vec<Complex64> {
     let one = Complex64::ONE;
     let media =
         Media { incident: one, exit: one, backgrounds: vec![BINDER.into()], inclusions: vec![pigment()] };
-    let coverage = Arc::new(Coverage::within(&scene, resolution, 1e-5).expect("a layer"));
+    let coverage = Arc::new(Coverage::with(&scene, resolution, Precision::of(1e-5)).expect("a layer"));
     let coherent = |&polar_deg: &f64| {
         let light =
             Incidence { wavelength_um: WAVELENGTH_UM, polar_deg, azimuth_deg: 15.0, from: Side::Incident };

@@ -46,10 +46,10 @@ fn accuracy(level: Level, findings: &mut Findings) {
     for (id, asked) in ink.chain(pigments) {
         let reference = reference(id);
         let solved = solve_to(&reference.case, asked).unwrap_or_else(|e| panic!("{id}: {e}"));
-        let error = reference.error(&solved.far_field);
+        let error = reference.error(&solved.far_fields);
         findings.promise(format!("{id} at {}", short(asked)), error, asked, "the accuracy asked for");
         covered.push(error <= solved.error_estimate);
-        let r = solved.problem.moments.grid.resolution;
+        let r = solved.system().grid().resolution;
         let row = [id.to_string(), short(asked), short(error), short(solved.error_estimate)];
         table.rows.push(row.into_iter().chain([r.nx.to_string(), r.cells.to_string()]).collect());
     }
@@ -74,7 +74,7 @@ fn tensor(level: Level, findings: &mut Findings) {
         findings.order(format!("p on a cylinder, {name}"), fitted_slope(&errors), range, because);
         curves.push(Curve::new(name, Style::Data, errors));
         let solved = solve_as(&reference("vsph05").case, 9, 12, 1e-10, Mean::default(), averaging);
-        let balance = solved.far.energy_error().map(f64::abs).into_iter().fold(0.0, f64::max);
+        let balance = solved.far.iter().map(|far| far.energy_error().abs()).fold(0.0, f64::max);
         let because = "residual 1e-10, amplified some hundred times at index 2.6";
         findings.identity(format!("energy of a lossless cell, {name}"), balance, 1e-8, because);
     }

@@ -8,7 +8,7 @@ use crate::numerics::files;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task};
 use crate::solve::{Coverages, Gmres, Goal, Watch};
-use crate::wave::{FarField, Mean, Order, Physical, Problem, Resolution, Scheme, TotalErrors};
+use crate::wave::{FarField, Mean, Order, Physical, Resolution, Scheme, TotalErrors};
 use num_complex::Complex64;
 
 /// The geometry, and the reference amplitudes if its file has them.
@@ -48,7 +48,7 @@ impl ComparisonFile {
         let solver = Gmres::default();
         let task = task(case, &coverages, &solver);
         task.admitted(resolution).map_err(AccuracyError::Memory)?;
-        Problem::new(&coverages.at(resolution)?, task.media, task.incidence, task.mean)?;
+        task.systems(resolution)?;
         Ok(())
     }
 
@@ -59,12 +59,10 @@ impl ComparisonFile {
         watch: &mut dyn Watch,
     ) -> Result<(FarField, String), CompareError> {
         let (resolution, coverages) = (self.finer(&subject.case), Coverages::of(&subject.case.scene));
-        let (problem, solution, _) =
-            task(&subject.case, &coverages, &Gmres::default()).solve(resolution, watch)?;
-        let errors = TotalErrors::of_totals([1.0; 2], solution.account.residual);
-        let mut far = Physical::judge(problem.far_field(&solution.field), errors)
-            .map_err(AccuracyError::Unphysical)?
-            .into_inner();
+        let (solved, _) = task(&subject.case, &coverages, &Gmres::default()).solve(resolution, watch)?;
+        let errors = TotalErrors::of_totals([1.0; 2], solved[0].solution.account.residual);
+        let mut far =
+            Physical::judge(solved[0].far_field(), errors).map_err(AccuracyError::Unphysical)?.into_inner();
         if let Some(known) = subject.known.as_ref().and_then(|k| k.as_array()) {
             far.orders.retain_mut(|o| replace(o, known));
             return Ok((far, "the case file's own amplitudes".into()));

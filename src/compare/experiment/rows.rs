@@ -5,9 +5,9 @@ use crate::compare::error::CompareError;
 use crate::compare::pages::Row;
 use crate::input::case::Case;
 use crate::run::memory;
-use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
+use crate::solve::accuracy::{AccuracyError, Solved, Task, error_estimate, largest_difference};
 use crate::solve::{Coverages, SolveError, Solver, Watch};
-use crate::wave::{FarField, Mean, Physical, Problem, Resolution, TotalErrors};
+use crate::wave::{FarField, Mean, Physical, Resolution, TotalErrors};
 
 impl ComparisonFile {
     /// One line: a result, or the reason why there is none. Errors: the user stopped it.
@@ -56,23 +56,22 @@ impl ComparisonFile {
         watch: &mut dyn Watch,
     ) -> Result<(), AccuracyError> {
         let solver = task.admitted(resolution)?;
-        let coverage = task.coverages.at(resolution)?;
-        let problem = Problem::new(&coverage, task.media, task.incidence, task.mean)?;
-        (row.unknowns, row.bytes) = (problem.unknowns(), problem.bytes());
-        let solution = solver.solver().solve(&problem, task.goal, watch)?;
+        let system = task.systems(resolution)?.remove(0);
+        (row.unknowns, row.bytes) = (system.unknowns(), system.bytes());
+        let solution = solver.solver().solve(&*system, task.goal, watch)?;
         row.take(&solution.account);
-        let far = problem.far_field(&solution.field);
+        let (residual, mut seconds) = (solution.account.residual, vec![solution.account.seconds]);
+        let solved = [Solved { system, solution }];
+        let far = solved[0].far_field();
         let error = largest_difference(truth, &far);
-        let residual = solution.account.residual;
-        row.error_estimate = match task.estimate_parts((&problem, &solution), &far, watch) {
+        row.error_estimate = match task.estimate_parts(&solved, std::slice::from_ref(&far), watch) {
             Err(stopped @ AccuracyError::Solve(SolveError::Cancelled { .. })) => return Err(stopped),
             parts => parts.ok().map(|parts| error_estimate(parts, residual)),
         };
         let errors = TotalErrors::of_amplitudes(row.error_estimate.unwrap_or(error), residual);
         Physical::judge(far, errors)?;
-        let mut seconds = vec![solution.account.seconds];
         for _ in 1..self.repeats {
-            seconds.push(solver.solver().solve(&problem, task.goal, watch)?.account.seconds);
+            seconds.push(solver.solver().solve(&*solved[0].system, task.goal, watch)?.account.seconds);
         }
         seconds.sort_by(f64::total_cmp);
         row.seconds = seconds[seconds.len() / 2];

@@ -63,6 +63,39 @@ pub struct Dispersion {
     kappa: Option<Source>,
 }
 
+/// What a record says about itself, without markup.
+#[derive(Clone, Debug)]
+pub struct RecordText {
+    /// The publications.
+    pub reference: String,
+    /// What was measured and how; empty where nothing is said.
+    pub comment: String,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "UPPERCASE", default)]
+struct Words {
+    references: String,
+    comments: String,
+}
+
+impl RecordText {
+    /// Of a record's text; empty where it says nothing.
+    pub fn of(text: &str) -> Self {
+        let words: Words = serde_norway::from_str(text).unwrap_or_default();
+        Self { reference: plain(&words.references), comment: plain(&words.comments) }
+    }
+}
+
+/// Without tags, on one line.
+fn plain(html: &str) -> String {
+    let outside = html.split('<').enumerate().map(|(i, part)| match part.split_once('>') {
+        Some((_, rest)) if i > 0 => rest,
+        _ => part,
+    });
+    outside.collect::<String>().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 #[derive(Deserialize)]
 struct Record {
     #[serde(rename = "DATA")]
@@ -89,6 +122,11 @@ impl Dispersion {
         let text = files::read_text(path, files::STUDY).map_err(unreadable)?;
         let no_record = |reason| DispersionError::NoRecord { path: path.into(), reason };
         Self::parse(&path.display().to_string(), &text).map_err(no_record)
+    }
+
+    /// A record that comes with the program; tests read every one.
+    pub(super) fn shipped(name: &str, text: &str) -> Self {
+        Self::parse(name, text).expect("a record of the program's own")
     }
 
     fn parse(name: &str, text: &str) -> Result<Self, String> {

@@ -7,6 +7,7 @@ pub use error::SpectrumError;
 use super::columns::{Columns, ColumnsError};
 use super::dispersion::Dispersion;
 use super::gaps;
+use super::named::{MATERIALS, Material, NamedIndex};
 use super::synthetic::{SYNTHETIC_RANGE_NM, Synthetic};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,8 @@ pub enum Spectrum {
     Tabulated(Table),
     /// A record of refractiveindex.info.
     Recorded(Dispersion),
+    /// A material of the program's list.
+    Named(NamedIndex),
 }
 
 impl Spectrum {
@@ -71,6 +74,15 @@ impl Spectrum {
     pub fn synthetic(name: &str) -> Result<Self, SpectrumError> {
         let known = Synthetic::ALL.into_iter().find(|s| s.name() == name);
         known.map(Self::Synthetic).ok_or_else(|| SpectrumError::UnknownPigment { value: name.into() })
+    }
+
+    /// A material of the program's list by name; see [`MATERIALS`].
+    ///
+    /// # Errors
+    /// A name that is not in the list.
+    pub fn material(name: &str) -> Result<Self, SpectrumError> {
+        let unknown = || SpectrumError::UnknownMaterial { value: name.into(), known: known_materials() };
+        Ok(Self::Named(Material::find(name).ok_or_else(unknown)?.index()))
     }
 
     /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start with `#` are comments. A table
@@ -143,6 +155,7 @@ impl Spectrum {
             Self::Synthetic(pigment) => Complex64::new(PIGMENT_N, pigment.kappa(nm)),
             Self::Tabulated(table) => table.interpolate(nm),
             Self::Recorded(record) => record.index(wavelength_um),
+            Self::Named(material) => material.index(wavelength_um),
         })
     }
 
@@ -152,6 +165,7 @@ impl Spectrum {
             Self::Constant { .. } => None,
             Self::Synthetic(_) => Some(SYNTHETIC_RANGE_NM),
             Self::Recorded(record) => Some(record.range_nm()),
+            Self::Named(material) => Some(material.range_nm()),
             Self::Tabulated(t) => {
                 Some([t.samples[0].wavelength_nm, t.samples[t.samples.len() - 1].wavelength_nm])
             }
@@ -163,6 +177,7 @@ impl Spectrum {
         match self {
             Self::Constant { .. } | Self::Synthetic(_) => None,
             Self::Recorded(record) => record.widest_gap_nm(range_nm),
+            Self::Named(material) => material.widest_gap_nm(range_nm),
             Self::Tabulated(table) => gaps::widest_gap_nm(&table.rows_nm(), range_nm),
         }
     }
@@ -174,8 +189,13 @@ impl Spectrum {
             Self::Synthetic(pigment) => format!("{} (synthetic)", pigment.name()),
             Self::Tabulated(table) => table.name.clone(),
             Self::Recorded(record) => record.name().to_owned(),
+            Self::Named(material) => material.name().to_owned(),
         }
     }
+}
+
+fn known_materials() -> String {
+    MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ")
 }
 
 /// The real part that is given beside a file, where the file has none: one of them must, both would contradict each other.

@@ -1,9 +1,8 @@
 //! The account that every strategy keeps while it runs, in this crate and outside.
 
-use super::System;
 use super::solver::{Account, Goal, Solution, SolveError, Step, Watch};
 use super::vectors::norm;
-use crate::wave::Field;
+use crate::wave::{Field, System};
 use num_complex::Complex64;
 use std::time::Instant;
 

@@ -6,18 +6,16 @@
 pub mod accuracy;
 mod basis;
 pub mod demand;
-pub mod door;
 pub mod ledger;
 pub mod registry;
 pub mod size;
 pub mod solver;
 pub mod strategies;
-mod system;
 pub mod vectors;
 
+pub use crate::wave::System;
 pub use accuracy::coverages::Coverages;
 pub use ledger::Ledger;
 pub use registry::{Registry, SolverChoice};
 pub use solver::{Account, Goal, GridTrial, Silent, Solution, SolveError, Solver, Step, Watch};
 pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Relaxation};
-pub use system::System;

@@ -1,6 +1,6 @@
 //! The size of a solve, and the bytes of its parts.
 
-use crate::wave::{Media, Resolution, Scene};
+use crate::wave::{Media, Resolution, Scene, Wave};
 use std::f64::consts::PI;
 
 /// Bytes of a complex number.
@@ -32,8 +32,8 @@ const VECTOR_TABLES: f64 = 4.5 * COMPLEX;
 const VECTOR_MOMENTS: f64 = 7.0 * 8.0;
 
 impl Size {
-    /// Of a scene on a grid.
-    pub fn new(scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
+    /// Of a scene on a grid; guided modes are treated in the scalar wave alone.
+    pub fn new(wave: Wave, scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
         let (mut backgrounds, mut materials) = (Vec::new(), Vec::new());
         scene.strata.iter().for_each(|s| note(&mut backgrounds, s.background));
         scene.bodies.iter().for_each(|b| note(&mut materials, b.material));
@@ -46,14 +46,9 @@ impl Size {
             resolution,
             channels: backgrounds.len() * materials.len(),
             layer_um,
-            wavenumbers: [k0 * densest, k0],
-            vector: false,
+            wavenumbers: if wave.is_vector() { [0.0; 2] } else { [k0 * densest, k0] },
+            vector: wave.is_vector(),
         }
-    }
-
-    /// Of a scene on a grid of the vector wave.
-    pub fn vector(scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
-        Size { vector: true, wavenumbers: [0.0; 2], ..Size::new(scene, media, wavelength_um, resolution) }
     }
 
     /// Points of a plane.

@@ -1,8 +1,7 @@
 //! The door: what a strategy is asked for, what it reports, and how it fails.
 
-use super::System;
 use super::size::Size;
-use crate::wave::{Field, Mean, Problem, Resolution};
+use crate::wave::{Field, Mean, Problem, Resolution, System};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -233,21 +232,18 @@ pub trait Solver: Send + Sync {
     }
 }
 
-/// The scalar problem behind a system, for a strategy that splits its operator point by point.
-pub(in crate::solve) fn scalar<'a>(system: &'a dyn System, name: &str) -> Result<&'a Problem, SolveError> {
-    system.scalar().ok_or_else(|| not_scalar(name))
-}
-
-/// The refusal of a strategy for Maxwell's equations.
-fn not_scalar(name: &str) -> SolveError {
-    SolveError::Setting {
+/// A and V apart, for a strategy that treats them in turn.
+///
+/// # Errors
+/// The system has no values at points.
+pub(in crate::solve) fn split<'a>(system: &'a dyn System, name: &str) -> Result<&'a Problem, SolveError> {
+    system.split().ok_or_else(|| SolveError::Setting {
         field: "solver",
         value: name.to_string(),
-        allowed: "krylov, bicgstab, born or direct for Maxwell's equations".to_string(),
-        remedy:
-            "this strategy works on field values at points, and the unknowns here are moments: use krylov"
-                .to_string(),
-    }
+        allowed: "a strategy that only applies the operator, for Maxwell's equations".to_string(),
+        remedy: "it works on field values at points, and the unknowns here are moments: use krylov"
+            .to_string(),
+    })
 }
 
 /// What to try where a strategy diverges.

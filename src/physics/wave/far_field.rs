@@ -74,6 +74,18 @@ pub struct FarField {
 }
 
 impl FarField {
+    /// From all orders and the absorbed share; R and T are sums over them.
+    pub(in crate::wave) fn of_orders(
+        incidence: Incidence,
+        period_um: [f64; 2],
+        orders: Vec<Order>,
+        absorptance: f64,
+    ) -> FarField {
+        let reflectance = orders.iter().map(|o| o.reflected_efficiency).sum();
+        let transmittance = orders.iter().map(|o| o.transmitted_efficiency).sum();
+        FarField { incidence, period_um, orders, reflectance, transmittance, absorptance }
+    }
+
     /// R + T + A − 1: zero to the solver's residual at any resolution.
     pub fn energy_error(&self) -> f64 {
         self.reflectance + self.transmittance + self.absorptance - 1.0
@@ -150,14 +162,7 @@ impl Problem {
         let mut orders: Vec<Order> =
             listed.into_iter().map(|(i, label)| self.order(u, i, label, [entry, exit])).collect();
         orders.sort_by_key(|o| (o.m, o.n));
-        FarField {
-            incidence: self.incidence,
-            period_um: self.coverage.grid.period_um,
-            reflectance: orders.iter().map(|o| o.reflected_efficiency).sum(),
-            transmittance: orders.iter().map(|o| o.transmitted_efficiency).sum(),
-            absorptance: self.absorptance(u),
-            orders,
-        }
+        FarField::of_orders(self.incidence, self.coverage.grid.period_um, orders, self.absorptance(u))
     }
 
     fn order(&self, u: &Field, i: usize, [m, n]: [i32; 2], [entry, exit]: [usize; 2]) -> Order {

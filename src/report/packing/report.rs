@@ -122,8 +122,10 @@ fn accounts(packings: &[Packing]) -> String {
         let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
         let (number, notes) = (k + 1, escaped(&a.notes.join("; ")));
         table += &format!(
-            "<tr><td>{number}<td>{:?}<td>{}<td>{}<td>{gap}<td>{notes}</tr>\n",
-            a.method, a.steps, a.sweeps
+            "<tr><td>{number}<td>{}<td>{}<td>{}<td>{gap}<td>{notes}</tr>\n",
+            a.method.in_words(),
+            a.steps,
+            a.sweeps
         );
     }
     table + "</table></div>\n"
@@ -174,17 +176,24 @@ fn rounded(Estimate { value, standard_error }: Estimate) -> String {
     let digits = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     let standard_error = standard_error.filter(|error| *error > ROUNDING * value.abs());
     if value != 0.0 && value.abs() < SMALL {
+        // What would be rounded to 10.000 is 1.000 of the next power.
+        let digits =
+            if (1e3 * value.abs() / 10f64.powf(digits)).round() >= 1e4 { digits + 1.0 } else { digits };
         let unit = 10f64.powf(digits);
         let scaled =
             Estimate { value: value / unit, standard_error: standard_error.map(|error| error / unit) };
         let words = scaled.in_words(3);
-        let words = if words.contains('±') { format!("({words})") } else { words };
+        let words = if words.contains('±') { format!("({words})") } else { without_zeros(&words) };
         return format!("{words} · 10<sup>−{}</sup>", -digits);
     }
     let words = Estimate { value, standard_error }.in_words((3.0 - digits).clamp(0.0, 12.0) as usize);
     if words.contains('±') || !words.contains('.') {
         return words;
     }
+    without_zeros(&words)
+}
+
+fn without_zeros(words: &str) -> String {
     words.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
@@ -199,7 +208,9 @@ mod tests {
     #[test]
     fn small_means_have_a_power_of_ten_and_rounding_is_no_error() {
         let words = |mean: f64, error: f64| rounded(Estimate { value: mean, standard_error: Some(error) });
-        assert_eq!(words(7.5e-8, 1e-23), "7.500 · 10<sup>−8</sup>");
+        assert_eq!(words(7.5e-8, 1e-23), "7.5 · 10<sup>−8</sup>");
+        // *Planted*: a gap of 10⁻⁸ less a rounding was 10.000 · 10⁻⁹.
+        assert_eq!(words(1e-8 - 1e-17, 1e-24), "1 · 10<sup>−8</sup>");
         assert_eq!(words(7.5e-8, 1.2e-9), "(7.50 ± 0.12) · 10<sup>−8</sup>");
         assert_eq!(words(0.2, 1e-17), "0.2");
         assert_eq!(words(0.2, 1.2e-3), "0.2000 ± 0.0012");

@@ -10,9 +10,9 @@ use crate::input::study::{Dissolved, Pigment, Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
 use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
 use crate::report::scalar_error;
-use crate::solve::door::Wave;
 use crate::store::packing_record::{PackingRecord, ShareRecord};
 use crate::wave::Resolution;
+use crate::wave::Wave;
 
 fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
     Meant { name: name.to_owned(), value, meaning: meaning.into() }
@@ -235,10 +235,11 @@ fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> P
 
 /// How the grains came to their places, with the steps that it took.
 fn method(packing: &PackingRecord) -> String {
+    let (words, steps) = (packing.method.in_words(), packing.steps);
     match packing.method {
-        Method::SequentialAddition => format!("sequential addition, {} attempts", packing.steps),
-        Method::Relaxation => format!("relaxation of overlaps, {} steps", packing.steps),
-        Method::Given => "given".to_owned(),
+        Method::SequentialAddition => format!("{words}, {steps} attempts"),
+        Method::Relaxation => format!("{words}, {steps} steps"),
+        Method::Given => words.to_owned(),
     }
 }
 
@@ -279,11 +280,8 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
                     your own with index = { csv = \"…\" }.";
         lines.push(line.to_owned());
     }
-    if study.solved_wavelengths() < 8 && study.angles.strata > 0 {
-        let line =
-            "Fewer than 8 wavelengths: the colour of a spectrum with steep edges can be off by several ΔE.";
-        lines.push(line.to_owned());
-    }
+    lines.extend(few_wavelengths(study, manifest));
+    lines.extend(air_gap(study));
     if study.variation.light == LightRule::Listed && study.angles.strata > 0 {
         let line = "The wavelengths are a list, the same in every cell: the bars of colours do not hold what their spacing costs. A \
                     range (from_nm, to_nm, step_nm) is sampled at shifted wavelengths, and has no such error.";
@@ -318,6 +316,36 @@ fn beyond_range(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
         "Colours need 400 to 700 nm, and the spectra reach from {first} to {last} nm: their ends stand for the rest, and the bars of \
          colours hold what it could be (ΔE {part:.2} of one standard error). light.from_nm = 400 and to_nm = 700 leave none."
     ))
+}
+
+/// Wavelengths that a colour needs.
+const ENOUGH_WAVELENGTHS: usize = 8;
+
+/// Says when a colour rests on few wavelengths, as they were solved: over all realisations where each has its own.
+fn few_wavelengths(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
+    let solved = match study.variation.light {
+        LightRule::Shifted { strata, .. } => strata * manifest.realisations.finished,
+        LightRule::Listed => {
+            let found = |nm: &&f64| manifest.spectra.iter().any(|row| row.wavelength_nm == **nm);
+            study.wavelengths_nm.iter().filter(found).count()
+        }
+    };
+    (solved < ENOUGH_WAVELENGTHS && study.angles.strata > 0).then(|| {
+        format!(
+            "Only {solved} wavelengths were solved: the colour of a spectrum with steep edges can be off by several ΔE."
+        )
+    })
+}
+
+/// What an air gap before the paper leaves out.
+fn air_gap(study: &Study) -> Option<String> {
+    let assumed = study.paper.coupling == Coupling::Gap && study.angles.strata > 0;
+    assumed.then(|| {
+        "A thin air gap between layer and paper is assumed. Printed layers are mostly in optical contact with their paper: \
+         [paper] coupling = \"optical_contact\", with the paper's index as [layer] index_out, makes them darker (the ink of \
+         examples/yellow.toml with index_out = 1.5, under natural light: L* 89 → 83, a* −13 → −8, b* 83 → 82)."
+            .to_owned()
+    })
 }
 
 /// A wanted bar that was not reached.

@@ -2,8 +2,8 @@
 
 use super::film::{Film, Profile};
 use crate::appearance::kubelka_munk::Faces;
-use crate::solve::door::Wave;
 use crate::wave::Side;
+use crate::wave::Wave;
 use crate::wave::maxwell::Polarisation;
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;

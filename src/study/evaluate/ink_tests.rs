@@ -11,7 +11,7 @@ use crate::evaluate::film::Profile;
 use crate::evaluate::samples::Solved;
 use crate::material::mixing::molecular_mixture;
 use crate::material::spectra::Spectrum;
-use crate::solve::door::Wave;
+use crate::wave::Wave;
 use made_up::{MadeUp, RANGE_NM, truth};
 use num_complex::Complex64;
 

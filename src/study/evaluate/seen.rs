@@ -11,9 +11,9 @@ use crate::appearance::paper::Substrate;
 use crate::input::study::{Angles, Study};
 use crate::input::variation::{CellRule, LightRule};
 use crate::run::runner::{Collected, Realisation};
-use crate::solve::door::Wave;
 use crate::store::record::PointRecord;
 use crate::wave::FarField;
+use crate::wave::Wave;
 use num_complex::Complex64;
 
 /// The appearance as far as the finished solves allow.

@@ -1,12 +1,11 @@
 //! The grids of one realisation: one for each wavelength, and finer ones for the few waves that do not fit into theirs.
 
 use super::error::RunError;
-use super::point::problem_of;
+use super::point::systems_of;
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::raised;
-use crate::solve::door::{Geometry, WaveProblem};
-use crate::wave::{Resolution, Scene, WaveError};
+use crate::wave::{Geometry, Precision, Resolution, Scene, System, WaveError};
 use std::sync::{Mutex, PoisonError};
 
 /// One wavelength's grid, and the packing on it.
@@ -60,15 +59,15 @@ impl<'a> Grids<'a> {
         Self { study, packing, own, finer: Mutex::default() }
     }
 
-    /// The problem of a point on the coarsest of these grids that carries its wave: a property of the point alone.
-    pub fn problem(&self, point: &Point) -> Result<WaveProblem, WaveError> {
+    /// The problems of a point's light, one for each polarisation, on the coarsest of these grids that carries its wave: a property of the point alone.
+    pub fn systems(&self, point: &Point) -> Result<Vec<Box<dyn System>>, WaveError> {
         let own = Wavelength::of(&self.own, point);
-        let (mut resolution, mut made) = (own.resolution, problem_of(self.study, &own.geometry, point));
+        let (mut resolution, mut made) = (own.resolution, systems_of(self.study, &own.geometry, point));
         loop {
             let Err(refusal @ WaveError::CellTooHigh { .. }) = &made else { return made };
             let Some(finer) = raised(resolution, refusal) else { return made };
             resolution = finer;
-            made = problem_of(self.study, &self.finer(resolution)?, point);
+            made = systems_of(self.study, &self.finer(resolution)?, point);
         }
     }
 
@@ -77,8 +76,9 @@ impl<'a> Grids<'a> {
         if let Some((_, geometry)) = all.iter().find(|(kept, _)| *kept == resolution) {
             return Ok(geometry.clone());
         }
-        let (scene, error) = (Scene::from_packing(self.packing), self.study.resolution.coverage_error());
-        let geometry = Geometry::new(self.study.wave, &scene, resolution, error)?;
+        let precision = Precision::of(self.study.resolution.coverage_error());
+        let scene = Scene::from_packing(self.packing);
+        let geometry = Geometry::new(self.study.wave, &scene, resolution, precision)?;
         all.push((resolution, geometry.clone()));
         Ok(geometry)
     }

@@ -5,18 +5,20 @@ use crate::ink::pack;
 use crate::ink::{PackError, PackProgress, PackWatch, Packing};
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::grid_error::GridError;
-use crate::solve::door::{DoorError, Geometry, WaveProblem};
 use crate::solve::{Account, GridTrial, SolveError, Solver, Step, Watch};
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
-use crate::wave::{Mean, Physical, TotalErrors, Unphysical, WaveError};
+use crate::wave::{Geometry, Mean, Physical, System, TotalErrors, Unphysical, WaveError};
 use std::ops::ControlFlow;
 
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum PointError {
-    /// The scene does not make a problem on the grid, or the solve failed or was stopped.
+    /// The scene, the light or the grid is refused.
     #[error(transparent)]
-    Door(#[from] DoorError),
+    Wave(#[from] WaveError),
+    /// The strategy gave up or was stopped.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
     /// The result breaks a law it must obey.
     #[error(transparent)]
     Unphysical(#[from] Unphysical),
@@ -28,7 +30,7 @@ pub enum PointError {
 impl PointError {
     /// True when the user stopped the solve, which is no failure.
     pub fn is_stop(&self) -> bool {
-        matches!(self, Self::Door(DoorError::Solve(SolveError::Cancelled { .. })))
+        matches!(self, Self::Solve(SolveError::Cancelled { .. }))
     }
 }
 
@@ -54,7 +56,7 @@ pub fn is_physical(record: &PointRecord, grid: GridError) -> bool {
     Physical::judge(record.far_field(), total_errors(grid, record.account.residual)).is_ok()
 }
 
-/// Solves one point of its problem and keeps what it found under `key`; `grid` is how wrong R and T may be.
+/// Solves one point, of `systems` the one of its polarisation, and keeps what it found under `key`; `grid` is how wrong R and T may be.
 ///
 /// It starts from nothing. The field of a neighbouring angle or wavelength was tried as a start (2.5 µm, 30 % of 200 nm,
 /// residual 2e-5): another angle costs 1 to 2 steps more of 12 to 19, 20 nm and even 5 nm save none or one, since the
@@ -62,28 +64,33 @@ pub fn is_physical(record: &PointRecord, grid: GridError) -> bool {
 pub fn solve_point(
     study: &Study,
     solver: &dyn Solver,
-    problem: &WaveProblem,
+    systems: &[Box<dyn System>],
     point: &Point,
     grid: GridError,
     key: &str,
     watch: &dyn RunWatch,
 ) -> Result<PointRecord, PointError> {
-    let solved = problem.far_field(point.polarisation, solver, study.goal, &mut Stopper(watch));
-    let (far_field, account) = solved?;
-    let Account { solver, steps, operator_applications, residual, seconds, .. } = account;
-    let far_field = Physical::judge(far_field, total_errors(grid, residual))?;
+    let own = systems.iter().find(|system| system.polarisation() == point.polarisation);
+    let system = own.expect("points have the polarisations of their study's wave");
+    let solution = solver.solve(&**system, study.goal, &mut Stopper(watch))?;
+    let Account { solver, steps, operator_applications, residual, seconds, .. } = solution.account;
+    let far_field = Physical::judge(system.far_field(&solution.field), total_errors(grid, residual))?;
     let account = SolveAccount { solver, steps, operator_applications, residual, seconds };
     let (key, Point { realisation, polarisation, .. }) = (key.to_owned(), *point);
     Ok(PointRecord::new(key, realisation, polarisation, &far_field, account)?)
 }
 
-/// The problem of a point, which those that differ in polarisation alone share.
+/// The problems of a point's light, one for each polarisation.
 ///
 /// # Errors
 /// The scene does not make a problem on the grid.
-pub fn problem_of(study: &Study, geometry: &Geometry, point: &Point) -> Result<WaveProblem, WaveError> {
+pub fn systems_of(
+    study: &Study,
+    geometry: &Geometry,
+    point: &Point,
+) -> Result<Vec<Box<dyn System>>, WaveError> {
     let media = study.media(point.incidence.wavelength_um);
-    geometry.problem(&media, &point.incidence, Mean::default())
+    geometry.systems(&media, &point.incidence, Mean::default())
 }
 
 /// Passes the run's wish to stop on to packings and solvers.

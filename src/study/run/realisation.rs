@@ -11,11 +11,10 @@ use super::watch::RunWatch;
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::solve::Solver;
-use crate::solve::door::{Geometry, Wave, WaveProblem};
 use crate::store::identity::Key;
 use crate::store::packing_record::PackingRecord;
 use crate::store::record::{FailureRecord, PointRecord};
-use crate::wave::{Mean, Resolution, Scene};
+use crate::wave::{Geometry, Mean, Precision, Resolution, Scene, System, Wave};
 use std::io;
 use std::sync::{Mutex, PoisonError};
 
@@ -70,7 +69,7 @@ impl<'a> Packings<'a> {
         self.geometries.iter_mut().for_each(|all| all.retain(|((r, ..), _)| *r == realisation));
         let scene = Scene::from_packing(&self.get(realisation)?);
         let stop = || self.watch.stop();
-        let geometry = Geometry::new_unless(wave, &scene, (resolution, error), &stop)?;
+        let geometry = Geometry::new(wave, &scene, resolution, Precision { error, stop: &stop })?;
         self.geometries[place].push((asked, geometry.clone()));
         Ok(geometry)
     }
@@ -230,33 +229,33 @@ impl RealisationRun<'_> {
         group: &[&(Point, Key)],
         results: &[Mutex<Solved>],
     ) -> io::Result<()> {
-        let mut problem = None;
+        let mut systems = None;
         for ((point, key), result) in group.iter().zip(results) {
             if self.watch.stop() {
                 break;
             }
-            *lock(result) = self.solve_one(solver, (grids, &mut problem), point, key)?;
+            *lock(result) = self.solve_one(solver, (grids, &mut systems), point, key)?;
         }
         Ok(())
     }
 
-    /// One solve, in the store when it returns; the problem is made for the first of a group. The error is the store's alone.
+    /// One solve, in the store when it returns; the problems are made for the first of a group. The error is the store's alone.
     fn solve_one(
         &self,
         solver: &dyn Solver,
-        (grids, shared): (&Grids, &mut Option<WaveProblem>),
+        (grids, shared): (&Grids, &mut Option<Vec<Box<dyn System>>>),
         point: &Point,
         key: &Key,
     ) -> io::Result<Solved> {
         self.watch.solving(self.study, point);
         let (study, grid) = (self.study, self.resolved.grid_error);
         let made = match shared.take() {
-            Some(problem) => Ok(problem),
-            None => grids.problem(point).map_err(|e| PointError::Door(e.into())),
+            Some(systems) => Ok(systems),
+            None => grids.systems(point).map_err(PointError::Wave),
         };
         let solved = made.and_then(|made| {
-            let problem = shared.insert(made);
-            solve_point(study, solver, problem, point, grid, key.as_str(), self.watch)
+            let systems = shared.insert(made);
+            solve_point(study, solver, systems, point, grid, key.as_str(), self.watch)
         });
         self.watch.ended();
         match solved {

@@ -12,15 +12,13 @@ use super::point::Stopper;
 use super::watch::RunWatch;
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::Draw;
-use crate::solve::accuracy::discretisation::Discretisation;
 use crate::solve::accuracy::grid_error::{GridError, JUDGEMENT};
 use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
 use crate::solve::demand::Size;
 use crate::store::identity::Key;
 use crate::store::{Record, Store};
-use crate::wave::maxwell::NormalMoments;
 use crate::wave::physical::largest;
-use crate::wave::{Coverage, Incidence, Mean, Resolution, Scene, Side};
+use crate::wave::{Incidence, Mean, Resolution, Scene, Side};
 use probed::{Prepared, grid, probe};
 use serde::{Deserialize, Serialize};
 
@@ -114,14 +112,8 @@ pub fn resolve(
     }
     let scenes = scenes(study, scene)?;
     watch.stage("estimating the error of the grid");
-    let mut resolved = match study.wave.is_vector() {
-        false => settle::<Coverage>(study, &scenes[0], memory, watch)?,
-        true => settle::<NormalMoments>(study, &scenes[0], memory, watch)?,
-    };
-    let difference = |scene: &(usize, Scene)| match study.wave.is_vector() {
-        false => grid_differences::<Coverage>(study, &resolved, scene, memory, watch),
-        true => grid_differences::<NormalMoments>(study, &resolved, scene, memory, watch),
-    };
+    let mut resolved = settle(study, &scenes[0], memory, watch)?;
+    let difference = |scene| grid_differences(study, &resolved, scene, memory, watch);
     let differences: Vec<Vec<[f64; 2]>> = scenes.iter().map(difference).collect::<Result<_, _>>()?;
     resolved.grid_error = GridError::from_differences(&differences);
     store.put(key(study).as_str(), &resolved)?;
@@ -196,7 +188,7 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     probes
 }
 
-fn settle<G: Discretisation>(
+fn settle(
     study: &Study,
     (realisation, scene): &(usize, Scene),
     memory: f64,
@@ -204,23 +196,24 @@ fn settle<G: Discretisation>(
 ) -> Result<Resolved, AccuracyError> {
     let (draw, probes) = (study.draw(*realisation), probes(study, *realisation));
     let (mut resolution, mut error_estimate) = (None, 0.0_f64);
-    for task in &Prepared::<G>::new(study, scene, &probes, memory, watch).tasks() {
+    let stop = || watch.stop();
+    for task in &Prepared::new(study, scene, &probes, memory, &stop).tasks() {
         let probed = probe(study, &draw, task, resolution, watch)?;
         error_estimate = largest([error_estimate, probed.error_estimate]);
-        resolution = Some(G::grid_of(&probed.problem).resolution);
+        resolution = Some(probed.system().grid().resolution);
     }
     let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
     let (Draw { period_um, thickness_um, .. }, grid_error) = (draw, GridError::default());
     let one = Resolved { resolution, period_um, thickness_um, error_estimate, grid_error, longer_waves: 0.0 };
     let longest = longer_waves::probes(study, *realisation);
-    coarsen(study, &draw, &Prepared::<G>::new(study, scene, &longest, memory, watch).tasks(), one, watch)
+    coarsen(study, &draw, &Prepared::new(study, scene, &longest, memory, &stop).tasks(), one, watch)
 }
 
 /// Takes as much of the coarsening that longer waves allow as keeps the accuracy at the longest of them.
-fn coarsen<G: Discretisation>(
+fn coarsen(
     study: &Study,
     draw: &Draw,
-    longest: &[Task<G>],
+    longest: &[Task],
     one: Resolved,
     watch: &dyn RunWatch,
 ) -> Result<Resolved, AccuracyError> {
@@ -246,7 +239,7 @@ fn coarsen<G: Discretisation>(
 }
 
 /// What the grid does to R and T of the probes on one packing.
-fn grid_differences<G: Discretisation>(
+fn grid_differences(
     study: &Study,
     resolved: &Resolved,
     (realisation, scene): &(usize, Scene),
@@ -254,8 +247,9 @@ fn grid_differences<G: Discretisation>(
     watch: &dyn RunWatch,
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let draw = study.draw(*realisation);
+    let stop = || watch.stop();
     let differences = |probes: &[Incidence], own: Resolution| {
-        let prepared = Prepared::<G>::new(study, scene, probes, memory, watch);
+        let prepared = Prepared::new(study, scene, probes, memory, &stop);
         GridError::differences(&prepared.tasks(), own, &mut Stopper(watch))
     };
     let mut found = differences(&probes(study, *realisation), resolved.for_cell(&draw))?;

@@ -8,7 +8,7 @@ use crate::run::crew::{processor_seconds, work_through};
 use crate::run::grids::Wavelength;
 use crate::run::longer_waves::coarsened;
 use crate::run::memory;
-use crate::run::point::{problem_of, solve_point};
+use crate::run::point::{solve_point, systems_of};
 use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
 use crate::run::runner::RunError;
@@ -16,9 +16,8 @@ use crate::run::watch::RunWatch;
 use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
-use crate::solve::door::Geometry;
 use crate::store::store::Store;
-use crate::wave::{Resolution, Scene};
+use crate::wave::{Geometry, Precision, Resolution, Scene};
 use std::time::Instant;
 
 /// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
@@ -117,8 +116,8 @@ pub(crate) fn covers(
 ) -> Result<Vec<Wavelength>, RunError> {
     let waves = study.points(0).into_iter().map(|point| point.incidence.wavelength_um);
     let grid = |wavelength_um: f64| coarsened(study, finest, wavelength_um, longer_waves);
-    let error = study.resolution.coverage_error();
-    Wavelength::all(waves, grid, |resolution| Ok(Geometry::new(study.wave, scene, resolution, error)?))
+    let precision = Precision::of(study.resolution.coverage_error());
+    Wavelength::all(waves, grid, |resolution| Ok(Geometry::new(study.wave, scene, resolution, precision)?))
 }
 
 /// A grid as fine as wanted with what longer waves make of it, and the core seconds of the search for it where there was one.
@@ -173,8 +172,8 @@ pub(crate) fn time_solves(
 
 /// One solve, whose result is not needed: a failure costs about what a success does.
 fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Point, watch: &dyn RunWatch) {
-    if let Ok(problem) = problem_of(study, geometry, point) {
-        let _ = solve_point(study, solver, &problem, point, GridError::default(), "trial", watch);
+    if let Ok(systems) = systems_of(study, geometry, point) {
+        let _ = solve_point(study, solver, &systems, point, GridError::default(), "trial", watch);
     }
 }
 

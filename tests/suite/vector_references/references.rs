@@ -34,7 +34,7 @@ fn pigments_keep_the_accuracy_asked_for() {
 fn keeps(id: &str, accuracy: f64) {
     let reference = reference(id);
     let solved = solve_to(&reference.case, accuracy).unwrap_or_else(|e| panic!("{id}: {e}"));
-    let error = reference.error(&solved.far_field);
+    let error = reference.error(&solved.far_fields);
     assert!(error <= accuracy, "{id}: {error:.1e}");
     assert!(error <= solved.error_estimate, "{id}: {error:.1e} above {:.1e}", solved.error_estimate);
 }

@@ -1,6 +1,7 @@
 //! Grains of several balls: shares by power against single balls, rotations and the scalar coverage.
 
 use inkwave::input::case::Case;
+use inkwave::solve::accuracy::largest_of_all;
 use inkwave::wave::maxwell::{Averaging, NormalMoments};
 use inkwave::wave::{Ball, Body, Coverage, Mean, Resolution, Scene, Scheme, Shape};
 use inkwave_validation::vector::*;
@@ -57,8 +58,8 @@ fn a_pair_of_balls_converges_as_one() {
     case.scene = scene(vec![ball([0.26, 0.28, 0.27], 0.12), ball([0.36, 0.34, 0.36], 0.1)]);
     let at = |points| solve(&case, points, 10, 1e-6).far;
     let truth = at(27);
-    let [coarse, fine] = [9, 15].map(|points| at(points).largest_difference(&truth));
+    let [coarse, fine] = [9, 15].map(|points| largest_of_all(&at(points), &truth));
     let naive = solve_as(&case, 15, 10, 1e-6, Mean::default(), Averaging::Naive).far;
-    let naive = naive.largest_difference(&truth);
+    let naive = largest_of_all(&naive, &truth);
     assert!(coarse < 5e-4 && fine < 2e-4 && 3.0 * fine < naive, "{coarse:.1e} {fine:.1e}, naive {naive:.1e}");
 }

@@ -18,6 +18,17 @@ pub enum Method {
     Given,
 }
 
+impl Method {
+    /// The way as people write it.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::SequentialAddition => "sequential addition",
+            Self::Relaxation => "relaxation of overlaps",
+            Self::Given => "given",
+        }
+    }
+}
+
 /// The share of one pigment: what was asked and what whole grains give.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {

@@ -34,6 +34,16 @@ pub enum SpectrumError {
         /// The name found.
         value: String,
     },
+    /// A name that is not in the list of materials.
+    #[error(
+        "no material {value:?}; known are {known}. Organic pigments are in no open collection of indices: measure n and κ and give csv = \"…\""
+    )]
+    UnknownMaterial {
+        /// The name found.
+        value: String,
+        /// The names of the list.
+        known: String,
+    },
     /// A number of an index or a table that makes no sense.
     #[error("{field} = {value}: allowed are finite values {allowed}; {remedy}")]
     BadValue {

@@ -3,14 +3,14 @@
 //! A result is compared with one that has a fifth fewer points in the plane and one that has a fifth fewer cells
 //! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
 
-use super::discretisation::Discretisation;
+use super::difference::largest_of_all;
 use super::error::AccuracyError;
 use super::resolution::{error_share, scaled_cells, scaled_plane};
-use super::task::{Estimated, Known, Task};
+use super::task::{Estimated, Solved, Task};
 use crate::solve::solver::{SolveError, Watch};
 use crate::wave::grid::share_cells;
 use crate::wave::physical::largest;
-use crate::wave::{Grid, Resolution, Shape, TotalErrors, WaveError};
+use crate::wave::{FarField, Grid, Physical, Resolution, Shape, TotalErrors, WaveError};
 
 /// Share of points or cells that a companion keeps.
 const COMPANION: f64 = 0.8;
@@ -29,37 +29,33 @@ const RESIDUAL_WEIGHT: f64 = 3.0;
 /// The two differences scatter; with this factor the estimate covers nine cases of ten.
 const SAFETY: f64 = 1.4;
 
-impl<G: Discretisation> Task<'_, G> {
+impl Task<'_> {
     /// Solves at one resolution and estimates the error from two companions.
     pub fn solve_with_estimate(
         &self,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated<G>, AccuracyError> {
+    ) -> Result<Estimated, AccuracyError> {
         self.estimated_from(None, resolution, watch)
     }
 
     pub(super) fn estimated_from(
         &self,
-        guess: Option<Known<G>>,
+        guess: Option<&[Solved]>,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated<G>, AccuracyError> {
-        let (problem, solution, seconds_setup) = self.solve_from(guess, resolution, watch)?;
-        let far_field = G::far_field(&problem, &solution);
+    ) -> Result<Estimated, AccuracyError> {
+        let (solved, seconds_setup) = self.solve_from(guess, resolution, watch)?;
+        let far_fields: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
         let clock = std::time::Instant::now();
-        let parts = self.estimate_parts((&problem, &solution), &far_field, watch)?;
-        let error_estimate = error_estimate(parts, G::residual(&solution));
-        let errors = TotalErrors::of_amplitudes(error_estimate, G::residual(&solution));
-        Ok(Estimated {
-            far_field: G::judge(far_field, errors)?,
-            error_estimate,
-            seconds_estimate: clock.elapsed().as_secs_f64(),
-            problem,
-            solution,
-            parts,
-            seconds_setup,
-        })
+        let parts = self.estimate_parts(&solved, &far_fields, watch)?;
+        let residual = largest(solved.iter().map(|s| s.solution.account.residual));
+        let error_estimate = error_estimate(parts, residual);
+        let errors = TotalErrors::of_amplitudes(error_estimate, residual);
+        let judged = |far| Ok(Physical::judge(far, errors)?.into_inner());
+        let far_fields = far_fields.into_iter().map(judged).collect::<Result<_, AccuracyError>>()?;
+        let seconds_estimate = clock.elapsed().as_secs_f64();
+        Ok(Estimated { solved, far_fields, error_estimate, parts, seconds_setup, seconds_estimate })
     }
 
     /// The estimated error's parts from the plane and from z, by two companions.
@@ -68,15 +64,15 @@ impl<G: Discretisation> Task<'_, G> {
     /// Neither a coarser nor a finer companion has a solution.
     pub fn estimate_parts(
         &self,
-        known: Known<G>,
-        far: &G::FarField,
+        known: &[Solved],
+        far: &[FarField],
         watch: &mut dyn Watch,
     ) -> Result<[f64; 2], AccuracyError> {
-        let problem = known.0;
-        if !G::has_contrast(problem) {
+        let system = &known[0].system;
+        if !system.has_contrast() {
             return Ok([0.0; 2]);
         }
-        let own = G::grid_of(problem).resolution;
+        let own = system.grid().resolution;
         // What is held of the result meanwhile: its problem, its field, and the incident wave.
         let size = self.size(own);
         let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
@@ -123,19 +119,20 @@ impl<G: Discretisation> Task<'_, G> {
     /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
     fn compare(
         &self,
-        finer: Known<G>,
-        far: &G::FarField,
+        finer: &[Solved],
+        far: &[FarField],
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
-        let own = G::grid_of(finer.0).resolution;
+        let own = finer[0].system.grid().resolution;
         let [coarse, fine] = companions;
-        let (problem, solution, _) = match self.solve_coarser(coarse, finer, watch)? {
+        let (solved, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
             None => self.solve_from(Some(finer), fine, watch)?,
         };
-        let difference = G::difference(far, &G::far_field(&problem, &solution));
-        let used = G::grid_of(&problem).resolution;
+        let others: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
+        let difference = largest_of_all(far, &others);
+        let used = solved[0].system.grid().resolution;
         let plane = own.nx as f64 / used.nx as f64;
         let across = if own.cells == used.cells { 1.0 } else { self.times_finer(own.cells, used.cells) };
         Ok(difference * error_share([plane, across], self.orders(own)))
@@ -153,8 +150,9 @@ impl<G: Discretisation> Task<'_, G> {
         let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
             .map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
+        let plane = if self.coverages.wave.is_vector() { 3 } else { 4 };
         let across = if own.scheme.degree() > 1 { (5 - sharp - fine(1, own.cells)).max(3) } else { 2 };
-        [(G::PLANE_ORDER - sharp - fine(0, own.nx)).max(2), across]
+        [(plane - sharp - fine(0, own.nx)).max(2), across]
     }
 
     /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.
@@ -169,11 +167,11 @@ impl<G: Discretisation> Task<'_, G> {
     fn solve_coarser(
         &self,
         coarser: Resolution,
-        finer: Known<G>,
+        finer: &[Solved],
         watch: &mut dyn Watch,
-    ) -> Result<Option<(G::Problem, G::Solution, f64)>, AccuracyError> {
-        let own = G::grid_of(finer.0).resolution;
-        let cells = G::cells_needed(finer.0, &Grid::new(self.coverages.scene, coarser)?);
+    ) -> Result<Option<(Vec<Solved>, f64)>, AccuracyError> {
+        let own = finer[0].system.grid().resolution;
+        let cells = finer[0].system.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };
         if coarser == own || cells != own.cells && self.times_finer(own.cells, cells) <= 1.0 {
             return Ok(None);

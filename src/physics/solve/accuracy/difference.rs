@@ -3,7 +3,8 @@
 use crate::wave::physical::largest;
 use crate::wave::{FarField, Order};
 
-/// Largest difference of any amplitude that leaves the layer, or belongs to a neighbour of the specular order.
+/// Largest difference of any amplitude that leaves the layer in any polarisation, or belongs to a neighbour of the
+/// specular order.
 ///
 /// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
 /// converge more slowly.
@@ -12,8 +13,11 @@ pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
         |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
     let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
     let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
-    let differences = |(a, b): (&Order, &Order)| {
-        [(a.reflected - b.reflected).norm(), (a.transmitted - b.transmitted).norm()]
-    };
-    largest(pairs.flat_map(differences))
+    let amplitudes = pairs.flat_map(|(a, b)| a.amplitudes().zip(b.amplitudes()));
+    largest(amplitudes.flat_map(|(a, b)| [(a[0] - b[0]).norm(), (a[1] - b[1]).norm()]))
+}
+
+/// [`largest_difference`] over all polarisations.
+pub fn largest_of_all(a: &[FarField], b: &[FarField]) -> f64 {
+    largest(a.iter().zip(b).map(|(a, b)| largest_difference(a, b)))
 }

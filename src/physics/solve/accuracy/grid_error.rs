@@ -6,16 +6,14 @@
 //! to a large part: over several packings it averages out, and the mean with its own standard error is what an ensemble's
 //! means are uncertain by.
 
-use super::discretisation::Discretisation;
 use super::error::AccuracyError;
 use super::resolution::{raised, smooth_size};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;
 use crate::wave::physical::largest;
-use crate::wave::{Resolution, WaveError};
+use crate::wave::{Geometry, Resolution, WaveError};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Share of points and cells of the coarser grid.
 const COARSER: f64 = 0.8;
@@ -49,8 +47,8 @@ impl GridError {
     }
 
     /// Differences \[R, T\] of the probes on one packing, each polarisation for itself: at `own`, less on a coarser grid, or on a finer one where the coarser is refused.
-    pub fn differences<G: Discretisation>(
-        tasks: &[Task<G>],
+    pub fn differences(
+        tasks: &[Task],
         own: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<Vec<[f64; 2]>, AccuracyError> {
@@ -83,8 +81,8 @@ fn probe_error(differences: &[Vec<[f64; 2]>], probe: usize, i: usize) -> f64 {
 
 /// R and T of one probe, for each polarisation, on this grid; on one with more cells where these are too high for the wave, as
 /// [`crate::run`] solves it then.
-fn totals_on<G: Discretisation>(
-    task: &Task<G>,
+fn totals_on(
+    task: &Task,
     mut resolution: Resolution,
     watch: &mut dyn Watch,
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
@@ -97,16 +95,15 @@ fn totals_on<G: Discretisation>(
 }
 
 /// R and T of one probe, for each polarisation.
-fn totals<G: Discretisation>(
-    task: &Task<G>,
-    geometry: &Arc<G>,
-    watch: &mut dyn Watch,
-) -> Result<Vec<[f64; 2]>, AccuracyError> {
-    let problem = G::problem(geometry, task.media, task.incidence, task.mean)?;
+fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let admitted = task.admitted(geometry.grid().resolution).ok();
     let solver = admitted.as_ref().map_or(task.solver, |admitted| admitted.solver());
-    let solution = G::solve_from(&problem, None, solver, task.goal, watch)?;
-    Ok(G::totals(&G::far_field(&problem, &solution)))
+    let mut totals = Vec::new();
+    for system in geometry.systems(task.media, task.incidence, task.mean)? {
+        let far = system.far_field(&solver.solve(&*system, task.goal, watch)?.field);
+        totals.push([far.reflectance, far.transmittance]);
+    }
+    Ok(totals)
 }
 
 /// A grid with about `factor` times the points and cells, different from `r` wherever that has several.

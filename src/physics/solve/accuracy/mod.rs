@@ -3,7 +3,6 @@
 mod companions;
 pub mod coverages;
 mod difference;
-pub mod discretisation;
 mod error;
 pub mod grid_error;
 mod resolution;
@@ -11,9 +10,9 @@ mod search;
 mod task;
 
 pub use companions::error_estimate;
-pub use difference::largest_difference;
+pub use difference::{largest_difference, largest_of_all};
 pub use error::AccuracyError;
 pub use resolution::raised;
 pub use resolution::smooth_size;
 pub use search::suited_scheme;
-pub use task::{Estimated, Known, Task};
+pub use task::{Estimated, Solved, Task};

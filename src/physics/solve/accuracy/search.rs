@@ -1,6 +1,5 @@
 //! How fine is fine enough: from a wanted accuracy to the grid that reaches it.
 
-use super::discretisation::Discretisation;
 use super::error::{AccuracyError, not_reached, too_large};
 use super::resolution::{raised, refine, smooth_size};
 use super::task::{Estimated, Task};
@@ -11,10 +10,13 @@ use crate::wave::{Resolution, Scheme, Unphysical};
 
 /// Error that a result without physical sense counts as when the grid is refined.
 const UNPHYSICAL: f64 = 1.0;
+/// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2: of the
+/// scalar wave and of Maxwell's equations.
+const START: [[f64; 2]; 2] = [[3.0, 5.4], [3.2, 7.0]];
 /// Resolutions tried before giving up.
 const LEVELS: usize = 24;
 
-impl<G: Discretisation> Task<'_, G> {
+impl Task<'_> {
     /// Refines plane and z separately until the estimate meets `accuracy`.
     ///
     /// # Errors
@@ -23,7 +25,7 @@ impl<G: Discretisation> Task<'_, G> {
         &self,
         accuracy: f64,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated<G>, AccuracyError> {
+    ) -> Result<Estimated, AccuracyError> {
         if !(1e-9..=0.5).contains(&accuracy) {
             return Err(AccuracyError::Accuracy(accuracy));
         }
@@ -46,7 +48,8 @@ impl<G: Discretisation> Task<'_, G> {
     fn start(&self, accuracy: f64) -> Result<Resolution, AccuracyError> {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
-        let points = |period: f64| starting_size(accuracy, G::START[0] * finer.powf(0.25) * waves * period);
+        let [per_wave, planes_per_wave] = START[usize::from(self.coverages.wave.is_vector())];
+        let points = |period: f64| starting_size(accuracy, per_wave * finer.powf(0.25) * waves * period);
         let nx = if self.coverages.scene.uniform_in_plane() {
             1
         } else {
@@ -54,7 +57,7 @@ impl<G: Discretisation> Task<'_, G> {
         };
         let ny =
             if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1])? };
-        let planes = G::START[1] * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
+        let planes = planes_per_wave * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
         let cells = possible(accuracy, planes / self.scheme.degree() as f64)?;
         let cells = cells.max(self.coverages.scene.strata.len()).max(2);
         Ok(Resolution { nx, ny, cells, scheme: self.scheme })
@@ -62,26 +65,26 @@ impl<G: Discretisation> Task<'_, G> {
 }
 
 /// A search under way.
-struct Search<'a, G: Discretisation> {
-    task: Task<'a, G>,
+struct Search<'a> {
+    task: Task<'a>,
     accuracy: f64,
     /// The grid to try next.
     resolution: Resolution,
     /// The finest result so far.
-    last: Option<Estimated<G>>,
+    last: Option<Estimated>,
     /// Why a grid gave no result.
     refused: Option<AccuracyError>,
     tried: Vec<GridTrial>,
 }
 
-impl<G: Discretisation> Search<'_, G> {
+impl Search<'_> {
     /// The result on the next grid where it is accurate enough; else a finer grid is the next one.
-    fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated<G>>, AccuracyError> {
+    fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated>, AccuracyError> {
         let (resolution, accuracy) = (self.resolution, self.accuracy);
         self.task.admitted(resolution).map_err(|refusal| self.beyond_memory(&refusal))?;
         let clock = std::time::Instant::now();
         watch.grid(&GridTrial { resolution, accuracy, estimate: None, seconds: 0.0 });
-        let guess = self.last.as_ref().map(|coarser| (&coarser.problem, &coarser.solution));
+        let guess = self.last.as_ref().map(|coarser| &*coarser.solved);
         let estimated = match self.task.estimated_from(guess, resolution, watch) {
             Ok(estimated) => estimated,
             Err(refusal) => return self.raise(refusal).map(|()| None),
@@ -115,12 +118,12 @@ impl<G: Discretisation> Search<'_, G> {
 
     fn beyond_memory(&self, refusal: &TooLarge) -> AccuracyError {
         let Some(last) = &self.last else { return too_large(self.accuracy, refusal) };
-        let reached = (last.error_estimate, G::grid_of(&last.problem).resolution);
+        let reached = (last.error_estimate, last.system().grid().resolution);
         not_reached(self.accuracy, reached, refusal, &self.tried)
     }
 
     fn given_up(self) -> AccuracyError {
-        let given_up = |last: Estimated<G>| AccuracyError::GivenUp {
+        let given_up = |last: Estimated| AccuracyError::GivenUp {
             levels: LEVELS,
             asked: self.accuracy,
             reached: last.error_estimate,

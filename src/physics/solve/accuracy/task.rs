@@ -1,17 +1,17 @@
 //! One solve of a search: what it takes and what it gives.
 
 use super::coverages::Coverages;
-use super::discretisation::Discretisation;
 use super::error::AccuracyError;
 use crate::solve::demand::{Admitted, Size, TooLarge};
-use crate::solve::solver::{Goal, Solver, Watch};
-use crate::wave::{Coverage, Incidence, Mean, Media, Resolution, Scheme};
+use crate::solve::solver::{Account, Goal, Solution, Solver, Watch};
+use crate::wave::{FarField, Incidence, Mean, Media, Resolution, Scheme, System, WaveError};
 use num_complex::Complex64;
 
 /// One solve to be made: everything but the resolution.
-pub struct Task<'a, G = Coverage> {
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
     /// The scene, and its geometry on the grids tried.
-    pub coverages: &'a Coverages<'a, G>,
+    pub coverages: &'a Coverages<'a>,
     /// Indices of all media.
     pub media: &'a Media,
     /// The light.
@@ -28,22 +28,27 @@ pub struct Task<'a, G = Coverage> {
     pub memory: f64,
 }
 
-impl<G> Clone for Task<'_, G> {
-    fn clone(&self) -> Self {
-        *self
+/// One polarisation's problem on a grid, or the scalar wave's, and its solution.
+pub struct Solved {
+    /// The discrete problem.
+    pub system: Box<dyn System>,
+    /// What the strategy delivered.
+    pub solution: Solution,
+}
+
+impl Solved {
+    /// What leaves the layer.
+    pub fn far_field(&self) -> FarField {
+        self.system.far_field(&self.solution.field)
     }
 }
 
-impl<G> Copy for Task<'_, G> {}
-
 /// A solve with its error estimate.
-pub struct Estimated<G: Discretisation = Coverage> {
-    /// The discrete problem on the grid that was chosen.
-    pub problem: G::Problem,
-    /// What the strategy delivered.
-    pub solution: G::Solution,
-    /// What leaves the layer.
-    pub far_field: G::Judged,
+pub struct Estimated {
+    /// On the grid that was chosen: of the scalar wave, or of s and p light.
+    pub solved: Vec<Solved>,
+    /// What leaves the layer, for each of them; all have passed the gate ([`Physical`](crate::wave::Physical)).
+    pub far_fields: Vec<FarField>,
     /// Largest expected error of any complex amplitude that [`largest_difference`](super::largest_difference) counts.
     pub error_estimate: f64,
     /// The estimate's parts: plane, z.
@@ -54,10 +59,32 @@ pub struct Estimated<G: Discretisation = Coverage> {
     pub seconds_estimate: f64,
 }
 
-/// A problem and its solution.
-pub type Known<'a, G> = (&'a <G as Discretisation>::Problem, &'a <G as Discretisation>::Solution);
+impl Estimated {
+    /// The first problem, the only one of the scalar wave.
+    pub fn system(&self) -> &dyn System {
+        &*self.solved[0].system
+    }
 
-impl<G: Discretisation> Task<'_, G> {
+    /// What leaves the layer in the first polarisation, or in the scalar wave.
+    pub fn far_field(&self) -> &FarField {
+        &self.far_fields[0]
+    }
+
+    /// The accounts of all polarisations as one: steps, applications and seconds together, the larger residual.
+    pub fn account(&self) -> Account {
+        let mut joint = self.solved[0].solution.account.clone();
+        for Solved { solution: Solution { account, .. }, .. } in &self.solved[1..] {
+            joint.steps += account.steps;
+            joint.operator_applications += account.operator_applications;
+            joint.seconds += account.seconds;
+            joint.residual = joint.residual.max(account.residual);
+            joint.bytes = joint.bytes.max(account.bytes);
+        }
+        joint
+    }
+}
+
+impl Task<'_> {
     /// The strategy as the memory holds it on that grid, with leave to grow into the rest of it.
     ///
     /// # Errors
@@ -67,29 +94,42 @@ impl<G: Discretisation> Task<'_, G> {
         Ok(size.admit(self.solver, self.memory)?.with_room(&size, self.memory))
     }
 
-    /// Solves at one resolution.
+    /// The discrete problems on one grid.
+    ///
+    /// # Errors
+    /// Grids, bodies, media and lights that are refused.
+    pub fn systems(&self, resolution: Resolution) -> Result<Vec<Box<dyn System>>, WaveError> {
+        self.coverages.at(resolution)?.systems(self.media, self.incidence, self.mean)
+    }
+
+    /// Solves at one resolution: the solutions, and the seconds that coverage and factors took.
     pub fn solve(
         &self,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<(G::Problem, G::Solution, f64), AccuracyError> {
+    ) -> Result<(Vec<Solved>, f64), AccuracyError> {
         self.solve_from(None, resolution, watch)
     }
 
-    /// Solves at one resolution, with another's solution as first guess.
+    /// Solves at one resolution, with another's solutions as first guesses.
     pub(super) fn solve_from(
         &self,
-        guess: Option<Known<G>>,
+        guess: Option<&[Solved]>,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<(G::Problem, G::Solution, f64), AccuracyError> {
+    ) -> Result<(Vec<Solved>, f64), AccuracyError> {
         let clock = std::time::Instant::now();
         let solver = self.admitted(resolution)?;
-        let coverage = self.coverages.at(resolution)?;
-        let problem = G::problem(&coverage, self.media, self.incidence, self.mean)?;
+        let systems = self.systems(resolution)?;
         let setup = clock.elapsed().as_secs_f64();
-        let solution = G::solve_from(&problem, guess, solver.solver(), self.goal, watch)?;
-        Ok((problem, solution, setup))
+        let mut solved = Vec::new();
+        for (i, system) in systems.into_iter().enumerate() {
+            let start =
+                guess.and_then(|known| known[i].system.transferred(&known[i].solution.field, &*system));
+            let solution = solver.solver().solve_from(&*system, start.as_ref(), self.goal, watch)?;
+            solved.push(Solved { system, solution });
+        }
+        Ok((solved, setup))
     }
 
     /// Wavelengths per µm in the densest medium.
@@ -106,6 +146,7 @@ impl<G: Discretisation> Task<'_, G> {
 
     /// What a solve on that grid will take.
     pub(super) fn size(&self, resolution: Resolution) -> Size {
-        G::size(self.coverages.scene, self.media, self.incidence.wavelength_um, resolution)
+        let Coverages { wave, scene, .. } = *self.coverages;
+        Size::new(wave, scene, self.media, self.incidence.wavelength_um, resolution)
     }
 }

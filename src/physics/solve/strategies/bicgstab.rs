@@ -3,12 +3,11 @@
 //! Our own: the maintained complex implementation in the linear-algebra crate used elsewhere can neither be
 //! cancelled nor watched. Erratic without absorption, where GMRES is the better choice.
 
-use crate::solve::System;
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::{dot, norm};
-use crate::wave::Field;
+use crate::wave::{Field, System};
 use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,10 +1,9 @@
 //! The Born series about the mean medium: u ← u₀ − A⁻¹V u (P2 (2.5)–(2.7)).
 
-use crate::solve::System;
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, ratio_of_terms};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::Field;
+use crate::wave::{Field, System};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

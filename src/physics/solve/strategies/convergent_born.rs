@@ -6,12 +6,11 @@
 //! the circle of convergence, so |V| is scaled below it and the step shortened (Vettenburg and Vellekoop 2022).
 
 use super::relaxation::contrasts;
-use crate::solve::System;
 use crate::solve::demand::Size;
 use crate::solve::ledger::Ledger;
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
+use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, split};
 use crate::wave::operator::banded::ShiftedMean;
-use crate::wave::{Field, Problem};
+use crate::wave::{Field, Problem, System};
 use ndarray::Array2;
 use num_complex::Complex64;
 use schemars::JsonSchema;
@@ -47,7 +46,7 @@ impl Solver for ConvergentBorn {
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
-        let problem = scalar(system, self.name())?;
+        let problem = split(system, self.name())?;
         self.check()?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let mut scratch = Field::zeros(problem.shape());

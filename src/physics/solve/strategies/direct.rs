@@ -1,10 +1,9 @@
 //! The referee: the assembled matrix 1 + A⁻¹V by dense LU, for tiny grids only.
 
-use crate::solve::System;
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::Field;
+use crate::wave::{Field, System};
 use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -4,16 +4,14 @@
 use super::guided::{Correction, GuidedModes};
 use super::least_squares::LeastSquares;
 use crate::numerics::fourier::Real;
-use crate::solve::System;
 use crate::solve::basis::Basis;
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
-use crate::solve::system::Double;
 use crate::solve::vectors::norm;
-use crate::wave::Field;
 use crate::wave::operator::scattering::Scatter;
-use ndarray::Array2;
+use crate::wave::{Field, System};
+use ndarray::{Array2, ArrayView2};
 use num_complex::{Complex, Complex64};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -80,7 +78,7 @@ impl Solver for Gmres {
         let field = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
         // The residual of u = 0 is u₀ itself and costs nothing.
         let work = ledger.background.clone();
-        let correction = problem.scalar().and_then(|p| self.guided_modes.correction(p));
+        let correction = problem.split().and_then(|p| self.guided_modes.correction(p));
         let single = if goal.tolerance >= SINGLE { problem.single() } else { None };
         let (restart, first_cycle) = (self.restart.max(1), true);
         let mut run = Run { ledger, field, work, correction, single, restart, first_cycle };
@@ -141,6 +139,15 @@ impl Gmres {
             _ => format!("take strategy = \"bicgstab\", a finer grid, or {by_hand}"),
         };
         format!("a basis of {restart} vectors is too short for it; {remedy}")
+    }
+}
+
+/// A system's operator in double precision, for code that is written for both.
+struct Double<'a>(&'a dyn System);
+
+impl Scatter<f64> for Double<'_> {
+    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.0.scatter(u, out);
     }
 }
 
@@ -215,7 +222,7 @@ impl Run<'_> {
     fn take_pains(&mut self, solver: &Gmres) {
         let more = solver.guided_modes.of_hard_solves();
         let correction = self.correction.take();
-        let problem = self.ledger.problem.scalar();
+        let problem = self.ledger.problem.split();
         self.correction = correction.or_else(|| problem.and_then(|problem| more.correction(problem)));
         self.restart = self.restart.max(solver.longest.min(HARD_GROWTH * self.restart));
     }

@@ -11,12 +11,11 @@ mod memory;
 
 pub(crate) use march::contrasts;
 
-use crate::solve::System;
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, scalar};
+use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, split};
 use crate::solve::vectors::norm;
-use crate::wave::{Field, Mean, Problem};
+use crate::wave::{Field, Mean, Problem, System};
 use march::March;
 use memory::Memory;
 use schemars::JsonSchema;
@@ -61,7 +60,7 @@ impl Solver for Relaxation {
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
-        let problem = scalar(system, self.name())?;
+        let problem = split(system, self.name())?;
         self.check(problem)?;
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let mut scratch = Field::zeros(problem.shape());

@@ -46,8 +46,30 @@ pub fn error_among(accuracy: f64, contrast: f64) -> f64 {
 /// Asked while a geometry is put on its grid, which takes long where there are many grains: true ends it with [`WaveError::Stopped`].
 pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync + 'a);
 
-/// Never stops.
-pub const NEVER: Stop<'static> = &|| false;
+/// How precisely a geometry is put on its grid, and who may stop it.
+#[derive(Clone, Copy)]
+pub struct Precision<'a> {
+    /// Relative error of the coefficients (10⁻¹⁰ … 10⁻³; others count as the nearer end). Amplitudes move by less: they
+    /// depend on the contrast's relative error times the share of light that is scattered.
+    pub error: f64,
+    /// Asked now and then: true ends it with [`WaveError::Stopped`].
+    pub stop: Stop<'a>,
+}
+
+impl Precision<'_> {
+    /// To rounding or nearly, without a stop.
+    pub const EXACT: Precision<'static> = Precision::of(EXACT);
+
+    /// With that relative error of the coefficients, without a stop.
+    pub const fn of(error: f64) -> Precision<'static> {
+        Precision { error, stop: &|| false }
+    }
+
+    /// The error within its bounds.
+    pub(in crate::wave) fn bounded_error(&self) -> f64 {
+        self.error.clamp(EXACT, LOOSEST)
+    }
+}
 
 /// Moments of every channel's indicator function on every plane.
 pub struct Coverage {
@@ -91,32 +113,18 @@ struct Builder<'a, T: Real> {
 impl Coverage {
     /// Integrates every body over every cell, to rounding or nearly. Errors: see [`Grid::new`].
     pub fn new(scene: &Scene, resolution: Resolution) -> Result<Coverage, WaveError> {
-        Coverage::within(scene, resolution, EXACT)
+        Coverage::with(scene, resolution, Precision::EXACT)
     }
 
-    /// The same with a relative error of the coefficients of about `error` (10⁻¹⁰ … 10⁻³), in less time.
-    ///
-    /// Amplitudes then move by less than `error`: they depend on the contrast's relative error times the share of
-    /// light that is scattered. Errors: see [`Grid::new`].
-    pub fn within(scene: &Scene, resolution: Resolution, error: f64) -> Result<Coverage, WaveError> {
-        Coverage::within_unless(scene, resolution, error, NEVER)
-    }
-
-    /// The same until it is stopped.
+    /// Integrates every body over every cell with that precision.
     ///
     /// # Errors
     /// [`WaveError::Stopped`], and as [`Grid::new`].
-    pub fn within_unless(
-        scene: &Scene,
-        resolution: Resolution,
-        error: f64,
-        stop: Stop,
-    ) -> Result<Coverage, WaveError> {
-        let error = error.clamp(EXACT, LOOSEST);
-        if error < SINGLE {
-            build::<f64>(scene, resolution, error, stop)
+    pub fn with(scene: &Scene, resolution: Resolution, precision: Precision) -> Result<Coverage, WaveError> {
+        if precision.bounded_error() < SINGLE {
+            build::<f64>(scene, resolution, precision)
         } else {
-            build::<f32>(scene, resolution, error, stop)
+            build::<f32>(scene, resolution, precision)
         }
     }
 
@@ -139,17 +147,16 @@ impl Coverage {
 fn build<T: Real>(
     scene: &Scene,
     resolution: Resolution,
-    error: f64,
-    stop: Stop,
+    precision: Precision,
 ) -> Result<Coverage, WaveError> {
     let clock = std::time::Instant::now();
     let grid = Grid::new(scene, resolution)?;
     let channels = find_channels(scene, &grid);
     let folding = Folding::<T>::new(&resolution, grid.period_um);
-    let builder = Builder::<T> { stop, ..Builder::new(scene, &grid, &channels, &folding.harmonics, error) };
+    let builder = Builder::<T>::new(scene, &grid, &channels, &folding.harmonics, precision);
     let cells: Vec<Vec<Option<CellCoefficients<T>>>> =
         (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
-    if stop() {
+    if (precision.stop)() {
         return Err(WaveError::Stopped);
     }
     let Planes { moments, pairs, folded } = folding.planes(&grid, &cells, channels.len());
@@ -201,8 +208,9 @@ impl<'a, T: Real> Builder<'a, T> {
         grid: &'a Grid,
         channels: &'a [Channel],
         harmonics: &'a Harmonics,
-        error: f64,
+        precision: Precision<'a>,
     ) -> Builder<'a, T> {
+        let error = precision.bounded_error();
         let largest =
             |i: usize| harmonics.orders.iter().map(|o| o[i].unsigned_abs() as usize).max().unwrap_or(0);
         let widest = [largest(0), largest(1)];
@@ -213,7 +221,7 @@ impl<'a, T: Real> Builder<'a, T> {
         let round = scene.bodies.iter().any(|b| matches!(b.shape, Shape::Balls(_)));
         let transform = round.then(|| SourceTransform::new(widest[0], widest[1], Spreading::within(error)));
         let sampling = Sampling { demands, degree: grid.element.degree, rules: GaussRules::default() };
-        Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: NEVER }
+        Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: precision.stop }
     }
 
     fn columns(&self, cell: usize) -> CellColumns<'_> {

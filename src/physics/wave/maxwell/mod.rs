@@ -8,7 +8,7 @@
 mod absorption;
 pub mod cell;
 pub mod contrast;
-pub mod far_field;
+mod far_field;
 mod kernels;
 pub mod mean;
 pub mod moments;
@@ -18,7 +18,7 @@ pub mod problem;
 pub mod scattering;
 pub mod sources;
 
+pub use crate::wave::light::Polarisation;
 pub use contrast::Averaging;
-pub use far_field::{VectorFarField, VectorOrder};
 pub use moments::NormalMoments;
-pub use problem::{Polarisation, Polarised, VectorProblem};
+pub use problem::{Polarised, VectorProblem};

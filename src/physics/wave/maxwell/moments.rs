@@ -5,7 +5,7 @@
 
 use super::sources::{self, FIELDS, Slab, Source, VALUES};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
-use crate::wave::contrast::coverage::{Channel, EXACT, NEVER, Stop, find_channels, overlap};
+use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{Patch, SourceTransform, Spreading};
 use crate::wave::contrast::section::{Demands, GaussRules, Sampling};
 use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Scheme, Shape, WaveError};
@@ -49,33 +49,26 @@ struct CellFields {
 }
 
 impl NormalMoments {
-    /// Integrates every body over every cell, to rounding or nearly. Errors: see [`NormalMoments::within`].
+    /// Integrates every body over every cell, to rounding or nearly. Errors: see [`NormalMoments::with`].
     pub fn new(scene: &Scene, resolution: Resolution) -> Result<NormalMoments, WaveError> {
-        NormalMoments::within(scene, resolution, EXACT)
+        NormalMoments::with(scene, resolution, Precision::EXACT)
     }
 
-    /// The same with a relative error of the moments of about `error` (10⁻¹⁰ … 10⁻³), in less time.
-    ///
-    /// Errors: see [`Grid::new`]; rough surfaces are refused.
-    pub fn within(scene: &Scene, resolution: Resolution, error: f64) -> Result<NormalMoments, WaveError> {
-        NormalMoments::within_unless(scene, resolution, error, NEVER)
-    }
-
-    /// The same until it is stopped.
+    /// Integrates every body over every cell with that precision.
     ///
     /// # Errors
-    /// [`WaveError::Stopped`], and as [`NormalMoments::within`].
-    pub fn within_unless(
+    /// [`WaveError::Stopped`]; as [`Grid::new`], and rough surfaces.
+    pub fn with(
         scene: &Scene,
         resolution: Resolution,
-        error: f64,
-        stop: Stop,
+        precision: Precision,
     ) -> Result<NormalMoments, WaveError> {
+        let stop = precision.stop;
         let clock = std::time::Instant::now();
         check(scene, resolution)?;
         let grid = Grid::new(scene, resolution)?;
         let channels = find_channels(scene, &grid);
-        let builder = Builder::new(scene, &grid, &channels, error.clamp(EXACT, 1e-3));
+        let builder = Builder::new(scene, &grid, &channels, precision.bounded_error());
         let cells: Vec<Vec<Option<CellFields>>> = (0..grid.cells())
             .into_par_iter()
             .map(|j| if stop() { Vec::new() } else { builder.cell(j) })

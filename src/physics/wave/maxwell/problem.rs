@@ -6,29 +6,10 @@ use super::moments::NormalMoments;
 use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
 use crate::wave::operator::cell::decaying_root;
-use crate::wave::operator::mean_medium::cells_needed;
-use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::setting::Setting;
-use crate::wave::{Field, Grid, Incidence, Mean, Media, Side, WaveError};
-use ndarray::ArrayView2;
+use crate::wave::{Field, Incidence, Mean, Media, Polarisation, Side, WaveError};
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
-
-/// State of linear polarisation of a plane wave: s has E along s = ẑ × p̂, p has H along it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Polarisation {
-    /// E perpendicular to the plane of incidence.
-    S,
-    /// E in the plane of incidence.
-    P,
-}
-
-impl Polarisation {
-    /// Both, s first.
-    pub const BOTH: [Polarisation; 2] = [Polarisation::S, Polarisation::P];
-}
 
 /// Maxwell's equations on a scene for one wavelength and direction, both polarisations: immutable, shared by threads.
 pub struct VectorProblem {
@@ -53,10 +34,10 @@ pub struct VectorProblem {
 }
 
 /// The problem for one polarisation of the incident wave: what the strategies solve.
-#[derive(Clone, Copy)]
-pub struct Polarised<'a> {
+#[derive(Clone)]
+pub struct Polarised {
     /// The problem that both polarisations share.
-    pub problem: &'a VectorProblem,
+    pub problem: Arc<VectorProblem>,
     /// Polarisation of the incident wave, of amplitude 1.
     pub polarisation: Polarisation,
 }
@@ -71,7 +52,7 @@ impl VectorProblem {
         incidence: &Incidence,
         mean: Mean,
         averaging: Averaging,
-    ) -> Result<VectorProblem, WaveError> {
+    ) -> Result<Arc<VectorProblem>, WaveError> {
         incidence.check()?;
         check_metals(moments, media)?;
         let (grid, layout) = (&moments.grid, moments.layout());
@@ -89,7 +70,7 @@ impl VectorProblem {
         let double = VectorScattering::new(mean, harmonics.clone(), directions, fft, &contrast);
         let (moments, incidence, media) = (moments.clone(), *incidence, media.clone());
         let single = OnceLock::new();
-        Ok(VectorProblem {
+        let problem = VectorProblem {
             moments,
             incidence,
             media,
@@ -100,12 +81,13 @@ impl VectorProblem {
             double,
             single,
             incident,
-        })
+        };
+        Ok(Arc::new(problem))
     }
 
     /// The problem for light of one polarisation.
-    pub fn polarised(&self, polarisation: Polarisation) -> Polarised<'_> {
-        Polarised { problem: self, polarisation }
+    pub fn polarised(self: &Arc<Self>, polarisation: Polarisation) -> Polarised {
+        Polarised { problem: self.clone(), polarisation }
     }
 
     /// Rows and columns of a field of moments.
@@ -138,9 +120,9 @@ impl VectorProblem {
         self.double.directions()
     }
 
-    /// Cells of another grid that [`VectorProblem::new`] would accept: its own, or as many as the wave needs.
-    pub fn cells_needed(&self, other: &Grid) -> usize {
-        cells_needed(&self.moments.grid, self.double.mean.mean_k2(), other)
+    /// k̄² of each cell, 1/µm².
+    pub fn mean_k2(&self) -> &[Complex64] {
+        self.double.mean.mean_k2()
     }
 
     /// Bytes held: tables, tensors and geometry, without solver vectors.
@@ -166,12 +148,12 @@ impl VectorProblem {
         self.double.mean.background(self.entry(polarisation))
     }
 
-    /// out ← A⁻¹ V e: one operator application.
-    pub fn scatter(&self, e: ArrayView2<Complex64>, out: &mut Field) {
-        self.double.scatter(e, out);
+    /// A⁻¹V as tables.
+    pub fn double(&self) -> &VectorScattering<f64> {
+        &self.double
     }
 
-    /// The same in single precision, its tables made when first asked for.
+    /// A⁻¹V in single precision, its tables made when first asked for.
     pub fn single(&self) -> &VectorScattering<f32> {
         let resolution = self.moments.grid.resolution;
         self.single.get_or_init(|| self.double.narrowed(PlaneFft::new(resolution.nx, resolution.ny)))

@@ -9,11 +9,11 @@ pub use super::mean_medium::Mean;
 
 use super::cell::decaying_root;
 use super::mean::MeanOperator;
-use super::mean_medium::{cells_needed, plane_offsets};
+use super::mean_medium::plane_offsets;
 use super::scattering::{Scatter, Scattering};
 use super::setting::Setting;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
-use crate::wave::{Coverage, Grid, Incidence, Media, Scene, Side, WaveError};
+use crate::wave::{Coverage, Incidence, Media, Scene, Side, WaveError};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 use std::sync::{Arc, OnceLock};
@@ -120,13 +120,6 @@ impl Problem {
         Problem::new(&Arc::new(Coverage::new(scene, resolution)?), media, incidence, mean)
     }
 
-    /// Cells of another grid that [`Problem::new`] would accept: its own, or as many as the wave needs.
-    ///
-    /// Judged by this problem's mean, before a coverage is computed for that grid.
-    pub fn cells_needed(&self, other: &Grid) -> usize {
-        cells_needed(&self.coverage.grid, self.mean.mean_k2(), other)
-    }
-
     /// Rows and columns of a field.
     pub fn shape(&self) -> (usize, usize) {
         (self.coverage.grid.planes(), self.harmonics.len())
@@ -169,12 +162,7 @@ impl Problem {
 
     /// out ← A⁻¹ V u: one operator application.
     pub fn scatter(&self, u: &Field, out: &mut Field) {
-        self.scatter_view(u.view(), out);
-    }
-
-    /// [`Problem::scatter`] of a borrowed field.
-    pub fn scatter_view(&self, u: ArrayView2<Complex64>, out: &mut Field) {
-        self.double().scatter(u, out);
+        self.double().scatter(u.view(), out);
     }
 
     /// out ← V u as loads y_p on planes (one inverse and one forward transform a plane).

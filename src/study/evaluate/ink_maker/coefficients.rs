@@ -175,7 +175,7 @@ mod tests {
     use crate::numerics::estimate::coverage_factor_95;
     use crate::numerics::sequence::Sequence;
     use crate::solve::accuracy::grid_error::GridError;
-    use crate::solve::door::Wave;
+    use crate::wave::Wave;
 
     /// Absorptance of the made-up layer, and its deviation from realisation to realisation: the mean of four is twice as uncertain
     /// as it is large, so that noise takes it below 0 in three studies of ten.

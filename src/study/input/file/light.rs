@@ -1,7 +1,7 @@
 //! The light: its wave, wavelengths and directions.
 
 use crate::input::limits;
-use crate::solve::door::Wave;
+use crate::wave::Wave;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

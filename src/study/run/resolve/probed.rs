@@ -4,15 +4,15 @@ use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::Draw;
 use crate::run::point::Stopper;
 use crate::run::watch::RunWatch;
-use crate::solve::accuracy::discretisation::Discretisation;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
 use crate::solve::{Coverages, Solver};
-use crate::wave::{Incidence, Mean, Media, Resolution, Scene, Scheme};
+use crate::wave::contrast::coverage::Stop;
+use crate::wave::{Incidence, Mean, Media, Precision, Resolution, Scene, Scheme};
 
 /// What the probes of one packing borrow.
-pub(super) struct Prepared<'a, G> {
+pub(super) struct Prepared<'a> {
     study: &'a Study,
-    coverages: Coverages<'a, G>,
+    coverages: Coverages<'a>,
     solver: Box<dyn Solver>,
     media: Vec<Media>,
     probes: &'a [Incidence],
@@ -20,27 +20,27 @@ pub(super) struct Prepared<'a, G> {
     memory: f64,
 }
 
-impl<'a, G: Discretisation> Prepared<'a, G> {
+impl<'a> Prepared<'a> {
     pub fn new(
         study: &'a Study,
         scene: &'a Scene,
         probes: &'a [Incidence],
         memory: f64,
-        watch: &'a dyn RunWatch,
+        stop: Stop<'a>,
     ) -> Self {
         let media = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
-        let coverages = Coverages::of_any(scene, study.resolution.coverage_error());
-        let coverages = coverages.unless(|| watch.stop());
+        let precision = Precision { error: study.resolution.coverage_error(), stop };
+        let coverages = Coverages::new(study.wave, scene, precision);
         Self { study, coverages, solver: study.solver.build(), media, probes, memory }
     }
 
-    pub fn tasks(&self) -> Vec<Task<'_, G>> {
+    pub fn tasks(&self) -> Vec<Task<'_>> {
         let probes = self.media.iter().zip(self.probes);
         probes.map(|(media, incidence)| self.task(media, incidence)).collect()
     }
 
     /// The solve of one probe.
-    fn task<'b>(&'b self, media: &'b Media, incidence: &'b Incidence) -> Task<'b, G> {
+    fn task<'b>(&'b self, media: &'b Media, incidence: &'b Incidence) -> Task<'b> {
         Task {
             coverages: &self.coverages,
             media,
@@ -55,13 +55,13 @@ impl<'a, G: Discretisation> Prepared<'a, G> {
 }
 
 /// Tries the grid found so far and refines it for this probe where that is asked.
-pub(super) fn probe<G: Discretisation>(
+pub(super) fn probe(
     study: &Study,
     draw: &Draw,
-    task: &Task<G>,
+    task: &Task,
     before: Option<Resolution>,
     watch: &dyn RunWatch,
-) -> Result<Estimated<G>, AccuracyError> {
+) -> Result<Estimated, AccuracyError> {
     let watch = &mut Stopper(watch);
     let accuracy = match study.resolution {
         WantedResolution::Grid { points_per_um, planes_per_um, scheme } => {
@@ -77,7 +77,7 @@ pub(super) fn probe<G: Discretisation>(
         }
     }
     let refined = task.solve_to_accuracy(accuracy, watch)?;
-    let (fine, Some(coarse)) = (G::grid_of(&refined.problem).resolution, before) else { return Ok(refined) };
+    let (fine, Some(coarse)) = (refined.system().grid().resolution, before) else { return Ok(refined) };
     let both = Resolution {
         nx: fine.nx.max(coarse.nx),
         ny: fine.ny.max(coarse.ny),
