@@ -5,7 +5,7 @@
 
 mod support;
 
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::solve::{Gmres, Goal, GuidedModes, Silent, Solver};
 use inkwave::wave::Mean;
 use std::path::Path;
@@ -38,7 +38,7 @@ fn main() {
     std::fs::create_dir_all(&folder).expect("a folder for the report");
     std::fs::write(folder.join("steps.csv"), table).expect("the table");
     let title = "krylov to 1e-6: work against the cell";
-    let plot = LogPlot::log_log(title, "side of the cell, µm", "operator applications", curves);
+    let plot = Chart::log_log(title, "side of the cell, µm", "operator applications", curves);
     plot.bitmap()
         .expect("a plot")
         .write_png(folder.join("steps.png"), &[("Title", title)])

@@ -1,6 +1,6 @@
 //! A claim: one sentence about the program, why it must hold, how it is measured, and how far it may be off.
 
-use inkwave::draw::log_plot::LogPlot;
+use inkwave::draw::chart::Chart;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -135,7 +135,7 @@ pub struct Table {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Findings {
     pub checks: Vec<Check>,
-    pub plots: Vec<LogPlot>,
+    pub plots: Vec<Chart>,
     pub tables: Vec<Table>,
 }
 

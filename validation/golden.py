@@ -129,7 +129,7 @@ class Study:
         )
         period = layer.get("period_um")
         self.period_um = period if isinstance(period, list) else [period, period]
-        self.index_out = layer.get("index_out", layer.get("index_below", 1.0))
+        self.index_out = layer.get("index_out", 1.0)
         self.contact = self.file["paper"].get("coupling") == "optical_contact"
         if "wavelengths_nm" in light:
             self.wavelengths = [float(nm) for nm in light["wavelengths_nm"]]
@@ -886,7 +886,7 @@ def distributions(study, layer, amplitude_error):
                     index = study.index_out if lobe == "transmitted" else 1.0
                     flux = math.sqrt(max(0.0, index**2 - direction[0] ** 2 - direction[1] ** 2)) / cosine(study.exact_deg[k])
                     rows.append(
-                        [1e3 * um, "above", study.exact_deg[k], azimuth, lobe, m, n, *direction, (m, n) == (0, 0)]
+                        [1e3 * um, "incident", study.exact_deg[k], azimuth, lobe, m, n, *direction, (m, n) == (0, 0)]
                         + [value, error, density * value, error and density * error, len(points)]
                         + [2 * math.sqrt(max(value, 0.0) * flux) * amplitude_error]
                     )

@@ -5,7 +5,7 @@ use crate::changes::{Changes, changes};
 use crate::claim::{Check, Table, short};
 use crate::history::{Night, Trend, margins, trend};
 use crate::manifest::Manifest;
-use inkwave::draw::log_plot::LogPlot;
+use inkwave::draw::chart::Chart;
 use inkwave::report::seal::sealed_by;
 use inkwave::store::safely;
 use minijinja::syntax::SyntaxConfig;
@@ -75,7 +75,7 @@ fn margin(value: f64) -> String {
 }
 
 /// The plot, or why it cannot be drawn: one empty plot must not cost the report.
-fn drawn(plot: &LogPlot) -> String {
+fn drawn(plot: &Chart) -> String {
     plot.svg().unwrap_or_else(|reason| format!("<p>{}</p>", reason.to_string().replace('<', "&lt;")))
 }
 

@@ -6,7 +6,7 @@
 //! (`operator/floor` on the largest grid), is a bench like others: when it changes, that is said once, and not of all.
 
 use clap::Parser;
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::report::seal::sealed;
 use inkwave::store::safely;
 use serde::{Deserialize, Serialize};
@@ -251,26 +251,7 @@ fn series<'a>(run: &'a [Entry], value: impl Fn(&Entry) -> Option<f64> + 'a) -> V
     curves.into_iter().filter(|c| c.1.len() > 1).map(sorted).collect()
 }
 
-/// Fewest points of an exponent: two make a line exactly, three leave one degree of freedom.
-const FEWEST_POINTS: usize = 4;
-
-/// Slope of a least-squares line through logarithms with its standard error; none of few points.
-fn exponent(curve: &Curve) -> Option<[f64; 2]> {
-    let count = curve.points.len();
-    if count < FEWEST_POINTS {
-        return None;
-    }
-    let points: Vec<[f64; 2]> = curve.points.iter().map(|p| [p[0].ln(), p[1].ln()]).collect();
-    let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(0), mean(1));
-    let square: f64 = points.iter().map(|p| (p[0] - x).powi(2)).sum();
-    let slope = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>() / square;
-    let off = |p: &[f64; 2]| (p[1] - y - slope * (p[0] - x)).powi(2);
-    let variance = points.iter().map(off).sum::<f64>() / (count - 2) as f64;
-    Some([slope, (variance / square).sqrt()])
-}
-
-fn costs(run: &[Entry]) -> LogPlot {
+fn costs(run: &[Entry]) -> Chart {
     let mut curves = series(run, |e| Some(1e-9 * e.median_ns));
     let guide = curves.first().map(|c| {
         let [x0, y0, _] = c.points[0];
@@ -278,21 +259,21 @@ fn costs(run: &[Entry]) -> LogPlot {
         Curve::new("N log N", Style::Guide, c.points.iter().map(at))
     });
     for curve in &mut curves {
-        if let Some([slope, error]) = exponent(curve) {
-            curve.name = format!("{}: N^({slope:.2} ± {error:.2})", curve.name);
+        if let Some(slope) = curve.exponent() {
+            curve.name = format!("{}: N^({})", curve.name, slope.in_words(2));
         }
     }
     curves.extend(guide);
-    LogPlot::log_log("Cost against size", "unknowns N", "seconds", curves)
+    Chart::log_log("Cost against size", "unknowns N", "seconds", curves)
 }
 
-fn bytes(run: &[Entry]) -> LogPlot {
+fn bytes(run: &[Entry]) -> Chart {
     let curves = series(run, |e| e.bytes_per_unknown.filter(|_| e.bench.starts_with("strategy")));
-    LogPlot::log_log("Memory", "unknowns N", "bytes per unknown", curves)
+    Chart::log_log("Memory", "unknowns N", "bytes per unknown", curves)
 }
 
 /// Geometric mean of each group's times over those of the first run, against the day.
-fn trend(history: &[Entry]) -> LogPlot {
+fn trend(history: &[Entry]) -> Chart {
     let mut runs: Vec<&str> = history.iter().map(|e| e.date.as_str()).collect();
     runs.dedup();
     let mut groups: Vec<&str> =
@@ -302,29 +283,16 @@ fn trend(history: &[Entry]) -> LogPlot {
     let curves = groups.iter().map(|group| group_curve(group, &runs, history)).collect();
     let start = runs.first().and_then(|date| days(date)).unwrap_or(0.0);
     let x_ticks = runs.iter().filter_map(|date| Some((days(date)? - start, (*date).replace('T', " "))));
-    let x_ticks = spread(x_ticks.collect());
-    LogPlot {
+    Chart {
         log: [false, true],
-        x_ticks,
-        ..LogPlot::log_log(
+        x_ticks: x_ticks.collect(),
+        ..Chart::log_log(
             "Costs over the runs",
             "date of the run, UTC",
             "time ÷ that of the first run (geometric mean)",
             curves,
         )
     }
-}
-
-/// Dates that are far enough apart to be read: a third of the axis.
-fn spread(all: Vec<(f64, String)>) -> Vec<(f64, String)> {
-    let length = all.last().map_or(0.0, |last| last.0);
-    let mut kept: Vec<(f64, String)> = Vec::new();
-    for tick in all {
-        if kept.last().is_none_or(|last| tick.0 - last.0 >= length / 3.0 && tick.0 > last.0) {
-            kept.push(tick);
-        }
-    }
-    kept
 }
 
 fn group_curve(group: &str, runs: &[&str], history: &[Entry]) -> Curve {

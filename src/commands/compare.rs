@@ -5,25 +5,25 @@ use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
-use inkwave::compare::experiment::{CompareError, ComparisonFile, Plan};
-use inkwave::compare::matrix::Cell;
-use inkwave::compare::pages::{Row, is_of_a_comparison};
+use inkwave::compare::experiment::{CompareError, ComparisonFile, ComparisonPlan};
+use inkwave::compare::row::Row;
+use inkwave::report::publish::PublishError;
 use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use miette::{IntoDiagnostic, Result};
+use miette::Result;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-/// Compares strategies, resolutions and discretisations on one geometry.
+/// Compare strategies, resolutions and discretisations on one geometry
 #[derive(Args)]
 pub struct CompareArgs {
     /// Comparison (TOML), or a study (TOML) or a case (JSON) to compare with the default lists
     file: PathBuf,
-    /// Folder for tables, plots and the page
+    /// Output folder
     #[arg(short, long, default_value = "out/comparison")]
     output: PathBuf,
-    /// Only read and check everything, pack the layer, and say how many solves there are to do
+    /// Check the files, pack the layer, print the number of solves and exit
     #[arg(long)]
     plan: bool,
 }
@@ -34,60 +34,47 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let registry = Registry::default();
     tell_unused(&file.unused());
     if args.plan {
-        let Plan { bodies, rows } = file.plan(&registry).map_err(report)?;
+        let ComparisonPlan { bodies, rows } = file.plan(&registry).map_err(report)?;
         return say(format_args!("{}: {rows} solves on a layer of {bodies} bodies", args.file.display()));
     }
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let output = output.going_on_with(this_command());
     output.mark_partial().map_err(folder_report)?;
-    let mut stop = Stop(super::stop::StopFlag::listen());
-    let matrix =
-        file.run_matrix(&registry, &mut stop, tell_cell).inspect_err(|_| output.discard_when_empty());
-    if let Some(matrix) = matrix.map_err(report)? {
-        output.remove_files(is_of_a_comparison).map_err(folder_report)?;
-        matrix.write(output.path()).into_diagnostic()?;
-        complete(&output, matrix.cells.len() == matrix.asked)?;
-        say(format_args!("Comparison: {}", output.path().join("matrix.html").display()))?;
-        return ended(matrix.cells.len(), matrix.asked);
-    }
+    let mut stop = StopWatch(super::stop::StopFlag::listen());
     let comparison = file
         .run(&registry, &mut stop, tell_row)
         .inspect_err(|_| output.discard_when_empty())
         .map_err(report)?;
-    output.remove_files(is_of_a_comparison).map_err(folder_report)?;
-    comparison.write(output.path()).into_diagnostic()?;
-    complete(&output, comparison.rows.len() == comparison.asked)?;
+    comparison.write(&output).map_err(publish_report)?;
     say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
     ended(comparison.rows.len(), comparison.asked)?;
     if comparison.rows.iter().any(|row| row.converged()) {
         return Ok(());
     }
-    let reason = comparison.rows.first().map_or("no rows", |row| row.outcome.as_str());
+    let reason = comparison.rows.first().map_or("no rows".into(), Row::outcome);
     Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
 }
 
-/// Takes the mark away where every solve is there.
-fn complete(output: &OutputFolder, all: bool) -> Result<()> {
-    if all { output.complete().map_err(folder_report) } else { Ok(()) }
+fn publish_report(error: PublishError) -> miette::Report {
+    match error {
+        PublishError::Folder(error) => folder_report(error),
+        other => miette::miette!("{other}"),
+    }
 }
 
-/// One finished solve of a matrix: index, period, strategy, cost and outcome.
-fn tell_cell(cell: &Cell) {
-    let (n, kappa, period, outcome) = (cell.n, cell.kappa, cell.period_um, &cell.outcome);
-    let cost = format!("{} applications, {:.2} s", cell.operator_applications, cell.seconds);
-    note(format_args!("{n} + {kappa}i, {period} µm, {:16} {cost}: {outcome}", cell.strategy));
-}
-
-/// One finished row of a comparison: strategy, grid, error and cost.
+/// One finished row: case, strategy, grid, error and cost.
 fn tell_row(row: &Row) {
-    let error = row.error.map_or("failed".into(), |e| format!("error {e:.1e}"));
-    note(format_args!(
-        "{:16} {:?} {} × {} × {}: {error}, {} applications, {:.2} s",
-        row.strategy, row.scheme, row.nx, row.ny, row.cells, row.operator_applications, row.seconds
-    ));
+    let case = row.case.map_or_else(String::new, |case| format!("{case}: "));
+    let result = match &row.result {
+        Ok(error) => format!("error {error:.1e}"),
+        Err(reason) => format!("failed: {reason}"),
+    };
+    let seconds = row.seconds.map_or_else(String::new, |seconds| format!(", {seconds:.2} s"));
+    let (strategy, grid, applications) = (&row.strategy, row.grid(), row.applications());
+    note(format_args!("{case}{strategy:16} {grid}: {applications} applications{seconds}, {result}"));
 }
 
-/// Nobody shall wait for the effect of a key that has none.
+/// Names the keys that have no effect here.
 fn tell_unused(keys: &[String]) {
     if !keys.is_empty() {
         let why = "comparisons solve the first packing at one wavelength and angle, with grids and residuals of their own";
@@ -112,9 +99,9 @@ fn report(error: CompareError) -> miette::Report {
 }
 
 /// Stops a solve on Ctrl-C.
-struct Stop(super::stop::StopFlag);
+struct StopWatch(super::stop::StopFlag);
 
-impl Watch for Stop {
+impl Watch for StopWatch {
     fn step(&mut self, _: &Step) -> ControlFlow<()> {
         if self.0.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

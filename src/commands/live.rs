@@ -7,7 +7,7 @@ use inkwave::report::publish::publish;
 use inkwave::run::runner::Collected;
 use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
-use inkwave::store::queue::Standing;
+use inkwave::store::queue::QueueStanding;
 use inkwave::sweep::Sweep;
 use inkwave::sweep::publish::Publisher;
 use std::cell::RefCell;
@@ -112,7 +112,7 @@ impl RunWatch for LiveSweep<'_> {
         self.progress.stage(what);
     }
 
-    fn standing(&self, standing: &Standing) {
+    fn standing(&self, standing: &QueueStanding) {
         self.progress.standing(standing);
     }
 

@@ -23,16 +23,16 @@ use std::time::Instant;
 /// Pack the grains of a study and report on their statistics.
 #[derive(Args, Debug)]
 pub struct PackArgs {
-    /// Study file; what only the wave needs (light, indices, paper) may be left out.
+    /// Study file (TOML); light, indices and paper may be left out
     pub study: PathBuf,
-    /// Folder for the results (default: the study's name followed by "-packing").
+    /// Output folder (default: the study's name followed by "-packing")
     #[arg(short, long)]
     pub output: Option<PathBuf>,
-    /// Number of realisations, instead of the study's.
+    /// Number of realisations, instead of the study's
     #[arg(short, long)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     pub realisations: Option<u16>,
-    /// Seed, instead of the study's.
+    /// Seed, instead of the study's
     #[arg(short, long)]
     pub seed: Option<u64>,
 }
@@ -67,7 +67,7 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     let start = Instant::now();
     let bar = ProgressBar::new(0).with_style(style());
     bar.set_prefix(format!("realisation {}/{}", realisation + 1, study.realisations));
-    let packed = pack(&study.packing_request(realisation), &mut Bar { bar: &bar, stop });
+    let packed = pack(&study.packing_request(realisation), &mut PackBar { bar: &bar, stop });
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {}", realisation + 1))?;
     say(format_args!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64())))?;
@@ -98,12 +98,12 @@ fn style() -> ProgressStyle {
 }
 
 /// Shows progress on stderr and stops when Ctrl-C was pressed.
-struct Bar<'a> {
+struct PackBar<'a> {
     bar: &'a ProgressBar,
     stop: &'a StopFlag,
 }
 
-impl PackWatch for Bar<'_> {
+impl PackWatch for PackBar<'_> {
     fn progress(&mut self, p: &PackProgress) -> ControlFlow<()> {
         self.bar.tick();
         self.bar.set_message(format!(

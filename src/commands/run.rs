@@ -23,27 +23,28 @@ use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
+use inkwave::sweep::plan::by_size;
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `inkwave run`.
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// Study file (TOML); examples/every-key.toml shows all of it.
+    /// Study file (TOML); `inkwave schema --annotated` prints every key
     pub study: PathBuf,
-    /// Folder for the results; made when it is not there, continued when it holds part of this study.
+    /// Output folder (created if missing; an interrupted run is resumed)
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Solves at a time; the number of processors when left out. Fewer take less memory.
+    /// Number of parallel solves (default: number of processors); fewer need less memory
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
-    /// Only say what the study costs, after a short trial.
+    /// Print the expected cost, after a short trial, and exit
     #[arg(long)]
     pub plan: bool,
-    /// With --plan: as JSON.
+    /// Print the plan as JSON
     #[arg(long, requires = "plan")]
     pub json: bool,
-    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    /// Memory for all parallel solves, GB (default: four fifths of the free memory)
     #[arg(long, value_name = "GB", allow_negative_numbers = true)]
     pub memory_gb: Option<f64>,
 }
@@ -63,6 +64,9 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let folder = folder.going_on_with(this_command());
     if let Some(reason) = &study.angles.no_paper {
         super::say::note(format_args!("no paper, colour and picture: {reason}"));
+    }
+    if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
+        super::say::note(format_args!("out of reach: {reason} (--plan tells more; Ctrl-C stops)"));
     }
     let progress = Progress::new(StopFlag::listen());
     let live = LivePage::new(&study, &folder);
@@ -123,9 +127,8 @@ fn tell(
     let help = match (stopped, failed) {
         (true, _) => format!("to go on: {}", this_command()),
         (false, 0) => {
-            "the numbers are means over the packings that had room, and no bar holds what that selects: lower \
-             pigment.volume_fraction, or try another layer.period_um (a larger one may refuse more often, as all \
-             its grains must find room)"
+            "the numbers are means over the packings that had room, and the error bars hold what the others could change at \
+             most: lower pigment.volume_fraction, or try a smaller layer.period_um, where fewer grains have to find room at once"
                 .to_owned()
         }
         _ => {

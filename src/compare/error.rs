@@ -2,7 +2,6 @@
 
 use crate::input::case::CaseError;
 use crate::input::fault::StudyError;
-use crate::input::limits;
 use crate::numerics::allowed::Allowed;
 use crate::solve::SolveError;
 use crate::solve::accuracy::AccuracyError;
@@ -90,19 +89,6 @@ impl CompareError {
     }
 }
 
-/// Refuses a bound on the cost that no solve keeps.
-///
-/// # Errors
-/// The field, what was found and what is allowed.
-pub(super) fn applications(field: &str, most: usize) -> Result<(), CompareError> {
-    if limits::APPLICATIONS.holds(most) {
-        return Ok(());
-    }
-    let (found, allowed) = (most.to_string(), limits::APPLICATIONS.to_string());
-    let remedy = "some hundreds do for most inks";
-    Err(CompareError::Field { field: field.into(), found, allowed, remedy })
-}
-
 /// What is left of a list that the user may have stopped: nothing lost where something is there.
 ///
 /// # Errors
@@ -112,9 +98,4 @@ pub(super) fn kept<T>(entries: Vec<T>, end: Result<(), CompareError>) -> Result<
         Err(error) if !error.is_stop() || entries.is_empty() => Err(error),
         _ => Ok(entries),
     }
-}
-
-/// What a page of a list that was stopped says first; nothing where all is there.
-pub(super) fn missing(there: usize, asked: usize) -> Option<String> {
-    (there < asked).then(|| format!("Stopped: {} of {asked} solves are missing.", asked - there))
 }

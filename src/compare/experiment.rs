@@ -1,104 +1,84 @@
-//! Method comparison: strategies × resolutions × discretisations on one geometry, side by side.
+//! A comparison: strategies × means × grids × discretisations on one case, or on all cases of a
+//! matrix, side by side.
 
+mod cases;
 mod file;
+mod matrix;
+mod means;
 mod reference;
 mod rows;
 mod unused;
 
 pub use super::error::CompareError;
-pub use super::layer::PackedLayer;
-pub use file::{ComparisonFile, Points};
+pub use file::{ComparisonFile, GoalWritten, Points};
+pub use matrix::MatrixTable;
 
 use super::error::kept;
-use super::matrix::{Cell, Matrix, MatrixTable};
-use super::pages::{Comparison, Row};
-use super::subject::Packed;
-use crate::solve::{Coverages, Registry, Watch};
-use crate::wave::{Resolution, Scene, Scheme};
+use super::page::Comparison;
+use super::row::Row;
+use crate::solve::{Coverages, Registry, Solver, Watch};
+use cases::Subject;
+use means::absorbs;
+use reference::sized;
+use rows::Bench;
 
 /// What a comparison is about to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
-    /// Bodies of the geometry (of the matrix's own study).
+pub struct ComparisonPlan {
+    /// Bodies of the geometry (of the first case).
     pub bodies: usize,
-    /// Solves, but for those of the search for a grid.
+    /// Solves, but for those of searches for a grid and of repetitions.
     pub rows: usize,
 }
 
+/// A strategy with the name that people call it by.
+type NamedStrategy = (String, Box<dyn Solver>);
+
 impl ComparisonFile {
-    /// Rows of the comparison, or of its matrix, without a solve: the geometry is packed, and everything is checked.
+    /// Rows of the comparison without a solve: the geometry is packed, and everything is checked.
     ///
     /// # Errors
     /// As [`ComparisonFile::run`], but those of solves.
-    pub fn plan(&self, registry: &Registry) -> Result<Plan, CompareError> {
+    pub fn plan(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.planned(registry).map_err(|error| error.in_file(&self.origin))
     }
 
-    fn planned(&self, registry: &Registry) -> Result<Plan, CompareError> {
+    fn planned(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.check()?;
-        let strategies = self.strategies(registry)?.len();
-        let subject = self.subject()?;
-        let bodies = subject.case.scene.bodies.len();
-        let Some(matrix) = &self.matrix else {
-            self.check_reference(&subject)?;
-            return Ok(Plan { bodies, rows: strategies * self.schemes.len() * self.resolutions.len() });
-        };
-        matrix.check_cases(&self.varying()?)?;
-        Ok(Plan { bodies, rows: strategies * matrix.pigments.len() * matrix.periods_um.len() })
-    }
-
-    /// The study that a matrix varies.
-    fn varying(&self) -> Result<Packed, CompareError> {
-        let (found, allowed) = ("a case".into(), "a study, whose period and index vary".into());
-        let remedy = "name a study file, or write a whole study as [study]";
-        self.packed()?.ok_or(CompareError::Field { field: "matrix".into(), found, allowed, remedy })
-    }
-
-    /// Runs the matrix, if one is asked for; `watch` sees each solve's steps and can stop it: what is solved by then is kept.
-    ///
-    /// # Errors
-    /// Unknown strategies; layers that cannot be packed; cases that the reference strategy cannot solve; Ctrl-C.
-    pub fn run_matrix(
-        &self,
-        registry: &Registry,
-        watch: &mut dyn Watch,
-        told: impl FnMut(&Cell),
-    ) -> Result<Option<Matrix>, CompareError> {
-        let Some(matrix) = &self.matrix else { return Ok(None) };
-        let run = self.solved(matrix, registry, watch, told);
-        run.map(Some).map_err(|error| error.in_file(&self.origin))
-    }
-
-    fn solved(
-        &self,
-        matrix: &MatrixTable,
-        registry: &Registry,
-        watch: &mut dyn Watch,
-        told: impl FnMut(&Cell),
-    ) -> Result<Matrix, CompareError> {
-        self.check()?;
-        let packed = self.varying()?;
         let strategies = self.strategies(registry)?;
-        let cells = matrix.run(&packed, &strategies, watch, told)?;
-        let asked = matrix.pigments.len() * matrix.periods_um.len() * strategies.len();
-        let names = strategies.into_iter().map(|(name, _)| name.to_string()).collect();
-        Ok(Matrix {
-            title: self.title.clone(),
-            file: self.origin.clone(),
-            accuracy: matrix.accuracy,
-            max_applications: matrix.max_applications,
-            strategies: names,
-            registry: names_of(registry),
-            asked,
-            cells,
-        })
+        let subjects = self.subjects()?;
+        let mut bodies = None;
+        // Cases of one period have one packing.
+        for same in subjects.chunk_by(|a, b| a.period_um() == b.period_um()) {
+            let case = same[0].case()?;
+            if let Some(points) = self.listed() {
+                let schemes = self.schemes();
+                let grids: Vec<_> =
+                    points.iter().map(|points| sized(&case.scene, *points, schemes[0])).collect();
+                self.check_reference(&case, &grids)?;
+            }
+            bodies.get_or_insert(case.scene.bodies.len());
+        }
+        Ok(ComparisonPlan { bodies: bodies.unwrap_or(0), rows: self.asked(&subjects, &strategies)? })
     }
 
-    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison: rows solved
-    /// by then are kept.
+    /// Rows asked for; faults of every case show on the way.
+    fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> Result<usize, CompareError> {
+        let grids = self.schemes().len() * self.listed().map_or(1, |points| points.len());
+        let mut rows = 0;
+        for subject in subjects {
+            let absorbs = absorbs(&subject.media()?);
+            rows += strategies.iter().map(|(_, s)| self.means(&**s, absorbs).len()).sum::<usize>();
+        }
+        Ok(rows * grids)
+    }
+
+    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can
+    /// stop the comparison: rows solved by then are kept.
     ///
     /// # Errors
-    /// Unknown strategies, a geometry without a reference, Ctrl-C before the first row.
+    /// Unknown strategies, layers that cannot be packed, a case without a reference, Ctrl-C before
+    /// the first row.
     pub fn run(
         &self,
         registry: &Registry,
@@ -116,33 +96,51 @@ impl ComparisonFile {
     ) -> Result<Comparison, CompareError> {
         self.check()?;
         let strategies = self.strategies(registry)?;
-        let subject = self.subject()?;
-        let (truth, reference) = self.reference(&subject, watch)?;
-        let case = &subject.case;
-        let coverages = Coverages::of(&case.scene);
-        let on = |scheme| self.resolutions.iter().map(move |points| resolution(&case.scene, *points, scheme));
-        let grids = self.schemes.iter().flat_map(|&scheme| on(scheme));
-        let tasks: Vec<_> = grids.flat_map(|grid| strategies.iter().map(move |s| (grid, s))).collect();
+        let subjects = self.subjects()?;
+        let asked = self.asked(&subjects, &strategies)?;
         let mut rows = Vec::new();
         let mut keep = |row: Row| {
             told(&row);
             rows.push(row);
         };
-        let end = tasks.iter().try_for_each(|(grid, (name, solver))| {
-            self.row((name, &**solver), *grid, case, &coverages, &truth, watch).map(&mut keep)
-        });
-        let (rows, asked) = (kept(rows, end)?, tasks.len());
-        Ok(Comparison { title: self.title.clone(), reference, registry: names_of(registry), asked, rows })
+        let end = subjects.iter().try_for_each(|subject| self.on(subject, &strategies, watch, &mut keep));
+        Ok(Comparison {
+            title: self.title.clone(),
+            file: self.origin.clone(),
+            reference: subjects.first().map_or("", Subject::reference).into(),
+            accuracy: self.searched(),
+            goal: self.goal(),
+            strategies: strategies.into_iter().map(|(name, _)| name).collect(),
+            registry: registry.names().map(String::from).collect(),
+            asked,
+            rows: kept(rows, end)?,
+        })
     }
-}
 
-fn names_of(registry: &Registry) -> Vec<String> {
-    registry.names().map(String::from).collect()
-}
-
-/// A grid of the list; one point is enough along an axis that nothing depends on.
-fn resolution(scene: &Scene, points: Points, scheme: Scheme) -> Resolution {
-    let nx = if scene.uniform_in_plane() { 1 } else { points.points };
-    let ny = if scene.uniform_in_y() { 1 } else { points.points };
-    Resolution { nx, ny, cells: points.cells, scheme }
+    /// Every row of one case.
+    fn on(
+        &self,
+        subject: &Subject,
+        strategies: &[NamedStrategy],
+        watch: &mut dyn Watch,
+        keep: &mut dyn FnMut(Row),
+    ) -> Result<(), CompareError> {
+        let case = subject.case()?;
+        let coverages = Coverages::of(&case.scene);
+        let absorbs = absorbs(&case.media);
+        let trials = self.trials(&case, &coverages, watch)?;
+        let truth = self.truth(subject, &case, &trials, watch)?;
+        let bench = Bench { file: self, varied: subject.varied, case: &case, coverages: &coverages, truth };
+        for trial in &trials {
+            for absorbing in [true, false] {
+                for (name, solver) in strategies {
+                    let means = self.means(&**solver, absorbs);
+                    if let Some(mean) = means.into_iter().find(|mean| mean.absorbing == absorbing) {
+                        keep(bench.row((name, &**solver), mean, trial, watch)?);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
 }

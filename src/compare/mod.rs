@@ -1,9 +1,9 @@
-//! Experiments that compare methods: strategies × grids × discretisations, with their page.
+//! Experiments that compare methods: strategies × grids × discretisations on one case or many, with
+//! their page.
 
 pub mod error;
 pub mod experiment;
-pub mod layer;
-pub mod matrix;
-mod matrix_page;
-pub mod pages;
+pub mod page;
+mod plots;
+pub mod row;
 pub mod subject;

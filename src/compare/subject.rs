@@ -1,4 +1,5 @@
-//! What strategies are compared on: a study's first packing at one wavelength and direction, or an explicit case.
+//! What strategies are compared on: a study's first packing at one wavelength and direction, or an
+//! explicit case.
 
 use super::error::CompareError;
 use crate::ink::pack;
@@ -12,7 +13,7 @@ use crate::input::read::read;
 use crate::input::study::Study;
 use crate::input::variation::CellRule;
 use crate::numerics::files;
-use crate::wave::{Incidence, Scene};
+use crate::wave::{Incidence, Media, Scene};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -65,14 +66,10 @@ impl Packed {
             }
             StudyWritten::Table(table) => {
                 let file = read(table.clone().into()).map_err(|faults| told(faults, origin, INSIDE))?;
-                Ok(Packed::of(file, origin))
+                let (path, wavelength_nm, polar_deg) = (origin.to_owned(), None, None);
+                Ok(Packed { file, path, inside: INSIDE, wavelength_nm, polar_deg })
             }
         }
-    }
-
-    /// A study that stands in the comparison `origin`.
-    pub fn of(file: StudyFile, origin: &Path) -> Packed {
-        Packed { file, path: origin.to_owned(), inside: INSIDE, wavelength_nm: None, polar_deg: None }
     }
 
     /// The same under another light, where one is given.
@@ -84,7 +81,7 @@ impl Packed {
     pub fn varied(&self, period_um: f64, [n, kappa]: [f64; 2]) -> Result<Packed, CompareError> {
         let mut other = self.clone();
         other.file.layer.cell = CellRule::Fixed;
-        other.file.layer.period_um = Some(Pair([period_um; 2]));
+        other.file.layer.period_um = Some(Pair::Both(period_um));
         let Some(pigment) = other.file.pigments.first_mut() else {
             return Err(CompareError::Field {
                 field: "study.pigment".into(),
@@ -101,7 +98,7 @@ impl Packed {
     ///
     /// # Errors
     /// Its faults; Maxwell's equations.
-    pub fn study(&self) -> Result<Study, CompareError> {
+    fn study(&self) -> Result<Study, CompareError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let checked = check(&self.file, folder, "study");
         let study = checked.map_err(|faults| told(faults, &self.path, self.inside))?;
@@ -128,6 +125,15 @@ impl Packed {
         scene.check(&media)?;
         incidence.check()?;
         Ok(Case { scene, media, incidence })
+    }
+
+    /// The indices of all media.
+    ///
+    /// # Errors
+    /// Faults of the study, a wavelength outside its range.
+    pub fn media(&self) -> Result<Media, CompareError> {
+        let study = self.study()?;
+        Ok(study.media(self.incidence(&study)?.wavelength_um))
     }
 
     fn incidence(&self, study: &Study) -> Result<Incidence, CompareError> {

@@ -1,6 +1,7 @@
 //! Many pictures of inks in rows and columns with captions.
 
-use super::figure::{Anchor, Bitmap, FigureError};
+use super::error::OutputError;
+use super::figure::{Anchor, Bitmap};
 use super::picture::{LABEL_PX, Painter, PictureStyle, TITLE_PX};
 use crate::appearance::picture::InkPicture;
 
@@ -35,7 +36,7 @@ impl ContactSheet {
     ///
     /// # Errors
     /// No pictures; captions and pictures that differ in number; a sheet larger than 20 000 pixels.
-    pub fn render(&self, style: &PictureStyle) -> Result<Bitmap, FigureError> {
+    pub fn render(&self, style: &PictureStyle) -> Result<Bitmap, OutputError> {
         self.check()?;
         let cell = [style.strip_px + style.gap_px + style.side_px + SHEET_GAP, style.side_px + SHEET_GAP];
         let left = self.left();
@@ -65,11 +66,11 @@ impl ContactSheet {
         self.blanks.get(row).and_then(|reasons| reasons.get(column)).map_or("", String::as_str)
     }
 
-    fn check(&self) -> Result<(), FigureError> {
+    fn check(&self) -> Result<(), OutputError> {
         if self.rows.is_empty() || self.columns.is_empty() {
-            return Err(FigureError::Empty { field: "rows or columns" });
+            return Err(OutputError::Count { field: "rows or columns", count: 0, expected: 1 });
         }
-        let wrong = |field, count, expected| Err(FigureError::Count { field, count, expected });
+        let wrong = |field, count, expected| Err(OutputError::Count { field, count, expected });
         if self.pictures.len() != self.rows.len() {
             return wrong("pictures", self.pictures.len(), self.rows.len());
         }
@@ -79,7 +80,7 @@ impl ContactSheet {
         self.pictures.iter().flatten().flatten().try_for_each(|p| Painter(p).check())
     }
 
-    fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), FigureError> {
+    fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), OutputError> {
         let middle = |k: usize, step: usize, from: usize| (from + k * step + (step - SHEET_GAP) / 2) as i32;
         let left = self.left();
         bitmap.text(&self.column_axis, [left as i32, 58], LABEL_PX, Anchor::Left, false)?;
@@ -96,7 +97,7 @@ impl ContactSheet {
 }
 
 /// Why there is no picture, in lines as wide as the place.
-fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> Result<(), FigureError> {
+fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> Result<(), OutputError> {
     let size = LABEL_PX - 2;
     let letters = ((cell[0] - SHEET_GAP) as f64 / (LETTER * size as f64)) as usize;
     let lines = wrapped(reason, letters);

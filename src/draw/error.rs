@@ -1,12 +1,12 @@
-//! Why an output was not written.
+//! Why an output was not made or written.
 
 use std::path::PathBuf;
 
-/// Why a file of results was not written.
+/// Why a file of results, or a picture in one, is not there.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The file cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}: {source}; check the folder and its rights", path.display())]
     Write {
         /// The file.
         path: PathBuf,
@@ -29,10 +29,36 @@ pub enum OutputError {
         /// Why.
         reason: String,
     },
+    /// A size outside its range.
+    #[error("{field} = {value}: allowed 1 to {most}")]
+    Size {
+        /// Which size.
+        field: &'static str,
+        /// The value, pixels.
+        value: usize,
+        /// Most, pixels.
+        most: usize,
+    },
+    /// Another number of items than needed.
+    #[error("{field}: {count} entries where {expected} are needed")]
+    Count {
+        /// Which items.
+        field: &'static str,
+        /// Items given.
+        count: usize,
+        /// Items expected; 1 stands for one at least.
+        expected: usize,
+    },
 }
 
 impl OutputError {
-    pub(crate) fn making(what: &str) -> impl Fn(String) -> Self + '_ {
-        move |reason| Self::Make { what: what.into(), reason }
+    /// What becomes of any failure while something is made.
+    pub(crate) fn making<E: std::fmt::Display>(what: &str) -> impl Fn(E) -> Self + '_ {
+        move |reason| Self::Make { what: what.into(), reason: reason.to_string() }
     }
+}
+
+/// A failure of the drawing library.
+pub(super) fn failed(reason: impl std::fmt::Display) -> OutputError {
+    OutputError::making("a drawing")(reason)
 }

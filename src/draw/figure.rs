@@ -1,58 +1,12 @@
 //! The canvas under pictures and plots: an RGB bitmap with the built-in font, written as PNG.
 
+use super::error::{OutputError, failed};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use std::fs::File;
-use std::io::BufWriter;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Once;
-use thiserror::Error;
-
-/// Why there is no figure.
-#[derive(Debug, Error)]
-pub enum FigureError {
-    /// The file cannot be written.
-    #[error("cannot write {path}: {message}; check the folder and its rights", path = path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        message: String,
-    },
-    /// The drawing failed; the message says why.
-    #[error("cannot draw: {0}")]
-    Draw(String),
-    /// A size outside its range.
-    #[error("{field} = {value}: allowed {lo} to {hi}")]
-    Size {
-        /// Which size.
-        field: &'static str,
-        /// The value, pixels.
-        value: usize,
-        /// Least, pixels.
-        lo: usize,
-        /// Most, pixels.
-        hi: usize,
-    },
-    /// Nothing to draw.
-    #[error("nothing to draw: {field} is empty")]
-    Empty {
-        /// What is empty.
-        field: &'static str,
-    },
-    /// Another number of items than needed.
-    #[error("{field}: {count} entries where {expected} are needed")]
-    Count {
-        /// Which items.
-        field: &'static str,
-        /// Items given.
-        count: usize,
-        /// Items expected.
-        expected: usize,
-    },
-}
 
 /// The font of all figures.
 pub const FONT: &str = "sans-serif";
@@ -105,10 +59,10 @@ impl Bitmap {
     ///
     /// # Errors
     /// A side of 0 or more than 20 000 pixels.
-    pub fn white(width: usize, height: usize) -> Result<Self, FigureError> {
+    pub fn white(width: usize, height: usize) -> Result<Self, OutputError> {
         for (field, value) in [("width", width), ("height", height)] {
             if !(1..=LARGEST_SIDE).contains(&value) {
-                return Err(FigureError::Size { field, value, lo: 1, hi: LARGEST_SIDE });
+                return Err(OutputError::Size { field, value, most: LARGEST_SIDE });
             }
         }
         Ok(Self { width, height, rgb: vec![255; 3 * width * height] })
@@ -151,7 +105,7 @@ impl Bitmap {
         px: u32,
         anchor: Anchor,
         upwards: bool,
-    ) -> Result<(), FigureError> {
+    ) -> Result<(), OutputError> {
         let horizontal = match anchor {
             Anchor::Left => HPos::Left,
             Anchor::Centre => HPos::Center,
@@ -163,10 +117,7 @@ impl Bitmap {
             font = font.transform(FontTransform::Rotate270);
         }
         let style = TextStyle::from(font).color(&BLACK).pos(Pos::new(horizontal, VPos::Center));
-        self.draw(|area| {
-            area.draw(&Text::new(text.to_string(), (x, y), style))
-                .map_err(|e| FigureError::Draw(e.to_string()))
-        })
+        self.draw(|area| area.draw(&Text::new(text.to_string(), (x, y), style)).map_err(failed))
     }
 
     /// Draws with plotters.
@@ -175,38 +126,36 @@ impl Bitmap {
     /// Whatever the drawing reports.
     pub fn draw(
         &mut self,
-        paint: impl FnOnce(&DrawingArea<BitMapBackend, Shift>) -> Result<(), FigureError>,
-    ) -> Result<(), FigureError> {
+        paint: impl FnOnce(&DrawingArea<BitMapBackend, Shift>) -> Result<(), OutputError>,
+    ) -> Result<(), OutputError> {
         register_fonts();
         let size = (self.width as u32, self.height as u32);
         let area = BitMapBackend::with_buffer(&mut self.rgb, size).into_drawing_area();
         paint(&area)?;
-        area.present().map_err(|e| FigureError::Draw(e.to_string()))
+        area.present().map_err(failed)
     }
 
     /// Writes a PNG with the sRGB chunk and text chunks (keyword, text), e.g. provenance.
     ///
     /// # Errors
     /// The path cannot be written; a keyword is not 1–79 Latin-1 characters.
-    pub fn write_png(&self, path: impl AsRef<Path>, text: &[(&str, &str)]) -> Result<(), FigureError> {
+    pub fn write_png(&self, path: impl AsRef<Path>, text: &[(&str, &str)]) -> Result<(), OutputError> {
         let path = path.as_ref();
-        let failed = |message: String| FigureError::Write { path: path.into(), message };
-        let file = File::create(path).map_err(|e| failed(e.to_string()))?;
-        self.encode(BufWriter::new(file), text).map_err(|e| failed(e.to_string()))
+        std::fs::write(path, self.png(text)?)
+            .map_err(|source| OutputError::Write { path: path.into(), source })
     }
 
     /// The bytes of such a PNG.
     ///
     /// # Errors
     /// A keyword is not 1–79 Latin-1 characters.
-    pub fn png(&self, text: &[(&str, &str)]) -> Result<Vec<u8>, FigureError> {
-        let mut bytes = Vec::new();
-        self.encode(&mut bytes, text).map_err(|e| FigureError::Draw(e.to_string()))?;
-        Ok(bytes)
+    pub fn png(&self, text: &[(&str, &str)]) -> Result<Vec<u8>, OutputError> {
+        self.encode(text).map_err(failed)
     }
 
-    fn encode(&self, sink: impl std::io::Write, text: &[(&str, &str)]) -> Result<(), png::EncodingError> {
-        let mut encoder = png::Encoder::new(sink, self.width as u32, self.height as u32);
+    fn encode(&self, text: &[(&str, &str)]) -> Result<Vec<u8>, png::EncodingError> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
@@ -215,6 +164,7 @@ impl Bitmap {
         }
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.rgb)?;
-        writer.finish()
+        writer.finish()?;
+        Ok(bytes)
     }
 }

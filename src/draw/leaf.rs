@@ -1,12 +1,13 @@
 //! The leaf that a plot stands on: no wider than a phone shows with its words still read, the title above the axes and the names
 //! of the curves beneath them.
 
-use super::figure::{FONT, FigureError, register_fonts};
+use super::error::{OutputError, failed};
+use super::figure::{FONT, register_fonts};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 /// Width of all plots, pixels. A phone leaves 358 of its 390 to a page: words of 13 are 10 there.
-pub(super) const WIDTH: u32 = 480;
+const WIDTH: u32 = 480;
 /// Height of the axes with their words, pixels.
 const AXES: u32 = 320;
 /// Size of words; the library draws them 1.24 times smaller, in pixels.
@@ -49,7 +50,7 @@ impl Leaf {
     }
 
     /// Writes the title; what is left are the axes and the names beneath.
-    pub fn split<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(Area<B>, Area<B>), FigureError> {
+    pub fn split<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(Area<B>, Area<B>), OutputError> {
         let (title, rest) = area.split_vertically(self.title_height());
         for (k, line) in self.title.iter().enumerate() {
             let left = (WIDTH.saturating_sub(width(line, TITLE)) / 2) as i32;
@@ -73,7 +74,7 @@ pub(super) fn fitting(words: &str, room: u32) -> u32 {
 }
 
 /// Width of words, pixels.
-fn width(words: &str, px: u32) -> u32 {
+pub(super) fn width(words: &str, px: u32) -> u32 {
     register_fonts(); // a font is looked up when its description is made
     (FONT, px).into_font().box_size(words).map_or(0, |size| size.0)
 }
@@ -95,8 +96,8 @@ fn lines(title: &str) -> Vec<String> {
 /// A drawing as SVG, without what says nothing.
 pub(super) fn svg_of(
     size: (u32, u32),
-    paint: impl FnOnce(&Area<SVGBackend>) -> Result<(), FigureError>,
-) -> Result<String, FigureError> {
+    paint: impl FnOnce(&Area<SVGBackend>) -> Result<(), OutputError>,
+) -> Result<String, OutputError> {
     register_fonts();
     let mut text = String::new();
     {
@@ -115,15 +116,11 @@ const NIGHT: &str = "<style>@media screen and (prefers-color-scheme: dark) { \
     [stroke=\"#0072B2\"] { stroke: #3d9fdc; } polygon[fill=\"#0072B2\"] { fill: #3d9fdc; } }</style>";
 
 /// The drawing with rules for dark pages.
-pub(super) fn at_night(svg: &str) -> String {
+fn at_night(svg: &str) -> String {
     match svg.find("<svg").and_then(|at| Some(at + svg[at..].find('>')? + 1)) {
         Some(end) => format!("{}\n{NIGHT}{}", &svg[..end], &svg[end..]),
         None => svg.to_owned(),
     }
-}
-
-pub(super) fn failed(error: impl std::fmt::Display) -> FigureError {
-    FigureError::Draw(error.to_string())
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Pictures of a layer: from the incident side, cut open, in perspective; and a sheet of grain shapes.
 
-use super::OutputError;
-use super::curve_plot::{Frame, bitmap, framed};
+use super::error::{OutputError, failed};
+use super::figure::FONT;
+use super::frame::{Canvas, Frame, drawn, framed};
 use super::raster::{BACKGROUND, BINDER, Camera, Raster, mix, pigment_colour, shade};
 use crate::ink::{Packing, Shape, Sphere};
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
 const WIDE: f64 = 860.0;
@@ -132,34 +132,29 @@ fn spheres(count: usize) -> String {
 /// The cell from the incident side and aside, with its edges; the face z = 0 is up.
 pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let (w, h) = (1200u32, 760u32);
-    bitmap(w, h + 40, "perspective", |area| draw_perspective(&area, packing, (w, h)))
+    drawn((w, h + 40), |area| draw_perspective(area, packing, (w, h)))
 }
 
-/// What pictures are drawn on.
-type Canvas<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
-
 /// The perspective picture of `size` pixels beneath its caption.
-fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Result<(), String> {
+fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Result<(), OutputError> {
     let [lx, ly] = packing.period_um();
     let caption =
         format!("One period, {lx:.3} × {ly:.3} × {:.3} µm (x × y × thickness)", packing.thickness_um());
     let raster = paint_perspective(packing, 2 * size.0 as usize, 2 * size.1 as usize).halved();
-    canvas.fill(&WHITE).map_err(|e| e.to_string())?;
     write_line(canvas, caption, (20, 12), 20)?;
-    place(canvas, &raster, (0, 40), size)?;
-    canvas.present().map_err(|e| e.to_string())
+    place(canvas, &raster, (0, 40), size)
 }
 
 /// Writes a line with its upper left corner at `at`, its letters `height` pixels high.
-fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> Result<(), String> {
-    let text = Text::new(line, at, ("sans-serif", height).into_font());
-    canvas.draw(&text).map_err(|e| e.to_string())
+fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> Result<(), OutputError> {
+    let text = Text::new(line, at, (FONT, height).into_font());
+    canvas.draw(&text).map_err(failed)
 }
 
 /// Puts a picture with its upper left corner at `at`.
-fn place(canvas: &Canvas, raster: &Raster, at: (i32, i32), size: (u32, u32)) -> Result<(), String> {
+fn place(canvas: &Canvas, raster: &Raster, at: (i32, i32), size: (u32, u32)) -> Result<(), OutputError> {
     let bits = BitMapElement::with_owned_buffer(at, size, raster.rgb());
-    bits.map_or(Ok(()), |b| canvas.draw(&b)).map_err(|e| e.to_string())
+    bits.map_or(Ok(()), |b| canvas.draw(&b)).map_err(failed)
 }
 
 fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
@@ -188,15 +183,13 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
 /// Each pigment's grain side by side, at one scale, with its name and figures.
 pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
     let n = shapes.len().max(1);
-    bitmap((n * TILE) as u32, 400, "sheet of shapes", |area| {
-        area.fill(&WHITE).map_err(|e| e.to_string())?;
-        shapes.iter().enumerate().try_for_each(|(k, shape)| draw_shape(&area, k, shape))?;
-        area.present().map_err(|e| e.to_string())
+    drawn(((n * TILE) as u32, 400), |area| {
+        shapes.iter().enumerate().try_for_each(|(k, shape)| draw_shape(area, k, shape))
     })
 }
 
 /// The grain of pigment `k` in its place on the sheet, with its name and figures beneath.
-fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Result<(), String> {
+fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Result<(), OutputError> {
     let template = shape.template();
     let raster = paint_shape(&template.spheres, k, 2 * TILE).halved();
     let left = (k * TILE) as i32;

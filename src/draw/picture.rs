@@ -1,6 +1,7 @@
 //! Paints the picture of P1 Fig. 6: strip and square, with or without axes.
 
-use super::figure::{Anchor, Bitmap, FigureError};
+use super::error::OutputError;
+use super::figure::{Anchor, Bitmap};
 use crate::appearance::picture::InkPicture;
 
 /// Sizes in pixels.
@@ -32,7 +33,7 @@ const TICKS_DEG: f64 = 20.0;
 ///
 /// # Errors
 /// No angles, strip and square of other sizes than the angles, sides of 0 or more than 20 000 pixels.
-pub fn render(picture: &InkPicture, style: &PictureStyle, title: &str) -> Result<Bitmap, FigureError> {
+pub fn render(picture: &InkPicture, style: &PictureStyle, title: &str) -> Result<Bitmap, OutputError> {
     Painter(picture).render(style, title)
 }
 
@@ -40,7 +41,7 @@ pub fn render(picture: &InkPicture, style: &PictureStyle, title: &str) -> Result
 pub(super) struct Painter<'a>(pub(super) &'a InkPicture);
 
 impl Painter<'_> {
-    fn render(&self, style: &PictureStyle, title: &str) -> Result<Bitmap, FigureError> {
+    fn render(&self, style: &PictureStyle, title: &str) -> Result<Bitmap, OutputError> {
         self.check()?;
         let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
         let width = left + style.strip_px + style.gap_px + style.side_px + right;
@@ -52,10 +53,10 @@ impl Painter<'_> {
         Ok(bitmap)
     }
 
-    pub(super) fn check(&self) -> Result<(), FigureError> {
+    pub(super) fn check(&self) -> Result<(), OutputError> {
         let expected = self.0.angles_deg.len();
         if expected == 0 {
-            return Err(FigureError::Empty { field: "angles_deg" });
+            return Err(OutputError::Count { field: "angles_deg", count: 0, expected: 1 });
         }
         let counts = [
             ("strip", self.0.strip.len()),
@@ -63,7 +64,7 @@ impl Painter<'_> {
             ("square columns", self.0.square.ncols()),
         ];
         match counts.into_iter().find(|(_, count)| *count != expected) {
-            Some((field, count)) => Err(FigureError::Count { field, count, expected }),
+            Some((field, count)) => Err(OutputError::Count { field, count, expected }),
             None => Ok(()),
         }
     }
@@ -86,7 +87,7 @@ impl Painter<'_> {
         [x, y]: [usize; 2],
         style: &PictureStyle,
         title: &str,
-    ) -> Result<(), FigureError> {
+    ) -> Result<(), OutputError> {
         let square = x + style.strip_px + style.gap_px;
         let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
         bitmap.text(title, [x as i32, 16], TITLE_PX, Anchor::Left, false)?;

@@ -1,18 +1,37 @@
 //! Ticks of axes: round numbers, and as many as can be read.
 
-use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::ranged1d::{BoldPoints, KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
-/// Most ticks of a logarithmic axis that runs along the page.
-pub(super) const MOST_ALONG: usize = 7;
-/// Most ticks of one that runs up the page.
-pub(super) const MOST_UP: usize = 12;
+/// Most ticks of an axis that runs along the page.
+const MOST_ALONG: usize = 7;
+/// Most ticks of one that runs up the page: linear and logarithmic.
+const MOST_UP: [usize; 2] = [8, 12];
 /// Slack of comparisons between round numbers.
 const ROUNDING: f64 = 1e-9;
 
+/// Round ticks of an axis along the page, with their words.
+pub(super) fn along(range: &Range<f64>, log: bool) -> Vec<(f64, String)> {
+    round_ticks(range, log, MOST_ALONG)
+}
+
+/// The same up the page.
+pub(super) fn up(range: &Range<f64>, log: bool) -> Vec<(f64, String)> {
+    round_ticks(range, log, MOST_UP[usize::from(log)])
+}
+
+fn round_ticks(range: &Range<f64>, log: bool, most: usize) -> Vec<(f64, String)> {
+    let at = if log {
+        logarithmic(range, most)
+    } else {
+        RangedCoordf64::from(range.clone()).key_points(BoldPoints(most))
+    };
+    at.into_iter().map(|v| (v, label(v, log, range.end - range.start))).collect()
+}
+
 /// 1, 2 and 5 times the powers of ten within a range; of long ranges the powers alone, or every second of them, and so on.
-pub(super) fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
+fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
     let all = round_numbers(range, &[1.0, 2.0, 5.0]);
     if all.len() <= most {
         return all;
@@ -41,7 +60,7 @@ pub(super) fn wide(low: f64, high: f64) -> Range<f64> {
 
 /// A tick in words. `span` is the length of the axis: ticks of a linear one differ by a tenth of it or more, so that its
 /// decimal place tells them apart.
-pub(super) fn label(v: f64, log: bool, span: f64) -> String {
+fn label(v: f64, log: bool, span: f64) -> String {
     if log { round(v) } else { linear(v, span) }
 }
 
@@ -92,21 +111,27 @@ pub(super) fn at_data(values: impl Iterator<Item = f64>, range: &Range<f64>) -> 
     ((2..=MOST_ALONG).contains(&named.len()) && apart && told).then_some(named)
 }
 
-/// A linear axis with ticks at given places: that of the drawing library cannot write them.
-pub(super) struct Placed {
-    axis: RangedCoordf64,
-    ticks: Vec<f64>,
+/// Where a number stands on an axis.
+pub(super) fn on(log: bool, v: f64) -> f64 {
+    if log { v.log10() } else { v }
 }
 
-impl Placed {
-    /// The axis over a range.
-    pub fn new(range: Range<f64>, ticks: Vec<f64>) -> Self {
-        Self { axis: range.into(), ticks }
+/// An axis over numbers or their logarithms, with ticks in words at given places.
+pub(super) struct Scale {
+    axis: RangedCoordf64,
+    ticks: Vec<(f64, String)>,
+}
+
+impl Scale {
+    /// The axis over a range of numbers, with ticks at numbers.
+    pub fn new(log: bool, range: Range<f64>, ticks: Vec<(f64, String)>) -> Self {
+        let ticks = ticks.into_iter().map(|(v, words)| (on(log, v), words)).collect();
+        Self { axis: (on(log, range.start)..on(log, range.end)).into(), ticks }
     }
 }
 
-impl Ranged for Placed {
-    type FormatOption = DefaultFormatting;
+impl Ranged for Scale {
+    type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
@@ -114,11 +139,18 @@ impl Ranged for Placed {
     }
 
     fn key_points<H: KeyPointHint>(&self, hint: H) -> Vec<f64> {
-        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+        let light = hint.weight().allow_light_points();
+        if light { Vec::new() } else { self.ticks.iter().map(|tick| tick.0).collect() }
     }
 
     fn range(&self) -> Range<f64> {
         self.axis.range()
+    }
+}
+
+impl ValueFormatter<f64> for Scale {
+    fn format_ext(&self, value: &f64) -> String {
+        self.ticks.iter().find(|tick| tick.0 == *value).map_or_else(String::new, |tick| tick.1.clone())
     }
 }
 
@@ -134,10 +166,10 @@ mod tests {
         };
         near(logarithmic(&(0.15..12.0), MOST_ALONG), &[0.2, 0.5, 1.0, 2.0, 5.0, 10.0]);
         near(
-            logarithmic(&(1e-12..1.0), MOST_UP),
+            logarithmic(&(1e-12..1.0), MOST_UP[1]),
             &(-12..=0).step_by(2).map(|k| 10f64.powi(k)).collect::<Vec<_>>(),
         );
-        near(logarithmic(&(3e-9..2.0), MOST_UP), &(-8..=0).map(|k| 10f64.powi(k)).collect::<Vec<_>>());
+        near(logarithmic(&(3e-9..2.0), MOST_UP[1]), &(-8..=0).map(|k| 10f64.powi(k)).collect::<Vec<_>>());
     }
 
     #[test]
@@ -162,7 +194,6 @@ mod tests {
     /// Ticks of linear axes of all lengths, as the drawing library places them. *Planted*: three decimals write 0.092 twice.
     #[test]
     fn labels_of_an_axis_differ() {
-        use plotters::coord::ranged1d::BoldPoints;
         let mut draws = crate::numerics::Draws::new(3, 0);
         for _ in 0..2000 {
             let span = 10f64.powf(12.0 * draws.uniform() - 6.0);

@@ -4,7 +4,8 @@ use super::sheet::sheet;
 use super::tables;
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
-use crate::draw::figure::{Bitmap, FigureError};
+use crate::draw::OutputError;
+use crate::draw::figure::Bitmap;
 use crate::draw::picture::{PictureStyle, render};
 use crate::evaluate::ink::InkError;
 use crate::evaluate::manifest::{Manifest, Status, Withheld};
@@ -29,9 +30,16 @@ pub enum PublishError {
          more realisations or a smaller light.step_nm, or else a finer grid"
     )]
     Unphysical(String),
+    /// Too many packings have no room.
+    #[error(
+        "{0}: means over the others show the cells that could be packed, so nothing is published; every solve is kept. Lower \
+         pigment.volume_fraction, take smaller grains or a thicker layer, or try a smaller layer.period_um: fewer grains have to \
+         find room at once. A larger run.failed_packings has the numbers, with error bars that hold the worst selection"
+    )]
+    NoRoom(String),
     /// A plot or picture.
     #[error(transparent)]
-    Figure(#[from] FigureError),
+    Figure(#[from] OutputError),
     /// Ink on paper.
     #[error(transparent)]
     Ink(#[from] InkError),
@@ -89,6 +97,10 @@ pub(crate) fn publish_seen(
     if let Some(what) = manifest.unphysical() {
         folder.begin()?;
         return Err(PublishError::Unphysical(what));
+    }
+    if let Some(what) = manifest.tried_packings.refusal(study.failed_packings) {
+        folder.begin()?;
+        return Err(PublishError::NoRoom(what));
     }
     // the picture shows the same curves at other angles
     let pictures = if manifest.withheld.is_empty() { pictures(study, seen)? } else { None };

@@ -4,7 +4,7 @@
 use super::load::Sweep;
 use super::outcome::Outcome;
 use super::sheets::Sheet;
-use crate::draw::plots::{Plot, Series};
+use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::manifest::SpectrumRow;
 use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
 use crate::input::contrast::ContrastPart;
@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, HashMap};
 /// What a variant is made of, as far as curves sort it; sizes in hundredths of a nm, shares in millionths, so that
 /// equal numbers are equal.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Make {
+struct CurveMaker {
     share: u64,
     size: u64,
     /// Pigments, shapes, orientations, agglomeration; the same for molecular mixtures of the same pigments.
@@ -33,10 +33,10 @@ enum Abscissa {
 }
 
 /// All curves of a sheet; none where neither share nor size has several values.
-pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Plot> {
+pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Chart> {
     let shown = sheet.variants.iter().flatten().flatten();
-    let made: Vec<(usize, Make)> =
-        shown.filter_map(|&v| Some((v, Make::of(&sweep.variants[v].study)?))).collect();
+    let made: Vec<(usize, CurveMaker)> =
+        shown.filter_map(|&v| Some((v, CurveMaker::of(&sweep.variants[v].study)?))).collect();
     let made = with_others(sweep, made);
     let Some(&(first, _)) = made.first() else { return Vec::new() };
     let nm = strongest_nm(&sweep.variants[first].study);
@@ -56,7 +56,7 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_cur
 }
 
 /// Tells apart what is made alike but stands on other papers, is seen by another wave, and so on.
-fn with_others(sweep: &Sweep, mut made: Vec<(usize, Make)>) -> Vec<(usize, Make)> {
+fn with_others(sweep: &Sweep, mut made: Vec<(usize, CurveMaker)>) -> Vec<(usize, CurveMaker)> {
     let place = |v: usize| &sweep.outline.variants[v].place;
     let axes = 0..sweep.outline.axes.len();
     let axes: Vec<usize> = axes.filter(|&a| tells_apart(sweep, &made, a)).collect();
@@ -68,9 +68,9 @@ fn with_others(sweep: &Sweep, mut made: Vec<(usize, Make)>) -> Vec<(usize, Make)
 }
 
 /// Whether an axis alone tells two variants of one make apart; grains speak for molecular mixtures.
-fn tells_apart(sweep: &Sweep, made: &[(usize, Make)], axis: usize) -> bool {
+fn tells_apart(sweep: &Sweep, made: &[(usize, CurveMaker)], axis: usize) -> bool {
     let all_dissolved = made.iter().all(|(_, make)| make.size == 0);
-    let mut seen: HashMap<(Vec<usize>, &Make), usize> = HashMap::new();
+    let mut seen: HashMap<(Vec<usize>, &CurveMaker), usize> = HashMap::new();
     made.iter().filter(|(_, make)| all_dissolved || make.size > 0).any(|(v, make)| {
         let mut elsewhere = sweep.outline.variants[*v].place.clone();
         let here = elsewhere.remove(axis);
@@ -80,13 +80,13 @@ fn tells_apart(sweep: &Sweep, made: &[(usize, Make)], axis: usize) -> bool {
 
 fn plot(
     sheet: &Sheet,
-    made: &[(usize, Make)],
+    made: &[(usize, CurveMaker)],
     x: Abscissa,
     y_label: &str,
     y: &dyn Fn(usize) -> Option<Estimate>,
     most_curves: usize,
-) -> Option<Plot> {
-    let mut series: Vec<Series> = Vec::new();
+) -> Option<Chart> {
+    let mut curves: Vec<Curve> = Vec::new();
     for name in names(made, x) {
         let (mut points, mut asked): (BTreeMap<u64, Estimate>, Vec<f64>) = Default::default();
         for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
@@ -95,14 +95,16 @@ fn plot(
                 points.entry(make.at(x)).or_insert(value);
             }
         }
-        let points: Vec<(f64, Estimate)> = points.into_iter().map(|(k, y)| (in_units(k, x), y)).collect();
         // A molecular mixture alone is no curve.
         if points.len() > 1 {
-            series.push(Series::of_points(name.in_words(made), points).asked_at(&asked));
+            curves.push(
+                Curve::measured(name.in_words(made), points.into_iter().map(|(k, y)| (in_units(k, x), y)))
+                    .asked_at(&asked),
+            );
         }
     }
-    series.truncate(most_curves);
-    if series.is_empty() {
+    curves.truncate(most_curves);
+    if curves.is_empty() {
         return None;
     }
     let x_label = match x {
@@ -111,23 +113,18 @@ fn plot(
     };
     let title = if sheet.caption.is_empty() { String::new() } else { format!("{}: ", sheet.caption) };
     let against = if x == Abscissa::Share { "concentration" } else { "grain size" };
-    Some(Plot {
-        title: format!("{title}{y_label} against {against}"),
-        x_label: x_label.into(),
-        y_label: y_label.into(),
-        series,
-        ..Plot::default()
-    })
+    let title = format!("{title}{y_label} against {against}");
+    Some(Chart { from_zero: true, ..Chart::linear(&title, x_label, y_label, curves) })
 }
 
 /// Makes that differ in more than the abscissa, in their order of appearance; molecular mixtures belong to all sizes.
-fn names(made: &[(usize, Make)], x: Abscissa) -> Vec<Make> {
-    let mut names: Vec<Make> = Vec::new();
+fn names(made: &[(usize, CurveMaker)], x: Abscissa) -> Vec<CurveMaker> {
+    let mut names: Vec<CurveMaker> = Vec::new();
     for (_, make) in made {
         let name = match x {
-            Abscissa::Share => Make { share: 0, ..make.clone() },
+            Abscissa::Share => CurveMaker { share: 0, ..make.clone() },
             Abscissa::Size if make.size == 0 => continue,
-            Abscissa::Size => Make { size: 0, ..make.clone() },
+            Abscissa::Size => CurveMaker { size: 0, ..make.clone() },
         };
         if !names.contains(&name) {
             names.push(name);
@@ -143,7 +140,7 @@ fn in_units(k: u64, x: Abscissa) -> f64 {
     }
 }
 
-impl Make {
+impl CurveMaker {
     /// `None` for layers without pigment and for grains of several sizes.
     fn of(study: &Study) -> Option<Self> {
         let grains = || study.pigments.iter().map(|p| &p.grains);

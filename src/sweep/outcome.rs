@@ -11,7 +11,7 @@ use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
-use crate::run::runner::{Collected, Stores};
+use crate::run::runner::{Collected, Refused, Stores};
 use std::collections::BTreeMap;
 
 /// The numbers of a variant that tables and conclusions use.
@@ -85,14 +85,10 @@ impl Outcome {
         }
     }
 
-    /// In a few words why it has no results, if something failed.
-    pub fn short_reason(&self) -> Option<String> {
-        let reason = self.reason.as_ref()?;
-        // "realisation 1: volume fraction 0.5 not reached after 6799 steps: …" → what a glance can take.
-        let told = reason.split_once(": ").filter(|(head, _)| head.starts_with("realisation"));
-        let told = told.map_or(reason.as_str(), |(_, rest)| rest);
-        let end = [":", ";", ",", " after "].iter().filter_map(|stop| told.find(stop)).min();
-        Some(told[..end.unwrap_or(told.len())].to_owned())
+    /// With the packings and grids that failed.
+    pub fn with_failed_stages(self, refused: Vec<Refused>) -> Self {
+        let failures = refused.len();
+        Self { failures, reason: refused.into_iter().next().map(|r| r.reason), ..self }
     }
 
     /// One number, if it is there, with its error and what each realisation moves it by. An unfinished variant counts with its complete

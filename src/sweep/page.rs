@@ -8,11 +8,10 @@ use super::reported::{Reported, shown};
 use super::sheets::Sheet;
 use super::sweep_page::{ConclusionGroup, ConclusionRow, SweepPage, VariantRow};
 use super::target;
-use crate::draw::figure::FigureError;
-use crate::draw::plots::{Plot, Series};
+use crate::draw::OutputError;
+use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::manifest::Count;
-use crate::numerics::estimate::Estimate;
-use crate::report::page::{Picture, made_by, png_data, svg_data};
+use crate::report::page::{Picture, hex, made_by, png_data, svg_data};
 use crate::report::scalar_error;
 
 /// Most spectra in one figure: colours of the palette.
@@ -25,7 +24,7 @@ pub(crate) fn page(
     reported: &Reported,
     sheets: &[Sheet],
     drawn: &[Vec<u8>],
-) -> Result<SweepPage, FigureError> {
+) -> Result<SweepPage, OutputError> {
     let outline = &sweep.outline;
     let reference = &reported.outcomes[outline.reference];
     let (complete, all) = (reported.complete(), sweep.variants.len());
@@ -124,19 +123,9 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
     }
 }
 
-fn hex([r, g, b]: [u8; 3]) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-/// Value and standard error for a CSV file; empty where unknown.
-pub(crate) fn cells(estimate: Option<Estimate>) -> [String; 2] {
-    let text = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or_else(String::new, |x| x.to_string());
-    [text(estimate.map(|e| e.value)), text(estimate.and_then(|e| e.standard_error))]
-}
-
 /// Curves against concentration and size; then spectra of the layer's transmittance: one figure for each row of each
 /// sheet, one curve for each column.
-fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, FigureError> {
+fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
     let mut figures = Vec::new();
     for sheet in sheets {
         for plot in curves::plots(sweep, sheet, outcomes, MOST_CURVES) {
@@ -159,33 +148,25 @@ fn figure(
     caption: &str,
     columns: &[String],
     row: &[Option<usize>],
-) -> Result<Option<Picture>, FigureError> {
+) -> Result<Option<Picture>, OutputError> {
     let curve = |(name, v): (&String, &Option<usize>)| {
         let asked = &sweep.variants[(*v)?].study.wavelengths_nm;
         Some(transmittance(name, &outcomes[(*v)?])?.asked_at(asked))
     };
-    let series: Vec<Series> = columns.iter().zip(row).filter_map(curve).take(MOST_CURVES).collect();
-    if series.is_empty() {
+    let curves: Vec<Curve> = columns.iter().zip(row).filter_map(curve).take(MOST_CURVES).collect();
+    if curves.is_empty() {
         return Ok(None);
     }
-    let plot = Plot {
-        title: caption.to_owned(),
-        x_label: "wavelength, nm".into(),
-        y_label: "transmittance of the layer".into(),
-        series,
-        ..Plot::default()
-    };
-    drawn(&plot).map(Some)
+    let chart = Chart::linear(caption, "wavelength, nm", "transmittance of the layer", curves);
+    drawn(&Chart { from_zero: true, ..chart }).map(Some)
 }
 
 /// A variant's transmittance against wavelength; `None` where there is none yet.
-fn transmittance(name: &str, outcome: &Outcome) -> Option<Series> {
+fn transmittance(name: &str, outcome: &Outcome) -> Option<Curve> {
     let rows = outcome.at_first_angle();
-    let x: Vec<f64> = rows.iter().map(|row| row.wavelength_nm).collect();
-    let y: Vec<Estimate> = rows.iter().map(|row| row.transmittance).collect();
-    (!x.is_empty()).then(|| Series::new(name, &x, &y))
+    (!rows.is_empty()).then(|| Curve::measured(name, rows.iter().map(|r| (r.wavelength_nm, r.transmittance))))
 }
 
-fn drawn(plot: &Plot) -> Result<Picture, FigureError> {
+fn drawn(plot: &Chart) -> Result<Picture, OutputError> {
     Ok(Picture { data: svg_data(&plot.svg()?), caption: plot.title.clone() })
 }

@@ -1,5 +1,7 @@
 //! What a sweep will cost, said before anything runs; calibrated by a few solves of the sweep itself.
 
+mod deadline;
+mod scaled;
 mod trial;
 
 use super::load::Sweep;
@@ -7,16 +9,24 @@ use super::units::{groups, units};
 use crate::input::study::{Point, Study, WantedResolution};
 use crate::run::realisation::Packings;
 use crate::run::resolve::size;
-use crate::run::runner::{RunError, stopped};
+use crate::run::runner::{RunError, RunSettings, stopped};
 use crate::run::watch::RunWatch;
+use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
 use crate::wave::Scene;
+use deadline::Deadline;
+use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
-use trial::{Trial, covers, density, full_resolution, time_solves, trial, volume};
+use std::time::Duration;
+use trial::{MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial, volume};
 
 /// Most variants that are tried.
 const TRIALS: usize = 4;
+/// Trials end by then: a plan answers within ten seconds.
+const LIMIT: Duration = Duration::from_secs(7);
+/// What takes longer on the cores there are is out of reach: a month.
+const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
 
 /// The size of a sweep, and its cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,38 +47,73 @@ pub struct Plan {
     pub core_seconds: f64,
     /// What was tried, in words.
     pub calibration: String,
+    /// Why it cannot be computed here, where time or memory are far from enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out_of_reach: Option<String>,
 }
 
 /// Counts, and times some solves with `jobs` at a time.
 ///
 /// Variants spread over the densities of grains are tried in small cells, with a share of their solves; one of them is
 /// solved at full size as well, and tells how much more a µm³ costs there. All else is scaled by volume. For each wanted
-/// resolution the grid is sought once, for the fewest grains; the other variants are tried on the same grid.
+/// resolution the grid is sought once, for the fewest grains; the other variants are tried on the same grid. A trial that does
+/// not end in time is replaced by an estimate from unknowns and operator applications.
 ///
 /// # Errors
 /// No variant that was tried can be packed and solved; the watch says stop.
-pub fn plan(sweep: &Sweep, jobs: usize, watch: &dyn RunWatch) -> Result<Plan, RunError> {
-    let groups = groups(sweep);
-    let (mut trials, mut failure) = (Vec::new(), None);
-    for v in representatives(sweep, &groups) {
-        watch.stage(&format!("calibrating with {} in a small cell", sweep.variants[v].name));
-        let study = &sweep.variants[v].study;
-        let alike = trials.iter().find(|t: &&Trial| t.wanted == study.resolution);
-        match trial(v, study, alike, jobs, watch).map_err(stopped) {
-            Ok(trial) => trials.push(trial),
-            Err(RunError::Stopped) => return Err(RunError::Stopped),
-            Err(error) => failure = Some(error),
-        }
-    }
-    if let (true, Some(error)) = (trials.is_empty(), failure) {
-        return Err(error);
-    }
+pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
+    let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
+    let (groups, deadline) = (groups(sweep), Deadline::after(watch, LIMIT));
+    let (mut trials, late) = tried(sweep, representatives(sweep, &groups), jobs, &deadline)?;
     let mut calibration = in_words(sweep, &trials);
-    if let Some((name, factor)) = at_full_size(sweep, &trials, jobs, watch)? {
+    if let Some((name, factor)) = at_full_size(sweep, &trials, jobs, &deadline)? {
         calibration += &format!("; {name} at full size costs {factor:.2} times as much a µm³");
         trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
     }
-    let (solves, core_seconds) = cost(sweep, &groups, &trials);
+    let by_size: Vec<Trial> = late.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
+    calibration += &late_in_words(sweep, &late, trials.is_empty());
+    trials.extend(by_size);
+    Ok(costed(sweep, &trials, calibration, settings))
+}
+
+/// What a sweep costs by its size alone, at once.
+pub fn by_size(sweep: &Sweep, settings: RunSettings) -> Plan {
+    let all = representatives(sweep, &groups(sweep));
+    let trials: Vec<Trial> = all.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
+    costed(sweep, &trials, late_in_words(sweep, &all, true), settings)
+}
+
+/// Trials that ended in time, and the variants whose did not.
+fn tried(
+    sweep: &Sweep,
+    variants: Vec<usize>,
+    jobs: usize,
+    deadline: &Deadline,
+) -> Result<(Vec<Trial>, Vec<usize>), RunError> {
+    let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
+    for (place, &v) in variants.iter().enumerate() {
+        // One part more is for the solve at full size.
+        let part = deadline.part(variants.len() - place + 1);
+        part.stage(&format!("calibrating with {} in a small cell", sweep.variants[v].name));
+        let study = &sweep.variants[v].study;
+        let alike = trials.iter().find(|t: &&Trial| t.wanted == study.resolution);
+        match trial(v, study, alike, jobs, &part).map_err(stopped) {
+            Ok(trial) => trials.push(trial),
+            Err(RunError::Stopped) if deadline.is_called_off() => return Err(RunError::Stopped),
+            Err(RunError::Stopped) => late.push(v),
+            Err(error) => failure = Some(error),
+        }
+    }
+    match failure {
+        Some(error) if trials.is_empty() && late.is_empty() => Err(error),
+        _ => Ok((trials, late)),
+    }
+}
+
+/// The plan that trials lead to.
+fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSettings) -> Plan {
+    let groups = groups(sweep);
+    let (solves, core_seconds) = cost(sweep, &groups, trials);
     let full = |t: &Trial| full_resolution(t, &sweep.variants[t.variant].study);
     let unknowns = trials.iter().map(full).map(|r| r.nx * r.ny * r.planes()).max().unwrap_or(0);
     let bytes = |t: &Trial| {
@@ -77,7 +122,7 @@ pub fn plan(sweep: &Sweep, jobs: usize, watch: &dyn RunWatch) -> Result<Plan, Ru
     };
     let most_bytes = trials.iter().map(bytes).fold(0.0, f64::max);
     let realisations = |g: &Vec<usize>| g.iter().map(|&v| sweep.variants[v].study.realisations).max();
-    Ok(Plan {
+    Plan {
         variants: sweep.variants.len(),
         packings: groups.iter().filter_map(realisations).sum(),
         solves,
@@ -86,10 +131,35 @@ pub fn plan(sweep: &Sweep, jobs: usize, watch: &dyn RunWatch) -> Result<Plan, Ru
         memory_mb: (1e-6 * most_bytes).ceil() as usize,
         core_seconds,
         calibration,
-    })
+        out_of_reach: out_of_reach(core_seconds, most_bytes, settings.memory),
+    }
+}
+
+/// Why the cores and the memory there are do not do.
+fn out_of_reach(core_seconds: f64, bytes: f64, memory: f64) -> Option<String> {
+    let cores = rayon::current_num_threads() as f64;
+    let [need, free] = [bytes, memory].map(|bytes| memory_in_words(1e-9 * bytes));
+    if bytes > memory {
+        return Some(format!("estimated {need} for one solve, of {free}"));
+    }
+    let days = core_seconds / cores / (24.0 * 3600.0);
+    (core_seconds / cores > REACH_SECONDS).then(|| format!("estimated {days:.0} days on {cores} cores"))
+}
+
+/// Variants whose trials did not end in time.
+fn late_in_words(sweep: &Sweep, late: &[usize], alone: bool) -> String {
+    if late.is_empty() {
+        return String::new();
+    }
+    let names: Vec<&str> = late.iter().map(|&v| sweep.variants[v].name.as_str()).collect();
+    let start = if alone { "" } else { "; " };
+    format!("{start}unknowns × operator applications of {}: no trial ended in time", names.join(", "))
 }
 
 fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
+    if trials.is_empty() {
+        return String::new();
+    }
     let widest = trials.iter().map(|t| t.period_um[0].max(t.period_um[1])).fold(0.0, f64::max);
     let names: Vec<&str> = trials.iter().map(|t| sweep.variants[t.variant].name.as_str()).collect();
     format!("{} in cells of up to {widest} µm, scaled by volume", names.join(", "))
@@ -151,19 +221,27 @@ fn at_full_size(
     sweep: &Sweep,
     trials: &[Trial],
     jobs: usize,
-    watch: &dyn RunWatch,
+    deadline: &Deadline,
 ) -> Result<Option<(String, f64)>, RunError> {
     let Some(trial) = trials.iter().min_by(|a, b| a.packing.total_cmp(&b.packing)) else { return Ok(None) };
     let variant = &sweep.variants[trial.variant];
-    if variant.study.layer.period_um == trial.period_um {
+    if variant.study.layer.period_um == trial.period_um || grains(&variant.study) > MOST_GRAINS {
         return Ok(None);
     }
-    watch.stage(&format!("calibrating with {} at full size", variant.name));
-    let scene = Scene::from_packing(&Packings::new(&variant.study, watch).get(0).map_err(stopped)?);
-    let grids = (full_resolution(trial, &variant.study), trial.longer_waves);
-    let covers = covers(&variant.study, &scene, grids)?;
-    let solve = time_solves(&variant.study, &covers, jobs, watch)? / volume(&variant.study);
-    Ok(Some((variant.name.clone(), solve / trial.solve)))
+    deadline.stage(&format!("calibrating with {} at full size", variant.name));
+    match full_solve(trial, &variant.study, jobs, deadline).map_err(stopped) {
+        Ok(solve) => Ok(Some((variant.name.clone(), solve / trial.solve))),
+        Err(RunError::Stopped) if !deadline.is_called_off() => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Core seconds of a solve at full size, a µm³.
+fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Result<f64, RunError> {
+    let scene = Scene::from_packing(&Packings::new(study, watch).get(0)?);
+    let grids = (full_resolution(trial, study), trial.longer_waves);
+    let covers = covers(study, &scene, grids, watch)?;
+    Ok(time_solves(study, &covers, jobs, watch)? / volume(study))
 }
 
 /// Different solves, and core seconds: each group at the rates of the trials with the nearest density of grains.

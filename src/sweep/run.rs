@@ -21,9 +21,9 @@ use crate::run::watch::RunWatch;
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
-use crate::store::queue::{Claim, Queue, Standing, Task};
+use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
 use jobs::{Job, jobs};
-use named::Named;
+use named::NamedWatch;
 use news::News;
 use room::Room;
 use serde::Serialize;
@@ -95,7 +95,9 @@ pub fn run(
     while let Some((round, units)) = rounds.next(&stores) {
         let units = &units[shard.range(units.len())];
         // A round that has not come to its end although the queue has nothing left is no work for another turn.
-        let Some(turn) = Turn::new((round, units), scope).filter(|_| before != Some(round)) else { break };
+        let Some(turn) = WorkTurn::new((round, units), scope).filter(|_| before != Some(round)) else {
+            break;
+        };
         let crew = Crew::new(settings.jobs, turn.jobs.len())?;
         let room = Room::new(settings.memory, crew.workers());
         let settings = RunSettings { jobs: Some(crew.jobs_each), ..settings };
@@ -115,18 +117,18 @@ pub fn run(
 }
 
 fn tally(queue: &Queue, stopped: bool) -> Result<Tally, RunError> {
-    let Standing { workers, solves, failed, .. } = queue.standing()?;
+    let QueueStanding { workers, solves, failed, .. } = queue.standing()?;
     let publishes = if stopped { workers == 1 } else { queue.publishes()? };
     Ok(Tally { finished: solves - failed, failed, publishes, ..Tally::default() })
 }
 
 /// The jobs of a round, and the number of the first of their tasks.
-struct Turn {
+struct WorkTurn {
     first: usize,
     jobs: Vec<Job>,
 }
 
-impl Turn {
+impl WorkTurn {
     /// `None` without a job.
     fn new((round, units): (usize, &[Unit]), scope: Scope) -> Option<Self> {
         let mut jobs = jobs(units);
@@ -134,7 +136,7 @@ impl Turn {
         (!jobs.is_empty()).then_some(Self { first: round * ROUND, jobs })
     }
 
-    fn tasks(&self, sweep: &Sweep) -> Vec<Task> {
+    fn tasks(&self, sweep: &Sweep) -> Vec<QueuedTask> {
         self.jobs.iter().map(|job| job.task(sweep)).collect()
     }
 }
@@ -150,7 +152,7 @@ struct Worker<'a> {
     sweep: &'a Sweep,
     stores: &'a Stores,
     queue: &'a Queue,
-    turn: &'a Turn,
+    turn: &'a WorkTurn,
     settings: RunSettings,
     room: Room,
     watch: &'a dyn RunWatch,
@@ -165,7 +167,7 @@ impl<'a> Worker<'a> {
     fn new(
         sweep: &'a Sweep,
         (stores, queue): (&'a Stores, &'a Queue),
-        turn: &'a Turn,
+        turn: &'a WorkTurn,
         (settings, room): (RunSettings, Room),
         watch: &'a dyn RunWatch,
     ) -> Self {
@@ -186,14 +188,14 @@ impl<'a> Worker<'a> {
                 .map_err(RunError::Store)
                 .and_then(|()| Ok(self.queue.claim()?));
             match claim {
-                Ok(Claim::Task(task)) if self.is_of_this_round(task) => return Some(task),
-                Ok(Claim::Task(task)) => {
+                Ok(Assignment::Task(task)) if self.is_of_this_round(task) => return Some(task),
+                Ok(Assignment::Task(task)) => {
                     self.overtaken.store(true, Ordering::Relaxed);
                     self.note(self.queue.give_back(task).map_err(RunError::from));
                     return None;
                 }
-                Ok(Claim::Wait) => self.wait(),
-                Ok(Claim::Finished) => return None,
+                Ok(Assignment::Wait) => self.wait(),
+                Ok(Assignment::Finished) => return None,
                 Err(error) => self.note(Err(error)),
             }
         }
@@ -265,8 +267,8 @@ impl<'a> Worker<'a> {
         Ok(self.queue.finish(task, solves_of(self.sweep, unit), failed)?)
     }
 
-    fn named<'b>(&'b self, variant: usize, watch: &'b dyn RunWatch) -> Named<'b> {
-        Named { name: &self.sweep.variants[variant].name, watch }
+    fn named<'b>(&'b self, variant: usize, watch: &'b dyn RunWatch) -> NamedWatch<'b> {
+        NamedWatch { name: &self.sweep.variants[variant].name, watch }
     }
 
     fn work<'b>(&'b self, variant: usize, realisation: usize, watch: &'b dyn RunWatch) -> Work<'b> {

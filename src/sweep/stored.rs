@@ -4,16 +4,26 @@ use crate::input::study::Study;
 use crate::run::realisation::point_keys;
 use crate::run::resolve;
 use crate::run::resolve::Resolved;
-use crate::run::runner::{Collected, Realisation, Stores};
+use crate::run::runner::{Collected, Realisation, Refused, Stores};
 use crate::store::identity::Key;
 
 /// What the store has of the first realisations.
-pub(super) fn collect_some(study: &Study, stores: &Stores, realisations: usize) -> Option<Collected> {
+pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collected> {
     let resolved = resolve::kept(study, &stores.grids)?;
     let realisations: Vec<Realisation> =
-        (0..realisations).filter_map(|r| collect_one(study, stores, &resolved, r)).collect();
-    let (refused, enough, damages) = (Vec::new(), false, Vec::new());
+        (0..tried).filter_map(|r| collect_one(study, stores, &resolved, r)).collect();
+    let refused = refused(study, stores, tried);
+    let (enough, damages) = (false, Vec::new());
     (!realisations.is_empty()).then_some(Collected { resolved, realisations, refused, enough, damages })
+}
+
+/// Realisations that have no packing or no grid, as far as that is recorded.
+pub(super) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
+    let of = |realisation: usize| {
+        let record = stores.failures.as_ref()?.get(stage_key(study, realisation).as_str())?;
+        Some(Refused { realisation, reason: record.reason })
+    };
+    (0..tried).filter_map(of).collect()
 }
 
 /// What the store has of one realisation, once that is packed.

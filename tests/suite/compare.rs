@@ -1,7 +1,12 @@
 //! The comparison from its file to its folder.
 
 use inkwave::compare::experiment::ComparisonFile;
+use inkwave::compare::page::Comparison;
+use inkwave::compare::row::Row;
 use inkwave::solve::{Registry, Silent, Step, Watch};
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
+use inkwave::wave::Scheme;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -13,14 +18,17 @@ schemes = ["cubic", "second_difference"]
 resolutions = [{ points = 5, cells = 6 }]
 repeats = 1
 
-[layer]
+[study.layer]
+cell = "fixed"
 period_um = 0.5
 thickness_um = 0.5
+binder.index = 1.558
+[[study.pigment]]
 diameter_nm = 250
 volume_fraction = 0.12
-pigment = [2.5, 0.0]
-binder = [1.558, 0.0]
-wavelength_um = 0.6
+index = 2.5
+[study.light]
+wavelengths_nm = [600]
 "#;
 
 fn tiny(folder: &Path) -> ComparisonFile {
@@ -33,6 +41,12 @@ fn written(folder: &Path, name: &str, text: &str) -> ComparisonFile {
     ComparisonFile::read(&path).expect("parsed")
 }
 
+/// Writes a comparison into the folder `out`.
+fn write(comparison: &Comparison, folder: &Path) {
+    let output = OutputFolder::open(&folder.join("out"), Holds::Comparison).expect("a folder");
+    comparison.write(&output).expect("written");
+}
+
 #[test]
 fn every_strategy_is_a_row_and_every_file_is_whole() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -41,15 +55,11 @@ fn every_strategy_is_a_row_and_every_file_is_whole() {
     assert_eq!(comparison.rows.len(), 8);
     let find = |name: &str| comparison.rows.iter().find(|r| r.strategy == name).expect("a row");
     // One discrete system: krylov and the dense solve have the same error, to the residual asked for (1e-6, amplified).
-    let [krylov, direct] = ["krylov", "direct"].map(|n| find(n).error.expect("converged"));
+    let [krylov, direct] = ["krylov", "direct"].map(|n| find(n).result.clone().expect("converged"));
     assert!((krylov - direct).abs() < 1e-4, "{krylov:.3e} and {direct:.3e}");
     // Index 2.5 is beyond the Born series: a row that says why, not a crash.
-    assert!(
-        !find("born").converged() && find("born").outcome.contains("diverges"),
-        "{}",
-        find("born").outcome
-    );
-    comparison.write(&folder.path().join("out")).expect("written");
+    assert!(find("born").outcome().contains("diverges"), "{}", find("born").outcome());
+    write(&comparison, folder.path());
     for name in
         ["comparison.csv", "residuals.csv", "residuals.svg", "error_against_work.svg", "comparison.html"]
     {
@@ -75,9 +85,9 @@ fn what_was_solved_before_a_stop_is_kept() {
     let told = |_: &_| rows.set(rows.get() + 1);
     let comparison = file.run(&Registry::default(), &mut StopAfterOne(&rows), told).expect("one row");
     assert_eq!((comparison.rows.len(), comparison.asked), (1, 8));
-    comparison.write(folder.path()).expect("written");
-    for name in ["comparison.html", "comparison.md"] {
-        let page = std::fs::read_to_string(folder.path().join(name)).expect("read");
+    write(&comparison, folder.path());
+    for name in ["comparison.html", "README.md"] {
+        let page = std::fs::read_to_string(folder.path().join("out").join(name)).expect("read");
         assert!(page.contains("Stopped: 7 of 8 solves are missing."), "{name}");
     }
     // before the first row there is nothing to keep
@@ -94,7 +104,9 @@ fn slips_are_told() {
         ("repeats = 1", "repeats = 0", "repeats"),
         ("points = 5", "pionts = 5", "pionts"),
         ("volume_fraction = 0.12", "volume_fraction = 1.2", "volume_fraction"),
-        ("[layer]", "case = \"x.json\"\n[layer]", "exactly one"),
+        ("[study.layer]", "case = \"x.json\"\n[study.layer]", "exactly one"),
+        ("repeats = 1", "accuracy = 1e-2", "resolutions"),
+        ("repeats = 1", "accuracy = 2", "resolutions"),
         ("points = 5", "points = 0", "resolutions[0].points"),
         ("points = 5", "points = 60000", "would need"),
         ("repeats = 1", "goal.tolerance = -1", "goal.tolerance"),
@@ -118,46 +130,48 @@ fn refusal(path: &Path, run: bool) -> Option<String> {
     let (read, registry) = (ComparisonFile::read(path), Registry::default());
     let error = match read {
         Err(error) => Some(error),
-        Ok(file) if run && file.matrix.is_some() => file.run_matrix(&registry, &mut Silent, |_| ()).err(),
         Ok(file) if run => file.run(&registry, &mut Silent, |_| ()).err(),
         Ok(file) => file.plan(&registry).err(),
     };
     error.map(|error| error.to_string())
 }
 
+/// The cases of a matrix: weak and strong contrast.
+const MATRIX: &str = "[matrix]\npigments = [[1.5, 0.0], [2.5, 0.0]]\nperiods_um = [0.5]\n";
+
 /// Fields that a matrix varies are checked wherever they are written, without a solve.
 #[test]
 fn plans_of_matrices_look_at_every_case() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("matrix.toml");
-    let cell = "[matrix]\npigments = [[1.5, 0.0], [2.5, 0.0]]\nperiods_um = [0.5]\n";
-    std::fs::write(&path, format!("{TINY}{cell}")).expect("written");
+    std::fs::write(&path, format!("{TINY}{MATRIX}")).expect("written");
     assert_eq!(refusal(&path, false), None);
     for (from, to, told) in [
         ("[2.5, 0.0]", "[25, 0.0]", "matrix.pigments[1][0]"),
         ("[2.5, 0.0]", "[2.5, -1.0]", "matrix.pigments[1][1]"),
         ("[0.5]", "[0.5, -0.5]", "matrix.periods_um[1]"),
         ("[0.5]", "[0.5, 0.2]", "period"),
-        ("[0.5]", "[0.5]\naccuracy = 2", "matrix.accuracy"),
-        ("[0.5]", "[0.5]\nmax_applications = 0", "matrix.max_applications"),
+        ("[0.5]", "[0.5]\naccuracy = 0.1", "accuracy"),
     ] {
-        std::fs::write(&path, format!("{TINY}{}", cell.replace(from, to))).expect("written");
+        std::fs::write(&path, format!("{TINY}{}", MATRIX.replace(from, to))).expect("written");
         let plan = refusal(&path, false).unwrap_or_else(|| panic!("{to}"));
         assert!(plan.contains(told) && plan.contains("matrix.toml"), "{to}: {plan}");
     }
     let case = folder.path().join("case.json");
     let film = r#"{ "wavelength": 0.5, "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0.1] }] }"#;
     std::fs::write(case, film).expect("written");
-    std::fs::write(&path, format!("case = \"case.json\"\n{cell}")).expect("written");
-    let [run, plan] = [true, false].map(|run| refusal(&path, run).expect("refused"));
-    assert!(run == plan && plan.contains("a study, whose period"), "{run}\n{plan}");
+    for (more, told) in [(MATRIX, "a study, whose period"), ("polar_deg = 20\n", "own direction")] {
+        std::fs::write(&path, format!("case = \"case.json\"\n{more}")).expect("written");
+        let [run, plan] = [true, false].map(|run| refusal(&path, run).expect("refused"));
+        assert!(run == plan && plan.contains(told), "{run}\n{plan}");
+    }
 }
 
 const WHOLE: &str = "[study.layer]\ncell = 'fixed'\nperiod_um = 0.5\nthickness_um = 0.5\n[[study.pigment]]\n\
     diameter_nm = 250\nvolume_fraction = 0.12\nindex = 1.4\n[study.light]\nwavelengths_nm = [550]\n";
 
 #[test]
-fn keys_without_effect_are_named() {
+fn keys_of_studies_without_effect_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     assert!(tiny(folder.path()).unused().is_empty());
     let more = "[study.paper]\nalbedo = 0.5\n[study.run]\nseed = 3\nrealisations = 9\n[study.solver]\ntolerance = 1e-3\n";
@@ -168,31 +182,40 @@ fn keys_without_effect_are_named() {
     let beside = written(folder.path(), "matrix.toml", matrix);
     let varied =
         ["layer.cell", "layer.period_um", "pigment[0].index"].map(|key| format!("study.toml: {key}"));
-    assert_eq!(beside.unused(), [&["repeats".to_string()][..], &varied].concat());
+    assert_eq!(beside.unused(), varied);
+}
+
+/// A matrix of the tiny study with `keys`, run in `folder`.
+fn matrix(folder: &Path, keys: &str, pigments: &str) -> Comparison {
+    let lists = "schemes = [\"cubic\", \"second_difference\"]\nresolutions = [{ points = 5, cells = 6 }]\n";
+    let text = TINY.replace(lists, keys).replace("\"direct\"", "\"bicgstab\"");
+    let matrix = format!("[matrix]\npigments = {pigments}\nperiods_um = [0.5]\n");
+    let file = written(folder, "matrix.toml", &(text + &matrix));
+    let plan = file.plan(&Registry::default()).expect("a plan");
+    let comparison = file.run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
+    assert_eq!((plan.rows, comparison.asked), (comparison.rows.len(), comparison.rows.len()));
+    comparison
 }
 
 #[test]
 fn a_matrix_tells_costs_and_reasons() {
     let folder = tempfile::tempdir().expect("a folder");
-    let resolutions = "resolutions = [{ points = 5, cells = 6 }]\n";
-    let matrix = "[matrix]\npigments = [[1.5, 0.0], [2.5, 0.0]]\nperiods_um = [0.5]\naccuracy = 0.1\n";
-    let text = TINY.replace(resolutions, "").replace("\"direct\"", "\"bicgstab\"") + matrix;
-    let file = written(folder.path(), "matrix.toml", &text);
-    let matrix =
-        file.run_matrix(&Registry::default(), &mut Silent, |_| ()).expect("compared").expect("a matrix");
-    assert_eq!(matrix.cells.len(), 8);
-    // All strategies solve one discrete problem: what converges agrees to the residual, a hundredth of 0.1, amplified.
-    for cell in &matrix.cells {
-        assert!(cell.difference.is_none_or(|d| d < 2e-2), "{cell:?}");
-        let strong_born = cell.n == 2.5 && cell.strategy == "born";
-        assert!(!strong_born || cell.outcome.contains("diverges"), "{}", cell.outcome);
+    let matrix = matrix(folder.path(), "accuracy = 0.1\n", "[[1.5, 0.0], [2.5, 0.0]]");
+    assert_eq!(matrix.rows.len(), 8);
+    for case in matrix.rows.chunks(4) {
+        // One discrete problem: what converges agrees to the residual, a hundredth of 0.1, amplified.
+        let errors: Vec<f64> = case.iter().filter_map(|row| row.result.clone().ok()).collect();
+        let [least, most] = [f64::min, f64::max].map(|f| errors.iter().copied().reduce(f).expect("krylov's"));
+        assert!(most - least < 2e-2 && most < 0.2, "{errors:?}");
+        let strong = case[0].case.is_some_and(|varied| varied.pigment[0] == 2.5);
+        assert_eq!(case[1].outcome().contains("diverges"), strong, "{}", case[1].outcome());
     }
-    assert!(matrix.cells.iter().filter(|c| c.strategy == "krylov").all(|c| c.converged()));
-    matrix.write(&folder.path().join("out")).expect("written");
-    let page = std::fs::read_to_string(folder.path().join("out/matrix.html")).expect("the page");
-    assert!(page.contains("1.5 + 0i") && page.contains("diverges"));
+    assert!(matrix.rows.iter().filter(|row| row.strategy == "krylov").all(Row::converged));
+    write(&matrix, folder.path());
+    let page = std::fs::read_to_string(folder.path().join("out/comparison.html")).expect("the page");
+    assert!(page.contains("1.5\u{a0}+\u{a0}0i") && page.contains("diverges"));
     // the limit that nobody asked for, and how to make the page again
-    assert!(page.contains("after 1000 applications") && page.contains("inkwave compare"), "{page}");
+    assert!(page.contains("after 2000 applications") && page.contains("inkwave compare"), "{page}");
     // Born is missing beside 2.5; all others keep their colours there.
     let [weak, strong] = [1, 2].map(|k| {
         let name = folder.path().join(format!("out/applications-{k}.svg"));
@@ -203,6 +226,51 @@ fn a_matrix_tells_costs_and_reasons() {
         assert_eq!(colour(&weak, name), colour(&strong, name), "{name}");
     }
     assert_ne!(colour(&weak, "krylov"), colour(&weak, "bicgstab"));
+}
+
+/// Scheme, grid and mean of every row.
+fn discrete(comparison: &Comparison) -> Vec<(Scheme, usize, bool)> {
+    let of = |row: &Row| row.discrete.map(|d| (d.resolution.scheme, d.resolution.nx, d.absorbing_mean));
+    comparison.rows.iter().filter_map(of).collect()
+}
+
+/// Keys beside a matrix were taken and had no effect.
+#[test]
+fn every_key_beside_a_matrix_has_its_effect() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |keys: &str| matrix(folder.path(), keys, "[[1.5, 0.05]]");
+    // krylov, born and bicgstab with both means, relaxation with the real one alone
+    let usual = discrete(&run("accuracy = 0.1\n"));
+    assert_eq!(usual.iter().filter(|row| row.2).count(), 3);
+    assert_eq!(usual.len(), 7);
+    let real = discrete(&run("accuracy = 0.1\nabsorbing_mean = false\n"));
+    assert!(real.len() == 4 && real.iter().all(|row| !row.2));
+    let absorbing = run("accuracy = 0.1\nabsorbing_mean = true\n");
+    assert!(discrete(&absorbing).len() == 4 && discrete(&absorbing).iter().all(|row| row.2));
+    assert!(absorbing.rows[2].outcome().contains("real ⟨k²⟩"), "relaxation: {}", absorbing.rows[2].outcome());
+    let listed = run("schemes = [\"quadratic\"]\nresolutions = [{ points = 7, cells = 6 }]\n");
+    assert!(discrete(&listed).iter().all(|row| (row.0, row.1) == (Scheme::Quadratic, 7)));
+    let whole = run("accuracy = 0.1\nmean_depends_on_z = false\n");
+    let residuals =
+        |c: &Comparison| c.rows.iter().map(|r| r.account.clone().map(|a| a.residual)).collect::<Vec<_>>();
+    assert_ne!(residuals(&whole), residuals(&run("accuracy = 0.1\n")));
+}
+
+/// With strong absorption the mean decides: the Born series converges about an absorbing medium and diverges about a real one.
+#[test]
+fn strategies_show_what_the_better_mean_makes_of_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let comparison = matrix(folder.path(), "accuracy = 0.1\n", "[[1.4, 0.5]]");
+    let find = |name: &str, absorbing: bool| {
+        let of =
+            |row: &&Row| row.strategy == name && row.discrete.is_some_and(|d| d.absorbing_mean == absorbing);
+        comparison.rows.iter().find(of).expect("a row")
+    };
+    assert!(find("born", true).converged(), "{}", find("born", true).outcome());
+    assert!(find("born", false).outcome().contains("diverges"), "{}", find("born", false).outcome());
+    write(&comparison, folder.path());
+    let page = std::fs::read_to_string(folder.path().join("out/README.md")).expect("the page");
+    assert!(page.contains("| absorbing |") && page.contains("| real |"), "{page}");
 }
 
 /// Colour of the line that the legend draws before a name.

@@ -28,7 +28,7 @@ fn generated_pages_are_as_they_were_generated() {
 /// Pages whose numbers may be older than the method, and why they are not made anew with it.
 const OLDER: [(&str, &str); 9] = [
     ("reports/benchmarks", "made anew by scripts/bench-track on an idle machine"),
-    ("reports/comparison", "some minutes of processor time, made anew with the comparison of strategies"),
+    ("reports/comparison", "has no K and S, and nothing else changed with method 2"),
     ("reports/latest/index.html", "made anew by the next night"),
     ("reports/latest/report.md", "made anew by the next night"),
     ("reports/latest/README.md", "its tables are those of the pages beside it, as other tests hold them to"),
@@ -86,6 +86,15 @@ fn the_costs_in_the_readme_are_those_measured() {
 }
 
 /// The page of planted faults names commits of this repository, or says that it has none.
+/// The schedule renews the page outside of the clone; what is committed says how old it is.
+#[test]
+fn the_readme_says_how_old_the_benchmarks_are() {
+    let (readme, page) = (read("README.md"), read("reports/benchmarks/README.md"));
+    let told = readme.split("](reports/benchmarks/README.md) of ").nth(1).and_then(|rest| rest.get(..10));
+    let day = told.expect("a date beside the link");
+    assert!(page.contains(&format!("{day}T")), "the page is not of {day}");
+}
+
 #[test]
 fn commits_that_pages_name_are_in_the_repository() {
     let git = |arguments: &[&str]| Command::new("git").current_dir(root()).args(arguments).output();

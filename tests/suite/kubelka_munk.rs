@@ -3,7 +3,7 @@
 use crate::run_support::{TINY, study, succeed};
 use inkwave::appearance::kubelka_munk::KubelkaMunk;
 use inkwave::evaluate::on_paper::LayerOnPaper;
-use inkwave::evaluate::samples::Solved;
+use inkwave::evaluate::samples::SolvedDirection;
 use inkwave::evaluate::seen::Seen;
 use inkwave::export::stored::Stored;
 
@@ -20,7 +20,7 @@ fn over_grey(seen: &Seen) -> Vec<f64> {
         let film = layer.film(seen.solved[0].wavelengths[w].wavelength_nm);
         let strata: Vec<_> = seen.solved.iter().flat_map(|r| &r.wavelengths[w].strata).collect();
         let [r, t] = film.means();
-        let beyond = |s: &&Solved| {
+        let beyond = |s: &&SolvedDirection| {
             let [film_r, film_t] = film.reflectance_transmittance(s.polar_deg);
             [s.reflectance - film_r, s.transmittance - film_t]
         };

@@ -180,17 +180,8 @@ const MEASURED: [(&str, &str); 2] = [
     ),
 ];
 
-/// Keys that tell where results go, or older places of others; a layer without walls has no waves.
-const ELSEWHERE: [&str; 8] = [
-    "output.folder",
-    "seed",
-    "realisations",
-    "layer.walls",
-    "layer.method",
-    "layer.sequential",
-    "layer.relaxation",
-    "layer.equilibration",
-];
+/// Where results go is no number; a layer without walls has no waves.
+const ELSEWHERE: [&str; 2] = ["output.folder", "layer.walls"];
 
 fn base() -> toml::Table {
     toml::from_str(BASE).expect("the base study is TOML")

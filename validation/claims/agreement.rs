@@ -3,7 +3,7 @@
 use super::tau::{distance, history};
 use crate::cells::{Cell, solve};
 use crate::claim::{Claim, Findings, Level};
-use inkwave::draw::log_plot::LogPlot;
+use inkwave::draw::chart::Chart;
 use inkwave::solve::{Direct, Registry, Solver};
 use inkwave::wave::{Resolution, Scheme, Side};
 
@@ -63,7 +63,7 @@ pub fn measure(registry: &Registry, level: Level, findings: &mut Findings) {
         }
         findings.identity(name, largest, 1e-10, "residual 1e-12; small cells amplify it by less than 100");
     }
-    findings.plots.push(LogPlot::log_log(
+    findings.plots.push(Chart::log_log(
         "Residual histories on a small absorbing cell",
         "operator applications",
         "relative residual",

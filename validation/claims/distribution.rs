@@ -3,7 +3,7 @@
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::ensemble::Layers;
 use inkwave::appearance::bdf::{Bdf, Lobe, suggested_bandwidth};
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::numerics::Draws;
 use inkwave::wave::{FarField, Incidence, Order, Side};
 use num_complex::Complex64;
@@ -198,7 +198,7 @@ fn scatter(fields: &[FarField], findings: &mut Findings) {
     );
     let measured = Curve::with_bars("diffuse reflectance", Style::Data, points);
     let guide = Curve::guide("1/√n", &measured, -0.5);
-    findings.plots.push(LogPlot::log_log(
+    findings.plots.push(Chart::log_log(
         "Standard error against realisations",
         "realisations n",
         "standard error of the diffuse reflectance",

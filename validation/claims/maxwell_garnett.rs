@@ -8,7 +8,7 @@
 use crate::claim::{Claim, Findings, Level};
 use crate::support::{ball, fitted_slope};
 use crate::vector::{far_fields, order};
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::material::mixing::MixingRule;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem};
@@ -122,5 +122,5 @@ fn measure(level: Level, findings: &mut Findings) {
         because,
     );
     let (title, size) = ("Balls of a lattice as they shrink, Maxwell's equations", "lattice constant a, nm");
-    findings.plots.push(LogPlot::log_log(title, size, "difference of r, t", curves));
+    findings.plots.push(Chart::log_log(title, size, "difference of r, t", curves));
 }

@@ -3,7 +3,7 @@
 use crate::claim::{Claim, Findings, Level};
 use crate::formulas::films::{Film, amplitudes};
 use crate::support::{ball, fitted_slope};
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use num_complex::Complex64;
@@ -82,7 +82,7 @@ fn measure(level: Level, findings: &mut Findings) {
     let sizes = errors.iter().map(|(n, e)| (1e3 * THICKNESS_UM / n, *e));
     let curve = Curve::new("cubic lattice, 30 %", Style::Data, sizes);
     let guide = Curve::guide("order 2", &curve, 2.0);
-    findings.plots.push(LogPlot::log_log(
+    findings.plots.push(Chart::log_log(
         "Towards the molecular limit",
         "lattice constant a, nm",
         "difference to the layer of ⟨η²⟩",

@@ -2,7 +2,7 @@
 
 use crate::claim::{Claim, Findings, Level};
 use crate::support::{fitted_slope, reference, solve_at};
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::wave::Scheme;
 
 pub const CLAIM: Claim = Claim {
@@ -66,12 +66,7 @@ fn across(level: Level, findings: &mut Findings) {
     curves.push(Curve::guide("order 2", &curves[1], -2.0));
     curves.push(Curve::guide("order 4", &curves[2], -4.0));
     let title = "Error against cells, ink cell inka1";
-    findings.plots.push(LogPlot::log_log(
-        title,
-        "cells across the layer N",
-        "largest amplitude error",
-        curves,
-    ));
+    findings.plots.push(Chart::log_log(title, "cells across the layer N", "largest amplitude error", curves));
 }
 
 /// The claim behind the discretisation: with the same unknowns, a hundredth of the error and less.
@@ -109,5 +104,5 @@ fn in_the_plane(level: Level, findings: &mut Findings) {
     }
     curves.push(Curve::guide("order 5", &curves[0], -5.0));
     let title = "Error against points in the plane";
-    findings.plots.push(LogPlot::log_log(title, "points per µm, 1/h", "largest amplitude error", curves));
+    findings.plots.push(Chart::log_log(title, "points per µm, 1/h", "largest amplitude error", curves));
 }

@@ -1,7 +1,7 @@
 //! Packings against independent truths: pair statistics, two-point probability, orientation, walls.
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::ink::pack;
 use inkwave::ink::statistics::{PairStatistics, orientation_tensor, pair_statistics_to, section_statistics};
 use inkwave::ink::{
@@ -94,11 +94,11 @@ fn excess(measured: &[Estimate], truth: &[f64], model_error: f64) -> f64 {
 }
 
 /// g with bars of three standard errors against its truth with a band of three.
-fn plot(title: String, measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> LogPlot {
+fn plot(title: String, measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> Chart {
     let x = |i: usize| 1.01 + 0.02 * i as f64;
     let bars = measured.iter().enumerate().map(|(i, g)| [x(i), g.value, 3.0 * g.standard_error.unwrap()]);
     let known = truth.iter().zip(truth_error).enumerate().map(|(i, (&g, e))| [x(i), g, 3.0 * e]);
-    LogPlot::linear(
+    Chart::linear(
         &title,
         "distance of centres r/d",
         "pair correlation g(r)",
@@ -263,7 +263,7 @@ fn two_point(level: Level, findings: &mut Findings) {
     let measured = Curve::new("measured", Style::Data, points);
     let tangent = [0.0, 0.4].map(|t| (t, asked - exact * DIAMETER_UM * t));
     let limit = [0.0, r[r.len() - 1] / DIAMETER_UM].map(|t| (t, asked * asked));
-    findings.plots.push(LogPlot::linear(
+    findings.plots.push(Chart::linear(
         "Two-point probability, sequential addition, φ = 0.3",
         "separation r/d",
         "S2(r)",

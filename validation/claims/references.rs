@@ -2,7 +2,7 @@
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason, Table, short};
 use crate::support::{Reference, references, solve_to};
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
@@ -275,7 +275,7 @@ fn honesty(level: Level, findings: &mut Findings) {
     for (name, factor) in [("estimate = error", 1.0), ("estimate = 30 × error", 30.0)] {
         curves.push(Curve::new(name, Style::Guide, range.map(|x| (x, factor * x))));
     }
-    findings.plots.push(LogPlot::log_log(
+    findings.plots.push(Chart::log_log(
         "Error estimates against true errors",
         "true largest amplitude error",
         "estimated error",

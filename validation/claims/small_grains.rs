@@ -8,7 +8,7 @@
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use crate::formulas::films::{Film, amplitudes};
 use crate::support::fitted_slope;
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::ink::{Packing, PackingRequest, PigmentGrains, pack};
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::{Coverage, Incidence, Mean, Media, Precision, Problem, Resolution, Scene, Scheme, Side};
@@ -165,7 +165,7 @@ fn measure(level: Level, findings: &mut Findings) {
     };
     let (layered, even) = (curve("film of φ(z)", 0), curve("film of the mean fraction", 1));
     let guide = Curve::guide("order 2", &layered, 2.0);
-    findings.plots.push(LogPlot::log_log(
+    findings.plots.push(Chart::log_log(
         "Small grains and the layered film",
         "diameter of the grains, nm",
         "difference of the coherent amplitudes",

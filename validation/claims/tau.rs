@@ -2,7 +2,7 @@
 
 use crate::cells::{Cell, REAL, solve};
 use crate::claim::{Claim, Findings, Level, Table, short};
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::solve::{Account, Gmres, Relaxation};
 use inkwave::wave::{Field, Problem, Side};
 
@@ -51,7 +51,7 @@ fn measure(level: Level, findings: &mut Findings) {
             100.0 * TOLERANCE,
             "the residual, amplified by at most 100 on so small a cell",
         );
-        findings.plots.push(LogPlot::log_log(
+        findings.plots.push(Chart::log_log(
             &format!("Relaxation, κ = {kappa}"),
             "operator applications",
             "relative residual",

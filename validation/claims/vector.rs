@@ -3,7 +3,7 @@
 use crate::claim::{Claim, Findings, Level, Table, short};
 use crate::support::fitted_slope;
 use crate::vector::{reference, references, solve, solve_as, solve_to};
-use inkwave::draw::log_plot::{Curve, LogPlot, Style};
+use inkwave::draw::chart::{Chart, Curve, Style};
 use inkwave::wave::Mean;
 use inkwave::wave::maxwell::Averaging;
 
@@ -79,5 +79,5 @@ fn tensor(level: Level, findings: &mut Findings) {
         findings.identity(format!("energy of a lossless cell, {name}"), balance, 1e-8, because);
     }
     let title = "Error of p light on a cylinder";
-    findings.plots.push(LogPlot::log_log(title, "points per period", "largest amplitude error", curves));
+    findings.plots.push(Chart::log_log(title, "points per period", "largest amplitude error", curves));
 }

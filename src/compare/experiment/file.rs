@@ -1,15 +1,13 @@
 //! A comparison as written, read and checked.
 
-use crate::compare::error::{CompareError, applications};
-use crate::compare::layer::PackedLayer;
-use crate::compare::matrix::MatrixTable;
+use super::matrix::MatrixTable;
+use crate::compare::error::CompareError;
 use crate::compare::subject::{Packed, StudyWritten};
 use crate::input::fault::StudyError;
 use crate::input::limits;
 use crate::input::read::read as read_tree;
 use crate::input::tree::parse_toml;
 use crate::numerics::files;
-use crate::numerics::written::older_place;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
 use crate::wave::Scheme;
 use crate::wave::grid::MOST_POINTS;
@@ -18,14 +16,13 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// A comparison as written (TOML). Lengths in the units of the key names; indices as [re, im].
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct ComparisonFile {
     /// Title, for people.
-    #[serde(default)]
     pub title: String,
-    /// The study whose first packing the strategies are compared on: its file (relative to this one), or a table
-    /// `[study]` with a whole study.
+    /// The study whose first packing the strategies are compared on: its file (relative to this
+    /// one), or a table `[study]` with a whole study.
     #[schemars(example = &"yellow.toml")]
     pub study: Option<StudyWritten>,
     /// A case file (relative to this file), instead of `study`.
@@ -37,39 +34,53 @@ pub struct ComparisonFile {
     /// Polar angle of the comparison, degrees; the first of the study's when left out.
     #[schemars(transform = limits::POLAR_DEG.mark(), example = 0)]
     pub polar_deg: Option<f64>,
-    /// Older form of `study`: equal spheres.
-    #[schemars(transform = older_place)]
-    pub layer: Option<PackedLayer>,
-    /// Many contrasts and periods of the study instead of many grids.
+    /// Several pigments and periods of the study, each combination a case of its own.
     pub matrix: Option<MatrixTable>,
-    /// Names of the strategies; all of the registry but those for tiny grids unless told.
-    #[serde(default)]
+    /// Names of the strategies; all but those for tiny grids when left out.
     #[schemars(schema_with = "strategy_names", example = ["krylov", "bicgstab"])]
     pub strategies: Option<Vec<String>>,
-    /// Discretisations along z to compare.
-    #[serde(default = "default_schemes")]
+    /// Discretisations along z to compare; when left out, cubic cells and second differences on
+    /// listed grids, cubic cells on searched ones.
+    #[schemars(length(min = 1), example = ["cubic"])]
+    pub schemes: Option<Vec<Scheme>>,
+    /// Grids to compare; when left out, three of them, or with `accuracy` or `[matrix]` the one
+    /// that a search finds.
     #[schemars(length(min = 1))]
-    pub schemes: Vec<Scheme>,
-    /// Grids to compare.
-    #[serde(default = "default_resolutions")]
-    #[schemars(length(min = 1))]
-    pub resolutions: Vec<Points>,
-    /// Keeps absorption in ⟨k²⟩; relaxation is then left out. Off by default: all strategies share one problem.
-    #[serde(default)]
-    pub absorbing_mean: bool,
-    /// Lets ⟨k²⟩ follow the composition along z, or takes one for the whole layer.
-    #[serde(default = "default_true")]
-    pub mean_depends_on_z: bool,
+    pub resolutions: Option<Vec<Points>>,
+    /// Largest amplitude error for which the grid of each case and scheme is searched, instead of
+    /// `resolutions`; 1e-2 in a matrix without either.
+    #[schemars(transform = limits::ACCURACY.mark(), example = 1e-2)]
+    pub accuracy: Option<f64>,
+    /// Whether ⟨k²⟩ holds the absorption. When left out: as it suits each strategy, and where this
+    /// makes a difference the real mean beside it.
+    #[schemars(example = true)]
+    pub absorbing_mean: Option<bool>,
+    /// Lets ⟨k²⟩ follow the composition along z, as it does when left out, or takes one for the
+    /// whole layer.
+    #[schemars(example = false)]
+    pub mean_depends_on_z: Option<bool>,
     /// Residual to reach, and the most operator applications.
-    #[serde(default)]
-    pub goal: Goal,
-    /// Solves of each row; the median of their seconds is kept.
-    #[serde(default = "default_repeats")]
-    #[schemars(range(min = 1))]
-    pub repeats: usize,
+    pub goal: GoalWritten,
+    /// Solves of each row, whose median seconds are kept; 3 when left out.
+    #[schemars(range(min = 1), example = 3)]
+    pub repeats: Option<usize>,
     /// Where the comparison was read.
     #[serde(skip)]
     pub origin: PathBuf,
+}
+
+/// What is asked of every strategy.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct GoalWritten {
+    /// Relative residual to reach; when left out, 1e-6 on listed grids and a hundredth of the
+    /// accuracy on searched ones.
+    #[schemars(transform = limits::TOLERANCE.mark(), example = 1e-6)]
+    pub tolerance: Option<f64>,
+    /// Most operator applications (each one inverse and one forward transform of every plane); 2000
+    /// when left out.
+    #[schemars(example = 300)]
+    pub max_applications: Option<usize>,
 }
 
 /// Lists of built-in strategies.
@@ -87,49 +98,10 @@ pub struct Points {
     pub cells: usize,
 }
 
-impl Default for ComparisonFile {
-    fn default() -> Self {
-        Self {
-            title: String::new(),
-            study: None,
-            case: None,
-            wavelength_nm: None,
-            polar_deg: None,
-            layer: None,
-            matrix: None,
-            strategies: None,
-            schemes: default_schemes(),
-            resolutions: default_resolutions(),
-            absorbing_mean: false,
-            mean_depends_on_z: true,
-            goal: Goal::default(),
-            repeats: default_repeats(),
-            origin: PathBuf::new(),
-        }
-    }
-}
-
-fn default_schemes() -> Vec<Scheme> {
-    vec![Scheme::Cubic, Scheme::SecondDifference]
-}
-
-fn default_resolutions() -> Vec<Points> {
-    [(9, 8), (15, 12), (25, 20)].map(|(points, cells)| Points { points, cells }).to_vec()
-}
-
-fn default_true() -> bool {
-    true
-}
-
-fn default_repeats() -> usize {
-    3
-}
-
 /// Whether the file is a study rather than a comparison: it has none of a comparison's own keys.
 fn is_study(table: &toml::Table) -> bool {
     let own = ["study", "case", "matrix", "strategies", "schemes", "resolutions", "goal", "repeats"];
-    let short = table.get("layer").is_some_and(|layer| layer.get("wavelength_um").is_some());
-    table.contains_key("layer") && !short && !own.iter().any(|key| table.contains_key(*key))
+    table.contains_key("layer") && !own.iter().any(|key| table.contains_key(*key))
 }
 
 impl ComparisonFile {
@@ -166,66 +138,119 @@ impl ComparisonFile {
         }
     }
 
+    /// The grids of the list; none where they are searched.
+    pub(super) fn listed(&self) -> Option<Vec<Points>> {
+        let usual = || [(9, 8), (15, 12), (25, 20)].map(|(points, cells)| Points { points, cells }).to_vec();
+        match self.searched() {
+            Some(_) => None,
+            None => Some(self.resolutions.clone().unwrap_or_else(usual)),
+        }
+    }
+
+    /// The accuracy that grids are searched for; none where they are listed.
+    pub(super) fn searched(&self) -> Option<f64> {
+        let usual = self.matrix.is_some() && self.resolutions.is_none();
+        self.accuracy.or(usual.then_some(1e-2))
+    }
+
+    /// Discretisations along z.
+    pub(super) fn schemes(&self) -> Vec<Scheme> {
+        let usual = || match self.searched() {
+            Some(_) => vec![Scheme::Cubic],
+            None => vec![Scheme::Cubic, Scheme::SecondDifference],
+        };
+        self.schemes.clone().unwrap_or_else(usual)
+    }
+
+    /// What every strategy is asked for.
+    pub(super) fn goal(&self) -> Goal {
+        let usual = Goal::default();
+        let tolerance = self.searched().map_or(usual.tolerance, |accuracy| 1e-2 * accuracy);
+        Goal {
+            tolerance: self.goal.tolerance.unwrap_or(tolerance),
+            max_applications: self.goal.max_applications.unwrap_or(usual.max_applications),
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), CompareError> {
         let empty = [
             ("strategies", self.strategies.as_ref().is_some_and(Vec::is_empty)),
-            ("schemes", self.schemes.is_empty()),
-            ("resolutions", self.resolutions.is_empty()),
-            ("repeats", self.repeats == 0),
+            ("schemes", self.schemes.as_ref().is_some_and(Vec::is_empty)),
+            ("resolutions", self.resolutions.as_ref().is_some_and(Vec::is_empty)),
+            ("repeats", self.repeats == Some(0)),
         ];
-        if let Some((field, _)) = empty.into_iter().find(|(_, e)| *e) {
-            let allowed = "at least one".to_string();
-            return Err(CompareError::Field {
-                field: field.into(),
-                found: "empty".into(),
-                allowed,
-                remedy: "add one or leave it out",
-            });
+        if let Some((name, _)) = empty.into_iter().find(|(_, empty)| *empty) {
+            return Err(field(name, "empty", "at least one", "add one or leave it out"));
         }
-        let given = [self.study.is_some(), self.case.is_some(), self.layer.is_some()];
-        let count = given.into_iter().filter(|given| *given).count();
-        if count != 1 {
-            return Err(CompareError::Field {
-                field: "geometry".into(),
-                found: format!("given {count} times"),
-                allowed: "exactly one of `study`, `case` and `[layer]`".into(),
-                remedy: "name a study file or a case file, or write a whole study as [study]",
-            });
+        let beside_case = [
+            ("matrix", self.matrix.is_some(), "a study, whose period and index vary"),
+            ("wavelength_nm", self.wavelength_nm.is_some(), "a study: a case has its own wavelength"),
+            ("polar_deg", self.polar_deg.is_some(), "a study: a case has its own direction"),
+        ];
+        if self.study.is_some() == self.case.is_some() {
+            let found = if self.study.is_some() { "given twice" } else { "not given" };
+            let remedy = "name a study file or a case file, or write a whole study as [study]";
+            return Err(field("geometry", found, "exactly one of `study` and `case`", remedy));
         }
+        if let Some((name, _, allowed)) = beside_case.into_iter().find(|b| b.1 && self.case.is_some()) {
+            return Err(field(name, "given beside a case", allowed, "name a study instead, or leave it out"));
+        }
+        if self.accuracy.is_some() && self.resolutions.is_some() {
+            let allowed = "one of `accuracy`, which searches the grids, and `resolutions`, which lists them";
+            return Err(field("accuracy", "given beside `resolutions`", allowed, "leave one out"));
+        }
+        self.matrix.as_ref().map_or(Ok(()), MatrixTable::check)?;
         self.check_numbers()
     }
 
     /// Refuses what no solve could do.
     fn check_numbers(&self) -> Result<(), CompareError> {
-        let sides = self.resolutions.iter().enumerate();
+        let sides = self.resolutions.iter().flatten().enumerate();
         let sides = sides.flat_map(|(k, grid)| [(k, "points", grid.points), (k, "cells", grid.cells)]);
         let mut outside = sides.filter(|side| !(1..=MOST_POINTS).contains(&side.2));
         if let Some((k, side, count)) = outside.next() {
-            let (field, found) = (format!("resolutions[{k}].{side}"), count.to_string());
-            let allowed = format!("whole numbers from 1 to {MOST_POINTS}");
+            let (name, allowed) =
+                (format!("resolutions[{k}].{side}"), format!("whole numbers from 1 to {MOST_POINTS}"));
             let remedy = "a wavelength in the binder takes some 10 points and 8 cells";
-            return Err(CompareError::Field { field, found, allowed, remedy });
+            return Err(field(&name, &count.to_string(), &allowed, remedy));
         }
-        let Goal { tolerance, max_applications } = self.goal;
-        if !limits::TOLERANCE.holds(tolerance) {
-            let remedy = "1e-6 tells strategies apart, and costs little";
-            return Err(CompareError::number("goal.tolerance", tolerance, limits::TOLERANCE, remedy));
+        let numbers = [
+            ("accuracy", self.accuracy, limits::ACCURACY, "1e-2 is usual"),
+            (
+                "goal.tolerance",
+                self.goal.tolerance,
+                limits::TOLERANCE,
+                "1e-6 tells strategies apart, and costs little",
+            ),
+        ];
+        for (name, value, allowed, remedy) in numbers {
+            if let Some(value) = value.filter(|value| !allowed.holds(*value)) {
+                return Err(CompareError::number(name, value, allowed, remedy));
+            }
         }
-        applications("goal.max_applications", max_applications)
+        let most = self.goal().max_applications;
+        if limits::APPLICATIONS.holds(most) {
+            return Ok(());
+        }
+        let allowed = limits::APPLICATIONS.to_string();
+        Err(field("goal.max_applications", &most.to_string(), &allowed, "some hundreds do for most inks"))
     }
 
-    /// The study, whichever way it is written; none for a case.
-    pub(super) fn packed(&self) -> Result<Option<Packed>, CompareError> {
-        let values = |faults| StudyError::Values { path: self.origin.clone(), text: String::new(), faults };
-        let packed = match (&self.study, &self.layer) {
-            (Some(study), _) => Packed::read(study, &self.origin)?,
-            (None, Some(layer)) => layer.packed(&self.origin).map_err(values)?,
-            (None, None) => return Ok(None),
-        };
-        Ok(Some(packed.lit(self.wavelength_nm, self.polar_deg)))
+    /// The study under the comparison's light.
+    ///
+    /// # Errors
+    /// Its faults; a case instead.
+    pub(super) fn packed(&self) -> Result<Packed, CompareError> {
+        let missing = || field("study", "missing", "a study", "name a study file or write [study]");
+        let packed = Packed::read(self.study.as_ref().ok_or_else(missing)?, &self.origin)?;
+        Ok(packed.lit(self.wavelength_nm, self.polar_deg))
     }
 
     pub(super) fn folder(&self) -> &Path {
         self.origin.parent().unwrap_or(Path::new(""))
     }
+}
+
+fn field(name: &str, found: &str, allowed: &str, remedy: &'static str) -> CompareError {
+    CompareError::Field { field: name.into(), found: found.into(), allowed: allowed.into(), remedy }
 }

@@ -1,82 +1,117 @@
-//! The geometry that is compared on, and the amplitudes that every row is held against.
+//! The grids of a case, what they cost in accuracy, and the amplitudes that every row is held
+//! against.
 
+use super::cases::Subject;
 use super::file::{ComparisonFile, Points};
-use super::resolution;
 use crate::compare::error::CompareError;
 use crate::input::case::Case;
-use crate::numerics::files;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task};
 use crate::solve::{Coverages, Gmres, Goal, Watch};
-use crate::wave::{FarField, Mean, Order, Physical, Resolution, Scheme, TotalErrors};
+use crate::wave::{FarField, Mean, Order, Physical, Resolution, Scene, Scheme, TotalErrors};
 use num_complex::Complex64;
 
-/// The geometry, and the reference amplitudes if its file has them.
-pub(super) struct Subject {
-    pub case: Case,
-    known: Option<serde_json::Value>,
+/// A grid to try, and its share of the error.
+pub(super) struct ReferenceTrial {
+    /// None where the search for it failed, for this reason.
+    pub grid: Result<Resolution, String>,
+    /// Parts of the estimated error from the plane and from z; none where no coarser grid could be
+    /// solved.
+    pub parts: Option<[f64; 2]>,
 }
 
 impl ComparisonFile {
-    /// Reads or packs the geometry.
-    pub(super) fn subject(&self) -> Result<Subject, CompareError> {
-        if let Some(path) = &self.case {
-            let path = self.folder().join(path);
-            let case = Case::read(&path)?;
-            let json = files::read_text(&path, files::CASE).ok().and_then(|t| serde_json::from_str(&t).ok());
-            let known =
-                json.and_then(|v: serde_json::Value| v.get("outputs").and_then(|o| o.get("orders")).cloned());
-            return Ok(Subject { case, known });
+    /// All grids of a case, scheme by scheme: those of the list, or those that the search finds.
+    pub(super) fn trials(
+        &self,
+        case: &Case,
+        coverages: &Coverages,
+        watch: &mut dyn Watch,
+    ) -> Result<Vec<ReferenceTrial>, CompareError> {
+        let solver = Gmres::default();
+        let mut trials = Vec::new();
+        for scheme in self.schemes() {
+            let task = Task { scheme, ..task(case, coverages, &solver, self.goal().tolerance) };
+            match (self.listed(), self.searched()) {
+                (Some(listed), _) => {
+                    for points in listed {
+                        trials.push(listed_trial(&task, sized(&case.scene, points, scheme), watch)?);
+                    }
+                }
+                (None, accuracy) => trials.push(searched_trial(&task, accuracy.unwrap_or(1e-2), watch)?),
+            }
         }
-        let packed = self.packed()?.expect("checked: a study, a case or a layer");
-        Ok(Subject { case: packed.case()?, known: None })
+        Ok(trials)
     }
 
-    /// The grid of the reference.
-    fn finer(&self, case: &Case) -> Resolution {
-        let most = |f: fn(&Points) -> usize| self.resolutions.iter().map(f).max().unwrap_or(1);
-        let finer = Points { points: 3 * most(|p| p.points) / 2, cells: 3 * most(|p| p.cells) / 2 };
-        resolution(&case.scene, finer, Scheme::Cubic)
-    }
-
-    /// All that [`ComparisonFile::reference`] asks for before it solves.
+    /// All that [`ComparisonFile::truth`] asks for before it solves.
     ///
     /// # Errors
     /// No memory for the grid; a geometry or a direction that makes no problem on it.
-    pub(super) fn check_reference(&self, Subject { case, .. }: &Subject) -> Result<(), CompareError> {
-        let (resolution, coverages) = (self.finer(case), Coverages::of(&case.scene));
+    pub(super) fn check_reference(&self, case: &Case, grids: &[Resolution]) -> Result<(), CompareError> {
+        let (resolution, coverages) = (finer(grids), Coverages::of(&case.scene));
         let solver = Gmres::default();
-        let task = task(case, &coverages, &solver);
+        let task = task(case, &coverages, &solver, self.goal().tolerance);
         task.admitted(resolution).map_err(AccuracyError::Memory)?;
         task.systems(resolution)?;
         Ok(())
     }
 
-    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and cells again.
-    pub(super) fn reference(
+    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and
+    /// cells again.
+    pub(super) fn truth(
         &self,
         subject: &Subject,
+        case: &Case,
+        trials: &[ReferenceTrial],
         watch: &mut dyn Watch,
-    ) -> Result<(FarField, String), CompareError> {
-        let (resolution, coverages) = (self.finer(&subject.case), Coverages::of(&subject.case.scene));
-        let (solved, _) = task(&subject.case, &coverages, &Gmres::default()).solve(resolution, watch)?;
+    ) -> Result<FarField, CompareError> {
+        let grids: Vec<Resolution> = trials.iter().filter_map(|trial| trial.grid.clone().ok()).collect();
+        let coverages = Coverages::of(&case.scene);
+        let solver = Gmres::default();
+        let task = task(case, &coverages, &solver, 1e-3 * self.goal().tolerance);
+        let (solved, _) = task.solve(finer(&grids), watch)?;
         let errors = TotalErrors::of_totals([1.0; 2], solved[0].solution.account.residual);
         let mut far =
             Physical::judge(solved[0].far_field(), errors).map_err(AccuracyError::Unphysical)?.into_inner();
-        if let Some(known) = subject.known.as_ref().and_then(|k| k.as_array()) {
-            far.orders.retain_mut(|o| replace(o, known));
-            return Ok((far, "the case file's own amplitudes".into()));
+        if let Some(known) = subject.known() {
+            far.orders.retain_mut(|order| replace(order, known));
         }
-        let name = format!(
-            "krylov on {} × {} points and {} cubic cells",
-            resolution.nx, resolution.ny, resolution.cells
-        );
-        Ok((far, name))
+        Ok(far)
     }
 }
 
-/// The reference's solve, but for its grid.
-fn task<'a>(case: &'a Case, coverages: &'a Coverages<'a>, solver: &'a Gmres) -> Task<'a> {
+/// A listed grid, its error estimated from coarser ones.
+///
+/// # Errors
+/// The user stopped it.
+fn listed_trial(
+    task: &Task,
+    grid: Resolution,
+    watch: &mut dyn Watch,
+) -> Result<ReferenceTrial, CompareError> {
+    match task.solve_with_estimate(grid, watch) {
+        Err(stopped) if stopped.is_stop() => Err(stopped.into()),
+        found => Ok(ReferenceTrial { grid: Ok(grid), parts: found.ok().map(|found| found.parts) }),
+    }
+}
+
+/// The grid that reaches an accuracy.
+///
+/// # Errors
+/// The user stopped it.
+fn searched_trial(task: &Task, accuracy: f64, watch: &mut dyn Watch) -> Result<ReferenceTrial, CompareError> {
+    match task.solve_to_accuracy(accuracy, watch) {
+        Err(stopped) if stopped.is_stop() => Err(stopped.into()),
+        Err(failed) => Ok(ReferenceTrial { grid: Err(failed.to_string()), parts: None }),
+        Ok(found) => {
+            Ok(ReferenceTrial { grid: Ok(found.system().grid().resolution), parts: Some(found.parts) })
+        }
+    }
+}
+
+/// A solve of the reference strategy, but for its grid.
+fn task<'a>(case: &'a Case, coverages: &'a Coverages<'a>, solver: &'a Gmres, tolerance: f64) -> Task<'a> {
     Task {
         coverages,
         media: &case.media,
@@ -84,9 +119,24 @@ fn task<'a>(case: &'a Case, coverages: &'a Coverages<'a>, solver: &'a Gmres) -> 
         mean: Mean::default(),
         scheme: Scheme::Cubic,
         solver,
-        goal: Goal { tolerance: 1e-9, ..Goal::default() },
+        goal: Goal { tolerance, ..Goal::default() },
         memory: memory::usable(),
     }
+}
+
+/// The grid of the reference.
+fn finer(grids: &[Resolution]) -> Resolution {
+    let most = |f: fn(&Resolution) -> usize| grids.iter().map(f).max().unwrap_or(1);
+    let half_again = |count: usize| 3 * count / 2;
+    let [nx, ny, cells] = [most(|g| g.nx), most(|g| g.ny), most(|g| g.cells)].map(half_again);
+    Resolution { nx, ny, cells, scheme: Scheme::Cubic }
+}
+
+/// A grid of the list; one point is enough along an axis that nothing depends on.
+pub(super) fn sized(scene: &Scene, points: Points, scheme: Scheme) -> Resolution {
+    let nx = if scene.uniform_in_plane() { 1 } else { points.points };
+    let ny = if scene.uniform_in_y() { 1 } else { points.points };
+    Resolution { nx, ny, cells: points.cells, scheme }
 }
 
 /// Puts a reference order's amplitudes in place; false where the reference does not list it.

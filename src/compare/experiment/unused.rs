@@ -1,4 +1,5 @@
-//! What a comparison leaves aside of the files it reads: said, so that nobody waits for the effect of a key that has none.
+//! What a comparison leaves aside of the files it reads: said, so that nobody waits for the effect
+//! of a key that has none.
 
 use super::file::ComparisonFile;
 use crate::compare::subject::StudyWritten;
@@ -26,32 +27,21 @@ const OF_STUDIES: [&str; 15] = [
 ];
 /// Keys of a study that the matrix has its own of.
 const OF_VARIED_STUDIES: [&str; 3] = ["layer.cell", "layer.period_um", "pigment[0].index"];
-/// Keys of a comparison that a matrix does without: its grids follow from its accuracy.
-const BESIDE_MATRICES: [&str; 6] =
-    ["schemes", "resolutions", "repeats", "absorbing_mean", "mean_depends_on_z", "goal"];
-/// Keys of a comparison that a case has its own of.
-const BESIDE_CASES: [&str; 2] = ["wavelength_nm", "polar_deg"];
 
 impl ComparisonFile {
-    /// Keys of the comparison and of its study that are written and have no effect; none where a file cannot be read again.
+    /// Keys of the comparison's study that are written and have no effect; none where a file cannot
+    /// be read again.
     pub fn unused(&self) -> Vec<String> {
-        let own = table(&self.origin);
-        let beside = if self.matrix.is_some() { &BESIDE_MATRICES[..] } else { &[] };
-        let case = if self.case.is_some() { &BESIDE_CASES[..] } else { &[] };
-        let mut unused = written(&own, "", beside.iter().chain(case));
         let varied = if self.matrix.is_some() { &OF_VARIED_STUDIES[..] } else { &[] };
         let of_study = OF_STUDIES.iter().chain(varied);
         match &self.study {
             Some(StudyWritten::File(path)) => {
                 let file = format!("{}: ", path.display());
-                unused.extend(written(&table(&self.folder().join(path)), &file, of_study));
+                written(&table(&self.folder().join(path)), &file, of_study)
             }
-            Some(StudyWritten::Table(table)) => {
-                unused.extend(written(&table.clone().into(), "study.", of_study));
-            }
-            None => {}
+            Some(StudyWritten::Table(table)) => written(&table.clone().into(), "study.", of_study),
+            None => Vec::new(),
         }
-        unused
     }
 }
 

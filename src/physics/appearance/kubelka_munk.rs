@@ -7,7 +7,7 @@
 //! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)      over a backing ρ:  R + T² ρ/(1 − ρ R)
 //! ```
 //!
-//! They hold for a layer that is the same from both sides. What its two faces reflect is no scattering: [`Faces`] takes it off
+//! They hold for a layer that is the same from both sides. What its two faces reflect is no scattering: [`DiffuseFaces`] takes it off
 //! first (Saunderson 1942), for light that is diffuse inside.
 
 /// The two plane faces of a layer between air and air, for diffuse light.
@@ -20,14 +20,14 @@
 /// R ± T = r + (1 − r)(1 − r′) ρ/(1 − r′ ρ)      ρ = (R ± T − r)/((1 − r)(1 − r′) + r′ (R ± T − r))
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Faces {
+pub struct DiffuseFaces {
     /// r, share of diffuse light from outside that a face reflects, 0–1.
     pub external: f64,
     /// r′, share of diffuse light from inside that a face reflects, 0–1.
     pub internal: f64,
 }
 
-impl Faces {
+impl DiffuseFaces {
     /// Plane faces of a layer of real index n that reflect `external` of diffuse light from outside.
     pub fn plane(external: f64, index: f64) -> Self {
         Self { external, internal: 1.0 - (1.0 - external) / (index * index) }

@@ -1,4 +1,4 @@
-//! Faces on layers of two fluxes, and on layers whose light is followed photon by photon.
+//! DiffuseFaces on layers of two fluxes, and on layers whose light is followed photon by photon.
 
 use super::*;
 use crate::numerics::Draws;
@@ -8,7 +8,7 @@ const INDEX: f64 = 1.5;
 /// K and S known, faces put on: they come back, whatever the thickness. *Planted*: without the correction they do not.
 #[test]
 fn coefficients_come_back_through_the_faces() {
-    let faces = Faces::plane(0.092, INDEX);
+    let faces = DiffuseFaces::plane(0.092, INDEX);
     for [absorption_per_um, scattering_per_um] in [[0.1, 2.0], [0.5, 0.3], [0.0, 1.0]] {
         let ink = KubelkaMunk { absorption_per_um, scattering_per_um };
         for thickness in [1.0, 2.0, 4.0] {
@@ -26,7 +26,7 @@ fn coefficients_come_back_through_the_faces() {
     // what is lossless stays so, and no face changes nothing
     let [r, t] = faces.put_on(0.3, 0.7);
     assert!((r + t - 1.0).abs() < 1e-15);
-    let bare = Faces::plane(0.0, 1.0).taken_off(0.3, 0.6).unwrap();
+    let bare = DiffuseFaces::plane(0.0, 1.0).taken_off(0.3, 0.6).unwrap();
     assert!((bare[0] - 0.3).abs() < 1e-15 && (bare[1] - 0.6).abs() < 1e-15);
 }
 
@@ -71,7 +71,7 @@ fn coefficients_of_photons_do_not_depend_on_the_thickness() {
     const PHOTONS: usize = 60_000;
     let points = 4000;
     let of = |i: usize| face(((i as f64 + 0.5) / points as f64).sqrt(), [1.0, INDEX]).0 / points as f64;
-    let faces = Faces::plane((0..points).map(of).sum(), INDEX);
+    let faces = DiffuseFaces::plane((0..points).map(of).sum(), INDEX);
     let mut draws = Draws::new(7, 0);
     let [one, four] = [1.0, 3.0].map(|thickness| {
         let mut ends = [0.0; 3];

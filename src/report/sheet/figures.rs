@@ -1,8 +1,8 @@
 //! The page's plots.
 
 use super::LIT_AT_45;
-use crate::draw::figure::FigureError;
-use crate::draw::plots::{Plot, Series};
+use crate::draw::OutputError;
+use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::NATURAL_LIGHT;
@@ -23,7 +23,7 @@ pub(crate) fn figures(
     study: &Study,
     manifest: &Manifest<&Study>,
     seen: &Seen,
-) -> Result<Vec<Figure>, FigureError> {
+) -> Result<Vec<Figure>, OutputError> {
     let rows = &manifest.spectra;
     let all =
         [seen_spectra(study, rows), layer_spectra(study, rows), other_angles(study, rows), brdf(study, seen)];
@@ -33,26 +33,31 @@ pub(crate) fn figures(
     drawn.collect()
 }
 
-type Drawing = Option<(&'static str, Plot, String)>;
+type Drawing = Option<(&'static str, Chart, String)>;
 
 /// A spectrum, broken where a wavelength of the study has no value.
 fn spectrum(
     (study, rows): (&Study, &[SpectrumRow]),
     name: &str,
     of: impl Fn(&SpectrumRow) -> Option<Estimate>,
-) -> Series {
-    let points = rows.iter().filter_map(|row| Some((row.wavelength_nm, of(row)?))).collect();
-    Series::of_points(name, points).asked_at(&study.wavelengths_nm)
+) -> Curve {
+    let points = rows.iter().filter_map(|row| Some((row.wavelength_nm, of(row)?)));
+    Curve::measured(name, points).asked_at(&study.wavelengths_nm)
 }
 
-fn against_wavelength(y_label: &str, series: Vec<Series>) -> Option<Plot> {
-    let series: Vec<Series> = series.into_iter().filter(|s| !s.points.is_empty()).collect();
-    let plot = Plot { x_label: "wavelength, nm".into(), y_label: y_label.into(), ..Plot::default() };
-    (!series.is_empty()).then_some(Plot { series, y_range: Some([0.0, 1.0]), ..plot })
+/// Shares of the light or of a perfect white, unless there is none.
+fn shares(x_label: &str, y_label: &str, mut curves: Vec<Curve>) -> Option<Chart> {
+    curves.retain(Curve::has_points);
+    let chart = Chart::linear("", x_label, y_label, curves);
+    (!chart.curves.is_empty()).then_some(Chart { y_range: Some([0.0, 1.0]), ..chart })
+}
+
+fn against_wavelength(y_label: &str, curves: Vec<Curve>) -> Option<Chart> {
+    shares("wavelength, nm", y_label, curves)
 }
 
 fn seen_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
-    let series = vec![
+    let curves = vec![
         spectrum((study, rows), NATURAL_LIGHT, |row| row.natural_light),
         spectrum((study, rows), LIT_AT_45, |row| row.lit_at_45),
     ];
@@ -60,13 +65,13 @@ fn seen_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         "What the eye receives from the ink on its paper, as a share of what a perfect white would send: under {NATURAL_LIGHT} \
          and at {LIT_AT_45} (π × BRDF). Bars are standard errors: chance over realisations, and the grid."
     );
-    Some(("The ink on its paper", against_wavelength("share of a perfect white", series)?, caption))
+    Some(("The ink on its paper", against_wavelength("share of a perfect white", curves)?, caption))
 }
 
 fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     let angle = rows.first()?.polar_deg;
     let rows = &at_angle(rows, angle);
-    let series = vec![
+    let curves = vec![
         spectrum((study, rows), "reflected", |row| Some(row.reflectance)),
         spectrum((study, rows), "reflected, specular", |row| Some(row.specular_reflectance)),
         spectrum((study, rows), "transmitted", |row| Some(row.transmittance)),
@@ -77,7 +82,7 @@ fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         "The layer alone, without paper, lit at {angle:.0}°: shares of the light reflected, transmitted and absorbed \
          add up to 1. “Specular” is the part that goes on as a mirror image or straight through."
     );
-    Some(("The layer alone", against_wavelength("share of the light", series)?, caption))
+    Some(("The layer alone", against_wavelength("share of the light", curves)?, caption))
 }
 
 /// Curves of one kind that a plot of every angle takes.
@@ -101,23 +106,18 @@ fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     } else {
         let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
         let places = shown(&wavelengths).into_iter();
-        let series = places.flat_map(|w| against_angle(study, rows, wavelengths[w])).collect();
-        let plot = Plot {
-            x_label: "angle of incidence, °".into(),
-            y_label: "share of the light".into(),
-            ..Plot::default()
-        };
-        Plot { series, y_range: Some([0.0, 1.0]), ..plot }
+        let curves = places.flat_map(|w| against_angle(study, rows, wavelengths[w])).collect();
+        shares("angle of incidence, °", "share of the light", curves)?
     };
     Some(("Every angle solved", plot, caption.to_owned()))
 }
 
 /// R and T at one wavelength against the angle of incidence.
-fn against_angle(study: &Study, rows: &[SpectrumRow], nm: f64) -> [Series; 2] {
+fn against_angle(study: &Study, rows: &[SpectrumRow], nm: f64) -> [Curve; 2] {
     let rows: Vec<&SpectrumRow> = rows.iter().filter(|row| row.wavelength_nm == nm).collect();
     let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| {
-        let points = rows.iter().map(|row| (row.polar_deg, of(row))).collect();
-        Series::of_points(format!("{name}, {nm:.0} nm"), points).asked_at(&study.angles.exact_deg)
+        let points = rows.iter().map(|row| (row.polar_deg, of(row)));
+        Curve::measured(format!("{name}, {nm:.0} nm"), points).asked_at(&study.angles.exact_deg)
     };
     [curve("R", &|row| row.reflectance), curve("T", &|row| row.transmittance)]
 }
@@ -135,17 +135,16 @@ fn brdf(study: &Study, seen: &Seen) -> Drawing {
     let spectra: Vec<Vec<Estimate>> =
         views.iter().map(|view| ink.spectrum(|layer| PI * layer.brdf(&light, view)).estimates()).collect();
     let curve = |w: usize| {
-        let values: Vec<Estimate> = spectra.iter().map(|spectrum| spectrum[w]).collect();
-        Series::new(&format!("{:.0} nm", study.wavelengths_nm[w]), &degrees, &values)
+        let points = degrees.iter().zip(&spectra).map(|(&deg, spectrum)| (deg, spectrum[w]));
+        Curve::measured(format!("{:.0} nm", study.wavelengths_nm[w]), points)
     };
-    let series = shown(&study.wavelengths_nm).into_iter().map(curve).collect();
+    let curves = shown(&study.wavelengths_nm).into_iter().map(curve).collect();
     let caption = format!(
         "π × diffuse BRDF of the ink on its paper, lit at {:.0}°, mean over the azimuth, against the viewing angle. A \
          matt white would be 1 everywhere.",
         light.polar_deg
     );
-    let (x_label, y_label) = ("viewing angle, °".to_owned(), "π × BRDF".to_owned());
-    let plot = Plot { x_label, y_label, series, ..Plot::default() };
+    let plot = Chart { from_zero: true, ..Chart::linear("", "viewing angle, °", "π × BRDF", curves) };
     Some(("How it changes with the viewing angle", plot, caption))
 }
 

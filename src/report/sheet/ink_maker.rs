@@ -1,8 +1,8 @@
 //! The page's part for ink makers.
 
-use crate::draw::figure::FigureError;
-use crate::draw::plots::{Plot, Series};
-use crate::evaluate::ink_maker::{Comparison, InkMaker, Swatch};
+use crate::draw::OutputError;
+use crate::draw::chart::{Chart, Curve};
+use crate::evaluate::ink_maker::{InkMaker, MeasuredComparison, Swatch};
 use crate::evaluate::manifest::Manifest;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
@@ -12,21 +12,21 @@ use crate::report::page::{Figure, MakerBlock, Meant, Named, svg_data};
 pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
     let swatch = |name: &str, swatch: &Swatch| Named::new(name, swatch.hex.clone());
     let mut rows = vec![
-        row(
+        Meant::new(
             "contrast ratio",
             maker.contrast_ratio.in_words(3),
-            "Y over black divided by Y over white of albedo 0.8, both at 45:0 (ISO 6504-3): 1 hides everything".into(),
+            "Y over black divided by Y over white of albedo 0.8, both at 45:0 (ISO 6504-3): 1 hides everything",
         ),
-        row("over black", lab(&maker.over_black), format!("L*, a*, b* at 45:0, {}", maker.conditions)),
-        row("over white", lab(&maker.over_white), "the same over white".into()),
-        row("on its paper", lab(&maker.print), "the same on the study's paper".into()),
+        Meant::new("over black", lab(&maker.over_black), format!("L*, a*, b* at 45:0, {}", maker.conditions)),
+        Meant::new("over white", lab(&maker.over_white), "the same over white"),
+        Meant::new("on its paper", lab(&maker.print), "the same on the study's paper"),
     ];
     if let Some(reason) = &maker.no_kubelka_munk {
-        rows.push(row("Kubelka–Munk K and S", "–".to_owned(), reason.clone()));
+        rows.push(Meant::new("Kubelka–Munk K and S", "–".to_owned(), reason.clone()));
     }
     if let Some(target) = &maker.target {
         let [l, a, b] = target.lab;
-        rows.push(row(
+        rows.push(Meant::new(
             "ΔE₀₀ to the target",
             target.delta_e_2000.in_words(2),
             format!("L* {l}, a* {a}, b* {b}").replace('-', "−"),
@@ -35,7 +35,7 @@ pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
     if let Some(measured) = &maker.measured {
         let value = measured.delta_e_2000.map_or_else(|| "–".to_owned(), |e| e.in_words(2));
         let meaning = format!("{}; root mean square of the residuals {:.4}", measured.source, measured.rms);
-        rows.push(row("ΔE₀₀ to the measurement", value, meaning));
+        rows.push(Meant::new("ΔE₀₀ to the measurement", value, meaning));
     }
     let swatches = vec![
         swatch("over black", &maker.over_black),
@@ -43,10 +43,6 @@ pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
         swatch("on its paper", &maker.print),
     ];
     MakerBlock { swatches, rows }
-}
-
-fn row(name: &str, value: String, meaning: String) -> Meant {
-    Meant { name: name.to_owned(), value, meaning }
 }
 
 fn lab(swatch: &Swatch) -> String {
@@ -58,7 +54,7 @@ fn lab(swatch: &Swatch) -> String {
 }
 
 /// K and S, and a measurement with its residuals.
-pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, FigureError> {
+pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, OutputError> {
     let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
     let mut figures = Vec::new();
     if !maker.kubelka_munk.is_empty() {
@@ -70,12 +66,12 @@ pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, Figure
     Ok(figures)
 }
 
-fn figure(heading: &str, y_label: &str, series: Vec<Series>, caption: String) -> Result<Figure, FigureError> {
-    let plot = Plot { x_label: "wavelength, nm".into(), y_label: y_label.into(), series, ..Plot::default() };
+fn figure(heading: &str, y_label: &str, curves: Vec<Curve>, caption: String) -> Result<Figure, OutputError> {
+    let plot = Chart { from_zero: true, ..Chart::linear("", "wavelength, nm", y_label, curves) };
     Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
 }
 
-fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure, FigureError> {
+fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure, OutputError> {
     let certainty = &manifest.certainty;
     let asked: Vec<f64> = manifest.spectra.iter().map(|row| row.wavelength_nm).collect();
     let factor = certainty.coverage_factor_95;
@@ -84,11 +80,11 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
         ..e
     };
     let rows = || maker.kubelka_munk.iter();
-    let absorption = rows().map(|row| (row.wavelength_nm, wide(row.absorption_per_um))).collect();
-    let scattering = rows().map(|row| (row.wavelength_nm, wide(row.scattering_per_um))).collect();
+    let absorption = rows().map(|row| (row.wavelength_nm, wide(row.absorption_per_um)));
+    let scattering = rows().map(|row| (row.wavelength_nm, wide(row.scattering_per_um)));
     let series = vec![
-        Series::of_points("absorption K", absorption).asked_at(&asked),
-        Series::of_points("scattering S", scattering).asked_at(&asked),
+        Curve::measured("absorption K", absorption).asked_at(&asked),
+        Curve::measured("scattering S", scattering).asked_at(&asked),
     ];
     let bars = match factor {
         Some(factor) => {
@@ -105,17 +101,17 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
     figure("Kubelka–Munk coefficients", "1/µm", series, caption)
 }
 
-fn compared(measured: &Comparison) -> Result<Vec<Figure>, FigureError> {
+fn compared(measured: &MeasuredComparison) -> Result<Vec<Figure>, OutputError> {
     let exact = |value: f64| Estimate { value, standard_error: None };
     let of = |value: &dyn Fn(&crate::evaluate::ink_maker::ComparedRow) -> Estimate| {
         measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
     };
     let both = vec![
-        Series::of_points("predicted", of(&|row| row.predicted)),
-        Series::of_points("measured", of(&|row| exact(row.measured))),
+        Curve::measured("predicted", of(&|row| row.predicted)),
+        Curve::measured("measured", of(&|row| exact(row.measured))),
     ];
     let residual = of(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
-    let residual = vec![Series::of_points("measured less predicted", residual)];
+    let residual = vec![Curve::measured("measured less predicted", residual)];
     let caption = format!("At 45:0; measured: {}, linear between its rows.", measured.source);
     Ok(vec![
         figure("Measured and predicted", "share of a perfect white", both, caption.clone())?,

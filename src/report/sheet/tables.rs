@@ -5,6 +5,7 @@ use crate::appearance::paper::{Coupling, MirroredSky};
 use crate::evaluate::manifest::{Budget, Certainty, ColourNote, FailureNote, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
+use crate::evaluate::survivors::Survivors;
 use crate::ink::Method;
 use crate::input::study::{Dissolved, Pigment, Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
@@ -14,35 +15,31 @@ use crate::store::packing_record::{PackingRecord, ShareRecord};
 use crate::wave::Resolution;
 use crate::wave::Wave;
 
-fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
-    Meant { name: name.to_owned(), value, meaning: meaning.into() }
-}
-
 pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> {
     let certainty = &manifest.certainty;
     let several = seen.realisations.len() > 1;
     let ensemble =
         if several { "independent packings averaged" } else { "one packing: its chance is unknown" };
-    let mut rows = vec![meant("realisations", seen.realisations.len().to_string(), ensemble)];
+    let mut rows = vec![Meant::new("realisations", seen.realisations.len().to_string(), ensemble)];
     if let Some(noise) = manifest.colours.first().and_then(|c| c.lab_standard_error) {
         let length = noise.iter().map(|x| x * x).sum::<f64>().sqrt();
         let meaning = "standard error of the colour, as a distance in Lab; its parts follow";
-        rows.push(meant("colour", format!("ΔE {length:.2}"), meaning));
+        rows.push(Meant::new("colour", format!("ΔE {length:.2}"), meaning));
     }
     rows.extend(manifest.colours.first().map(budget).unwrap_or_default());
     if let (Some(factor), degrees) = (certainty.coverage_factor_95, certainty.degrees_of_freedom) {
         let meaning = format!(
             "95 % intervals are ± this many standard errors (Student's t, {degrees} degrees of freedom)"
         );
-        rows.push(meant("95 %", format!("× {factor:.2}"), meaning));
+        rows.push(Meant::new("95 %", format!("× {factor:.2}"), meaning));
     }
     if let Some(error) = largest_error(&manifest.spectra) {
         let meaning = "largest standard error of the layer's R or T";
-        rows.push(meant("spectra", format!("± {error:.4}"), meaning));
+        rows.push(Meant::new("spectra", format!("± {error:.4}"), meaning));
     }
     if let Some(error) = certainty.angle_error_estimate {
         let meaning = "standard error of the mean transmittance over the hemisphere from the placing of the directions, at the worst wavelength";
-        rows.push(meant("angles", format!("{error:.1e}"), meaning));
+        rows.push(Meant::new("angles", format!("{error:.1e}"), meaning));
     }
     rows.extend(exactness(certainty));
     rows
@@ -51,24 +48,24 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
 /// How exactly the solves themselves stand for their packings.
 fn exactness(certainty: &Certainty) -> [Meant; 4] {
     [
-        meant(
+        Meant::new(
             "grid, R and T",
             format!("{:.1e}, {:.1e}", certainty.reflectance_grid_error, certainty.transmittance_grid_error),
             "expected errors from the grid, by comparison with a coarser one at the hardest wavelengths and angles; part of \
              all error bars",
         ),
-        meant(
+        Meant::new(
             "grid, orders",
             format!("{:.1e}", certainty.amplitude_error_estimate),
             "expected error of the complex amplitudes of single orders, from coarser and finer grids; sums over orders are \
              better known",
         ),
-        meant(
+        Meant::new(
             "energy",
             format!("{:.1e}", certainty.largest_energy_error),
             "largest |R + T + A − 1| of all solves: nothing is lost or invented",
         ),
-        meant(
+        Meant::new(
             "residual",
             format!("{:.1e}", certainty.largest_residual),
             format!("largest relative residual, after {:.0} steps on average", certainty.mean_steps),
@@ -78,7 +75,8 @@ fn exactness(certainty: &Certainty) -> [Meant; 4] {
 
 /// Which part of the first colour's error is how large: what dominates tells what to buy.
 fn budget(note: &ColourNote) -> Vec<Meant> {
-    let Budget { chance_and_cell, angles, wavelengths, grid, residual, beyond_range } = note.budget;
+    let Budget { chance_and_cell, angles, wavelengths, grid, residual, missing_cells, beyond_range } =
+        note.budget;
     let parts = [
         (
             "… chance and cell",
@@ -93,6 +91,11 @@ fn budget(note: &ColourNote) -> Vec<Meant> {
         ("… grid", Some(grid), "resolution.accuracy lessens it"),
         ("… residual", Some(residual), "solver.tolerance lessens it"),
         (
+            "… missing cells",
+            Some(missing_cells).filter(|&part| part > 0.0),
+            "packings without room: what their cells could change at most, if chance and room went together",
+        ),
+        (
             "… beyond the range",
             Some(beyond_range).filter(|&part| part > 0.0),
             "visible light outside the wavelengths, for which the spectrum's ends stand: light.from_nm = 400 and to_nm = 700 \
@@ -105,7 +108,7 @@ fn budget(note: &ColourNote) -> Vec<Meant> {
         ),
     ];
     let row = |(name, part, meaning): (&str, Option<f64>, &str)| {
-        Some(meant(name, format!("ΔE {:.3}", part?), meaning))
+        Some(Meant::new(name, format!("ΔE {:.3}", part?), meaning))
     };
     parts.into_iter().filter_map(row).collect()
 }
@@ -287,6 +290,7 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
                     range (from_nm, to_nm, step_nm) is sampled at shifted wavelengths, and has no such error.";
         lines.push(line.to_owned());
     }
+    lines.splice(0..0, missing_cells(manifest));
     lines.extend(beyond_range(study, manifest));
     lines.extend(missed_target(study, manifest));
     if let Some(reason) = &manifest.no_ink_maker {
@@ -306,6 +310,19 @@ fn missing(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> {
     let help = "Curves through few angles, cells or points overshoot: angles.count, run.realisations or a finer grid help.";
     let withheld = manifest.withheld.iter().map(|number| format!("No result: {}. {help}", number.in_words()));
     colour.chain(withheld).collect()
+}
+
+/// Packings that are not in the means.
+fn missing_cells(manifest: &Manifest<&Study>) -> Option<String> {
+    let Survivors { packed, refused } = manifest.tried_packings;
+    if refused == 0 {
+        return None;
+    }
+    Some(format!(
+        "{refused} of {} packings have no room: the means are those of the others, and all error bars hold what the missing cells \
+         could change at most.",
+        packed + refused
+    ))
 }
 
 /// Visible light that the colours have not seen.
@@ -338,14 +355,13 @@ fn few_wavelengths(study: &Study, manifest: &Manifest<&Study>) -> Option<String>
 }
 
 /// What an air gap before the paper leaves out.
+const AIR_GAP: &str = "A thin air gap between layer and paper is assumed. Printed layers are mostly in optical contact with their \
+    paper: [paper] coupling = \"optical_contact\", with the paper's index as [layer] index_out, makes them darker (the ink of \
+    examples/yellow.toml with index_out = 1.5, under natural light: L* 89 → 83, a* −13 → −8, b* 83 → 82).";
+
 fn air_gap(study: &Study) -> Option<String> {
     let assumed = study.paper.coupling == Coupling::Gap && study.angles.strata > 0;
-    assumed.then(|| {
-        "A thin air gap between layer and paper is assumed. Printed layers are mostly in optical contact with their paper: \
-         [paper] coupling = \"optical_contact\", with the paper's index as [layer] index_out, makes them darker (the ink of \
-         examples/yellow.toml with index_out = 1.5, under natural light: L* 89 → 83, a* −13 → −8, b* 83 → 82)."
-            .to_owned()
-    })
+    assumed.then(|| AIR_GAP.to_owned())
 }
 
 /// A wanted bar that was not reached.

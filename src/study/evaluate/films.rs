@@ -1,7 +1,7 @@
 //! The coherent film at every wavelength and thickness that an ensemble needs.
 
 use super::film::{Film, Profile};
-use crate::appearance::kubelka_munk::Faces;
+use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::wave::Side;
 use crate::wave::Wave;
 use crate::wave::maxwell::Polarisation;
@@ -102,8 +102,8 @@ impl FilmAt {
     }
 
     /// The film's faces for diffuse light: those of its mean index, the real part of √⟨η²⟩ over its slices.
-    pub fn faces(&self) -> Faces {
-        let Some(film) = self.films.first() else { return Faces::default() };
+    pub fn faces(&self) -> DiffuseFaces {
+        let Some(film) = self.films.first() else { return DiffuseFaces::default() };
         let sum: Complex64 = film.squared_indices.iter().sum();
         let index = (sum / film.squared_indices.len().max(1) as f64).sqrt().re;
         let face = Film {
@@ -112,7 +112,7 @@ impl FilmAt {
             index_out: index,
             ..film.clone()
         };
-        Faces::plane(FilmAt { films: vec![face], wave: self.wave }.means()[0], index)
+        DiffuseFaces::plane(FilmAt { films: vec![face], wave: self.wave }.means()[0], index)
     }
 
     /// Hemispherical means 2∫₀¹ f μ dμ of \[R, T\] for light from the incident side.

@@ -7,7 +7,7 @@ pub use coefficients::KubelkaMunkRow;
 
 use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::uncertainty::{Shift, Uncertainty, lit, lit_moved, natural_light_moved};
+use super::uncertainty::{Shift, UNMOVED, Uncertainty, Widened, lit, natural_light};
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::paper::PRINT_DEG;
 use crate::input::measured::MeasuredSpectrum;
@@ -47,7 +47,7 @@ pub struct InkMaker {
     /// Difference to the target colour.
     pub target: Option<Target>,
     /// Difference to a measured spectrum.
-    pub measured: Option<Comparison>,
+    pub measured: Option<MeasuredComparison>,
 }
 
 /// A colour with what a screen shows of it.
@@ -76,7 +76,7 @@ pub struct Target {
 
 /// A measured spectrum beside the prediction.
 #[derive(Clone, Debug, Serialize)]
-pub struct Comparison {
+pub struct MeasuredComparison {
     /// The file.
     pub source: String,
     /// CIEDE2000 between both spectra on the wavelengths they share; its error is that of the prediction.
@@ -106,13 +106,10 @@ struct Question<'a> {
     view: PolarAngle,
 }
 
-/// No error of R and T.
-const UNMOVED: Shift = [0.0; 2];
-
 impl Question<'_> {
     /// The reflectance factor, moved by errors of R and T.
     fn factor(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
-        lit(layer, &self.light, &self.view) + lit_moved(layer, &self.light, &self.view, by)
+        lit(layer, &self.light, &self.view, by)
     }
 
     /// The ink over a backing.
@@ -130,17 +127,7 @@ impl Question<'_> {
         sight: &Sight,
         moved_factor: &dyn Fn(&LayerOnPaper, Shift) -> f64,
     ) -> Result<(Swatch, Vec<[f64; 3]>), InkError> {
-        let factor = |by: Shift| move |layer: &LayerOnPaper| moved_factor(layer, by);
-        let (by_chance, deviations) = self.ink.colour_with_deviations(sight, factor(UNMOVED))?;
-        let moved = |by: Shift| -> Result<[f64; 3], InkError> {
-            let lab = self.ink.colour_of_mean(sight, factor(by))?.lab;
-            Ok(std::array::from_fn(|i| lab[i] - by_chance.lab[i]))
-        };
-        let [grid, residual] = self.uncertainty.shifts().map(moved);
-        let [below, above] = self.ink.beyond_range(sight, &by_chance, factor(UNMOVED));
-        let lab_covariance =
-            self.uncertainty.widen_lab(by_chance.lab_covariance, &[grid?, residual?, below, above]);
-        let colour = Colour { lab_covariance, ..by_chance };
+        let Widened { colour, deviations, .. } = self.uncertainty.widened(self.ink, sight, moved_factor)?;
         let [r, g, b] = colour.srgb8;
         let hex = format!("#{r:02x}{g:02x}{b:02x}");
         Ok((Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour }, deviations))
@@ -170,13 +157,13 @@ impl Question<'_> {
     }
 
     /// A measured spectrum beside the prediction.
-    fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> Comparison {
+    fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> MeasuredComparison {
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let predicted = predicted.estimates().into_iter().enumerate();
         let rows: Vec<ComparedRow> =
             predicted.filter_map(|(i, by_chance)| self.compared_row(measured, i, by_chance)).collect();
         let square: f64 = rows.iter().map(|r| (r.measured - r.predicted.value).powi(2)).sum();
-        Comparison {
+        MeasuredComparison {
             source: measured.source.clone(),
             // too few shared wavelengths carry no colour; the residuals stand all the same
             delta_e_2000: self.difference(study, measured, &rows).ok(),
@@ -240,10 +227,8 @@ pub(super) fn ink_maker(
     let question = Question { ink, uncertainty, light: ink.at(PRINT_DEG)?, view: ink.at(0.0)? };
     let sight = ink.sight(viewing)?;
     let (print, deviations) = question.over(&sight, &|layer| *layer)?;
-    let sky = |layer: &LayerOnPaper, by: Shift| {
-        let factor = layer.natural_light(&question.view, study.output.mirrored_sky);
-        factor + natural_light_moved(layer, &question.view, by)
-    };
+    let mirrored = study.output.mirrored_sky;
+    let sky = |layer: &LayerOnPaper, by: Shift| natural_light(layer, &question.view, mirrored, by);
     let by = realisations.iter().copied().zip(deviations).collect::<Vec<_>>();
     let (contrast_ratio, moved) = question.contrast_ratio(&sight)?;
     let (kubelka_munk, no_kubelka_munk) = coefficients::kubelka_munk(ink, uncertainty, study)?;

@@ -1,6 +1,7 @@
 //! `results.json`: the numbers and where they come from.
 
 use super::ink_maker::InkMaker;
+use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
@@ -41,6 +42,8 @@ pub struct Manifest<Study: Serialize> {
     pub realisations: Count,
     /// Solves asked for and finished.
     pub solves: Count,
+    /// Packings whose grains found room, and the others.
+    pub tried_packings: Survivors,
     /// What failed, and why.
     pub failures: Vec<FailureNote>,
     /// The grid of the shortest waves and of the largest contrast.

@@ -19,5 +19,6 @@ pub mod regression;
 pub mod samples;
 pub mod seen;
 pub mod summary;
+pub mod survivors;
 mod uncertainty;
 pub mod wavelengths;

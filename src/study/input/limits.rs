@@ -43,6 +43,8 @@ pub const AZIMUTH_DEG: Allowed = Allowed::between(-360.0, 360.0, "°");
 pub const REALISATIONS: Whole = Whole::between(1, 100_000);
 /// Wanted 95 % interval of colours, ΔE₀₀.
 pub const TARGET_DELTA_E: Allowed = Allowed::between(1e-3, 100.0, "");
+/// Share of packings without room.
+pub const FAILED_PACKINGS: Allowed = Allowed::between(0.0, 1.0, "");
 /// Wanted error of an order's amplitude.
 pub const ACCURACY: Allowed = Allowed::between(1e-6, 0.3, "");
 /// Points or planes of a grid.

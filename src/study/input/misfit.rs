@@ -19,19 +19,25 @@ impl Misfit {
         allowed: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        let mut found = found.to_string();
-        if found.chars().count() > LONGEST_FOUND {
-            found = found.chars().take(LONGEST_FOUND).chain(['…']).collect();
-        }
-        Self(Box::new(Fault::new(place, found, allowed, remedy)))
+        Self(Box::new(Fault::new(place, shortened(found.to_string()), allowed, remedy)))
     }
 
-    /// The same, seen from outside of `place`.
-    pub(super) fn inside(mut self, place: &str) -> Self {
+    /// The same, seen from outside of `place`, where `found` stands.
+    pub(super) fn inside(mut self, place: &str, found: &str) -> Self {
+        if self.0.found.is_empty() {
+            self = Self(Box::new(Fault { found: shortened(found.to_owned()), ..*self.0 }));
+        }
         let own = std::mem::take(&mut self.0.field);
         self.0.field = join(place, &own);
         self
     }
+}
+
+fn shortened(found: String) -> String {
+    if found.chars().count() <= LONGEST_FOUND {
+        return found;
+    }
+    found.chars().take(LONGEST_FOUND).chain(['…']).collect()
 }
 
 /// `layer` and `binder.index` → `layer.binder.index`; indices keep their brackets.
@@ -61,9 +67,9 @@ const NEWER: [(&str, &str); 1] = [(
 )];
 
 impl de::Error for Misfit {
-    /// Forms written in several ways say here what they take.
+    /// Values that may be written in several forms say here what they take; what was found only the reader knows.
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new("", "a value of another form", message.to_string(), FORM)
+        Self::new("", "", message.to_string(), FORM)
     }
 
     fn invalid_type(found: Unexpected, allowed: &dyn Expected) -> Self {

@@ -16,16 +16,18 @@ pub struct Crew {
 }
 
 impl Crew {
-    /// As many workers as `jobs` (by default one for each thread), but no more than there are `tasks`.
+    /// As many workers as `jobs` (by default one for each thread), but no more than there are `tasks`; fewer where the system
+    /// grants fewer threads.
     ///
     /// # Errors
-    /// The system refuses threads.
+    /// The system grants no thread at all.
     pub fn new(jobs: Option<usize>, tasks: usize) -> Result<Self, ThreadPoolBuildError> {
         let jobs = jobs.unwrap_or_else(rayon::current_num_threads).max(1);
         let workers = jobs.min(tasks.max(1));
         let threads_each = (rayon::current_num_threads() / workers).max(1);
         let pool = |_| ThreadPoolBuilder::new().num_threads(threads_each).build();
-        Ok(Self { pools: (0..workers).map(pool).collect::<Result<_, _>>()?, jobs_each: jobs / workers })
+        let pools = as_many_as_granted((0..workers).map(pool))?;
+        Ok(Self { jobs_each: jobs / pools.len(), pools })
     }
 
     /// Their number.
@@ -35,20 +37,33 @@ impl Crew {
 
     /// Every worker does what `take` gives it until that is nothing.
     pub fn work_off(&self, take: impl Fn() -> Option<usize> + Sync, work: impl Fn(usize) + Sync) {
-        let (take, work) = (&take, &work);
-        std::thread::scope(|scope| {
-            for pool in &self.pools {
-                scope.spawn(move || work_off_in(pool, take, work));
-            }
-        });
+        in_each(&self.pools, &|| std::iter::from_fn(&take).for_each(&work));
     }
 }
 
-/// One worker's part: what `take` gives it, one task after the other.
-fn work_off_in(pool: &ThreadPool, take: &impl Fn() -> Option<usize>, work: &(impl Fn(usize) + Sync)) {
-    while let Some(task) = take() {
-        pool.install(|| work(task));
+/// Does `work` in every pool at a time, on the threads that the pools have: none is started, so none can be refused.
+fn in_each(pools: &[ThreadPool], work: &(impl Fn() + Sync)) {
+    let Some((first, others)) = pools.split_first() else { return };
+    first.in_place_scope(|scope| {
+        scope.spawn(|_| work());
+        in_each(others, work);
+    });
+}
+
+/// All that are made before the first refusal; after it only half of them, as the work itself takes memory too.
+fn as_many_as_granted<T, E>(made: impl Iterator<Item = Result<T, E>>) -> Result<Vec<T>, E> {
+    let mut granted = Vec::new();
+    for one in made {
+        match one {
+            Ok(one) => granted.push(one),
+            Err(refusal) if granted.is_empty() => return Err(refusal),
+            Err(_) => {
+                granted.truncate(granted.len().div_ceil(2));
+                break;
+            }
+        }
     }
+    Ok(granted)
 }
 
 /// Does `work` for every index below `count`, `jobs` at a time, in rising order of their beginnings; ends
@@ -86,6 +101,24 @@ mod tests {
             assert!(done.iter().all(|n| n.load(Ordering::SeqCst) == 1));
         }
         work_through(0, 3, || false, |_| panic!("there is nothing to do")).unwrap();
+    }
+
+    #[test]
+    fn refused_threads_leave_fewer_workers() {
+        let granted = |most: usize| (0..9).map(move |i| if i < most { Ok(i) } else { Err("refused") });
+        assert_eq!(as_many_as_granted(granted(9)).unwrap().len(), 9);
+        assert_eq!(as_many_as_granted(granted(5)).unwrap(), [0, 1, 2]);
+        assert_eq!(as_many_as_granted(granted(1)).unwrap(), [0]);
+        assert_eq!(as_many_as_granted(granted(0)), Err("refused"));
+    }
+
+    /// Threads that wait for each other: each pool has its own.
+    #[test]
+    fn all_workers_are_at_work_at_a_time() {
+        let (crew, meeting) = (Crew::new(Some(3), 3).unwrap(), std::sync::Barrier::new(3));
+        let left = AtomicUsize::new(3);
+        let take = || left.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |n| n.checked_sub(1)).ok();
+        crew.work_off(take, |_| drop(meeting.wait()));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Who looks on while a study runs, and may stop it.
 
 use crate::input::study::{Point, Study};
-use crate::store::queue::Standing;
+use crate::store::queue::QueueStanding;
 
 /// Hears what a run does; called from several threads.
 pub trait RunWatch: Sync {
@@ -17,7 +17,7 @@ pub trait RunWatch: Sync {
     fn stage(&self, _what: &str) {}
 
     /// How far all workers of a folder are.
-    fn standing(&self, _standing: &Standing) {}
+    fn standing(&self, _standing: &QueueStanding) {}
 
     /// A solve begins.
     fn solving(&self, _study: &Study, _point: &Point) {}

@@ -34,10 +34,9 @@ impl Key {
         }
     }
 
-    /// The key of a packing. Sizes that spread were drawn by another rule before, which turned large grains away.
+    /// The key of a packing.
     pub fn of_packing(request: &PackingRequest) -> Self {
-        let strata = request.pigments.iter().any(|pigment| pigment.size.has_spread());
-        if strata { Self::of("packing", &(request, "strata")) } else { Self::of("packing", request) }
+        Self::of("packing", request)
     }
 
     /// The key as text, fit for a file name.

@@ -2,7 +2,7 @@
 
 use super::store::Record;
 use crate::ink::statistics::{ReachedSizes, profile};
-use crate::ink::{Account, Method, Packing, Share};
+use crate::ink::{Method, Packing, PackingAccount, Share};
 use serde::{Deserialize, Serialize};
 
 /// Slices of the profile.
@@ -54,7 +54,7 @@ pub struct ShareRecord {
 impl PackingRecord {
     /// The record of a packing.
     pub fn new(realisation: usize, packing: &Packing) -> Self {
-        let Account { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
+        let PackingAccount { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
         let share = |(k, share): (usize, &Share)| ShareRecord {
             sizes: ReachedSizes::of(packing, k),
             ..ShareRecord::from(share)

@@ -8,7 +8,7 @@ use crate::run::crew::{processor_seconds, work_through};
 use crate::run::grids::Wavelength;
 use crate::run::longer_waves::coarsened;
 use crate::run::memory;
-use crate::run::point::{solve_point, systems_of};
+use crate::run::point::{PointSolver, systems_of};
 use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
 use crate::run::runner::RunError;
@@ -18,6 +18,7 @@ use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::store::store::Store;
 use crate::wave::{Geometry, Precision, Resolution, Scene};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
@@ -25,6 +26,8 @@ const TRIAL_PERIOD_UM: f64 = 1.6;
 /// Solves are repeated until they have taken so long in all, or are so many.
 const LEAST_SECONDS: f64 = 0.5;
 const MOST_SOLVES: usize = 60;
+/// Cells with more grains are not packed in time.
+pub(super) const MOST_GRAINS: f64 = 5e4;
 
 /// Cost of one variant that was tried, in core seconds a µm³.
 pub(crate) struct Trial {
@@ -56,16 +59,22 @@ pub(crate) fn density(study: &Study) -> f64 {
 
 /// The study in a cell as small as a trial's.
 fn in_small_cell(study: &Study) -> Study {
-    if study.variation.cell == CellRule::Varied {
-        // Varied cells are as small as they may be.
-        return study.clone();
-    }
     let longest =
         study.pigments.iter().map(|p| 2e-3 * largest_extents_nm(&p.grains).1).fold(TRIAL_PERIOD_UM, f64::max);
+    let [x, y] = study.layer.period_um;
+    if study.variation.cell == CellRule::Varied && x.max(y) <= 2.0 * longest {
+        // Varied cells are as small as they may be, unless a larger period was asked for.
+        return study.clone();
+    }
     let mut small = study.clone();
     small.layer.period_um = study.layer.period_um.map(|period| period.min(longest));
     small.packing.period_um = small.layer.period_um;
     small
+}
+
+/// Grains of a cell, about.
+pub(crate) fn grains(study: &Study) -> f64 {
+    study.pigments.iter().map(|p| p.grains.expected(volume(study))).sum()
 }
 
 /// Tries a variant; `alike` is an earlier trial that wanted the same resolution, and has found a grid for it.
@@ -78,12 +87,15 @@ pub(crate) fn trial(
 ) -> Result<Trial, RunError> {
     let mut study = in_small_cell(full);
     study.realisations = 1;
+    if grains(&study) > MOST_GRAINS {
+        return Err(RunError::Stopped);
+    }
     let mut packings = Packings::new(&study, watch);
     // Grains are packed on one core, while the others wait.
     let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
     let packing = packing * rayon::current_num_threads() as f64;
     let (searched, grids) = grid_for(&study, &scene, alike, watch)?;
-    let (coverage, covers) = timed(|| covers(&study, &scene, grids))?;
+    let (coverage, covers) = timed(|| covers(&study, &scene, grids, watch))?;
     let solve = time_solves(&study, &covers, jobs, watch)?;
     // Solves with their coverages that the search was worth; an earlier trial's is as long.
     let search = match (searched, alike) {
@@ -113,11 +125,14 @@ pub(crate) fn covers(
     study: &Study,
     scene: &Scene,
     (finest, longer_waves): (Resolution, f64),
+    watch: &dyn RunWatch,
 ) -> Result<Vec<Wavelength>, RunError> {
     let waves = study.points(0).into_iter().map(|point| point.incidence.wavelength_um);
     let grid = |wavelength_um: f64| coarsened(study, finest, wavelength_um, longer_waves);
-    let precision = Precision::of(study.resolution.coverage_error());
-    Wavelength::all(waves, grid, |resolution| Ok(Geometry::new(study.wave, scene, resolution, precision)?))
+    let (error, stop) = (study.resolution.coverage_error(), || watch.stop());
+    let cover =
+        |resolution| Ok(Geometry::new(study.wave, scene, resolution, Precision { error, stop: &stop })?);
+    Wavelength::all(waves, grid, cover)
 }
 
 /// A grid as fine as wanted with what longer waves make of it, and the core seconds of the search for it where there was one.
@@ -155,25 +170,26 @@ pub(crate) fn time_solves(
 ) -> Result<f64, RunError> {
     let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
     let solver = study.solver.build();
+    let ended = AtomicUsize::new(0);
     let solve = |i: usize| {
-        try_solve(study, &*solver, &Wavelength::of(covers, &chosen[i]).geometry, &chosen[i], watch)
+        try_solve(study, &*solver, &Wavelength::of(covers, &chosen[i]).geometry, &chosen[i], watch);
+        ended.fetch_add(usize::from(!watch.stop()), Ordering::Relaxed);
     };
-    let (mut seconds, mut solves) = (0.0, 0);
-    while seconds < LEAST_SECONDS && solves < MOST_SOLVES {
-        let (more, ()) = timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?;
-        if watch.stop() {
-            return Err(RunError::Stopped);
-        }
-        seconds += more;
-        solves += chosen.len();
+    let mut seconds = 0.0;
+    while seconds < LEAST_SECONDS && ended.load(Ordering::Relaxed) < MOST_SOLVES && !watch.stop() {
+        seconds += timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?.0;
     }
-    Ok(seconds / solves as f64)
+    match ended.into_inner() {
+        0 => Err(RunError::Stopped),
+        solves => Ok(seconds / solves as f64),
+    }
 }
 
 /// One solve, whose result is not needed: a failure costs about what a success does.
 fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Point, watch: &dyn RunWatch) {
     if let Ok(systems) = systems_of(study, geometry, point) {
-        let _ = solve_point(study, solver, &systems, point, GridError::default(), "trial", watch);
+        let grid = GridError::default();
+        let _ = PointSolver { study, solver, grid, watch }.solve(&systems, point, "trial");
     }
 }
 

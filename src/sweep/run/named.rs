@@ -2,15 +2,15 @@
 
 use crate::input::study::{Point, Study};
 use crate::run::watch::RunWatch;
-use crate::store::queue::Standing;
+use crate::store::queue::QueueStanding;
 
 /// Passes on what a variant does, its stages with its name.
-pub(super) struct Named<'a> {
+pub(super) struct NamedWatch<'a> {
     pub name: &'a str,
     pub watch: &'a dyn RunWatch,
 }
 
-impl RunWatch for Named<'_> {
+impl RunWatch for NamedWatch<'_> {
     fn stop(&self) -> bool {
         self.watch.stop()
     }
@@ -23,7 +23,7 @@ impl RunWatch for Named<'_> {
         self.watch.stage(&format!("{}: {what}", self.name));
     }
 
-    fn standing(&self, standing: &Standing) {
+    fn standing(&self, standing: &QueueStanding) {
         self.watch.standing(standing);
     }
 
@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn a_stage_has_the_name_of_its_variant() {
         let heard = Heard::default();
-        Named { name: "yellow-0.3", watch: &heard }.stage("packing realisation 4/6");
+        NamedWatch { name: "yellow-0.3", watch: &heard }.stage("packing realisation 4/6");
         assert_eq!(heard.0.into_inner().unwrap(), ["yellow-0.3: packing realisation 4/6"]);
     }
 }

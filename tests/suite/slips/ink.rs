@@ -24,6 +24,11 @@ pub const INK: &[Slip] = &[
     ),
     slip("seed = 7", "seed = -7", ["run.seed", "-7", "a whole number from 0", "in that form"]),
     slip("seed = 7", "seed = \"7\"", ["run.seed", "string \"7\"", "a whole number from 0", "in that form"]),
+    slip(
+        "seed = 7",
+        "seed = 7\nfailed_packings = 1.5",
+        ["run.failed_packings", "1.5", "from 0 to 1", "0.1 leaves every tenth out"],
+    ),
     slip("[angles]", "[angles", ["[angles", "unclosed table", "expected `]`", "correct the TOML here"]),
     // layer
     slip(

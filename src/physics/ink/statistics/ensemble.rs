@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// A function with error bars.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Curve {
+pub struct StatisticCurve {
     /// File stem, e.g. "pair_correlation".
     pub name: String,
     /// Quantity and unit along x.
@@ -30,7 +30,7 @@ pub struct Statistics {
     /// Number of packings.
     pub realisations: usize,
     /// All curves: g(r), nearest neighbours, S2, profiles.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<StatisticCurve>,
     /// Name, unit and value of every scalar.
     pub scalars: Vec<(String, String, Estimate)>,
 }
@@ -62,7 +62,7 @@ fn pointwise<T>(of: &[T], n: usize, entry: impl Fn(&T, usize) -> f64) -> Vec<Est
 
 /// g(r): the error is the scatter of the realisations, at least the counting error; shells in which an ideal gas
 /// would have fewer than ten pairs are left out.
-fn pair_correlation(pairs: &[PairStatistics]) -> Curve {
+fn pair_correlation(pairs: &[PairStatistics]) -> StatisticCurve {
     let n = pairs.iter().map(|p| p.counts.len()).min().unwrap_or(0);
     let gs: Vec<Vec<f64>> = pairs.iter().map(PairStatistics::g).collect();
     let ideal: Vec<f64> = (0..n).map(|i| pairs.iter().map(|p| p.ideal[i]).sum()).collect();
@@ -75,13 +75,13 @@ fn pair_correlation(pairs: &[PairStatistics]) -> Curve {
     curve("pair_correlation", "distance of centres r, µm", "pair correlation g(r)", x, y)
 }
 
-fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>) -> Curve {
+fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>) -> StatisticCurve {
     let (name, x_label, y_label) = (name.into(), x_label.into(), y_label.into());
-    Curve { name, x_label, y_label, x, y }
+    StatisticCurve { name, x_label, y_label, x, y }
 }
 
 /// Density of the distance to the nearest centre, in 40 classes from the smallest to the largest distance.
-fn nearest(pairs: &[PairStatistics]) -> Curve {
+fn nearest(pairs: &[PairStatistics]) -> StatisticCurve {
     const CLASSES: usize = 40;
     let all = || pairs.iter().flat_map(|p| &p.nearest_um).copied().filter(|r| r.is_finite());
     let (low, high) = all().fold((f64::MAX, 0.0), |(l, h): (f64, f64), r| (l.min(r), h.max(r)));
@@ -95,7 +95,7 @@ fn nearest(pairs: &[PairStatistics]) -> Curve {
     curve("nearest_neighbour", "distance to the nearest centre, µm", "density, 1/µm", x, y)
 }
 
-fn two_point(sections: &[SectionStatistics]) -> [Curve; 3] {
+fn two_point(sections: &[SectionStatistics]) -> [StatisticCurve; 3] {
     // Cells of varied size have separations of their own, in the same steps.
     let r = sections.iter().map(|s| &s.r_um).min_by_key(|r| r.len()).map_or(&[][..], Vec::as_slice);
     let named = |name: &str, label: &str, entry: &dyn Fn(&SectionStatistics, usize) -> f64| {
@@ -108,7 +108,7 @@ fn two_point(sections: &[SectionStatistics]) -> [Curve; 3] {
     ]
 }
 
-fn profiles(sections: &[SectionStatistics]) -> Vec<Curve> {
+fn profiles(sections: &[SectionStatistics]) -> Vec<StatisticCurve> {
     let z = &sections[0].z_um;
     let label = "depth z, µm";
     let total = pointwise(sections, z.len(), |s, i| s.profile.iter().map(|p| p[i]).sum());

@@ -2,6 +2,7 @@
 
 use crate::material::columns::ColumnsError;
 use crate::material::dispersion::DispersionError;
+use crate::numerics::allowed::shown;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -23,7 +24,7 @@ pub enum SpectrumError {
         hi: f64,
     },
     /// A wavelength that is no positive number.
-    #[error("wavelength_nm = {value}: must be finite and greater than 0")]
+    #[error("wavelength_nm = {}: must be finite and greater than 0", shown(*value))]
     BadWavelength {
         /// The wavelength, nm.
         value: f64,
@@ -45,7 +46,7 @@ pub enum SpectrumError {
         known: String,
     },
     /// A number of an index or a table that makes no sense.
-    #[error("{field} = {value}: allowed are finite values {allowed}; {remedy}")]
+    #[error("{field} = {}: allowed are finite values {allowed}; {remedy}", shown(*value))]
     BadValue {
         /// What it is, with its row.
         field: String,

@@ -3,7 +3,7 @@
 use super::super::ink::{InkError, InkOnPaper};
 use super::super::on_paper::LayerOnPaper;
 use super::super::uncertainty::{Shift, Uncertainty};
-use crate::appearance::kubelka_munk::{Faces, KubelkaMunk};
+use crate::appearance::kubelka_munk::{DiffuseFaces, KubelkaMunk};
 use crate::appearance::paper::Coupling;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
@@ -90,7 +90,7 @@ fn in_words(straight: &[f64]) -> String {
 fn coefficients(
     ink: &InkOnPaper,
     uncertainty: &Uncertainty,
-    faces: &[Faces],
+    faces: &[DiffuseFaces],
     thickness_um: f64,
 ) -> Vec<KubelkaMunkRow> {
     let part = |get| Coefficient { thickness_um, faces, get }.estimates(ink, uncertainty);
@@ -108,7 +108,7 @@ fn coefficients(
 struct Coefficient<'a> {
     thickness_um: f64,
     /// At every wavelength.
-    faces: &'a [Faces],
+    faces: &'a [DiffuseFaces],
     get: fn(KubelkaMunk) -> f64,
 }
 
@@ -206,7 +206,7 @@ mod tests {
             substrate: &substrate,
             outputs_nm: &[430.0, 520.0, 610.0, 670.0],
         };
-        InkOnPaper::new(layer, &solved, &inputs).unwrap()
+        InkOnPaper::new((layer, &solved), None, &inputs).unwrap()
     }
 
     /// A layer of index 1.5 with these K and S and its faces, whose solves say so in every direction; `straight` is the share of
@@ -239,7 +239,7 @@ mod tests {
             LayerEnsemble::new(&solved, SpectralBasis::Listed(all_nm.clone()), &films, &[0.0, PRINT_DEG]);
         let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
         let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &all_nm };
-        InkOnPaper::new(layer, &solved, &inputs).unwrap()
+        InkOnPaper::new((layer, &solved), None, &inputs).unwrap()
     }
 
     const SURE: Uncertainty = Uncertainty {
@@ -326,12 +326,12 @@ mod tests {
         };
         let made = MadeUp { films: films(), strata: 3, wavelengths: 10, noise: 0.01 };
         let exact = MadeUp { films: films(), strata: 12, wavelengths: 10, noise: 0.0 };
-        let sure = Uncertainty { grid: GridError::default(), residual: 0.0, certain: false };
+        let sure =
+            Uncertainty { grid: GridError::default(), residual: 0.0, missing_cells: 0.0, certain: false };
+        // what the made-up layer sends back is all its own: no faces to take off, and the model is exact
+        let none = [DiffuseFaces::default(); 4];
         let rows = |ink: &InkOnPaper| -> Vec<[Estimate; 2]> {
-            // what the made-up layer sends back is all its own: no faces to take off, and the model is exact
-            let part = |get| {
-                Coefficient { thickness_um: 1.0, faces: &[Faces::default(); 4], get }.computed(ink, &sure)
-            };
+            let part = |get| Coefficient { thickness_um: 1.0, faces: &none, get }.computed(ink, &sure);
             let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
             k.into_iter().zip(s).map(|(k, s)| [k, s]).collect()
         };

@@ -3,41 +3,45 @@
 use crate::input::fault::{Fault, Faults, keys_in_words};
 use crate::input::forms::IndexWritten;
 use crate::input::limits;
-use crate::input::study::Material;
+use crate::input::study::IndexSpectrum;
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::{Spectrum, SpectrumError};
 use crate::material::synthetic::Synthetic;
+use crate::numerics::allowed::shown;
 use num_complex::Complex64;
 use std::path::Path;
 
-/// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
-pub fn tabulate(
-    field: &str,
-    written: &IndexWritten,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-) -> Material {
-    let vacuum = || vacuum(wavelengths_nm.len());
-    let Some(spectrum) = spectrum(field, written, folder, faults) else { return vacuum() };
-    if let Some(fault) = outside(field, &spectrum, wavelengths_nm) {
-        faults.push(fault);
-        return vacuum();
+/// What indices are wanted at, and where their tables are.
+#[derive(Clone, Copy)]
+pub struct Tabulation<'a> {
+    pub wavelengths_nm: &'a [f64],
+    pub folder: &'a Path,
+}
+
+impl Tabulation<'_> {
+    /// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
+    pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> IndexSpectrum {
+        let vacuum = || vacuum(self.wavelengths_nm.len());
+        let Some(spectrum) = spectrum(field, written, self.folder, faults) else { return vacuum() };
+        if let Some(fault) = outside(field, &spectrum, self.wavelengths_nm) {
+            faults.push(fault);
+            return vacuum();
+        }
+        let values = self.wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
+        // Wavelengths that are no numbers have their own fault.
+        let Ok(index) = values.collect::<Result<Vec<_>, _>>() else { return vacuum() };
+        if let Some(fault) = unsound(field, &index, self.wavelengths_nm) {
+            faults.push(fault);
+            return vacuum();
+        }
+        let (source, dissolved) = (source(&spectrum), Vec::new());
+        IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() }
     }
-    let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3)).collect::<Result<Vec<_>, _>>();
-    // Wavelengths that are no numbers have their own fault.
-    let Ok(index) = values else { return vacuum() };
-    if let Some(fault) = unsound(field, &index, wavelengths_nm) {
-        faults.push(fault);
-        return vacuum();
-    }
-    let (source, dissolved) = (source(&spectrum), Vec::new());
-    Material { source, index, spectrum, dissolved, mixing: MixingRule::default() }
 }
 
 /// The index 1 at so many wavelengths.
-fn vacuum(wavelengths: usize) -> Material {
-    Material {
+fn vacuum(wavelengths: usize) -> IndexSpectrum {
+    IndexSpectrum {
         source: String::new(),
         index: vec![Complex64::ONE; wavelengths],
         spectrum: Spectrum::VACUUM,
@@ -56,7 +60,8 @@ const LARGEST_PART: f64 = 100.0;
 fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
     let sound = |eta: &Complex64| eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART;
     let i = index.iter().position(|eta| !sound(eta))?;
-    let found = format!("n = {}, k = {} at {} nm", index[i].re, index[i].im, wavelengths_nm[i]);
+    let [n, k] = [index[i].re, index[i].im].map(shown);
+    let found = format!("n = {n}, k = {k} at {} nm", wavelengths_nm[i]);
     let remedy = "correct the file; absorption is a positive k here (time factor exp(-iωt))";
     Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both at most 100", remedy))
 }

@@ -1,9 +1,9 @@
 //! How the numbers are come by: realisations, grid, solver.
 
-use crate::input::forms::Strategy;
+use crate::input::forms::strategies;
 use crate::input::limits;
 use crate::input::study::TargetColour;
-use crate::solve::Goal;
+use crate::solve::{Goal, SolverChoice};
 use crate::wave::Scheme;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,13 +21,23 @@ pub struct RunTable {
     pub target_delta_e: Option<f64>,
     /// Which colours `target_delta_e` speaks of. At 45° to the normal few directions are seen, so that colour takes the most cells.
     pub target_colour: TargetColour,
+    /// Largest share of the packings that may have no room; with more of them there is no result. The error bars hold what the missing
+    /// cells could change at most.
+    #[schemars(transform = limits::FAILED_PACKINGS.mark())]
+    pub failed_packings: f64,
     /// Seed of all random draws.
     pub seed: u64,
 }
 
 impl Default for RunTable {
     fn default() -> Self {
-        Self { realisations: None, target_delta_e: None, target_colour: TargetColour::Every, seed: 1 }
+        Self {
+            realisations: None,
+            target_delta_e: None,
+            target_colour: TargetColour::Every,
+            failed_packings: 0.1,
+            seed: 1,
+        }
     }
 }
 
@@ -59,8 +69,8 @@ pub struct ResolutionTable {
 #[serde(deny_unknown_fields, default)]
 pub struct SolverTable {
     /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
-    #[schemars(extend("default" = "krylov"))]
-    pub strategy: Strategy,
+    #[schemars(schema_with = "strategies", extend("default" = "krylov"))]
+    pub strategy: SolverChoice,
     /// Relative residual at which a solve counts as converged; a hundredth of `resolution.accuracy` when left out, 1e-6
     /// where the grid is given instead.
     #[schemars(transform = limits::TOLERANCE.mark(), example = 1e-4)]
@@ -73,6 +83,6 @@ pub struct SolverTable {
 impl Default for SolverTable {
     fn default() -> Self {
         let max_applications = Goal::default().max_applications;
-        Self { strategy: Strategy::default(), tolerance: None, max_applications }
+        Self { strategy: SolverChoice::default(), tolerance: None, max_applications }
     }
 }

@@ -1,0 +1,182 @@
+//! One row of a comparison: what one program made of one case, what it cost, or why there is no
+//! result.
+
+use crate::solve::Account;
+use crate::wave::{Resolution, Scheme};
+use std::fmt;
+
+/// What the cases of a matrix differ by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Varied {
+    /// Index [n, κ] of the first pigment.
+    pub pigment: [f64; 2],
+    /// Period of the square cell, µm.
+    pub period_um: f64,
+}
+
+impl fmt::Display for Varied {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}\u{a0}+\u{a0}{}i, {}\u{a0}µm", self.pigment[0], self.pigment[1], self.period_um)
+    }
+}
+
+/// The discrete problem that a strategy was given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Discrete {
+    /// Its grid and scheme.
+    pub resolution: Resolution,
+    /// Whether ⟨k²⟩ holds the absorption, or leaves it to the contrast.
+    pub absorbing_mean: bool,
+}
+
+/// One solve of one case. What belongs to inkwave's own discretisation is left out for programs
+/// that have another.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Which case of a matrix; none where there is only one.
+    pub case: Option<Varied>,
+    /// Name of the strategy.
+    pub strategy: String,
+    /// What it was given to solve; none where no grid was found.
+    pub discrete: Option<Discrete>,
+    /// Complex unknowns, where the problem could be set up.
+    pub unknowns: Option<usize>,
+    /// Largest amplitude error against the reference, or why there is no result.
+    pub result: Result<f64, String>,
+    /// Largest expected amplitude error, as `inkwave solve` estimates it; unknown where no coarser
+    /// grid could be solved.
+    pub error_estimate: Option<f64>,
+    /// Steps, operator applications and residuals of the first solve, finished or not.
+    pub account: Option<Account>,
+    /// Median wall time of a solve, s.
+    pub seconds: Option<f64>,
+    /// Median processor time of a solve over all threads, s.
+    pub processor_seconds: Option<f64>,
+    /// Memory of problem and strategy.
+    pub bytes: usize,
+}
+
+/// Header of the page's table of all rows.
+#[rustfmt::skip]
+pub(super) const HEADER: [&str; 11] = [
+    "strategy", "case", "grid", "unknowns", "error", "estimate", "residual", "applications", "seconds", "CPU seconds", "MB",
+];
+
+impl Row {
+    /// A row without a result yet.
+    pub(super) fn new(case: Option<Varied>, strategy: &str, discrete: Option<Discrete>) -> Row {
+        Row {
+            case,
+            strategy: strategy.to_owned(),
+            discrete,
+            unknowns: None,
+            result: Err("not solved".into()),
+            error_estimate: None,
+            account: None,
+            seconds: None,
+            processor_seconds: None,
+            bytes: 0,
+        }
+    }
+
+    /// Whether the row has a result.
+    pub fn converged(&self) -> bool {
+        self.result.is_ok()
+    }
+
+    /// "converged", or why not, in one line.
+    pub fn outcome(&self) -> String {
+        self.result.as_ref().map_or_else(|reason| reason.replace('\n', " "), |_| "converged".into())
+    }
+
+    /// Operator applications; 0 where none were counted.
+    pub fn applications(&self) -> usize {
+        self.account.as_ref().map_or(0, |account| account.operator_applications)
+    }
+
+    /// Looks at the residual: applications done by then (spread evenly where a look covers
+    /// several), and the residual.
+    pub(super) fn looks(&self) -> Vec<(f64, f64)> {
+        let Some(account) = &self.account else { return Vec::new() };
+        let per_look = account.operator_applications as f64 / (account.history.len().max(2) - 1) as f64;
+        account.history.iter().enumerate().map(|(i, &residual)| (i as f64 * per_look, residual)).collect()
+    }
+
+    /// The row of `comparison.csv`; cells are empty where something does not apply.
+    pub(super) fn record(&self) -> [(&'static str, String); 19] {
+        let (case, account, discrete) = (self.case, self.account.as_ref(), self.discrete);
+        let grid = discrete.map(|d| d.resolution);
+        [
+            ("pigment_n", written(case.map(|c| c.pigment[0]))),
+            ("pigment_kappa", written(case.map(|c| c.pigment[1]))),
+            ("period_um", written(case.map(|c| c.period_um))),
+            ("strategy", self.strategy.clone()),
+            ("mean", written(discrete.map(|d| mean_name(d.absorbing_mean)))),
+            ("scheme", written(grid.map(|r| scheme_name(r.scheme)))),
+            ("nx", written(grid.map(|r| r.nx))),
+            ("ny", written(grid.map(|r| r.ny))),
+            ("cells", written(grid.map(|r| r.cells))),
+            ("unknowns", written(self.unknowns)),
+            ("error", written(self.result.as_ref().ok())),
+            ("error_estimate", written(self.error_estimate)),
+            ("residual", written(account.map(|a| a.residual))),
+            ("steps", written(account.map(|a| a.steps))),
+            ("operator_applications", written(account.map(|a| a.operator_applications))),
+            ("seconds", written(self.seconds)),
+            ("processor_seconds", written(self.processor_seconds)),
+            ("bytes", self.bytes.to_string()),
+            ("outcome", self.outcome()),
+        ]
+    }
+
+    /// The row of the page's table, in the order of [`HEADER`].
+    pub(super) fn shown(&self) -> [String; 11] {
+        let power = |x: Option<f64>| dash(x.map(|x| format!("{x:.1e}")));
+        let seconds = |x: Option<f64>| dash(x.map(|x| format!("{x:.3}")));
+        let account = self.account.as_ref();
+        [
+            self.strategy.clone(),
+            dash(self.case),
+            self.grid(),
+            dash(self.unknowns),
+            power(self.result.clone().ok()),
+            power(self.error_estimate),
+            power(account.map(|a| a.residual)),
+            dash(account.map(|a| a.operator_applications)),
+            seconds(self.seconds),
+            seconds(self.processor_seconds),
+            format!("{:.1}", self.bytes as f64 / 1e6),
+        ]
+    }
+
+    /// Grid, scheme and mean in words.
+    pub fn grid(&self) -> String {
+        let mean = self.discrete.map(|d| format!(", {} mean", mean_name(d.absorbing_mean)));
+        self.points() + &mean.unwrap_or_default()
+    }
+
+    /// Grid and scheme in words.
+    pub(super) fn points(&self) -> String {
+        let Some(Discrete { resolution: r, .. }) = self.discrete else { return "–".into() };
+        format!("{}\u{a0}×\u{a0}{}\u{a0}×\u{a0}{}, {}", r.nx, r.ny, r.cells, scheme_name(r.scheme))
+    }
+}
+
+/// A value, or a dash where there is none.
+pub(super) fn dash(value: Option<impl ToString>) -> String {
+    value.map_or("–".into(), |value| value.to_string())
+}
+
+fn written(value: Option<impl ToString>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+/// A scheme's name in words.
+pub(super) fn scheme_name(scheme: Scheme) -> String {
+    format!("{scheme:?}").to_lowercase().replace("seconddifference", "second difference")
+}
+
+/// A mean's name in words.
+pub(super) fn mean_name(absorbing: bool) -> &'static str {
+    if absorbing { "absorbing" } else { "real" }
+}

@@ -1,0 +1,280 @@
+//! The one chart: curves with error bars, points and guide lines on linear or logarithmic axes, as SVG or bitmap.
+//!
+//! Colours are Okabe–Ito, and every curve has its own marker too, so that charts survive colour blindness and a grey printer.
+
+pub use super::curve::{Curve, Style};
+use super::error::{OutputError, failed};
+use super::figure::{Bitmap, COLOURS, FONT};
+use super::leaf::{Area, KEY, Leaf, WORDS, fitting, svg_of, width};
+use super::marks::marker;
+use super::ticks::{self, Scale};
+use plotters::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// Curves on axes that are logarithmic where said so.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Chart {
+    /// Title over the chart.
+    pub title: String,
+    /// Quantity and unit along x, e.g. "wavelength, nm".
+    pub x_label: String,
+    /// Quantity and unit along y.
+    pub y_label: String,
+    /// Whether x and y are logarithmic.
+    pub log: [bool; 2],
+    /// The curves, in the order of the legend.
+    pub curves: Vec<Curve>,
+    /// Ticks along x with their words, such as dates; round numbers or the data's own where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub x_ticks: Vec<(f64, String)>,
+    /// Range of y; from the points when none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y_range: Option<[f64; 2]>,
+    /// Whether a linear y begins at 0 where nothing is negative.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub from_zero: bool,
+}
+
+/// Lines of more points have a marker at every second, third … of them.
+const MARKED: usize = 40;
+/// Dash and gap of guide lines, pixels.
+const DASHES: [u32; 2] = [7, 5];
+/// Room of the words along x and along y, pixels.
+const ROOM: [u32; 2] = [370, 270];
+/// Margin of a linear axis beyond its data, as a share of them.
+const MARGIN: f64 = 0.04;
+/// Margin of a logarithmic one, as a factor.
+const MARGIN_FACTOR: f64 = 1.25;
+
+type Axes<'a, B> = ChartContext<'a, B, Cartesian2d<Scale, Scale>>;
+
+/// Colour and marker of a curve.
+#[derive(Clone, Copy)]
+struct Pen {
+    colour: RGBColor,
+    marker: usize,
+}
+
+impl Pen {
+    /// The curve's own look, or that of its place.
+    fn of(k: usize, curve: &Curve) -> Self {
+        let [place, marker] = curve.look.unwrap_or([k; 2]);
+        let colour = if curve.style == Style::Guide { RGBColor(120, 120, 120) } else { palette(place) };
+        Self { colour, marker }
+    }
+}
+
+impl Chart {
+    /// Both axes logarithmic.
+    pub fn log_log(title: &str, x_label: &str, y_label: &str, curves: Vec<Curve>) -> Self {
+        Self { log: [true; 2], ..Self::linear(title, x_label, y_label, curves) }
+    }
+
+    /// Both axes linear.
+    pub fn linear(title: &str, x_label: &str, y_label: &str, curves: Vec<Curve>) -> Self {
+        let (title, x_label, y_label) = (title.into(), x_label.into(), y_label.into());
+        Self { title, x_label, y_label, curves, ..Self::default() }
+    }
+
+    /// The chart as SVG text.
+    ///
+    /// # Errors
+    /// Nothing to show, or the drawing library's own failures.
+    pub fn svg(&self) -> Result<String, OutputError> {
+        svg_of(self.leaf().size(), |area| self.paint(area))
+    }
+
+    /// The chart as a bitmap.
+    ///
+    /// # Errors
+    /// As [`Chart::svg`].
+    pub fn bitmap(&self) -> Result<Bitmap, OutputError> {
+        let (width, height) = self.leaf().size();
+        let mut bitmap = Bitmap::white(width as usize, height as usize)?;
+        bitmap.draw(|area| self.paint(area))?;
+        Ok(bitmap)
+    }
+
+    /// Curves with their places, as far as they have a name.
+    fn named(&self) -> impl Iterator<Item = (usize, &Curve)> {
+        self.curves.iter().enumerate().filter(|(_, curve)| !curve.name.is_empty())
+    }
+
+    fn leaf(&self) -> Leaf {
+        Leaf::new(&self.title, self.named().map(|(_, curve)| curve.name.as_str()))
+    }
+
+    fn paint<B: DrawingBackend>(&self, root: &Area<B>) -> Result<(), OutputError> {
+        root.fill(&WHITE).map_err(failed)?;
+        let leaf = self.leaf();
+        let (area, names) = leaf.split(root)?;
+        let mut axes = ChartBuilder::on(&area)
+            .margin(8)
+            .margin_right(20)
+            .x_label_area_size(48)
+            .y_label_area_size(72)
+            .build_cartesian_2d(self.scale(0)?, self.scale(1)?)
+            .map_err(failed)?;
+        let words = fitting(&self.x_label, ROOM[0]).min(fitting(&self.y_label, ROOM[1]));
+        axes.configure_mesh()
+            .x_desc(&self.x_label)
+            .y_desc(&self.y_label)
+            .label_style((FONT, WORDS))
+            .axis_desc_style((FONT, words))
+            .max_light_lines(0)
+            .draw()
+            .map_err(failed)?;
+        for (k, curve) in self.curves.iter().enumerate() {
+            self.draw(&mut axes, curve, Pen::of(k, curve))?;
+        }
+        let mut entries = self.named().enumerate();
+        entries.try_for_each(|(row, (k, curve))| name(&names, leaf.place(row), curve, Pen::of(k, curve)))
+    }
+
+    fn scale(&self, axis: usize) -> Result<Scale, OutputError> {
+        let range = self.range(axis)?;
+        let ticks = if axis == 0 { self.along(&range) } else { ticks::up(&range, self.log[1]) };
+        Ok(Scale::new(self.log[axis], range, ticks))
+    }
+
+    /// Ticks along x with their words: as given where they can be read, at few data, or at round numbers.
+    fn along(&self, range: &Range<f64>) -> Vec<(f64, String)> {
+        if !self.x_ticks.is_empty() {
+            return readable(&self.x_ticks, range.end - range.start);
+        }
+        let data = self.curves.iter().filter(|curve| curve.style != Style::Guide).flat_map(|c| &c.points);
+        let data = data.filter(|p| self.shown(p)).map(|p| p[0]);
+        let own = Some(data).filter(|_| self.log[0]).and_then(|data| ticks::at_data(data, range));
+        own.unwrap_or_else(|| ticks::along(range, self.log[0]))
+    }
+
+    fn shown(&self, p: &[f64; 3]) -> bool {
+        (0..2).all(|axis| p[axis].is_finite() && (!self.log[axis] || p[axis] > 0.0))
+    }
+
+    fn range(&self, axis: usize) -> Result<Range<f64>, OutputError> {
+        if let Some([low, high]) = self.y_range.filter(|_| axis == 1) {
+            return Ok(low..high);
+        }
+        let points = || self.curves.iter().flat_map(|c| &c.points).filter(|p| self.shown(p));
+        let bar = |p: &[f64; 3]| if axis == 1 && !self.log[1] { p[2] } else { 0.0 };
+        let low = points().map(|p| p[axis] - bar(p)).fold(f64::INFINITY, f64::min);
+        let high = points().map(|p| p[axis] + bar(p)).fold(f64::NEG_INFINITY, f64::max);
+        if low > high {
+            return Err(failed(format!("the chart \"{}\" has nothing to show", self.title)));
+        }
+        if self.log[axis] {
+            return Ok(ticks::wide(low / MARGIN_FACTOR, high * MARGIN_FACTOR));
+        }
+        let grounded = axis == 1 && self.from_zero && low >= 0.0;
+        let low = if grounded { 0.0 } else { low };
+        let margin = MARGIN * if high > low { high - low } else { high.abs().max(1.0) };
+        Ok(if grounded { 0.0 } else { low - margin }..high + margin)
+    }
+
+    /// A place on the axes.
+    fn at(&self, x: f64, y: f64) -> (f64, f64) {
+        (ticks::on(self.log[0], x), ticks::on(self.log[1], y))
+    }
+
+    /// Ends of the error bar; where a logarithm has no lower end, the point itself.
+    fn ends(&self, p: &[f64; 3]) -> [(f64, f64); 2] {
+        let half = if self.log[1] && p[1] <= p[2] { 0.0 } else { p[2] };
+        [self.at(p[0], p[1] - half), self.at(p[0], p[1] + half)]
+    }
+
+    /// Line or band, markers and bars of one curve.
+    fn draw<B: DrawingBackend>(
+        &self,
+        axes: &mut Axes<B>,
+        curve: &Curve,
+        pen: Pen,
+    ) -> Result<(), OutputError> {
+        let shown: Vec<&[f64; 3]> = curve.points.iter().filter(|p| self.shown(p)).collect();
+        if curve.style == Style::Guide {
+            let [lower, upper] = [0, 1].map(|end| shown.iter().map(move |p| self.ends(p)[end]));
+            let band: Vec<_> = upper.chain(lower.rev()).collect();
+            axes.draw_series([Polygon::new(band, pen.colour.mix(0.25))]).map_err(failed)?;
+            return self.line(axes, &shown, DASHES, pen.colour.into());
+        }
+        let mut every = 1;
+        if curve.style == Style::Data {
+            every = shown.len().div_ceil(MARKED).max(1);
+            let dashes = [4 * curve.dashes as u32, 4];
+            for part in curve.points.split(|p| !self.shown(p)).filter(|part| !part.is_empty()) {
+                let part: Vec<&[f64; 3]> = part.iter().collect();
+                self.line(axes, &part, dashes, pen.colour.stroke_width(2))?;
+            }
+        }
+        let bars = shown.iter().filter(|p| p[2] > 0.0).map(|p| self.ends(p));
+        let bars = bars.map(|ends| PathElement::new(ends, pen.colour.stroke_width(1)));
+        axes.draw_series(bars).map_err(failed)?;
+        let sign = || Polygon::new(marker(pen.marker), pen.colour.filled());
+        let markers = shown.iter().step_by(every).map(|p| EmptyElement::at(self.at(p[0], p[1])) + sign());
+        axes.draw_series(markers).map_err(failed)?;
+        Ok(())
+    }
+
+    /// A line through points; dashes of no length are none.
+    fn line<B: DrawingBackend>(
+        &self,
+        axes: &mut Axes<B>,
+        points: &[&[f64; 3]],
+        [dash, gap]: [u32; 2],
+        stroke: ShapeStyle,
+    ) -> Result<(), OutputError> {
+        let places = points.iter().map(|p| self.at(p[0], p[1]));
+        if dash == 0 {
+            axes.draw_series(LineSeries::new(places, stroke)).map_err(failed)?;
+        } else {
+            axes.draw_series(DashedLineSeries::new(places, dash, gap, stroke)).map_err(failed)?;
+        }
+        Ok(())
+    }
+}
+
+/// One entry of the legend.
+fn name<B: DrawingBackend>(
+    area: &Area<B>,
+    (x, y): (i32, i32),
+    curve: &Curve,
+    pen: Pen,
+) -> Result<(), OutputError> {
+    let text = Text::new(curve.name.clone(), (x + KEY, y - 8), (FONT, WORDS).into_font());
+    area.draw(&text).map_err(failed)?;
+    let broken = curve.style == Style::Guide || curve.dashes > 0;
+    let dashes: &[[i32; 2]] = if broken { &[[0, 9], [15, 24]] } else { &[[0, 24]] };
+    for [a, b] in dashes.iter().filter(|_| curve.style != Style::Points) {
+        let line = PathElement::new([(x + a, y), (x + b, y)], pen.colour.stroke_width(2));
+        area.draw(&line).map_err(failed)?;
+    }
+    if curve.style != Style::Guide {
+        let sign = EmptyElement::at((x + 12, y)) + Polygon::new(marker(pen.marker), pen.colour.filled());
+        area.draw(&sign).map_err(failed)?;
+    }
+    Ok(())
+}
+
+/// Ticks whose words do not touch, from the first on; `length` is that of the axis.
+fn readable(all: &[(f64, String)], length: f64) -> Vec<(f64, String)> {
+    let widest = all.iter().map(|tick| width(&tick.1, WORDS) + WORDS).max().unwrap_or(0);
+    let apart = length * f64::from(widest) / f64::from(ROOM[0]);
+    let mut kept: Vec<(f64, String)> = Vec::new();
+    for tick in all {
+        if kept.last().is_none_or(|last| tick.0 - last.0 >= apart) {
+            kept.push(tick.clone());
+        }
+    }
+    kept
+}
+
+/// Okabe–Ito, and the same greyer from the eighth curve on.
+fn palette(k: usize) -> RGBColor {
+    let RGBColor(r, g, b) = COLOURS[k % COLOURS.len()];
+    if k < COLOURS.len() { RGBColor(r, g, b) } else { RGBColor(r / 2 + 60, g / 2 + 60, b / 2 + 60) }
+}
+
+#[cfg(test)]
+#[path = "chart_tests.rs"]
+mod tests;
