@@ -186,7 +186,7 @@ pub const INK: &[Slip] = &[
     slip(
         "diameter_nm = 200",
         "size = { kind = \"percentiles\", d10_nm = 200, d50_nm = 150, d90_nm = 250 }",
-        ["pigment[0].size", "d10 200, d50 150, d90 250 nm", "d10_nm below d50_nm", "correct this entry"],
+        ["pigment[0].size", "d10 200, d50 150, d90 250 nm", "d10_nm below d50_nm", "correct these numbers"],
     ),
     slip(
         "diameter_nm = 200",

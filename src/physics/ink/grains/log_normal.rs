@@ -9,13 +9,24 @@
 //!
 //! A deviation z by number is then z − 3σ by volume, so that a cut at ± c by volume lies at 3σ ± c by number.
 
-use super::size::{By, SizeDistribution};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Deviations of the normal law that a tenth lies beyond.
 pub(super) const TENTH: f64 = 1.281_551_565_544_600_4;
 /// Cut of a law through percentiles, deviations.
-const CUT: f64 = 3.0;
+pub(super) const CUT_AT: f64 = 3.0;
+
+/// What a law of sizes counts: grains, or their volume, as sizers print it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum By {
+    /// Every grain counts alike.
+    Number,
+    /// Every grain counts by its volume.
+    Volume,
+}
 
 /// A log-normal law with its cut, by number.
 #[derive(Clone, Copy, Debug)]
@@ -30,23 +41,8 @@ pub(super) struct LogNormalLaw {
     middle: f64,
 }
 
-impl SizeDistribution {
-    /// The law of log-normal sizes; of others one that has no size.
-    pub(super) fn log_normal(&self) -> LogNormalLaw {
-        match *self {
-            Self::LogNormal { median_nm, sigma, by, cut_at_sigmas, .. } => {
-                LogNormalLaw::new(median_nm, sigma, by, cut_at_sigmas)
-            }
-            Self::Percentiles { d10_nm, d50_nm, d90_nm, by, .. } => {
-                LogNormalLaw::new(d50_nm, LogNormalLaw::sigma_of([d10_nm, d90_nm]), by, CUT)
-            }
-            _ => LogNormalLaw::new(f64::NAN, 0.0, By::Number, CUT),
-        }
-    }
-}
-
 impl LogNormalLaw {
-    fn new(median_nm: f64, sigma: f64, by: By, cut: f64) -> Self {
+    pub fn new(median_nm: f64, sigma: f64, by: By, cut: f64) -> Self {
         match by {
             By::Number => Self { median_nm, sigma, cut, middle: 0.0 },
             By::Volume => {
@@ -107,7 +103,7 @@ impl LogNormalLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::grains::size::Measure;
+    use crate::ink::grains::size::{Measure, SizeDistribution};
 
     /// Size that a share of the number or of the volume stays below, from many even quantiles.
     fn reached(law: &SizeDistribution, share: f64, power: i32) -> f64 {

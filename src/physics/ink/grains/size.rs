@@ -1,6 +1,7 @@
 //! Size distributions of grains, truncated so that the largest grain is known in advance.
 
-use super::log_normal::{LogNormalLaw, TENTH};
+pub use super::log_normal::By;
+use super::log_normal::{CUT_AT, LogNormalLaw, TENTH};
 use super::shape::Template;
 use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each};
@@ -32,16 +33,6 @@ pub enum Measure {
     Radius,
     /// Tip-to-tip length along the axis.
     Length,
-}
-
-/// What a law of sizes counts: grains, or their volume, as sizers print it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum By {
-    /// Every grain counts alike.
-    Number,
-    /// Every grain counts by its volume.
-    Volume,
 }
 
 /// How the sizes of a pigment's grains are distributed, by number unless `by` says otherwise. `of` says which length is meant.
@@ -177,6 +168,19 @@ impl SizeDistribution {
             }
             Self::List { values_nm, weights, .. } => list_defect(values_nm, weights),
             _ => None,
+        }
+    }
+
+    /// The law of log-normal sizes; of others one that has no size.
+    pub(super) fn log_normal(&self) -> LogNormalLaw {
+        match *self {
+            Self::LogNormal { median_nm, sigma, by, cut_at_sigmas, .. } => {
+                LogNormalLaw::new(median_nm, sigma, by, cut_at_sigmas)
+            }
+            Self::Percentiles { d10_nm, d50_nm, d90_nm, by, .. } => {
+                LogNormalLaw::new(d50_nm, LogNormalLaw::sigma_of([d10_nm, d90_nm]), by, CUT_AT)
+            }
+            _ => LogNormalLaw::new(f64::NAN, 0.0, By::Number, CUT_AT),
         }
     }
 

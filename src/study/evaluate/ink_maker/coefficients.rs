@@ -245,6 +245,7 @@ mod tests {
     const SURE: Uncertainty = Uncertainty {
         grid: GridError { reflectance: 0.0, transmittance: 0.0 },
         residual: 0.0,
+        missing_cells: 0.0,
         certain: true,
     };
 

@@ -142,11 +142,12 @@ fn wanted(
 
 fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<MeasuredSpectrum> {
     let path = folder.join(file.compare.measured.as_ref()?);
-    let fault = |error: MeasuredError| {
-        let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn, or Lab of the latter";
-        let remedy =
-            "correct the file, compare.patch or compare.unit; its path is relative to the study file";
-        faults.push(Fault::new("compare.measured", error, allowed, remedy));
-    };
-    MeasuredSpectrum::read(&path, file.compare.patch.as_deref(), file.compare.unit).map_err(fault).ok()
+    let read = MeasuredSpectrum::read(&path, file.compare.patch.as_deref(), file.compare.unit);
+    read.map_err(|error| faults.push(unread(error))).ok()
+}
+
+fn unread(error: MeasuredError) -> Fault {
+    let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn, or Lab of the latter";
+    let remedy = "correct the file, compare.patch or compare.unit; its path is relative to the study file";
+    Fault::new("compare.measured", error, allowed, remedy)
 }
