@@ -78,6 +78,13 @@ pub const INK: &[Slip] = &[
         "index = { built_in = \"mauve\" }",
         ["pigment[0].index.built_in", "mauve", "red, yellow, blue, green", "csv"],
     ),
+    slip(K, "index = { material = \"chalk\" }", ["pigment[0].index.material", "chalk", "TiO2 rutile", "csv"]),
+    slip(
+        K,
+        "index = { material = \"TiO2 rutile\" }",
+        ["pigment[0].index", "no value at 400 nm", "from 430 to 1530 nm, where TiO2 rutile is known"],
+    ),
+    slip(K, "index = { material = \"PMMA\", n = 1.5 }", ["pigment[0].index", "n and material", "material"]),
     slip(
         K,
         "index = { csv = \"none.csv\" }",
