@@ -82,9 +82,13 @@ pub const INK: &[Slip] = &[
     slip(
         K,
         "index = { material = \"TiO2 rutile\" }",
-        ["pigment[0].index", "no value at 400 nm", "from 430 to 1530 nm, where TiO2 rutile is known"],
+        ["pigment[0].index", "no value at 400 nm", "from 430 to 1530 nm", "where TiO2 rutile is known"],
     ),
-    slip(K, "index = { material = \"PMMA\", n = 1.5 }", ["pigment[0].index", "n and material", "material"]),
+    slip(
+        K,
+        "index = { material = \"PMMA\", n = 1.5 }",
+        ["pigment[0].index", "n and material", "{ material = ", "{ n = 1.4, k = 0.1 }"],
+    ),
     slip(
         K,
         "index = { csv = \"none.csv\" }",
