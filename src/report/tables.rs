@@ -32,7 +32,7 @@ fn spectrum_row(row: &SpectrumRow) -> impl Iterator<Item = String> {
     place.into_iter().chain(all.flat_map(numbers))
 }
 
-/// `kubelka-munk.csv`, and `measured.csv` where there is a measurement. `factor` on a standard error gives half of a 95 % interval:
+/// `kubelka-munk.csv` where K and S are known, and `measured.csv` where there is a measurement. `factor` on a standard error gives half of a 95 % interval:
 /// few realisations make it far more than 2.
 pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<(&'static str, Vec<u8>)>> {
     let Some(maker) = maker else { return Ok(Vec::new()) };

@@ -1,6 +1,7 @@
 //! Grains: shape as a rigid union of balls, size, volume, orientation, and agglomerates.
 
 pub mod agglomeration;
+mod log_normal;
 mod name_or_table;
 pub mod orientation;
 pub mod shape;

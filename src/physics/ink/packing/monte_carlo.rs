@@ -15,7 +15,7 @@ use crate::numerics::vector::{Rotation, V3, add, scale};
 use std::ops::ControlFlow;
 
 /// Target acceptance rate of the step length; values between 0.2 and 0.6 mix about equally fast.
-const AIM: f64 = 0.4;
+const TARGET_ACCEPTANCE: f64 = 0.4;
 /// Fraction of the sweeps used to tune the step; detailed balance holds exactly in the rest.
 const TUNING: f64 = 0.2;
 
@@ -38,7 +38,7 @@ pub(crate) fn equilibrate(
         let hits = (0..n).filter(|_| walk.trial(draws)).count();
         if sweep < tuned {
             let rate = hits as f64 / n.max(1) as f64;
-            walk.step = (walk.step * (1.0 + 0.5 * (rate - AIM))).clamp(1e-4, 1.0);
+            walk.step = (walk.step * (1.0 + 0.5 * (rate - TARGET_ACCEPTANCE))).clamp(1e-4, 1.0);
         } else {
             accepted += hits;
             tried += n;

@@ -249,7 +249,7 @@ impl KrylovRun<'_> {
         }
         self.ledger.judge(&format!("allow more applications (solver.max_applications); {advice}"))?;
         if first {
-            self.take_pains(solver);
+            self.prepare_for_hard_solve(solver);
         } else if self.single.is_none() && self.too_slow(before / after) {
             self.restart = solver.longest.max(self.restart);
         }
@@ -258,7 +258,7 @@ impl KrylovRun<'_> {
     }
 
     /// Settings for a hard solve: guided modes in cells of any size, and a longer basis.
-    fn take_pains(&mut self, solver: &Growing) {
+    fn prepare_for_hard_solve(&mut self, solver: &Growing) {
         let more = solver.settings.guided_modes.of_hard_solves();
         let correction = self.correction.take();
         let problem = self.ledger.problem.split();
