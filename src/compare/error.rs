@@ -71,7 +71,7 @@ impl CompareError {
         }
     }
 
-    /// The same with the name of its file, where the message does not say it by itself.
+    /// The error with the name of its file, unless its message contains it already.
     pub(super) fn in_file(self, path: &Path) -> CompareError {
         match self {
             named @ (Self::Read { .. } | Self::Study(_) | Self::InFile { .. }) => named,

@@ -72,12 +72,12 @@ impl Packed {
         }
     }
 
-    /// The same under another light, where one is given.
+    /// The subject under another light, if one is given.
     pub fn lit(self, wavelength_nm: Option<f64>, polar_deg: Option<f64>) -> Packed {
         Packed { wavelength_nm, polar_deg, ..self }
     }
 
-    /// The same in a square cell of that period and with that index of the first pigment.
+    /// The subject in a square cell of the given period, with the given index of the first pigment.
     pub fn varied(&self, period_um: f64, [n, kappa]: [f64; 2]) -> Result<Packed, CompareError> {
         let mut other = self.clone();
         other.file.layer.cell = CellRule::Fixed;

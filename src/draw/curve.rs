@@ -68,7 +68,7 @@ impl Curve {
         self.points.iter().any(|p| p[1].is_finite())
     }
 
-    /// The same, broken at the abscissae that were asked for and have no point.
+    /// The curve, interrupted at requested abscissae without a point.
     pub fn asked_at(mut self, asked: &[f64]) -> Self {
         let found = |x: f64| self.points.iter().any(|p| (p[0] - x).abs() < SAME);
         let missing: Vec<_> = asked.iter().filter(|&&x| !found(x)).map(|&x| [x, f64::NAN, 0.0]).collect();
@@ -77,12 +77,12 @@ impl Curve {
         self
     }
 
-    /// The same in a colour and with a marker that do not depend on the other curves of the chart.
+    /// The curve in a fixed colour and with a fixed marker, independent of the other curves of the chart.
     pub fn looking(self, colour: usize, marker: usize) -> Self {
         Self { look: Some([colour, marker]), ..self }
     }
 
-    /// The same with a line in dashes, to tell it from others of its colour and marker.
+    /// The curve with a dashed line, to distinguish it from others of its colour and marker.
     pub fn dashed(self, dashes: usize) -> Self {
         Self { dashes, ..self }
     }

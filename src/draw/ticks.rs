@@ -16,7 +16,7 @@ pub(super) fn along(range: &Range<f64>, log: bool) -> Vec<(f64, String)> {
     round_ticks(range, log, MOST_ALONG)
 }
 
-/// The same up the page.
+/// Round ticks of an axis up the page, with their labels.
 pub(super) fn up(range: &Range<f64>, log: bool) -> Vec<(f64, String)> {
     round_ticks(range, log, MOST_UP[usize::from(log)])
 }

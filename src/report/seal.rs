@@ -25,7 +25,7 @@ pub fn sealed(text: &str) -> String {
     sealed_by(text, METHOD_VERSION)
 }
 
-/// The same for numbers that were made by another version.
+/// The text with its seal, for numbers computed by another version of the method.
 pub fn sealed_by(text: &str, method: u32) -> String {
     with_method(text, Some(method))
 }

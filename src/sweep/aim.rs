@@ -48,7 +48,7 @@ impl Aim {
         Some(Self { lab, conditions: study.judgement.viewing.name(), found: None })
     }
 
-    /// The same with what a variant has come to.
+    /// The target together with the result of a variant.
     pub fn with(self, maker: Option<&InkMaker>) -> Self {
         Self { found: maker.and_then(AimFound::of), ..self }
     }

@@ -114,7 +114,7 @@ pub struct CaseTable {
 
 /// Axis name → label, value, or list of them. Axes that are not named match anything.
 pub type Where = BTreeMap<String, Value>;
-/// The same in JSON.
+/// [`Where`] with JSON values.
 type Names = BTreeMap<String, serde_json::Value>;
 
 /// `[[exclude]]`: variants that are left out.

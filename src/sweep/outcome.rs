@@ -164,7 +164,7 @@ impl Outcome {
         Some(Linked { estimate: here.delta_e_2000_among(&there, &common), deviations })
     }
 
-    /// The same without what each realisation moves it by.
+    /// ΔE₀₀ to another outcome, without the contributions of each realisation.
     pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
         Some(self.difference(other)?.estimate)
     }

@@ -31,7 +31,7 @@ impl Reported {
     }
 }
 
-/// The same as far as a page shows them: no ΔE₀₀ to a reference of another ink, unless the file names the reference.
+/// The numbers of a variant that a page shows: no ΔE₀₀ to a reference of another ink, unless the file names the reference.
 pub(crate) fn shown(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Option<[Estimate; 6]> {
     let outline = &sweep.outline;
     let mut numbers = numbers(&outcomes[number], &outcomes[outline.reference])?;

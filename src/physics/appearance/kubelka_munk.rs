@@ -9,13 +9,15 @@
 //! ```
 //!
 //! They assume a layer with the same reflectance from both sides. Reflection at its faces is not
-//! scattering: [`DiffuseFaces`] removes it first (Saunderson 1942), for light that is diffuse inside.
+//! scattering: [`DiffuseFaces`] removes it first (Saunderson 1942), for light that is diffuse
+//! inside.
 
 /// The two plane faces of a layer between air and air, for diffuse light.
 ///
-/// One face reflects r of diffuse light from outside and r′ = 1 − (1 − r)/n² of diffuse light from inside (the transmittances
-/// in both directions differ by n²). Illuminated from both sides by equal fluxes the bare layer reflects ρ = R₀ + T₀, by opposite ones
-/// R₀ − T₀; its faces modify each as J. L. Saunderson gives for one face (J. Opt. Soc. Am. 32, 727–736, 1942):
+/// One face reflects r of diffuse light from outside and r′ = 1 − (1 − r)/n² of diffuse light from
+/// inside (the transmittances in both directions differ by n²). Illuminated from both sides by
+/// equal fluxes the bare layer reflects ρ = R₀ + T₀, by opposite ones R₀ − T₀; its faces modify
+/// each as J. L. Saunderson gives for one face (J. Opt. Soc. Am. 32, 727–736, 1942):
 ///
 /// ```text
 /// R ± T = r + (1 − r)(1 − r′) ρ/(1 − r′ ρ)      ρ = (R ± T − r)/((1 − r)(1 − r′) + r′ (R ± T − r))
@@ -29,12 +31,14 @@ pub struct DiffuseFaces {
 }
 
 impl DiffuseFaces {
-    /// Plane faces of a layer of real index n with the reflectance `external` for diffuse light from outside.
+    /// Plane faces of a layer of real index n with the reflectance `external` for diffuse light
+    /// from outside.
     pub fn plane(external: f64, index: f64) -> Self {
         Self { external, internal: 1.0 - (1.0 - external) / (index * index) }
     }
 
-    /// \[R, T\] of the layer without its faces. `None` if no layer in diffuse light has this R and T with such faces.
+    /// \[R, T\] of the layer without its faces. `None` if no layer in diffuse light has this R and
+    /// T with such faces.
     pub fn taken_off(&self, reflectance: f64, transmittance: f64) -> Option<[f64; 2]> {
         let bare = |sum: f64| {
             let inside = sum - self.external;

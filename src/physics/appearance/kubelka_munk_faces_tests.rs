@@ -1,11 +1,12 @@
-//! DiffuseFaces on layers of two fluxes, and on layers whose light is followed photon by photon.
+//! [`DiffuseFaces`] on two-flux layers and on a Monte Carlo simulation of photons.
 
 use super::*;
 use crate::numerics::Draws;
 
 const INDEX: f64 = 1.5;
 
-/// K and S known, faces put on: they come back, whatever the thickness. *Planted*: without the correction they do not.
+/// K and S of a layer with faces are recovered at every thickness. *Planted*: without the
+/// correction they are not.
 #[test]
 fn coefficients_come_back_through_the_faces() {
     let faces = DiffuseFaces::plane(0.092, INDEX);
@@ -23,7 +24,7 @@ fn coefficients_come_back_through_the_faces() {
             assert!((with_faces.scattering_per_um / scattering_per_um - 1.0).abs() > 0.1, "{with_faces:?}");
         }
     }
-    // what is lossless stays so, and no face changes nothing
+    // a lossless layer stays lossless, and faces without reflection have no effect
     let [r, t] = faces.put_on(0.3, 0.7);
     assert!((r + t - 1.0).abs() < 1e-15);
     let bare = DiffuseFaces::plane(0.0, 1.0).taken_off(0.3, 0.6).unwrap();
@@ -40,7 +41,7 @@ fn face(cosine: f64, [from, to]: [f64; 2]) -> (f64, f64) {
     (((from * cosine - to * behind) / (from * cosine + to * behind)).powi(2), behind)
 }
 
-/// Where a photon ends: 0 reflected, 1 through, 2 absorbed.
+/// Fate of a photon: 0 reflected, 1 transmitted, 2 absorbed.
 fn photon(scattering: f64, absorption: f64, thickness: f64, draws: &mut Draws) -> usize {
     let (mirrored, mut cosine) = face(draws.uniform().sqrt(), [1.0, INDEX]);
     if draws.uniform() < mirrored {
@@ -63,9 +64,10 @@ fn photon(scattering: f64, absorption: f64, thickness: f64, draws: &mut Draws) -
     }
 }
 
-/// Photons that scatter evenly between plane faces: where hardly any goes straight through, K is twice the absorption per path and
-/// S does not depend on the thickness, to a few percent (what Kubelka and Munk assume is not exact). *Planted*: with the faces
-/// left on, S of 1 µm is a tenth above that of 4 µm or more, and K three quarters too large.
+/// Isotropic scattering between plane faces: with little direct transmission, K is twice the
+/// absorption per path and S is independent of the thickness, to a few percent (the assumptions of
+/// Kubelka and Munk are not exact). *Planted*: without the correction, S at 1 µm is a tenth above
+/// that at 4 µm or more, and K three quarters too large.
 #[test]
 fn coefficients_of_photons_do_not_depend_on_the_thickness() {
     const PHOTONS: usize = 60_000;

@@ -33,7 +33,7 @@ impl Coupling {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Albedo {
-    /// The same at all wavelengths, 0 to 1.
+    /// One albedo for all wavelengths, 0 to 1.
     Constant(f64),
     /// Rows of wavelength in nm and albedo, linear between.
     Spectral(Vec<[f64; 2]>),

@@ -40,7 +40,7 @@ pub struct Table {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Spectrum {
-    /// The same index at every wavelength.
+    /// A constant index for all wavelengths.
     Constant {
         /// Real part.
         n: f64,

@@ -45,7 +45,7 @@ impl Films<'_> {
         FilmAt { films: films.collect(), wave: self.wave }
     }
 
-    /// The same films in the light that the paper gives back.
+    /// These films in the light returned by the paper.
     pub fn returned(&self) -> Self {
         Self { wave: self.wave.returned(), ..self.clone() }
     }
@@ -72,7 +72,7 @@ impl FilmAt {
         self.films.first().map_or(1.0, |film| film.index_out)
     }
 
-    /// The same film in the light that the paper gives back, which is unpolarised.
+    /// This film in the light returned by the paper, which is unpolarised.
     pub fn returned(&self) -> Cow<'_, FilmAt> {
         match self.wave.returned() {
             same if same == self.wave => Cow::Borrowed(self),

@@ -16,7 +16,7 @@ const LIGHTNESS_SLACK: f64 = 0.1;
 const UNKNOWN: f64 = 0.02;
 /// A reflectance factor or ratio with a larger standard error says nothing: the scale is 0 to 1.
 const MOST_ERROR: f64 = 0.5;
-/// The same of L*, a* and b*: colours as far apart have nothing in common.
+/// Largest standard error of L*, a* and b* that still carries information.
 const MOST_LAB_ERROR: f64 = 50.0;
 
 /// Largest overshoot of a total that its error can stand for: as much as splines through six wavelengths have been seen to

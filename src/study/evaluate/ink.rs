@@ -158,7 +158,7 @@ impl InkOnPaper {
         Self::new((LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[]), None, inputs)
     }
 
-    /// The same layer on another paper with the same contact.
+    /// This layer on another paper with the same contact.
     ///
     /// # Errors
     /// As [`InkOnPaper::new`].

@@ -27,7 +27,7 @@ pub struct InkMaker {
     pub conditions: String,
     /// The ink on its paper.
     pub print: Swatch,
-    /// The same under natural light instead of at 45:0; `colours` has it under D65.
+    /// The ink on its paper under natural light instead of at 45:0; `colours` has it under D65.
     #[serde(skip)]
     pub natural_light: Swatch,
     /// The ink over black.

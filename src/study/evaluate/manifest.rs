@@ -168,7 +168,7 @@ pub struct Certainty {
     pub amplitude_error_estimate: f64,
     /// Expected errors of the layer's R and T from the grid, over the probed points; part of the standard errors.
     pub reflectance_grid_error: f64,
-    /// The same of the transmittance.
+    /// Expected error of the transmittance from the grid, over the probed points.
     pub transmittance_grid_error: f64,
     /// Degrees of freedom of the standard errors: realisations less one; 0 where nothing is left to chance.
     pub degrees_of_freedom: usize,

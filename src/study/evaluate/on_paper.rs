@@ -69,7 +69,7 @@ pub struct AngleNodes {
 pub struct Measured {
     /// At 0° and 45°.
     pub anchors: Anchors,
-    /// The same in the light that the paper gives back, unpolarised: equal to `anchors` but where polarised light comes in.
+    /// At 0° and 45° in the light returned by the paper, which is unpolarised: equal to `anchors` but where polarised light comes in.
     pub returned: Anchors,
     /// Of T of the order that goes straight on, at 0°.
     pub straight_on: f64,
@@ -84,7 +84,7 @@ pub struct Measured {
 pub struct AngleCurve {
     /// Coefficients of the bends between the anchors.
     pub bends: LayerTotals<[f64; BENDS]>,
-    /// The same in the light that the paper gives back.
+    /// Coefficients in the light returned by the paper.
     pub returned: LayerTotals<[f64; BENDS]>,
     /// Coefficients of the layer's own diffuse BRDF, 1/sr.
     pub diffuse: [f64; DIFFUSE],
@@ -212,7 +212,7 @@ impl LayerOnPaper {
         back.unwrap_or(f64::NAN)
     }
 
-    /// The same layer over another backing of this albedo.
+    /// This layer over another backing of the given albedo.
     pub fn over(&self, albedo: f64) -> Self {
         Self { albedo, ..*self }
     }
@@ -251,7 +251,7 @@ impl LayerOnPaper {
         self.diffuse_brdf_at(illumination.mu, viewing.mu)
     }
 
-    /// The same at cosines of the polar angles.
+    /// The layer's own diffuse f(i, o) at cosines of the polar angles, 1/sr.
     pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
         let functions = diffuse_functions(illumination, viewing);
         functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
@@ -325,7 +325,7 @@ impl LayerOnPaper {
         self.albedo(viewing) - mirrored
     }
 
-    /// The same layer with `step` times other measured values added.
+    /// This layer with `step` times other measured values added.
     pub(super) fn moved(&self, by: &Measured, step: f64) -> Self {
         let mut layer = *self;
         let moved = |own: Anchors, by: &Anchors| [own[0].plus(step, &by[0]), own[1].plus(step, &by[1])];

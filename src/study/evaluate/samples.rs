@@ -70,7 +70,7 @@ pub struct SolvedWavelength {
     pub exact: Vec<SolvedDirection>,
     /// One in each stratum of μ², 0 < μ² < 1: their plain mean is the hemispherical one.
     pub strata: Vec<SolvedDirection>,
-    /// The same for light from the exit side; empty where the layer is the same from both sides.
+    /// Directions from the exit side; empty where the layer is the same from both sides.
     pub exit: Vec<SolvedDirection>,
 }
 

@@ -76,7 +76,7 @@ impl ThicknessWritten {
     expecting = "a number, rows [[wavelength in nm, albedo], …] or { csv = \"paper.csv\" }"
 )]
 pub enum AlbedoWritten {
-    /// The same at all wavelengths.
+    /// One albedo for all wavelengths.
     Constant(#[schemars(transform = ALBEDO.mark())] f64),
     /// Rows of wavelength in nm and albedo, rising, linear in between.
     Rows(#[schemars(length(min = 2))] Vec<[f64; 2]>),
@@ -91,7 +91,7 @@ pub enum AlbedoWritten {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged, expecting = "a number or two numbers [x, y]")]
 pub enum Pair {
-    /// The same along x and y, µm.
+    /// One length along x and y, µm.
     Both(#[schemars(transform = ABOVE_ZERO.mark())] f64),
     /// Along x and along y, µm.
     Each([f64; 2]),
@@ -131,7 +131,7 @@ pub struct IndexWritten {
 pub(super) enum IndexForms {
     /// A transparent medium: its real index.
     Real(#[schemars(transform = INDEX.mark())] f64),
-    /// The same at all wavelengths: n + iκ.
+    /// One index for all wavelengths: n + iκ.
     Constant {
         /// Real part.
         #[schemars(transform = INDEX.mark())]

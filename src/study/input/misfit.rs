@@ -22,7 +22,7 @@ impl Misfit {
         Self(Box::new(Fault::new(place, shortened(found.to_string()), allowed, remedy)))
     }
 
-    /// The same, seen from outside of `place`, where `found` stands.
+    /// The misfit as seen from outside of `place`, where `found` stands.
     pub(super) fn inside(mut self, place: &str, found: &str) -> Self {
         if self.0.found.is_empty() {
             self = Self(Box::new(Fault { found: shortened(found.to_owned()), ..*self.0 }));

@@ -133,7 +133,7 @@ impl Study {
         }
     }
 
-    /// The same indices for a content hash: incident side, exit side, binder, pigments.
+    /// Indices of all media for a content hash: incident side, exit side, binder, pigments.
     pub fn indices(&self, wavelength_um: f64) -> Vec<Complex64> {
         let Media { incident, exit, backgrounds, inclusions } = self.media(wavelength_um);
         [incident, exit].into_iter().chain(backgrounds).chain(inclusions).collect()

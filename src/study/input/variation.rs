@@ -17,7 +17,7 @@ pub enum CellRule {
     /// Area, aspect and azimuth differ from realisation to realisation: no bias from the period.
     #[default]
     Varied,
-    /// The same period and azimuth always: for the comparison of methods.
+    /// Constant period and azimuth: for the comparison of methods.
     Fixed,
 }
 

@@ -120,7 +120,7 @@ impl Stores {
         Ok(Self { points, packings, grids, failures: None, database })
     }
 
-    /// The same, remembering failures.
+    /// The store, with failures recorded.
     pub fn with_failures(self) -> Self {
         Self { failures: Some(Store::of(&self.database)), ..self }
     }

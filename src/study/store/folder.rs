@@ -129,7 +129,7 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// The same folder; while it is not finished, its mark tells this command.
+    /// The folder with the command that continues it, which its marker states until it is finished.
     pub fn going_on_with(self, command: String) -> Self {
         Self { go_on: Some(command), ..self }
     }

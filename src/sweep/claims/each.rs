@@ -31,7 +31,7 @@ fn unknown(i: usize, name: &str, axes: &[Axis]) -> Fault {
     Fault::new(format!("conclusion[{i}].each"), format!("{name:?}"), allowed, "name one of the axes")
 }
 
-/// The same of one label; conditions that name the axis themselves keep their own.
+/// The conclusion for one label; conditions that name the axis themselves keep their own.
 fn of_label(table: &ConclusionTable, axis: &str, label: &str) -> ConclusionTable {
     let mut one = table.clone();
     one.id = format!("{label}: {}", table.id);

@@ -19,7 +19,8 @@ const SIGMA: Allowed = Allowed::between(0.0, 2.0, "");
 /// Truncation in standard deviations.
 const CUT: Allowed = Allowed::above(0.0, 10.0, "");
 
-/// Tolerated deviation of d10 and d90 from a log-normal distribution through d50: particle sizers differ by as much.
+/// Tolerated deviation of d10 and d90 from a log-normal distribution through d50: particle sizers
+/// differ by as much.
 const SKEW: f64 = 0.05;
 
 /// Length of the grain that a size specifies.
@@ -36,7 +37,8 @@ pub enum Measure {
     Length,
 }
 
-/// Distribution of a pigment's grain sizes, by number unless `by` says otherwise. `of` selects the length.
+/// Distribution of a pigment's grain sizes, by number unless `by` says otherwise. `of` selects the
+/// length.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SizeDistribution {
@@ -65,7 +67,8 @@ pub enum SizeDistribution {
         #[serde(default)]
         of: Measure,
     },
-    /// Log-normal distribution: ln(size) is normal around ln(median) with deviation `sigma`, truncated at ± `cut_at_sigmas` (default 3), by number or by volume.
+    /// Log-normal distribution: ln(size) is normal around ln(median) with deviation `sigma`,
+    /// truncated at ± `cut_at_sigmas` (default 3), by number or by volume.
     LogNormal {
         /// Median size, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 250)]
@@ -84,7 +87,8 @@ pub enum SizeDistribution {
         #[serde(default)]
         of: Measure,
     },
-    /// The log-normal distribution through these percentiles, as particle sizers report them, truncated at ± 3 standard deviations.
+    /// The log-normal distribution through these percentiles, as particle sizers report them,
+    /// truncated at ± 3 standard deviations.
     Percentiles {
         /// 10th percentile of the sizes, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 150)]
@@ -95,7 +99,8 @@ pub enum SizeDistribution {
         /// 90th percentile of the sizes, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 266)]
         d90_nm: f64,
-        /// Whether the percentiles refer to the grains' volume, as particle sizers report, or to their number.
+        /// Whether the percentiles refer to the grains' volume, as particle sizers report, or to
+        /// their number.
         #[serde(default = "volume")]
         by: By,
         /// Length that the size specifies.
@@ -301,7 +306,8 @@ mod tests {
         assert!(widest <= 0.9 + 1e-12 && law.largest_nm() >= 200.0 * widest.exp() * (1.0 - 1e-12));
     }
 
-    /// Percentiles that are in no order, or that no log-normal law has, are refused; a slight skew is not.
+    /// Percentiles out of order, or of no log-normal distribution, are rejected; a slight skew is
+    /// accepted.
     #[test]
     fn percentiles_have_to_be_those_of_a_log_normal_law() {
         let law = |[d10_nm, d50_nm, d90_nm]: [f64; 3]| SizeDistribution::Percentiles {

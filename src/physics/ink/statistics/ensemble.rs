@@ -165,7 +165,7 @@ fn scalars(
     relief(packings, &mut put);
 }
 
-/// d10, d50 and d90 of every pigment's grains.
+/// Percentiles d10, d50 and d90 of every pigment's grains.
 fn sizes(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
     for k in 0..packings[0].shares().len() {
         let reached: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();

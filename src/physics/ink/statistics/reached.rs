@@ -1,23 +1,23 @@
-//! Sizes reached: percentiles of the grains that were packed, as sizers print them.
+//! Achieved sizes: percentiles of the packed grains, as particle sizers report them.
 
 use crate::ink::Packing;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Shares of all grains that stay below d10, d50 and d90.
+/// Fractions of the grains below d10, d50 and d90.
 const SHARES: [f64; 3] = [0.1, 0.5, 0.9];
 
 /// d10, d50 and d90 of the effective diameters of packed grains, nm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReachedSizes {
-    /// Every grain counts alike.
+    /// Percentiles by number of grains.
     pub by_number_nm: [f64; 3],
-    /// Every grain counts by its volume.
+    /// Percentiles by volume.
     pub by_volume_nm: [f64; 3],
 }
 
 impl ReachedSizes {
-    /// Those of one pigment's grains; `None` without grains.
+    /// Percentiles of one pigment's grains; `None` without grains.
     pub fn of(packing: &Packing, pigment: usize) -> Option<Self> {
         let grains = packing.grains().iter().filter(|grain| grain.pigment == pigment);
         Self::of_volumes(grains.map(|grain| grain.volume_um3).collect())
@@ -31,15 +31,15 @@ impl ReachedSizes {
         })
     }
 
-    /// Both, for people.
+    /// Display of both sets of percentiles.
     pub fn in_words(&self) -> String {
         let listed = |[d10, d50, d90]: [f64; 3]| format!("{d10:.0}, {d50:.0}, {d90:.0} nm");
         format!("{} by number; {} by volume", listed(self.by_number_nm), listed(self.by_volume_nm))
     }
 }
 
-/// The effective diameter that a share of all weight stays below, nm: each grain stands at the middle of its own weight, and the
-/// diameter is linear between grains.
+/// Weighted quantile of the effective diameters, nm: each grain is placed at the middle of its own
+/// weight, with linear interpolation between grains.
 fn percentile_nm(um3: &[f64], share: f64, weight: fn(f64) -> f64) -> f64 {
     let diameter = |volume: f64| 1e3 * (6.0 * volume / PI).cbrt();
     let wanted = share * um3.iter().map(|v| weight(*v)).sum::<f64>();
@@ -60,7 +60,8 @@ mod tests {
     use crate::ink::{By, Measure, SizeDistribution};
     use crate::numerics::Draws;
 
-    /// Grains of a law by volume have its percentiles by volume, and Hatch and Choate's by number. *Planted*: numbers for volumes.
+    /// Grains drawn by volume have the requested percentiles by volume, and those of Hatch and
+    /// Choate by number. *Planted*: numbers for volumes.
     #[test]
     fn packed_sizes_have_the_percentiles_asked_for() {
         let (d10_nm, d50_nm, d90_nm, of) = (154.8, 200.0, 258.4, Measure::EffectiveDiameter);
@@ -69,7 +70,7 @@ mod tests {
         let volumes = sizes.iter().map(|nm| PI / 6.0 * (1e-3 * nm).powi(3)).collect();
         let reached = ReachedSizes::of_volumes(volumes).unwrap();
         for (got, want) in reached.by_volume_nm.iter().zip([d10_nm, d50_nm, d90_nm]) {
-            // the cut at three deviations, and steps of 4000 grains
+            // truncation at three deviations, and steps of 4000 grains
             assert!((got / want - 1.0).abs() < 5e-3, "{reached:?}");
         }
         // σ = 0.2: the median by number is e^{−0.12} of that by volume

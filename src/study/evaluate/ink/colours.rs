@@ -46,7 +46,7 @@ impl InkOnPaper {
         Ok(self.colour_with_deviations(self.daylight()?, quantity)?.0)
     }
 
-    /// The same to any observer, and what each realisation moves Lab by, in the order of the realisations; nothing for one.
+    /// Colour for any observer, with the contribution of each realisation to Lab, in order; empty for a single one.
     ///
     /// # Errors
     /// As [`InkOnPaper::colour`].
@@ -115,7 +115,7 @@ impl InkOnPaper {
         sight.meter.beyond(&sight.values(&self.whole, &quantity), colour.xyz)
     }
 
-    /// The same of Y, both ends together.
+    /// Standard error of Y due to light beyond both ends of the spectrum.
     pub fn luminance_beyond_range(&self, sight: &Sight, quantity: impl Fn(&LayerOnPaper) -> f64) -> f64 {
         sight.meter.beyond_luminance(&sight.values(&self.whole, &quantity))
     }
@@ -126,7 +126,7 @@ impl InkOnPaper {
         self.places.outputs.clone().map(|node| self.angle_error(node, solved)).collect()
     }
 
-    /// The same at one wavelength.
+    /// Error of T̄ due to the placement of directions, at one wavelength.
     fn angle_error(&self, node: usize, solved: &[SolvedRealisation]) -> f64 {
         let nm = self.nodes.wavelengths_nm[node];
         let error = |realisation: &SolvedRealisation| {

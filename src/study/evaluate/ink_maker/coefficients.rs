@@ -46,7 +46,7 @@ pub(super) fn kubelka_munk(
     of_plane_layer(ink, uncertainty, study.layer.thickness_um)
 }
 
-/// The same of a layer with plane faces between equal half-spaces.
+/// Coefficients of a layer with plane faces between equal half-spaces.
 fn of_plane_layer(
     ink: &InkOnPaper,
     uncertainty: &Uncertainty,
@@ -118,7 +118,7 @@ impl Coefficient<'_> {
         self.computed(ink, uncertainty).into_iter().map(with_model).collect()
     }
 
-    /// The same with the errors of the calculation alone, as if what Kubelka and Munk assume were exact.
+    /// Estimates with the errors of the calculation alone, as if the assumptions of Kubelka and Munk were exact.
     fn computed(&self, ink: &InkOnPaper, uncertainty: &Uncertainty) -> Vec<Estimate> {
         let estimates = ink.spectrum(|layer| self.continued(layer, [0.0; 2])).estimates().into_iter();
         estimates.zip(ink.layers()).map(|(e, layer)| self.estimate(layer, e, uncertainty)).collect()

@@ -27,7 +27,7 @@ pub fn symmetric(x: f64, y: f64) -> [f64; SYMMETRIC] {
     [1.0, sum, product, x * x + y * y, product * sum, product * product]
 }
 
-/// The same polynomials, and those that change their sign, of the cosines of illumination and viewing.
+/// Symmetric and antisymmetric polynomials of the cosines of illumination and viewing.
 pub fn diffuse_functions(lit: f64, seen: f64) -> [f64; DIFFUSE] {
     let [one, sum, product, squares, mixed, fourth] = symmetric(lit, seen);
     let apart = lit - seen;

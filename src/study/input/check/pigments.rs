@@ -27,7 +27,7 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
     all
 }
 
-/// The same pigments with their indices.
+/// The checked pigments with their indices.
 pub fn pigments(
     file: &StudyFile,
     grains: Vec<PigmentGrains>,

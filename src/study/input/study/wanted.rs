@@ -15,7 +15,7 @@ pub struct Angles {
     /// Further directions over the hemisphere of the incident side, one in each equal stratum of cos²θ; 0 where only single
     /// angles were asked for.
     pub strata: usize,
-    /// The same from the exit side; 0 where the layer is statistically the same from both sides.
+    /// Further directions over the hemisphere of the exit side; 0 where the layer is statistically the same from both sides.
     pub exit_strata: usize,
     /// Azimuth of the plane of incidence, degrees; that of a varied cell adds to it.
     pub azimuth_deg: f64,
