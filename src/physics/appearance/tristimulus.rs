@@ -33,9 +33,9 @@ const XYZ_TO_RGB: [[f64; 3]; 3] =
 /// the resulting error. Under lamps, whose spectra have lines, every grid is resampled to 1 nm:
 /// sums over F11 at every tenth nm give a white of Z = 32 instead of 66.
 ///
-/// *Measured* over the 12 spectra of `validation/data/colour.json`, largest ΔE*ab against the 5 nm sum from 400 to
-/// 700 nm: 16 points (20 nm) 0.5, 12 points (27 nm) 1.6, 8 points (43 nm) 6.5; a band of σ = 12 nm
-/// is lost by such grids (1.3, 7.8, 79). Test `coarse_grids_keep_the_colour`.
+/// *Measured* over the 12 spectra of `validation/data/colour.json`, largest ΔE*ab against the 5 nm
+/// sum from 400 to 700 nm: 16 points (20 nm) 0.5, 12 points (27 nm) 1.6, 8 points (43 nm) 6.5; a
+/// band of σ = 12 nm is lost by such grids (1.3, 7.8, 79). Test `coarse_grids_keep_the_colour`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colorimeter {
     wavelengths_nm: Vec<f64>,

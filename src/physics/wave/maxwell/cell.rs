@@ -21,7 +21,8 @@ use std::sync::LazyLock;
 
 /// Number of terms of the series; the last is below 1e-17 where the series are used.
 const TERMS: usize = 18;
-/// |x|² below which the series are used: b's closed form loses 12/|x|² ulp to cancellation, c's 720/|x|⁴.
+/// Threshold of |x|² below which the series are used: the closed form of b loses 12/|x|² ulp to
+/// cancellation, that of c 720/|x|⁴.
 const SERIES_B: f64 = 1.0;
 const SERIES_C: f64 = 4.0;
 
