@@ -1,11 +1,11 @@
 //! Files that other people's tools open, made from what is stored.
 //!
-//! [`stored`] reads a finished study back; [`run`](mod@run) makes the files asked for:
-//! [`mitsuba`] a measured material for the renderer with scenes and [`samples`] to check it by · [`cxf`] and [`cgats`] the
-//! [`print`](mod@print)'s spectra with Lab for colour programs · [`npz`] far fields for NumPy · [`voxels`] and
-//! [`near_field`] as [`vti`] for ParaView · [`provenance`] a research crate and a data package ·
-//! [`viewer`] a packing in the browser. Each writer takes plain
-//! numbers and gives bytes; `scripts/check-exports` opens every file with the program it is meant for.
+//! [`stored`] reads a finished study back; [`run`](mod@run) makes the files asked for: [`mitsuba`]
+//! a measured material for the renderer with scenes and [`samples`] to check it by · [`cxf`] and
+//! [`cgats`] the [`print`](mod@print)'s spectra with Lab for colour programs · [`npz`] far fields
+//! for NumPy · [`voxels`] and [`near_field`] as [`vti`] for ParaView · [`provenance`] a research
+//! crate and a data package · [`viewer`] a packing in the browser. Each writer takes plain numbers
+//! and gives bytes; `scripts/check-exports` opens every file with the program it is meant for.
 
 pub mod cgats;
 pub mod cxf;

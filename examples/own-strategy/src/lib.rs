@@ -1,6 +1,7 @@
-//! A strategy of another crate: generalised conjugate residuals (Eisenstat, Elman & Schultz, SIAM J. Numer. Anal. 20,
-//! 345, 1983). It implements [`Solver`], keeps its account in a [`Ledger`] and joins a [`Registry`]; its tests put it into
-//! a comparison, before the referee and under two claims.
+//! A strategy of another crate: generalised conjugate residuals (Eisenstat, Elman & Schultz, SIAM
+//! J. Numer. Anal. 20, 345, 1983). It implements [`Solver`], keeps its account in a [`Ledger`] and
+//! joins a [`Registry`]; its tests put it into a comparison, before the referee and under two
+//! claims.
 
 use inkwave::solve::ledger::flat;
 use inkwave::solve::vectors::{dot, norm};
@@ -43,7 +44,8 @@ impl Solver for ConjugateResiduals {
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut residual = Field::zeros(problem.shape());
         loop {
-            // The true residual, r = u₀ − M u with M = 1 + A⁻¹V: rounding does not add up from cycle to cycle.
+            // The true residual, r = u₀ − M u with M = 1 + A⁻¹V: rounding does not add up from
+            // cycle to cycle.
             let size = ledger.measure(&field, &mut residual);
             ledger.note(size)?;
             if ledger.reached() {
@@ -117,7 +119,8 @@ mod tests {
         }
     }
 
-    /// A row of its own in `compare`, with the error of the other strategies on the same discrete system.
+    /// A row of its own in `compare`, with the error of the other strategies on the same discrete
+    /// system.
     #[test]
     fn it_is_a_row_of_a_comparison() {
         let examples =

@@ -50,7 +50,7 @@ fn lab(swatch: &Swatch) -> String {
     [0, 1, 2].map(|i| part(i).in_words(2)).join(", ")
 }
 
-/// K and S, and a measurement with its residuals.
+/// Plots of K and S, and of a measurement with its residuals.
 pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, OutputError> {
     let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
     let mut figures = Vec::new();
@@ -91,8 +91,8 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
         None => "standard errors".to_owned(),
     };
     let caption = format!(
-        "Kubelka–Munk coefficients of the layer with its faces, from its diffuse reflectance and transmittance. Bars are {bars}; \
-         K, which is never below 0, is not told from 0 where its bar reaches there."
+        "Kubelka–Munk coefficients of the layer with its faces, from its diffuse reflectance and transmittance. Error bars are {bars}; \
+         where that of K, which is never negative, reaches 0, K is compatible with 0."
     );
     figure("Kubelka–Munk coefficients", "1/µm", series, caption)
 }
@@ -115,7 +115,7 @@ fn compared(measured: &MeasuredComparison) -> Result<Vec<Figure>, OutputError> {
             "Residual",
             "measured less predicted",
             residual,
-            format!("{caption} Bars are those of the prediction."),
+            format!("{caption} Error bars are those of the prediction."),
         )?,
     ])
 }
