@@ -128,8 +128,9 @@ fn normal(outcome: &Outcome) -> impl Iterator<Item = &SpectrumRow> {
     outcome.spectra.iter().filter(|row| row.polar_deg == 0.0)
 }
 
-/// The difference of largest modulus over the wavelengths, at normal incidence. Both waves meet the
-/// same packings, cells, directions and wavelengths: what these share is in neither.
+/// The difference of largest modulus over the wavelengths, at normal incidence. Both waves are
+/// solved in the same packings, cells, directions and wavelengths, so that errors that these share
+/// cancel.
 fn largest(scalar: &Outcome, vector: &Outcome, quantity: Quantity) -> Estimate {
     let differences = normal(scalar).filter_map(|row| {
         let of = |o: &Outcome| o.quantity(quantity, Some(row.wavelength_nm));

@@ -1,6 +1,6 @@
-//! A strategy of another crate: generalised conjugate residuals (Eisenstat, Elman & Schultz, SIAM
-//! J. Numer. Anal. 20, 345, 1983). It implements [`Solver`], keeps its account in a [`Ledger`] and
-//! joins a [`Registry`]; its tests put it into a comparison, before the referee and under two
+//! A strategy in a crate of its own: generalised conjugate residuals (Eisenstat, Elman & Schultz,
+//! SIAM J. Numer. Anal. 20, 345, 1983). It implements [`Solver`], keeps its account in a [`Ledger`]
+//! and joins a [`Registry`]; its tests run it in a comparison, against the referee and under two
 //! claims.
 
 use inkwave::solve::ledger::flat;
@@ -8,7 +8,7 @@ use inkwave::solve::vectors::{dot, norm};
 use inkwave::solve::{Goal, Ledger, Registry, Solution, SolveError, Solver, System, Watch};
 use inkwave::wave::Field;
 
-/// Minimises the residual over all directions kept, with one operator application a step.
+/// Minimises the residual over all stored directions, with one operator application per step.
 #[derive(Clone, Copy, Debug)]
 pub struct ConjugateResiduals {
     /// Directions kept before a restart; each costs two vectors.
@@ -119,7 +119,7 @@ mod tests {
         }
     }
 
-    /// A row of its own in `compare`, with the error of the other strategies on the same discrete
+    /// It has a row in `compare`, with the error of the other strategies on the same discrete
     /// system.
     #[test]
     fn it_is_a_row_of_a_comparison() {
