@@ -93,8 +93,7 @@ impl Row {
         self.account.as_ref().map_or(0, |account| account.operator_applications)
     }
 
-    /// Recorded residuals: applications by then (spread evenly where a record covers several), and
-    /// the residual.
+    /// Recorded residuals: applications by then (spread evenly over the records), and the residual.
     pub(super) fn looks(&self) -> Vec<(f64, f64)> {
         let Some(account) = &self.account else { return Vec::new() };
         let per_look = account.operator_applications as f64 / (account.history.len().max(2) - 1) as f64;

@@ -115,9 +115,9 @@ pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Opti
                 format!("{low:.1} to {high:.1}")
             };
             Some(format!(
-                "The scalar wave's error: inks like {some} of the {all} scalar variants were solved by Maxwell's equations, too, in the \
-                 same packings; the colour of unpolarised light lay ΔE₀₀ {} away under a uniform sky and {} lit at 45° and seen \
-                 at 0°. An indication, not a correction; {UNLIKE}.",
+                "Error of the scalar wave: inks similar to {some} of the {all} scalar variants were also solved with Maxwell's equations, \
+                 in the same packings; the colour in unpolarised light differed by ΔE₀₀ {} under a uniform sky and by {} lit at \
+                 45° and seen at 0°. An indication, not a correction; {UNLIKE}.",
                 range(|m| m.delta_e_sky),
                 range(|m| m.delta_e_print)
             ))
@@ -125,9 +125,9 @@ pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Opti
     }
 }
 
-const UNKNOWN: &str = "The scalar wave's error: no ink like this one has been solved by Maxwell's equations beside it, so its size is not \
-     known here; light.wave = \"unpolarised\" solves them.";
-const UNLIKE: &str = "nothing is known of the others";
+const UNKNOWN: &str = "Error of the scalar wave: unknown here, as no similar ink has been solved with Maxwell's equations for comparison; \
+     light.wave = \"unpolarised\" solves them.";
+const UNLIKE: &str = "for the others it is unknown";
 
 /// The most similar measured ink, if it is similar enough. All were measured flat, in air, on paper
 /// behind an air gap.
@@ -157,12 +157,12 @@ impl MeasuredInk {
             nm => format!("of {nm:.0} nm"),
         };
         let colour = format!(
-            "the colour of unpolarised light lay ΔE₀₀ = {:.1} ± {:.1} away on white paper under a uniform sky and {:.1} lit at 45° and seen at 0°; ",
+            "the colour in unpolarised light differed by ΔE₀₀ = {:.1} ± {:.1} on white paper under a uniform sky and by {:.1} lit at 45° and seen at 0°; ",
             self.delta_e_sky, self.delta_e_sky_standard_error, self.delta_e_print
         );
         format!(
-            "The scalar wave's error: on the most similar ink that was solved by Maxwell's equations, too ({}, κ up to {largest_kappa:.2}, \
-             {:.0} % {grains}, {thickness_um} µm), {}the scalar R of the layer at 0° was off by up to {:+.3} ± {:.3} and T by up to \
+            "Error of the scalar wave: for the most similar ink that was also solved with Maxwell's equations ({}, κ up to \
+             {largest_kappa:.2}, {:.0} % {grains}, {thickness_um} µm), {}the scalar R of the layer at 0° was off by up to {:+.3} ± {:.3} and T by up to \
              {:+.3} ± {:.3}. An indication, not a correction: other shapes, sizes and angles differ.",
             self.ink,
             100.0 * volume_fraction,

@@ -122,9 +122,9 @@ pub(crate) fn asked(study: &Study) -> Vec<Named> {
     let layer = &study.layer;
     let [x, y] = layer.period_um;
     let cell = match study.variation.cell {
-        CellRule::Fixed => format!("{x} × {y} µm, repeated sideways"),
+        CellRule::Fixed => format!("{x} × {y} µm, periodic laterally"),
         CellRule::Varied => format!(
-            "about {x:.1} × {y:.1} µm, repeated sideways; another size, shape and azimuth in every realisation"
+            "about {x:.1} × {y:.1} µm, periodic laterally; another size, shape and azimuth in every realisation"
         ),
     };
     let uneven = match study.variation.thickness_std_um {
@@ -262,18 +262,18 @@ fn failure_row(note: &FailureNote) -> FailureRow {
 pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> {
     let mut lines = vec![
         wave_in_words(study.wave).to_owned(),
-        "Every grain is there: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell repeats \
-         sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
+        "Every grain is resolved: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell is periodic \
+         laterally, so light leaves in discrete orders; averages over more or larger cells are smoother."
             .to_owned(),
     ];
     lines.splice(1..1, scalar_error::line(study));
     if let Some(reason) = &study.angles.no_paper {
-        lines.insert(0, format!("There are no paper, colour and picture here: {reason}."));
+        lines.insert(0, format!("There is no paper, colour or picture: {reason}."));
     }
     lines.splice(0..0, missing(study, manifest));
     if study.variation.thickness_std_um == 0.0 {
         let line = "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
-                    thickness they wash out: thickness_um = { mean = …, std = … } draws one.";
+                    thickness they wash out: thickness_um = { mean = …, std = … } models one.";
         lines.push(line.to_owned());
     }
     lines.push(held(study).to_owned());
@@ -296,7 +296,7 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
         let viewing = study.judgement.viewing.name();
         lines.insert(
             0,
-            format!("There are no swatches, hiding power and comparisons under {viewing}: {reason}."),
+            format!("There are no swatches, hiding power or comparisons under {viewing}: {reason}."),
         );
     }
     lines
@@ -387,15 +387,15 @@ fn wave_in_words(wave: Wave) -> &'static str {
     match wave {
         Wave::Scalar => {
             "The wave equation is solved as a scalar one: the field and its slope are continuous everywhere. That is exact for \
-             s-polarised light on plane layers; unpolarised light, and p-polarised light above all at slanting angles, is \
-             approximated."
+             s-polarised light on plane layers; for unpolarised light, and above all for p-polarised light at oblique angles, it is \
+             an approximation."
         }
         Wave::Unpolarised => {
-            "Maxwell's equations are solved in s and p light, and efficiencies averaged: unpolarised light. The paper depolarises."
+            "Maxwell's equations are solved for s and p polarisation, and the efficiencies averaged: unpolarised light. The paper depolarises."
         }
         Wave::S | Wave::P => {
-            "Maxwell's equations are solved for light of one polarisation, and all light that leaves is seen. The paper \
-             depolarises, so what it gives back through the layer is unpolarised."
+            "Maxwell's equations are solved for light of one polarisation, and outgoing light is summed over both polarisations. The \
+             paper depolarises, so what it reflects back through the layer is unpolarised."
         }
     }
 }
