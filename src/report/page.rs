@@ -125,6 +125,8 @@ pub struct PackingRow {
     pub asked: String,
     /// Volume fraction of whole grains.
     pub reached: String,
+    /// d10, d50 and d90 of their sizes, by number and by volume.
+    pub sizes: String,
     /// How they were packed.
     pub method: String,
 }

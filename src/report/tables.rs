@@ -32,8 +32,9 @@ fn spectrum_row(row: &SpectrumRow) -> impl Iterator<Item = String> {
     place.into_iter().chain(all.flat_map(numbers))
 }
 
-/// `kubelka-munk.csv`, and `measured.csv` if there is a measurement. `factor` times a standard
-/// error is half the width of a 95 % interval: with few realisations far more than 2.
+/// `kubelka-munk.csv` where K and S are known, and `measured.csv` if there is a measurement.
+/// `factor` times a standard error is half the width of a 95 % interval: with few realisations far
+/// more than 2.
 pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<(&'static str, Vec<u8>)>> {
     let Some(maker) = maker else { return Ok(Vec::new()) };
     let mut files = Vec::new();

@@ -21,6 +21,9 @@ pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
         Meant::new("over white", lab(&maker.over_white), "the same over white"),
         Meant::new("on its paper", lab(&maker.print), "the same on the study's paper"),
     ];
+    if let Some(reason) = &maker.no_kubelka_munk {
+        rows.push(Meant::new("Kubelka–Munk K and S", "–".to_owned(), reason.clone()));
+    }
     if let Some(target) = &maker.target {
         let [l, a, b] = target.lab;
         rows.push(Meant::new(
@@ -91,8 +94,9 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
         None => "standard errors".to_owned(),
     };
     let caption = format!(
-        "Kubelka–Munk coefficients of the layer with its faces, from its diffuse reflectance and transmittance. Error bars are {bars}; \
-         where that of K, which is never negative, reaches 0, K is compatible with 0."
+        "Kubelka–Munk coefficients of the layer without its faces, from its diffuse reflectance and transmittance, at the \
+         wavelengths at which hardly any light goes straight through: the reflections at both plane faces are removed \
+         (Saunderson 1942). Error bars are {bars}; where that of K, which is never negative, reaches 0, K is compatible with 0."
     );
     figure("Kubelka–Munk coefficients", "1/µm", series, caption)
 }

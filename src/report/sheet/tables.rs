@@ -231,6 +231,7 @@ fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> P
         grains: share.grains,
         asked: format!("{:.2}", 100.0 * share.requested_fraction),
         reached: format!("{:.2}", 100.0 * share.achieved_fraction),
+        sizes: share.sizes.map_or_else(|| "–".to_owned(), |sizes| sizes.in_words()),
         method: method(packing),
     }
 }

@@ -14,6 +14,7 @@ use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::colour::ColourError;
+use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
 use crate::appearance::viewing::Viewing;
 use std::ops::Range;
@@ -214,6 +215,12 @@ impl InkOnPaper {
     /// The paper under it.
     pub fn substrate(&self) -> &Substrate {
         &self.substrate
+    }
+
+    /// The faces that diffuse light meets, at every wavelength of the spectra.
+    pub(super) fn faces(&self) -> Vec<DiffuseFaces> {
+        let films = &self.nodes.films[self.places.outputs.clone()];
+        films.iter().map(|film| film.returned().faces()).collect()
     }
 
     /// The ensemble mean at every wavelength of the spectra.

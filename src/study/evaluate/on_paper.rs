@@ -60,7 +60,7 @@ pub struct AngleNodes {
     pub albedos: Vec<f64>,
     /// The spectral functions' values there.
     pub weights: Vec<Weights>,
-    /// The film's means over the hemisphere, in the order of [`super::layer::Mean`].
+    /// The film's means over the hemisphere, in the order of [`super::layer::EnsembleMean`].
     pub means: Vec<[f64; 4]>,
 }
 
@@ -71,6 +71,8 @@ pub struct Measured {
     pub anchors: Anchors,
     /// The same in the light that the paper gives back, unpolarised: equal to `anchors` but where polarised light comes in.
     pub returned: Anchors,
+    /// Of T of the order that goes straight on, at 0°.
+    pub straight_on: f64,
     /// Of T̄.
     pub transmittance: f64,
     /// Of Ā from the exit side.
@@ -183,6 +185,18 @@ impl LayerOnPaper {
     /// R̄ from the exit side, 1 − T̄/n² − Ā.
     pub fn mean_reflectance_exit(&self) -> f64 {
         1.0 - self.mean_transmittance() / self.index_out.powi(2) - self.mean_absorptance_exit()
+    }
+
+    /// Place of its wavelength among the nodes, of which the spectra's are the first.
+    pub(super) fn node(&self) -> usize {
+        self.node
+    }
+
+    /// Share of T at the normal that goes straight on, unscattered: the order's own, less the diffuse light that it carries
+    /// as every order does (π times its share of the hemisphere, as of even light).
+    pub(super) fn straight_on(&self, normal: &PolarAngle) -> f64 {
+        let straight = normal.film[self.node].transmittance + self.measured.straight_on;
+        straight / self.transmittance(normal) - self.curve.order_area / PI
     }
 
     /// Index of the half-space on the exit side: that of the paper in optical contact.
@@ -317,6 +331,7 @@ impl LayerOnPaper {
         let moved = |own: Anchors, by: &Anchors| [own[0].plus(step, &by[0]), own[1].plus(step, &by[1])];
         layer.measured.anchors = moved(self.measured.anchors, &by.anchors);
         layer.measured.returned = moved(self.measured.returned, &by.returned);
+        layer.measured.straight_on += step * by.straight_on;
         layer.measured.transmittance += step * by.transmittance;
         layer.measured.absorptance += step * by.absorptance;
         layer
