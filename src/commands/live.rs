@@ -30,7 +30,7 @@ struct Rhythm {
 }
 
 impl Rhythm {
-    /// The first page is due after [`PAUSE`].
+    /// Schedules the first page after a pause.
     fn new() -> Self {
         Self { due: Instant::now() + PAUSE, told: false }
     }
@@ -65,7 +65,7 @@ pub struct LivePage<'a> {
 }
 
 impl<'a> LivePage<'a> {
-    /// The first page is due after [`PAUSE`].
+    /// Schedules the first page after a pause.
     pub fn new(study: &'a Study, folder: &'a OutputFolder) -> Self {
         Self { study, folder, rhythm: RefCell::new(Rhythm::new()) }
     }
@@ -85,7 +85,7 @@ pub struct LiveSweep<'a> {
 }
 
 impl<'a> LiveSweep<'a> {
-    /// The first page is due after [`PAUSE`].
+    /// Schedules the first page after a pause.
     pub fn new(sweep: &'a Sweep, folder: &'a OutputFolder, progress: &'a Progress) -> Self {
         Self { progress, folder, page: Mutex::new((Rhythm::new(), Publisher::new(sweep))) }
     }
