@@ -16,7 +16,7 @@ pub(super) struct Subject {
 
 enum CaseGeometry {
     Packed(Box<Packed>),
-    /// A case file, and the amplitudes that it has.
+    /// A case file, and the amplitudes given in it.
     Written(Box<Case>, Option<serde_json::Value>),
 }
 
@@ -42,7 +42,7 @@ impl Subject {
         self.varied.map(|varied| varied.period_um)
     }
 
-    /// Amplitudes that a case file brings along.
+    /// Amplitudes given in a case file.
     pub fn known(&self) -> Option<&[serde_json::Value]> {
         match &self.geometry {
             CaseGeometry::Written(_, known) => known.as_ref()?.as_array().map(Vec::as_slice),
@@ -50,17 +50,19 @@ impl Subject {
         }
     }
 
-    /// What errors are measured against.
+    /// Reference of the errors, in words.
     pub fn reference(&self) -> &'static str {
         match self.known() {
             Some(_) => "the case file's own amplitudes",
-            None => "krylov's on cubic cells, with half as many points and cells again as the finest grid",
+            None => {
+                "those of krylov on cubic cells, with 1.5 times as many points and cells as the finest grid"
+            }
         }
     }
 }
 
 impl ComparisonFile {
-    /// Every case, the study as it stands when nothing varies.
+    /// All cases; the study itself if nothing varies.
     pub(super) fn subjects(&self) -> Result<Vec<Subject>, CompareError> {
         if let Some(path) = &self.case {
             let path = self.folder().join(path);
