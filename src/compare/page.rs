@@ -29,6 +29,8 @@ pub struct Comparison {
     pub goal: Goal,
     /// Strategies in their order.
     pub strategies: Vec<String>,
+    /// Names of the programs beside them.
+    pub externals: Vec<String>,
     /// All names of the registry, by whose order each strategy has its colour.
     pub registry: Vec<String>,
     /// Rows asked for; fewer are there where it was stopped.
@@ -137,7 +139,8 @@ impl Comparison {
             let costs = self.strategies.iter().map(|name| of(group, name).unwrap_or("–".into()));
             fixed(&group[0]).into_iter().chain(costs).collect()
         };
-        self.groups().map(line).collect()
+        let own = |group: &&[Row]| !self.externals.contains(&group[0].strategy);
+        self.groups().filter(own).map(line).collect()
     }
 
     /// Who failed, where, and why: one line a failure.
