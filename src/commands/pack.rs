@@ -8,6 +8,7 @@ use super::stop::StopFlag;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
+use inkwave::ink::statistics::ReachedSizes;
 use inkwave::ink::{PackProgress, PackWatch, Packing};
 use inkwave::input::Study;
 use inkwave::input::load::load_packing;
@@ -78,9 +79,12 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let fraction: f64 = packing.shares().iter().map(|s| s.achieved_fraction).sum();
     let asked: f64 = packing.shares().iter().map(|s| s.requested_fraction).sum();
     let sweeps = if account.sweeps > 0 { format!(", {} sweeps", account.sweeps) } else { String::new() };
+    let sizes =
+        |k: usize| Some(format!("; pigment {k}: d10, d50, d90 {}", ReachedSizes::of(packing, k)?.in_words()));
+    let sizes: String = (0..packing.shares().len()).filter_map(sizes).collect();
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{notes}",
+        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{sizes}{notes}",
         realisation + 1,
         packing.grains().len(),
         account.method.in_words(),

@@ -33,7 +33,7 @@ pub struct ComparisonPlan {
 }
 
 /// A strategy with the name that people call it by.
-type Named = (String, Box<dyn Solver>);
+type NamedStrategy = (String, Box<dyn Solver>);
 
 impl ComparisonFile {
     /// Rows of the comparison without a solve: the geometry is packed, and everything is checked.
@@ -64,7 +64,7 @@ impl ComparisonFile {
     }
 
     /// Rows asked for; faults of every case show on the way.
-    fn asked(&self, subjects: &[Subject], strategies: &[Named]) -> Result<usize, CompareError> {
+    fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> Result<usize, CompareError> {
         let grids = self.schemes().len() * self.listed().map_or(1, |points| points.len());
         let mut rows = 0;
         for subject in subjects {
@@ -124,7 +124,7 @@ impl ComparisonFile {
     fn on(
         &self,
         subject: &Subject,
-        strategies: &[Named],
+        strategies: &[NamedStrategy],
         watch: &mut dyn Watch,
         keep: &mut dyn FnMut(Row),
     ) -> Result<(), CompareError> {

@@ -7,7 +7,7 @@ use crate::draw::chart::{Chart, Curve, Style};
 use crate::wave::Scheme;
 
 /// What tells the curves of one strategy apart.
-type Variant = (Option<Scheme>, bool);
+type MeanVariant = (Option<Scheme>, bool);
 
 impl Comparison {
     /// File names and plots; none without a curve.
@@ -90,13 +90,13 @@ impl Comparison {
     }
 }
 
-fn variant(row: &Row) -> Variant {
+fn variant(row: &Row) -> MeanVariant {
     (row.discrete.map(|d| d.resolution.scheme), row.discrete.is_some_and(|d| d.absorbing_mean))
 }
 
 /// Schemes and means of some rows, in their order.
-fn variants(rows: &[&Row]) -> Vec<Variant> {
-    let mut all: Vec<Variant> = Vec::new();
+fn variants(rows: &[&Row]) -> Vec<MeanVariant> {
+    let mut all: Vec<MeanVariant> = Vec::new();
     rows.iter().map(|row| variant(row)).for_each(|v| {
         if !all.contains(&v) {
             all.push(v)

@@ -12,6 +12,7 @@ use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
+use crate::report::page::hex;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
@@ -133,10 +134,7 @@ fn variant<'a>(
     let both = |e: Estimate| [finite(e.value), e.standard_error.and_then(finite)];
     let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], both));
     let to_target = to_target.into_iter().filter(|_| outcome.aim.is_some());
-    let hex = outcome.colour.as_ref().map(|c| {
-        let [r, g, b] = c.srgb8;
-        format!("#{r:02x}{g:02x}{b:02x}")
-    });
+    let hex = outcome.colour.as_ref().map(|c| hex(c.srgb8));
     let (finished, asked) = (outcome.solves.finished, outcome.solves.asked);
     let missing = if finished < asked { format!("{finished} of {asked} solves") } else { String::new() };
     VariantOf {

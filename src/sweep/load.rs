@@ -65,13 +65,21 @@ pub struct AxisOutline {
 impl AxisOutline {
     /// A value's caption where it stands alone: `paper 0.9`, but `yellow` rather than `ink yellow`.
     pub fn named(&self, k: usize) -> String {
-        let label = &self.labels[k];
+        let label = self.caption(k);
         let speaks = label.chars().next().is_some_and(char::is_alphabetic);
-        match self.unit.as_str() {
-            _ if speaks => label.clone(),
-            "" => format!("{} {label}", self.name),
-            unit => format!("{} {label}\u{a0}{unit}", plain(&self.name)),
-        }
+        if speaks { label } else { format!("{} {label}", self.plain_name()) }
+    }
+
+    /// A label with its unit, where it is a number that has one.
+    pub fn caption(&self, k: usize) -> String {
+        let label = &self.labels[k];
+        let bare = self.unit.is_empty() || label.parse::<f64>().is_err();
+        if bare { label.clone() } else { format!("{label}\u{a0}{}", self.unit) }
+    }
+
+    /// The name without the unit that it ends with.
+    pub fn plain_name(&self) -> &str {
+        if self.unit.is_empty() { &self.name } else { plain(&self.name) }
     }
 
     /// The number of a label, alone or before its unit: `0.9`, `15 %`, `200 nm`.
@@ -83,7 +91,7 @@ impl AxisOutline {
 
     /// The name as it stands at an axis or over a column, with the unit: `diameter, nm`.
     pub fn heading(&self) -> String {
-        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", plain(&self.name), self.unit) }
+        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", self.plain_name(), self.unit) }
     }
 }
 

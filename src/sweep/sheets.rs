@@ -56,9 +56,10 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
     let (rows, columns) = (used(row), used(column));
     let find = |r: usize, c: usize| on_sheet.iter().copied().find(|&v| at(v, row) == r && at(v, column) == c);
     let names = |axis: Option<usize>, used: &[usize]| -> Vec<String> {
-        used.iter().map(|&k| axis.map_or_else(String::new, |a| outline.axes[a].labels[k].clone())).collect()
+        used.iter().map(|&k| axis.map_or_else(String::new, |a| outline.axes[a].caption(k))).collect()
     };
-    let axis_name = |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].heading());
+    let axis_name =
+        |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].plain_name().to_owned());
     let shown = |a: usize| Some(a) == row || Some(a) == column;
     let captions = (0..outline.axes.len()).filter(|&a| !shown(a)).map(|a| outline.axes[a].named(other[a]));
     Sheet {

@@ -59,6 +59,7 @@ fn the_nearest_at_the_edge_of_the_grid_is_flagged() {
     assert!(!said([0, 2, 1]).contains("edge"));
     assert_eq!(grid(1).axes[0].heading(), "diameter, nm");
     assert_eq!(grid(1).axes[0].named(0), "diameter 100\u{a0}nm");
+    assert_eq!(grid(1).axes[0].caption(0), "100\u{a0}nm");
 }
 
 /// t of 2 degrees of freedom is 4.303. *Planted*: errors added as if independent tie "same packings", too.

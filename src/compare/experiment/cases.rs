@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 /// A case before it is packed.
 pub(super) struct Subject {
     pub varied: Option<Varied>,
-    geometry: Geometry,
+    geometry: CaseGeometry,
 }
 
-enum Geometry {
+enum CaseGeometry {
     Packed(Box<Packed>),
     /// A case file, and its text as read.
     Written(Box<Case>, Value),
@@ -25,16 +25,16 @@ impl Subject {
     /// Reads or packs the geometry.
     pub fn case(&self) -> Result<Case, CompareError> {
         match &self.geometry {
-            Geometry::Packed(packed) => packed.case(),
-            Geometry::Written(case, _) => Ok(Case::clone(case)),
+            CaseGeometry::Packed(packed) => packed.case(),
+            CaseGeometry::Written(case, _) => Ok(Case::clone(case)),
         }
     }
 
     /// The indices of all media; a study is checked for it.
     pub fn media(&self) -> Result<Media, CompareError> {
         match &self.geometry {
-            Geometry::Packed(packed) => packed.media(),
-            Geometry::Written(case, _) => Ok(case.media.clone()),
+            CaseGeometry::Packed(packed) => packed.media(),
+            CaseGeometry::Written(case, _) => Ok(case.media.clone()),
         }
     }
 
@@ -46,8 +46,8 @@ impl Subject {
     /// Amplitudes that a case file brings along.
     pub fn known(&self) -> Option<&[Value]> {
         match &self.geometry {
-            Geometry::Written(_, json) => json.pointer("/outputs/orders")?.as_array().map(Vec::as_slice),
-            Geometry::Packed(_) => None,
+            CaseGeometry::Written(_, json) => json.pointer("/outputs/orders")?.as_array().map(Vec::as_slice),
+            CaseGeometry::Packed(_) => None,
         }
     }
 
@@ -57,8 +57,8 @@ impl Subject {
     /// Shapes that case files do not have.
     pub fn inputs(&self, case: &Case) -> Result<Value, String> {
         match &self.geometry {
-            Geometry::Written(_, json) => Ok(json.get("inputs").unwrap_or(json).clone()),
-            Geometry::Packed(_) => inputs_of(case),
+            CaseGeometry::Written(_, json) => Ok(json.get("inputs").unwrap_or(json).clone()),
+            CaseGeometry::Packed(_) => inputs_of(case),
         }
     }
 
@@ -79,11 +79,11 @@ impl ComparisonFile {
             let case = Box::new(Case::read(&path)?);
             let text = files::read_text(&path, files::CASE).unwrap_or_default();
             let json = serde_json::from_str(&text).or_else(|_| toml::from_str(&text));
-            let geometry = Geometry::Written(case, json.unwrap_or_default());
+            let geometry = CaseGeometry::Written(case, json.unwrap_or_default());
             return Ok(vec![Subject { varied: None, geometry }]);
         }
         let packed = self.packed()?;
-        let packing = |packed| Geometry::Packed(Box::new(packed));
+        let packing = |packed| CaseGeometry::Packed(Box::new(packed));
         let Some(matrix) = &self.matrix else {
             return Ok(vec![Subject { varied: None, geometry: packing(packed) }]);
         };

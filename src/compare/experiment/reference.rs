@@ -12,7 +12,7 @@ use crate::wave::{FarField, Mean, Order, Physical, Resolution, Scene, Scheme, To
 use num_complex::Complex64;
 
 /// A grid to try, and its share of the error.
-pub(super) struct Trial {
+pub(super) struct ReferenceTrial {
     /// None where the search for it failed, for this reason.
     pub grid: Result<Resolution, String>,
     /// Parts of the estimated error from the plane and from z; none where no coarser grid could be
@@ -27,7 +27,7 @@ impl ComparisonFile {
         case: &Case,
         coverages: &Coverages,
         watch: &mut dyn Watch,
-    ) -> Result<Vec<Trial>, CompareError> {
+    ) -> Result<Vec<ReferenceTrial>, CompareError> {
         let solver = Gmres::default();
         let mut trials = Vec::new();
         for scheme in self.schemes() {
@@ -63,7 +63,7 @@ impl ComparisonFile {
         &self,
         subject: &Subject,
         case: &Case,
-        trials: &[Trial],
+        trials: &[ReferenceTrial],
         watch: &mut dyn Watch,
     ) -> Result<FarField, CompareError> {
         let grids: Vec<Resolution> = trials.iter().filter_map(|trial| trial.grid.clone().ok()).collect();
@@ -85,10 +85,14 @@ impl ComparisonFile {
 ///
 /// # Errors
 /// The user stopped it.
-fn listed_trial(task: &Task, grid: Resolution, watch: &mut dyn Watch) -> Result<Trial, CompareError> {
+fn listed_trial(
+    task: &Task,
+    grid: Resolution,
+    watch: &mut dyn Watch,
+) -> Result<ReferenceTrial, CompareError> {
     match task.solve_with_estimate(grid, watch) {
         Err(stopped) if stopped.is_stop() => Err(stopped.into()),
-        found => Ok(Trial { grid: Ok(grid), parts: found.ok().map(|found| found.parts) }),
+        found => Ok(ReferenceTrial { grid: Ok(grid), parts: found.ok().map(|found| found.parts) }),
     }
 }
 
@@ -96,11 +100,13 @@ fn listed_trial(task: &Task, grid: Resolution, watch: &mut dyn Watch) -> Result<
 ///
 /// # Errors
 /// The user stopped it.
-fn searched_trial(task: &Task, accuracy: f64, watch: &mut dyn Watch) -> Result<Trial, CompareError> {
+fn searched_trial(task: &Task, accuracy: f64, watch: &mut dyn Watch) -> Result<ReferenceTrial, CompareError> {
     match task.solve_to_accuracy(accuracy, watch) {
         Err(stopped) if stopped.is_stop() => Err(stopped.into()),
-        Err(failed) => Ok(Trial { grid: Err(failed.to_string()), parts: None }),
-        Ok(found) => Ok(Trial { grid: Ok(found.system().grid().resolution), parts: Some(found.parts) }),
+        Err(failed) => Ok(ReferenceTrial { grid: Err(failed.to_string()), parts: None }),
+        Ok(found) => {
+            Ok(ReferenceTrial { grid: Ok(found.system().grid().resolution), parts: Some(found.parts) })
+        }
     }
 }
 

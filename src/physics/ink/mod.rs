@@ -14,7 +14,7 @@ pub use error::PackError;
 pub use grains::agglomeration::Agglomeration;
 pub use grains::orientation::Orientation;
 pub use grains::shape::Shape;
-pub use grains::size::{Measure, SizeDistribution};
+pub use grains::size::{By, Measure, SizeDistribution};
 pub use grains::sphere::Sphere;
 pub use packing::grain::Grain;
 pub use packing::pack::pack;

@@ -3,7 +3,7 @@
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Total, film_totals};
 use super::on_paper::{
-    AZIMUTHAL, Anchors, BENDS, DIFFUSE, SYMMETRIC, Totals, anchor_weights, azimuthal, diffuse_functions,
+    AZIMUTHAL, Anchors, BENDS, DIFFUSE, LayerTotals, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions,
     symmetric,
 };
 use super::regression::{Fits, Normal, Sums};
@@ -12,7 +12,7 @@ use super::wavelengths::SpectralBasis;
 
 /// Differences at 0° and 45° from a source of them.
 pub(super) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
-    places.map(|angle| Totals {
+    places.map(|angle| LayerTotals {
         reflectance: of(angle, Total::Reflectance),
         transmittance: of(angle, Total::Transmittance),
         specular: of(angle, Total::SpecularReflectance),
@@ -74,8 +74,9 @@ fn sums_of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> S
     for s in strata {
         let (between, bends) = anchor_weights(s.polar_deg.to_radians().cos());
         let [film_r, _, film_t, ..] = film_totals(film, s.polar_deg);
-        let rest =
-            |value: f64, of: fn(&Totals) -> f64| value - between[0] * of(&own[0]) - between[1] * of(&own[1]);
+        let rest = |value: f64, of: fn(&LayerTotals) -> f64| {
+            value - between[0] * of(&own[0]) - between[1] * of(&own[1])
+        };
         let rests = [
             rest(s.reflectance - film_r, |t| t.reflectance),
             rest(s.transmittance - film_t, |t| t.transmittance),

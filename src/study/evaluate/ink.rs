@@ -8,12 +8,13 @@ use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
 use super::on_paper::{
-    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, PolarAngle, SYMMETRIC, Totals,
+    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, LayerTotals, PolarAngle, SYMMETRIC,
 };
 use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::colour::ColourError;
+use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
 use crate::appearance::viewing::Viewing;
 use std::ops::Range;
@@ -183,7 +184,7 @@ impl InkOnPaper {
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
         let bends =
-            |fits: &Fits| Totals::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
+            |fits: &Fits| LayerTotals::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
         let curve = AngleCurve {
@@ -214,6 +215,12 @@ impl InkOnPaper {
     /// The paper under it.
     pub fn substrate(&self) -> &Substrate {
         &self.substrate
+    }
+
+    /// The faces that diffuse light meets, at every wavelength of the spectra.
+    pub(super) fn faces(&self) -> Vec<DiffuseFaces> {
+        let films = &self.nodes.films[self.places.outputs.clone()];
+        films.iter().map(|film| film.returned().faces()).collect()
     }
 
     /// The ensemble mean at every wavelength of the spectra.

@@ -9,7 +9,7 @@ use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::uncertainty::{Shift, UNMOVED, Uncertainty, Widened, lit, natural_light};
 use crate::appearance::colour::{Colorimeter, Colour};
-use crate::appearance::paper::{Coupling, PRINT_DEG};
+use crate::appearance::paper::PRINT_DEG;
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
@@ -39,8 +39,11 @@ pub struct InkMaker {
     /// Number of each realisation and what it moves the contrast ratio by.
     #[serde(skip)]
     pub contrast_deviations: Vec<(usize, f64)>,
-    /// K and S at every wavelength; none in optical contact, where the two sides of the layer differ.
+    /// K and S of the layer without its faces (Saunderson's correction), at the wavelengths where its light is diffuse.
     pub kubelka_munk: Vec<KubelkaMunkRow>,
+    /// Why there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_kubelka_munk: Option<String>,
     /// Difference to the target colour.
     pub target: Option<Target>,
     /// Difference to a measured spectrum.
@@ -228,6 +231,7 @@ pub(super) fn ink_maker(
     let sky = |layer: &LayerOnPaper, by: Shift| natural_light(layer, &question.view, mirrored, by);
     let by = realisations.iter().copied().zip(deviations).collect::<Vec<_>>();
     let (contrast_ratio, moved) = question.contrast_ratio(&sight)?;
+    let (kubelka_munk, no_kubelka_munk) = coefficients::kubelka_munk(ink, uncertainty, study)?;
     Ok(InkMaker {
         conditions: viewing.name(),
         natural_light: question.swatch(&sight, &sky)?.0,
@@ -235,10 +239,8 @@ pub(super) fn ink_maker(
         over_white: question.over(&sight, &|layer| layer.over(WHITE))?.0,
         contrast_ratio,
         contrast_deviations: realisations.iter().copied().zip(moved).collect(),
-        kubelka_munk: match study.paper.coupling {
-            Coupling::Gap => coefficients::kubelka_munk(ink, uncertainty, study.layer.thickness_um),
-            Coupling::OpticalContact { .. } => Vec::new(),
-        },
+        kubelka_munk,
+        no_kubelka_munk,
         target: target_lab.map(|lab| target(&print.colour, &by, lab)),
         measured: measured.as_ref().map(|m| question.compare(study, m)),
         print,

@@ -18,7 +18,7 @@ const CURVE_NODES: usize = 6;
 
 /// One of each total of the layer, or what each of them has of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Totals<T = f64> {
+pub struct LayerTotals<T = f64> {
     /// Of R.
     pub reflectance: T,
     /// Of T.
@@ -27,7 +27,7 @@ pub struct Totals<T = f64> {
     pub specular: T,
 }
 
-impl<T> Totals<T> {
+impl<T> LayerTotals<T> {
     /// In the order of the fits' columns.
     pub fn from_fn(of: impl FnMut(usize) -> T) -> Self {
         let [reflectance, transmittance, specular] = std::array::from_fn(of);
@@ -35,7 +35,7 @@ impl<T> Totals<T> {
     }
 }
 
-impl Totals {
+impl LayerTotals {
     /// These and `step` times others.
     fn plus(self, step: f64, by: &Self) -> Self {
         Self {
@@ -47,7 +47,7 @@ impl Totals {
 }
 
 /// Differences of the totals from the film at \[0°, 45°\].
-pub type Anchors = [Totals; 2];
+pub type Anchors = [LayerTotals; 2];
 
 /// Everything that is known at every wavelength of interest.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ pub struct AngleNodes {
     pub albedos: Vec<f64>,
     /// The spectral functions' values there.
     pub weights: Vec<Weights>,
-    /// The film's means over the hemisphere, in the order of [`super::layer::Mean`].
+    /// The film's means over the hemisphere, in the order of [`super::layer::EnsembleMean`].
     pub means: Vec<[f64; 4]>,
 }
 
@@ -71,6 +71,8 @@ pub struct Measured {
     pub anchors: Anchors,
     /// The same in the light that the paper gives back, unpolarised: equal to `anchors` but where polarised light comes in.
     pub returned: Anchors,
+    /// Of T of the order that goes straight on, at 0°.
+    pub straight_on: f64,
     /// Of T̄.
     pub transmittance: f64,
     /// Of Ā from the exit side.
@@ -81,9 +83,9 @@ pub struct Measured {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AngleCurve {
     /// Coefficients of the bends between the anchors.
-    pub bends: Totals<[f64; BENDS]>,
+    pub bends: LayerTotals<[f64; BENDS]>,
     /// The same in the light that the paper gives back.
-    pub returned: Totals<[f64; BENDS]>,
+    pub returned: LayerTotals<[f64; BENDS]>,
     /// Coefficients of the layer's own diffuse BRDF, 1/sr.
     pub diffuse: [f64; DIFFUSE],
     /// Coefficients of its dependence on the azimuth, 1/sr.
@@ -183,6 +185,18 @@ impl LayerOnPaper {
     /// R̄ from the exit side, 1 − T̄/n² − Ā.
     pub fn mean_reflectance_exit(&self) -> f64 {
         1.0 - self.mean_transmittance() / self.index_out.powi(2) - self.mean_absorptance_exit()
+    }
+
+    /// Place of its wavelength among the nodes, of which the spectra's are the first.
+    pub(super) fn node(&self) -> usize {
+        self.node
+    }
+
+    /// Share of T at the normal that goes straight on, unscattered: the order's own, less the diffuse light that it carries
+    /// as every order does (π times its share of the hemisphere, as of even light).
+    pub(super) fn straight_on(&self, normal: &PolarAngle) -> f64 {
+        let straight = normal.film[self.node].transmittance + self.measured.straight_on;
+        straight / self.transmittance(normal) - self.curve.order_area / PI
     }
 
     /// Index of the half-space on the exit side: that of the paper in optical contact.
@@ -317,6 +331,7 @@ impl LayerOnPaper {
         let moved = |own: Anchors, by: &Anchors| [own[0].plus(step, &by[0]), own[1].plus(step, &by[1])];
         layer.measured.anchors = moved(self.measured.anchors, &by.anchors);
         layer.measured.returned = moved(self.measured.returned, &by.returned);
+        layer.measured.straight_on += step * by.straight_on;
         layer.measured.transmittance += step * by.transmittance;
         layer.measured.absorptance += step * by.absorptance;
         layer
@@ -331,7 +346,7 @@ impl LayerOnPaper {
         let back = |mu: f64| curve(&self.measured.returned, &self.curve.returned, anchor_weights(mu));
         let rule = GaussLegendre::new(CURVE_NODES).expect("a positive number of nodes");
         let count = polar_deg.clone().count().max(1) as f64;
-        let error = |of: fn(Totals) -> f64| {
+        let error = |of: fn(LayerTotals) -> f64| {
             let sampled = polar_deg.clone().map(|deg| of(back(deg.to_radians().cos()))).sum::<f64>() / count;
             sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * of(back(mu)))
         };
@@ -342,7 +357,7 @@ impl LayerOnPaper {
     }
 
     #[inline]
-    fn differences(&self, at: &PolarAngle) -> Totals {
+    fn differences(&self, at: &PolarAngle) -> LayerTotals {
         curve(&self.measured.anchors, &self.curve.bends, (at.between, at.bends))
     }
 }
@@ -351,14 +366,14 @@ impl LayerOnPaper {
 #[inline]
 fn curve(
     anchors: &Anchors,
-    coefficients: &Totals<[f64; BENDS]>,
+    coefficients: &LayerTotals<[f64; BENDS]>,
     (between, bends): ([f64; 2], [f64; BENDS]),
-) -> Totals {
+) -> LayerTotals {
     let at = |anchored: [f64; 2], own: &[f64; BENDS]| {
         let anchored: f64 = between.iter().zip(anchored).map(|(w, a)| w * a).sum();
         anchored + bends.iter().zip(own).map(|(b, c)| b * c).sum::<f64>()
     };
-    Totals {
+    LayerTotals {
         reflectance: at(anchors.map(|a| a.reflectance), &coefficients.reflectance),
         transmittance: at(anchors.map(|a| a.transmittance), &coefficients.transmittance),
         specular: at(anchors.map(|a| a.specular), &coefficients.specular),

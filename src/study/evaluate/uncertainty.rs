@@ -34,7 +34,7 @@ pub(super) type Shift = [f64; 2];
 /// No error of R and T.
 pub(super) const UNMOVED: Shift = [0.0; 2];
 /// A quantity of the layer on paper, moved by errors of R and T.
-type Quantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
+type PaperQuantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 
 impl Uncertainty {
     fn residual(&self) -> f64 {
@@ -73,7 +73,7 @@ impl Uncertainty {
     }
 
     /// Colour of a quantity to an observer, with what errors of R and T and the range of the wavelengths add.
-    pub fn widened(&self, ink: &InkOnPaper, sight: &Sight, of: &Quantity) -> Result<Widened, InkError> {
+    pub fn widened(&self, ink: &InkOnPaper, sight: &Sight, of: &PaperQuantity) -> Result<Widened, InkError> {
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
         let (colour, deviations) = ink.colour_with_deviations(sight, plain)?;
         let shift = |by: Shift| -> Result<[f64; 3], InkError> {
@@ -92,7 +92,7 @@ impl Uncertainty {
         &self,
         ink: &InkOnPaper,
         solved: &[SolvedRealisation],
-        of: &Quantity,
+        of: &PaperQuantity,
     ) -> Result<Sure, InkError> {
         let Widened { colour, chance, shared, deviations } = self.widened(ink, ink.daylight()?, of)?;
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);

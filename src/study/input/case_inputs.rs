@@ -39,9 +39,11 @@ pub struct CaseInputs {
     pub n_in: Option<IndexInput>,
     /// Index of the half-space z > H.
     pub n_out: Option<IndexInput>,
-    /// Index of the incident side as [re, im].
+    /// Index of the incident side as [re, im]; published reference cases say `eta_below`.
+    #[serde(alias = "eta_below")]
     pub eta_in: Option<[f64; 2]>,
-    /// Index of the exit side as [re, im].
+    /// Index of the exit side as [re, im]; published reference cases say `eta_above`.
+    #[serde(alias = "eta_above")]
     pub eta_out: Option<[f64; 2]>,
     /// Index of the binder as [re, im].
     pub eta_binder: Option<[f64; 2]>,

@@ -1,6 +1,7 @@
 //! Values that may be written in more than one form.
 
 use super::limits::{ABOVE_ZERO, ABSORPTION, ALBEDO, INDEX, NOT_NEGATIVE, THICKNESS_UM};
+use crate::material::named::MATERIALS;
 use crate::material::synthetic::Synthetic;
 use crate::solve::{Registry, SolverChoice};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -106,7 +107,7 @@ impl Pair {
     }
 }
 
-/// A complex refractive index n + iκ as written: a number, or a table with one of three forms.
+/// A complex refractive index n + iκ as written: a number, or a table with one of five forms.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct IndexWritten {
     /// Real part.
@@ -115,6 +116,8 @@ pub struct IndexWritten {
     pub k: Option<f64>,
     /// Name of a built-in synthetic spectrum.
     pub built_in: Option<String>,
+    /// Name of a material of the program's list.
+    pub material: Option<String>,
     /// CSV file, relative to the study file: wavelength in nm, κ and optionally n.
     pub csv: Option<String>,
     /// Record of refractiveindex.info (YAML), relative to the study file.
@@ -142,6 +145,11 @@ pub(super) enum IndexForms {
         #[schemars(schema_with = "built_in_names")]
         built_in: String,
     },
+    Material {
+        /// A measured material that comes with the program; `inkwave materials` lists them.
+        #[schemars(schema_with = "material_names")]
+        material: String,
+    },
     Csv {
         /// Table wavelength_nm, kappa[, n], relative to the study file; without a column n with n beside it.
         csv: String,
@@ -162,18 +170,24 @@ fn built_in_names(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "enum": Synthetic::ALL.map(Synthetic::name) })
 }
 
+fn material_names(_: &mut SchemaGenerator) -> Schema {
+    let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
+    json_schema!({ "enum": names })
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct IndexTable {
     n: Option<f64>,
     k: Option<f64>,
     built_in: Option<String>,
+    material: Option<String>,
     csv: Option<String>,
     yaml: Option<String>,
 }
 
 /// The keys of [`IndexTable`].
-const INDEX_KEYS: &[&str] = &["n", "k", "built_in", "csv", "yaml"];
+const INDEX_KEYS: &[&str] = &["n", "k", "built_in", "material", "csv", "yaml"];
 
 impl<'de> Deserialize<'de> for IndexWritten {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -200,8 +214,8 @@ impl<'de> Visitor<'de> for IndexVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<IndexWritten, A::Error> {
         let table = IndexTable::deserialize(MapAccessDeserializer::new(map))?;
-        let IndexTable { n, k, built_in, csv, yaml } = table;
-        Ok(IndexWritten { n, k, built_in, csv, yaml })
+        let IndexTable { n, k, built_in, material, csv, yaml } = table;
+        Ok(IndexWritten { n, k, built_in, material, csv, yaml })
     }
 }
 

@@ -60,6 +60,12 @@ impl std::error::Error for Misfit {}
 pub(super) const FORM: &str =
     "write the value in that form; `inkwave schema KIND` describes every key of a file";
 
+/// What to write for keys that older files do not have.
+const NEWER: [(&str, &str); 1] = [(
+    "by",
+    "write by = \"number\", as it was meant where nothing was said, or by = \"volume\", as sizers print",
+)];
+
 impl de::Error for Misfit {
     /// Values that may be written in several forms say here what they take; what was found only the reader knows.
     fn custom<T: fmt::Display>(message: T) -> Self {
@@ -87,7 +93,10 @@ impl de::Error for Misfit {
     }
 
     fn missing_field(key: &'static str) -> Self {
-        let remedy = format!("add {key}; `inkwave schema KIND` describes every key of a file");
+        let remedy = NEWER.iter().find(|(name, _)| *name == key).map_or_else(
+            || format!("add {key}; `inkwave schema KIND` describes every key of a file"),
+            |(_, remedy)| (*remedy).to_owned(),
+        );
         Self::new(key, "nothing", "a value: it has no default", remedy)
     }
 

@@ -17,6 +17,7 @@ pub mod limits;
 pub mod load;
 pub mod locate;
 pub mod measured;
+pub mod measured_colour;
 mod misfit;
 mod patches;
 pub mod read;

@@ -2,6 +2,7 @@
 
 use super::orientation::orientation_tensor;
 use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
+use super::reached::ReachedSizes;
 use super::sections::{SectionStatistics, section_statistics};
 use crate::ink::Packing;
 use crate::numerics::estimate::Estimate;
@@ -150,6 +151,7 @@ fn scalars(
             packings.iter().map(|p| p.shares()[k].grains as f64).collect(),
         );
     }
+    sizes(packings, &mut put);
     put("mean nearest-neighbour distance", "µm", pairs.iter().map(PairStatistics::mean_nearest_um).collect());
     put("smallest gap", "µm", packings.iter().filter_map(|p| p.account().smallest_gap_um).collect());
     put("S2(0) from chords", "1", sections.iter().map(|s| 0.5 * (s.s2_x[0] + s.s2_y[0])).collect());
@@ -159,6 +161,18 @@ fn scalars(
     tensors(packings, &mut put);
     walls(packings, &mut put);
     relief(packings, &mut put);
+}
+
+/// d10, d50 and d90 of every pigment's grains.
+fn sizes(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
+    for k in 0..packings[0].shares().len() {
+        let reached: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();
+        for (i, name) in ["d10", "d50", "d90"].into_iter().enumerate() {
+            let [number, volume] = ["number", "volume"].map(|by| format!("{name} by {by} of pigment {k}"));
+            put(&number, "nm", reached.iter().map(|r| r.by_number_nm[i]).collect());
+            put(&volume, "nm", reached.iter().map(|r| r.by_volume_nm[i]).collect());
+        }
+    }
 }
 
 fn tensors(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {

@@ -6,7 +6,7 @@ use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::curves::anchors;
-use crate::evaluate::layer::{EnsembleMean, LayerEnsemble};
+use crate::evaluate::layer::{EnsembleMean, LayerEnsemble, Total};
 use crate::evaluate::on_paper::{AngleNodes, LayerOnPaper, Measured, PolarAngle};
 use crate::evaluate::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::SpectralBasis;
@@ -188,6 +188,7 @@ impl InkOnPaper {
         Measured {
             anchors: at(&self.layer),
             returned: at(returned),
+            straight_on: of(&self.layer, self.layer.column(self.anchored[0], Total::SpecularTransmittance)),
             transmittance: mean(EnsembleMean::Transmittance),
             absorptance: mean(EnsembleMean::ExitAbsorptance),
         }

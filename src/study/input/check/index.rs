@@ -5,6 +5,7 @@ use crate::input::forms::IndexWritten;
 use crate::input::limits;
 use crate::input::study::IndexSpectrum;
 use crate::material::mixing::MixingRule;
+use crate::material::named::MATERIALS;
 use crate::material::spectra::{Spectrum, SpectrumError};
 use crate::material::synthetic::Synthetic;
 use crate::numerics::allowed::shown;
@@ -79,25 +80,33 @@ fn source(spectrum: &Spectrum) -> String {
 }
 
 fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
-    match (&written.built_in, &written.csv, &written.yaml, written.n, written.k) {
-        (Some(name), None, None, None, None) => built_in(field, name, faults),
-        (None, Some(csv), None, n, None) => from_csv(field, (&folder.join(csv), n), faults),
-        (None, None, Some(yaml), n, None) => from_yaml(field, (&folder.join(yaml), n), faults),
-        (None, None, None, Some(n), k) => constant(field, n, k.unwrap_or(0.0), faults),
+    let IndexWritten { n, k, built_in: pigment, material: known, csv, yaml } = written;
+    match (pigment, known, csv, yaml, n, k) {
+        (Some(name), None, None, None, None, None) => built_in(field, name, faults),
+        (None, Some(name), None, None, None, None) => material(field, name, faults),
+        (None, None, Some(csv), None, n, None) => from_csv(field, (&folder.join(csv), *n), faults),
+        (None, None, None, Some(yaml), n, None) => from_yaml(field, (&folder.join(yaml), *n), faults),
+        (None, None, None, None, Some(n), k) => constant(field, *n, k.unwrap_or(0.0), faults),
         _ => {
-            let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, with n beside a file of k alone";
-            let remedy = "write for example index = { n = 1.4, k = 0.1 }";
-            let found = keys_in_words([
-                ("n", written.n.is_some()),
-                ("k", written.k.is_some()),
-                ("built_in", written.built_in.is_some()),
-                ("csv", written.csv.is_some()),
-                ("yaml", written.yaml.is_some()),
-            ]);
-            faults.push(Fault::new(field, found, allowed, remedy));
+            faults.push(unclear(field, written));
             None
         }
     }
+}
+
+/// No form of an index, or more than one.
+fn unclear(field: &str, written: &IndexWritten) -> Fault {
+    let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
+                   with n beside a file of k alone";
+    let found = keys_in_words([
+        ("n", written.n.is_some()),
+        ("k", written.k.is_some()),
+        ("built_in", written.built_in.is_some()),
+        ("material", written.material.is_some()),
+        ("csv", written.csv.is_some()),
+        ("yaml", written.yaml.is_some()),
+    ]);
+    Fault::new(field, found, allowed, "write for example index = { n = 1.4, k = 0.1 }")
 }
 
 fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum> {
@@ -115,6 +124,18 @@ fn built_in(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
         let names = Synthetic::ALL.map(Synthetic::name).join(", ");
         let remedy = "take one of these, or your own table with { csv = \"file.csv\" }";
         faults.push(Fault::new(format!("{field}.built_in"), format!("{name:?}"), names, remedy));
+    }
+    found
+}
+
+/// A measured material of the program's list.
+fn material(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
+    let found = Spectrum::material(name).ok();
+    if found.is_none() {
+        let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
+        let remedy = "take one of these, or your own table with { csv = \"file.csv\" }; organic pigments are in no open \
+                      collection of indices";
+        faults.push(Fault::new(format!("{field}.material"), format!("{name:?}"), names, remedy));
     }
     found
 }

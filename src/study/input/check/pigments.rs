@@ -220,6 +220,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
         return;
     }
     if let Some((_, found, allowed)) = grains.size.defect() {
+        let remedy = "correct these numbers; pigment grains measure 50 to 500 nm";
         faults.push(Fault::new(field, found, allowed, remedy));
         return;
     }
