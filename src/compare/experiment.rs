@@ -14,6 +14,7 @@ pub use file::{ComparisonFile, GoalWritten, Points};
 pub use matrix::MatrixTable;
 
 use super::error::kept;
+use super::external::CaseAsked;
 use super::page::Comparison;
 use super::row::Row;
 use crate::solve::{Coverages, Registry, Solver, Watch};
@@ -70,7 +71,8 @@ impl ComparisonFile {
             let absorbs = absorbs(&subject.media()?);
             rows += strategies.iter().map(|(_, s)| self.means(&**s, absorbs).len()).sum::<usize>();
         }
-        Ok(rows * grids)
+        let programs = self.external.iter().map(|program| program.knobs().len()).sum::<usize>();
+        Ok(rows * grids + subjects.len() * programs)
     }
 
     /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can
@@ -111,6 +113,7 @@ impl ComparisonFile {
             accuracy: self.searched(),
             goal: self.goal(),
             strategies: strategies.into_iter().map(|(name, _)| name).collect(),
+            externals: self.external.iter().map(|program| program.name.clone()).collect(),
             registry: registry.names().map(String::from).collect(),
             asked,
             rows: kept(rows, end)?,
@@ -139,6 +142,14 @@ impl ComparisonFile {
                         keep(bench.row((name, &**solver), mean, trial, watch)?);
                     }
                 }
+            }
+        }
+        let inputs = subject.inputs(&case);
+        let (varied, truth, folder) = (subject.varied, &bench.truth, self.folder());
+        let question = CaseAsked { varied, inputs: &inputs, truth, folder };
+        for program in &self.external {
+            for knob in program.knobs() {
+                keep(program.row(&question, knob, watch)?);
             }
         }
         Ok(())

@@ -29,6 +29,8 @@ pub struct Comparison {
     pub goal: Goal,
     /// Strategies in their order.
     pub strategies: Vec<String>,
+    /// Names of the programs beside them.
+    pub externals: Vec<String>,
     /// All strategies of the registry, whose order determines the colours.
     pub registry: Vec<String>,
     /// Number of rows planned; there are fewer if the comparison was stopped.
@@ -137,7 +139,8 @@ impl Comparison {
             let costs = self.strategies.iter().map(|name| of(group, name).unwrap_or("–".into()));
             fixed(&group[0]).into_iter().chain(costs).collect()
         };
-        self.groups().map(line).collect()
+        let own = |group: &&[Row]| !self.externals.contains(&group[0].strategy);
+        self.groups().filter(own).map(line).collect()
     }
 
     /// Failures with strategy, case, grid and reason, one row each.

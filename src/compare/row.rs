@@ -36,6 +36,8 @@ pub struct Row {
     pub case: Option<Varied>,
     /// Name of the strategy.
     pub strategy: String,
+    /// Value of the knob of a program that has one.
+    pub knob: Option<f64>,
     /// The discrete problem; `None` if no grid was found.
     pub discrete: Option<Discrete>,
     /// Complex unknowns, where the problem could be set up.
@@ -67,6 +69,7 @@ impl Row {
         Row {
             case,
             strategy: strategy.to_owned(),
+            knob: None,
             discrete,
             unknowns: None,
             result: Err("not solved".into()),
@@ -101,7 +104,7 @@ impl Row {
     }
 
     /// The row of `comparison.csv`; cells are empty where something does not apply.
-    pub(super) fn record(&self) -> [(&'static str, String); 19] {
+    pub(super) fn record(&self) -> [(&'static str, String); 20] {
         let (case, account, discrete) = (self.case, self.account.as_ref(), self.discrete);
         let grid = discrete.map(|d| d.resolution);
         [
@@ -109,6 +112,7 @@ impl Row {
             ("pigment_kappa", written(case.map(|c| c.pigment[1]))),
             ("period_um", written(case.map(|c| c.period_um))),
             ("strategy", self.strategy.clone()),
+            ("knob", written(self.knob)),
             ("mean", written(discrete.map(|d| mean_name(d.absorbing_mean)))),
             ("scheme", written(grid.map(|r| scheme_name(r.scheme)))),
             ("nx", written(grid.map(|r| r.nx))),
@@ -153,9 +157,11 @@ impl Row {
         self.points() + &mean.unwrap_or_default()
     }
 
-    /// Grid and scheme in words.
+    /// Grid and scheme in words, or the knob.
     pub(super) fn points(&self) -> String {
-        let Some(Discrete { resolution: r, .. }) = self.discrete else { return "–".into() };
+        let Some(Discrete { resolution: r, .. }) = self.discrete else {
+            return dash(self.knob.map(|knob| format!("knob {knob}")));
+        };
         format!("{}\u{a0}×\u{a0}{}\u{a0}×\u{a0}{}, {}", r.nx, r.ny, r.cells, scheme_name(r.scheme))
     }
 }

@@ -8,6 +8,7 @@ mod coverage_shapes;
 mod damage;
 mod examples;
 mod export_files;
+mod external;
 mod failed_packings;
 mod foreign_folders;
 mod fuzz;

@@ -2,6 +2,7 @@
 
 use super::matrix::MatrixTable;
 use crate::compare::error::CompareError;
+use crate::compare::external::ExternalTable;
 use crate::compare::subject::{Packed, StudyWritten};
 use crate::input::fault::StudyError;
 use crate::input::limits;
@@ -64,6 +65,8 @@ pub struct ComparisonFile {
     /// Solves of each row, whose median time is reported; 3 when left out.
     #[schemars(range(min = 1), example = 3)]
     pub repeats: Option<usize>,
+    /// Programs of other projects, rows beside those of the strategies.
+    pub external: Vec<ExternalTable>,
     /// The file that the comparison was read from.
     #[serde(skip)]
     pub origin: PathBuf,
@@ -200,6 +203,11 @@ impl ComparisonFile {
             return Err(field("accuracy", "given beside `resolutions`", allowed, "leave one out"));
         }
         self.matrix.as_ref().map_or(Ok(()), MatrixTable::check)?;
+        let mut taken: Vec<String> = SolverChoice::NAMES.iter().map(|name| name.to_string()).collect();
+        for program in &self.external {
+            program.check(&taken)?;
+            taken.push(program.name.clone());
+        }
         self.check_numbers()
     }
 
