@@ -7,6 +7,11 @@
 //! costs one inverse and one forward transform. Without absorption trapped waves circulate
 //! undamped; replacing the state by its mean over a window ("averaging restart") removes them.
 
+mod march;
+mod memory;
+
+pub(crate) use march::contrasts;
+
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch, split};
