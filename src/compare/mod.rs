@@ -3,6 +3,7 @@
 
 pub mod error;
 pub mod experiment;
+pub mod external;
 pub mod page;
 mod plots;
 pub mod row;

@@ -6,7 +6,7 @@ use super::row::{Row, Varied, mean_name, scheme_name};
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::wave::Scheme;
 
-/// What tells the curves of one strategy apart.
+/// What distinguishes the curves of one strategy.
 type MeanVariant = (Option<Scheme>, bool);
 
 impl Comparison {
@@ -83,8 +83,8 @@ impl Comparison {
     /// One colour and one marker for a strategy over the whole page; dashes tell its schemes and
     /// means apart.
     fn looking(&self, curve: Curve, row: &Row, rows: &[&Row]) -> Curve {
-        let place = self.registry.iter().position(|name| *name == row.strategy);
-        let place = place.unwrap_or(self.registry.len());
+        let mut names = self.registry.iter().chain(&self.externals);
+        let place = names.position(|name| *name == row.strategy).unwrap_or(self.registry.len());
         let dashes = variants(rows).iter().position(|other| *other == variant(row)).unwrap_or(0);
         curve.looking(place, place).dashed(dashes)
     }
@@ -113,7 +113,7 @@ fn label(row: &Row, rows: &[&Row]) -> String {
     if others.iter().any(|other| other.0 != scheme) {
         words.extend(scheme.map(scheme_name));
     }
-    if others.iter().any(|other| other.1 != absorbing) {
+    if row.discrete.is_some() && others.iter().any(|other| other.1 != absorbing) {
         words.push(format!("{} mean", mean_name(absorbing)));
     }
     words.join(", ")

@@ -2,6 +2,7 @@
 
 use super::tidy::{tidy, without_null};
 use crate::compare::experiment::ComparisonFile;
+use crate::compare::external::protocol::Protocol;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
 use crate::sweep::file::SweepFile;
@@ -21,10 +22,12 @@ pub enum Document {
     Compare,
     /// One explicit geometry, for `solve` and `compare`.
     Case,
+    /// What programs of comparisons are asked, and may answer.
+    External,
 }
 
 impl Document {
-    /// All kinds.
+    /// All kinds of input files.
     pub const ALL: [Document; 4] = [Document::Study, Document::Sweep, Document::Compare, Document::Case];
 
     /// Its name on the command line and of its file in `schema/`.
@@ -34,6 +37,7 @@ impl Document {
             Document::Sweep => "sweep",
             Document::Compare => "compare",
             Document::Case => "case",
+            Document::External => "external",
         }
     }
 
@@ -44,6 +48,7 @@ impl Document {
             Document::Sweep => include_str!("../../examples/every-key-sweep.toml"),
             Document::Compare => include_str!("../../examples/every-key-compare.toml"),
             Document::Case => include_str!("../../examples/every-key-case.toml"),
+            Document::External => include_str!("../../schema/external.md"),
         }
     }
 
@@ -54,6 +59,9 @@ impl Document {
             Document::Sweep => toml_schema::<SweepFile>("Sweep of inkwave"),
             Document::Compare => toml_schema::<ComparisonFile>("Comparison of inkwave"),
             Document::Case => case_schema(),
+            Document::External => {
+                root::<Protocol>("Question and answer of programs in comparisons of inkwave").into()
+            }
         }
     }
 }

@@ -61,6 +61,7 @@ fn is_read(document: Document, value: &Value) -> bool {
         Document::Sweep => read::<SweepFile>(node()).is_ok(),
         Document::Compare => read::<ComparisonFile>(node()).is_ok(),
         Document::Case => read::<CaseInputs>(node().get("inputs").cloned().unwrap_or(node())).is_ok(),
+        Document::External => unreachable!("no input file"),
     }
 }
 
@@ -80,6 +81,7 @@ fn refused(document: Document, value: &Value) -> bool {
         Document::Case => !is_read(document, value) || Case::parse(&value.to_string(), false).is_err(),
         Document::Sweep => !is_read(document, value) || !in_a_file(value, |path| load(path).is_ok()),
         Document::Compare => !is_read(document, value) || !in_a_file(value, is_planned),
+        Document::External => unreachable!("no input file"),
     }
 }
 

@@ -44,7 +44,8 @@ impl Columns {
         let unreadable = |source| ColumnsError::Unreadable { path: path.into(), source };
         let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
         if bytes.contains(&0) {
-            let what = "it is not plain text (UTF-16, or a spreadsheet's own format): save it as CSV in UTF-8";
+            let what =
+                "it is not plain text (UTF-16, or a spreadsheet's own format): save it as CSV in UTF-8";
             return Err(unreadable(io::Error::new(io::ErrorKind::InvalidData, what)));
         }
         Self::parse(path, &String::from_utf8_lossy(&bytes))
