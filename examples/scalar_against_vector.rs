@@ -1,5 +1,6 @@
-//! Tables of `examples/scalar-against-vector.toml`: `cargo run --release --example scalar_against_vector -- OUT DATA.csv`
-//! reads the finished sweep in OUT, prints its pairs of variants as Markdown, and writes their differences to DATA.csv.
+//! Tables of `examples/scalar-against-vector.toml`: `cargo run --release --example
+//! scalar_against_vector -- OUT DATA.csv` reads the finished sweep in OUT, prints its pairs of
+//! variants as Markdown, and writes their differences to DATA.csv.
 
 use inkwave::appearance::tristimulus::Colorimeter;
 use inkwave::evaluate::manifest::SpectrumRow;
@@ -27,7 +28,8 @@ struct Pair {
     print: f64,
     reflectance: Estimate,
     transmittance: Estimate,
-    /// Mean over the wavelengths of the radiance factor under a uniform sky, scalar and unpolarised.
+    /// Mean over the wavelengths of the radiance factor under a uniform sky, scalar and
+    /// unpolarised.
     white_sky: [f64; 2],
 }
 
@@ -126,8 +128,9 @@ fn normal(outcome: &Outcome) -> impl Iterator<Item = &SpectrumRow> {
     outcome.spectra.iter().filter(|row| row.polar_deg == 0.0)
 }
 
-/// The difference of largest modulus over the wavelengths, at normal incidence. Both waves meet the same packings, cells,
-/// directions and wavelengths: what these share is in neither.
+/// The difference of largest modulus over the wavelengths, at normal incidence. Both waves are
+/// solved in the same packings, cells, directions and wavelengths, so that errors that these share
+/// cancel.
 fn largest(scalar: &Outcome, vector: &Outcome, quantity: Quantity) -> Estimate {
     let differences = normal(scalar).filter_map(|row| {
         let of = |o: &Outcome| o.quantity(quantity, Some(row.wavelength_nm));

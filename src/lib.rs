@@ -1,5 +1,6 @@
-//! Predicts what a printer-ink or paint layer looks like before it exists: solves the wave equation through explicit
-//! random packings of pigment grains, and turns the scattered orders into reflectance, colour and a picture.
+//! Predicts what a printer-ink or paint layer looks like before it exists: solves the wave equation
+//! through explicit random packings of pigment grains, and turns the scattered orders into
+//! reflectance, colour and a picture.
 //!
 //! # The path of the light, in ten lines
 //!
@@ -30,60 +31,75 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A study file does the same for many wavelengths, directions and realisations, with a grid that is fine enough and an
-//! error bar on every number: `inkwave run examples/yellow.toml`, or [`input`], [`run`] and [`evaluate`] from a program.
+//! A study file does this for many wavelengths, directions and realisations, on a sufficiently fine
+//! grid and with an error bar on every number: `inkwave run examples/yellow.toml`, or [`input`],
+//! [`run`] and [`evaluate`] from a program.
 //!
 //! # The folders
 //!
-//! They follow the path of the light, and dependencies run one way only (`tests/suite/house.rs` holds them to it, and sees that no
-//! files form a circle; a file and the folder of its name count as one room, within which uses may go both ways):
-//! `numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate ← draw ← report ← compare, sweep ← export, schema`.
+//! They follow the path of the light, and dependencies run one way only. `tests/suite/house.rs`
+//! checks this, and that no files form a cycle; a file and the folder of its name count as one
+//! module, within which uses may go both ways.
+//!
+//! ```text
+//! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
+//!          ← draw ← report ← compare, sweep ← export, schema
+//! ```
+//!
 //! [`architecture`] draws the data flow with the shapes of all arrays.
 //!
-//! - [`numerics`]: mathematics without physics. Vectors and rotations, reproducible random draws, a value with its standard
-//!   error, Fourier planes.
-//! - [`material`]: refractive indices η(λ) = n + iκ, as constants, built-in synthetic pigments or files.
-//! - [`ink`]: what is there. Shapes and sizes of [grains](ink::grains), [packings](ink::packing) by sequential addition, by
-//!   relaxation of overlaps or equilibrated, their [statistics](ink::statistics), and the [relief](ink::relief) of the
-//!   binder. A [`Packing`](ink::Packing) exists only without overlap.
-//! - [`wave`]: the equation. A [`Scene`](wave::Scene) on a [`Grid`](wave::Grid) gives a [`Coverage`](wave::Coverage), the
-//!   geometry's exact Fourier coefficients; with media and an [`Incidence`](wave::Incidence) it becomes a
-//!   [`Problem`](wave::Problem), whose solution gives a [`FarField`](wave::FarField).
-//! - [`solve`]: the ways. Strategies behind one trait, [`Solver`](solve::Solver), measured by one residual; a
-//!   [`Registry`](solve::Registry) that strategies of other crates can join; [`accuracy`](solve::accuracy) searches the grid
-//!   for a wanted error.
-//! - [`appearance`]: what is seen. Orders become a [`Bdf`](appearance::bdf::Bdf), or the lobes of a
-//!   [lit square](appearance::finite_area::FiniteArea); the layer lies on paper, spectra become
-//!   [colours](appearance::colour::Colour).
-//! - [`store`]: what is kept. Records, sealed and written in one piece, and the folders that hold them.
-//! - [`input`]: what was asked. A study file as written, checked into a [`Study`](input::study::Study); errors name field,
-//!   value, range and remedy.
-//! - [`run`]: the work. One solve, one realisation, a whole study, side by side on all cores, within the memory there is.
-//! - [`evaluate`]: numbers with error bars. Spectra, appearance, the budget of uncertainty, the summary.
-//! - [`draw`]: the only drawing. Plots, rasters, the picture of the source paper.
+//! - [`numerics`]: mathematics without physics. Vectors and rotations, reproducible random draws, a
+//!   value with its standard error, Fourier planes.
+//! - [`material`]: refractive indices η(λ) = n + iκ, as constants, built-in synthetic pigments or
+//!   files.
+//! - [`ink`]: the geometry. Shapes and sizes of [grains](ink::grains), [packings](ink::packing) by
+//!   sequential addition, by relaxation of overlaps or equilibrated, their
+//!   [statistics](ink::statistics), and the [relief](ink::relief) of the binder. A
+//!   [`Packing`](ink::Packing) never contains overlapping grains.
+//! - [`wave`]: the equation. A [`Scene`](wave::Scene) on a [`Grid`](wave::Grid) gives a
+//!   [`Coverage`](wave::Coverage), the geometry's exact Fourier coefficients; with media and an
+//!   [`Incidence`](wave::Incidence) it becomes a [`Problem`](wave::Problem), whose solution gives a
+//!   [`FarField`](wave::FarField).
+//! - [`solve`]: the strategies, behind one trait, [`Solver`](solve::Solver), and measured by one
+//!   residual; a [`Registry`](solve::Registry) that strategies of other crates can join;
+//!   [`accuracy`](solve::accuracy) searches for the grid that reaches a given error.
+//! - [`appearance`]: reflectance and colour. Orders become a [`Bdf`](appearance::bdf::Bdf), or the
+//!   lobes of a [lit square](appearance::finite_area::FiniteArea); the layer lies on paper, spectra
+//!   become [colours](appearance::colour::Colour).
+//! - [`store`]: storage. Records with checksums, written atomically, and the folders that hold them.
+//! - [`input`]: study files, checked and turned into a [`Study`](input::study::Study); errors name
+//!   field, value, range and remedy.
+//! - [`run`]: the computation. One solve, one realisation, a whole study, in parallel on all cores,
+//!   within the memory available.
+//! - [`evaluate`]: numbers with error bars. Spectra, appearance, the uncertainty budget, the summary.
+//! - [`draw`]: all drawing. Charts, rasters, the picture of the source paper.
 //! - [`report`]: pages and tables of a study.
 //! - [`compare`]: strategies × grids × discretisations side by side.
 //! - [`sweep`]: studies of many variants, on one machine or many.
 //! - [`export`]: other programs' formats.
-//! - [`schema`]: the language of all input files, for editors and for people.
+//! - [`schema`]: JSON Schemas and commented examples of all input files.
 //!
 //! # Conventions
 //!
-//! Lengths in µm (sizes of grains and wavelengths of files in nm), angles in degrees from the layer's normal, time factor
-//! e^{−iωt}, so that Im η ≥ 0 absorbs. The layer is 0 ≤ z ≤ H; z points from the *incident side* to the *exit side*. Names of
-//! fields carry their unit. `CONTRIBUTING.md` has the glossary.
+//! Lengths in µm (sizes of grains and wavelengths of files in nm), angles in degrees from the
+//! layer's normal, time factor e^{−iωt}, so that Im η ≥ 0 absorbs. The layer is 0 ≤ z ≤ H; z points
+//! from the *incident side* to the *exit side*. Names of fields carry their unit. `CONTRIBUTING.md`
+//! has the glossary.
 //!
 //! # Sources
 //!
-//! - **P1**: A. G. Voloboy, S. V. Ershov, E. S. Klyshinsky, S. G. Pozdnyakov, *Modelling light propagation in a thin ink layer
-//!   of high particle concentration* (in Russian: А. Г. Волобой, С. В. Ершов, Э. С. Клышинский, С. Г. Поздняков,
-//!   «Моделирование распространения света в тонком красящем слое с высокой концентрацией частиц»), Keldysh Institute of
-//!   Applied Mathematics RAS and National Research Nuclear University MEPhI, Moscow, about 2010 (the copy at hand names
-//!   neither place nor year; its latest grant is of 2010). The whole simulation: geometry, diffraction, paper, colour, results.
-//! - **P2**: A. G. Voloboy, S. V. Ershov, S. G. Pozdnyakov, *Diffraction task solution for lighting simulation inside ink
-//!   layer* (in Russian: «Решение дифракционной задачи для моделирования освещения тонкого красящего слоя»), Keldysh
-//!   Institute of Applied Mathematics RAS, preprint 75, Moscow, 2009. The mathematics; equation numbers are P2's unless P1
-//!   is named. Where a printed formula is wrong, the code that corrects it says so.
+//! - **P1**: A. G. Voloboy, S. V. Ershov, E. S. Klyshinsky, S. G. Pozdnyakov, *Modelling light
+//!   propagation in a thin ink layer of high particle concentration* (in Russian: А. Г. Волобой, С.
+//!   В. Ершов, Э. С. Клышинский, С. Г. Поздняков, «Моделирование распространения света в тонком
+//!   красящем слое с высокой концентрацией частиц»), Keldysh Institute of Applied Mathematics RAS
+//!   and National Research Nuclear University MEPhI, Moscow, about 2010 (the copy at hand names
+//!   neither place nor year; its latest grant is of 2010). The whole simulation: geometry,
+//!   diffraction, paper, colour, results.
+//! - **P2**: A. G. Voloboy, S. V. Ershov, S. G. Pozdnyakov, *Diffraction task solution for lighting
+//!   simulation inside ink layer* (in Russian: «Решение дифракционной задачи для моделирования
+//!   освещения тонкого красящего слоя»), Keldysh Institute of Applied Mathematics RAS, preprint 75,
+//!   Moscow, 2009. The mathematics; equation numbers are P2's unless P1 is named. Where a printed
+//!   formula is wrong, the code that corrects it says so.
 
 #![warn(missing_docs)]
 

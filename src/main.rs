@@ -1,4 +1,4 @@
-//! The program: parses the command line, calls the library, prints errors well.
+//! The program: parses the command line, calls the library and prints errors.
 
 #![forbid(unsafe_code)]
 
@@ -6,7 +6,7 @@ mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Predicts what a printer-ink or paint layer looks like before it exists.
+/// Predict what a printer-ink or paint layer looks like before it exists
 #[derive(Parser)]
 #[command(version, about)]
 struct Cli {
@@ -16,7 +16,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a study: packings, wave solves, colour, picture and report.
+    /// Run a study: packings, wave solves, colour, picture and report
     Run(commands::run::RunArgs),
     Pack(commands::pack::PackArgs),
     Sweep(commands::sweep::SweepArgs),

@@ -1,6 +1,6 @@
 """Predicts what a printer-ink or paint layer looks like: the program `inkwave`, called from Python.
 
-Every function runs the program that the wheel has installed, so its numbers are those of the command line.
+Every function runs the program that the wheel has installed, so the numbers are those of the command line.
 """
 
 import csv
@@ -20,11 +20,11 @@ __all__ = ["InkwaveError", "Ink", "export", "program", "read", "run", "solve"]
 
 
 class InkwaveError(RuntimeError):
-    """The program refused, or failed; the text is what it said."""
+    """The program refused its input or failed; the text is its message."""
 
 
 def program() -> str:
-    """Path of the program: $INKWAVE, beside this Python, or on the PATH."""
+    """Path of the program: $INKWAVE, next to this Python, or on the PATH."""
     name = "inkwave.exe" if sys.platform == "win32" else "inkwave"
     places = [sysconfig.get_path("scripts"), sysconfig.get_path("scripts", f"{os.name}_user")]
     own = [os.path.join(place, name) for place in places if place]
@@ -35,7 +35,7 @@ def program() -> str:
 
 
 def _call(*arguments, show=False) -> str:
-    """Standard output of the program; what it says on standard error is shown or becomes the error."""
+    """Standard output of the program; its standard error is shown or becomes the exception."""
     command = [program(), *map(str, arguments)]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=None if show else subprocess.PIPE, text=True)
     if done.returncode:
@@ -48,8 +48,8 @@ def solve(case, accuracy: float = 1e-3, **options) -> dict:
 
     `case` is a dictionary as in `inkwave solve CASE.json` (lengths in µm, angles in degrees), or the path of such a
     file. Further options are those of the command line: `solver="born"`, `nxy=20, nz=12` instead of an accuracy,
-    `wave="vector"` (amplitudes are then `far["orders"]["R"]["s"]["p"]` and so on), `illuminated_um=10` for the light of a
-    lit square per steradian (`far["finite_area"]`), `snap=True` for a direction of the lattice (`far["snapped"]`).
+    `wave="vector"` (amplitudes are then `far["orders"]["R"]["s"]["p"]` and so on), `illuminated_um=10` for the light per steradian of a
+    lit square (`far["finite_area"]`), `snap=True` for a direction of the lattice (`far["snapped"]`).
 
     >>> far = solve({"wavelength": 0.5, "H": 0.3, "eta_binder": [1.5, 0.0]})
     >>> abs(far["R_total"] + far["T_total"] + far["A_total"] - 1) < 1e-6
@@ -82,7 +82,7 @@ def _columns(rows) -> dict:
 
 
 def run(study, output, jobs=None) -> pathlib.Path:
-    """Runs a study file, or continues it, and gives the folder of its results; progress is shown."""
+    """Runs or resumes a study file, showing progress, and returns the folder of its results."""
     _call("run", study, "--output", output, *([] if jobs is None else ["--jobs", jobs]), show=True)
     return pathlib.Path(output)
 
@@ -100,9 +100,9 @@ class Ink:
     results: dict
     """`results.json`: colours, certainty, the study itself."""
     spectra: dict
-    """Columns of `spectra.csv` as arrays, one row for each angle and wavelength; what is unknown is NaN."""
+    """Columns of `spectra.csv` as arrays, one row for each angle and wavelength; unknown values are NaN."""
     far_fields: dict
-    """Arrays `solve_…` of one row a solve and `order_…` of one row an order."""
+    """Arrays `solve_…` with one row per solve and `order_…` with one row per order."""
 
     def orders(self, solve: int) -> slice:
         """Rows of the `order_…` arrays that belong to a solve."""
@@ -111,7 +111,7 @@ class Ink:
 
 
 def read(folder) -> Ink:
-    """A folder that `inkwave run` has written, as arrays; nothing is solved."""
+    """Reads a folder written by `inkwave run` as arrays, without solving anything."""
     folder = pathlib.Path(folder)
     with tempfile.TemporaryDirectory() as scratch:
         export(folder, "npz", output=scratch)

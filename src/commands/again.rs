@@ -1,11 +1,11 @@
-//! The command that was typed, ready to be typed again.
+//! Reconstructs the command line that was typed.
 
 /// The whole command line, quoted for a shell where that is needed.
 pub fn this_command() -> String {
     std::env::args_os().map(|word| quoted(&word.to_string_lossy())).collect::<Vec<_>>().join(" ")
 }
 
-/// In single quotes, unless every character is harmless.
+/// Puts a word in single quotes unless every character is harmless to a shell.
 pub(super) fn quoted(word: &str) -> String {
     let harmless = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(harmless) {

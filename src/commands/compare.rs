@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// Compare strategies, resolutions and discretisations on one geometry
 #[derive(Args)]
 pub struct CompareArgs {
-    /// Comparison (TOML), or a study (TOML) or a case (JSON) to compare with the default lists
+    /// Comparison file (TOML); a study (TOML) or a case (JSON) is compared with the default lists
     file: PathBuf,
     /// Output folder
     #[arg(short, long, default_value = "out/comparison")]
@@ -52,7 +52,10 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         return Ok(());
     }
     let reason = comparison.rows.first().map_or("no rows".into(), Row::outcome);
-    Err(miette::miette!(help = "the page lists every reason", "no row has a result; the first: {reason}"))
+    Err(miette::miette!(
+        help = "the page lists every reason",
+        "no row has a result; the first reason: {reason}"
+    ))
 }
 
 fn publish_report(error: PublishError) -> miette::Report {
@@ -62,7 +65,7 @@ fn publish_report(error: PublishError) -> miette::Report {
     }
 }
 
-/// One finished row: case, strategy, grid, error and cost.
+/// Prints a finished row: case, strategy, grid, error and cost.
 fn tell_row(row: &Row) {
     let case = row.case.map_or_else(String::new, |case| format!("{case}: "));
     let result = match &row.result {
@@ -74,7 +77,7 @@ fn tell_row(row: &Row) {
     note(format_args!("{case}{strategy:16} {grid}: {applications} applications{seconds}, {result}"));
 }
 
-/// Names the keys that have no effect here.
+/// Prints the keys that have no effect in a comparison.
 fn tell_unused(keys: &[String]) {
     if !keys.is_empty() {
         let why = "comparisons solve the first packing at one wavelength and angle, with grids and residuals of their own";
@@ -82,12 +85,12 @@ fn tell_unused(keys: &[String]) {
     }
 }
 
-/// A comparison that was stopped is no success.
+/// Error for a comparison that was stopped before its last row.
 fn ended(there: usize, asked: usize) -> Result<()> {
     if there == asked {
         return Ok(());
     }
-    let help = "the page has what was solved; the same command solves all of it again";
+    let help = "the page shows the finished solves; running the command again repeats all of them";
     Err(miette::miette!(help = help, "stopped after {there} of {asked} solves"))
 }
 

@@ -1,4 +1,5 @@
-//! `inkwave completions SHELL` and `inkwave man DIR`: made from the same definitions as `--help`.
+//! `inkwave completions SHELL` and `inkwave man FOLDER`: generated from the definitions behind
+//! `--help`.
 
 use super::say::say;
 use clap::{Args, Command};
@@ -6,17 +7,17 @@ use clap_complete::Shell;
 use miette::{IntoDiagnostic, WrapErr};
 use std::path::PathBuf;
 
-/// Print the completions of a shell.
+/// Print the completion script for a shell
 ///
-/// inkwave completions bash > ~/.local/share/bash-completion/completions/inkwave
+/// For example: inkwave completions bash > ~/.local/share/bash-completion/completions/inkwave
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
-    /// Shell
+    /// Shell to complete for
     #[arg(value_enum)]
     pub shell: Shell,
 }
 
-/// Write the man pages, one per command, to a folder.
+/// Write the man pages, one per command, to a folder
 #[derive(Debug, Args)]
 pub struct ManArgs {
     /// Output folder (created if missing)

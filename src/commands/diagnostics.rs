@@ -1,4 +1,4 @@
-//! Study errors as a person wants to see them: the line of the file, what is wrong with it, what to try.
+//! Reports of study errors: the offending line of the file, what is wrong and what to try.
 
 use super::say::printable;
 use inkwave::input::fault::{Fault, StudyError};
@@ -8,7 +8,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, Report, Severity, SourceCode}
 use std::fmt;
 use std::sync::Arc;
 
-/// Turns a study error into a report with the offending lines.
+/// Turns a study error into a report that quotes the offending lines.
 pub fn study_report(error: StudyError) -> Report {
     match error {
         StudyError::Syntax { path, text, span, message, remedy } => {
@@ -46,17 +46,18 @@ pub fn study_report(error: StudyError) -> Report {
 
 type SourceText = Arc<NamedSource<String>>;
 
-/// Longest line that is shown, bytes; the printer's limit is 65 535 columns, a reader's is nearer.
+/// Longest source line quoted, bytes (the diagnostics library's limit is 65 535 columns).
 const LONGEST_LINE: usize = 1000;
 
-/// The text to show lines of; none where they are too long to be shown.
+/// Source text to quote from; `None` if a line is too long to quote.
 fn source(path: &std::path::Path, text: String) -> Option<SourceText> {
     let readable = text.lines().all(|line| line.len() <= LONGEST_LINE);
     let text: String = text.chars().map(harmless).collect();
     readable.then(|| Arc::new(NamedSource::new(path.display().to_string(), text).with_language("toml")))
 }
 
-/// A character that a terminal does not obey, of as many bytes, so that places stay.
+/// Replaces a control character by a printable one of the same length in bytes, so that spans stay
+/// valid.
 fn harmless(c: char) -> char {
     match c {
         '\n' | '\r' | '\t' => c,

@@ -16,7 +16,7 @@ use miette::miette;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Turn a finished study into files that other programs open.
+/// Turn a finished study into files for other programs
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     /// Folder of a finished `inkwave run`, or of one variant of a sweep (SWEEP/variants/NAME)
@@ -27,7 +27,7 @@ pub struct ExportArgs {
     /// Output folder (default: FOLDER/export)
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Solve once more at this wavelength (nm) and angle (degrees, default 0) and add near-field.vti
+    /// Solve again at this wavelength (nm) and angle (degrees, default 0) and add near-field.vti
     #[arg(long, value_name = "NM[:DEG]", value_parser = near_field)]
     pub near_field: Option<NearField>,
 }
@@ -59,7 +59,7 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
 fn refusal(error: &ExportError, folder: &Path) -> miette::Report {
     match error {
         ExportError::Unfinished { .. } => {
-            miette!(help = format!("to go on: {}", to_go_on(folder)), "{error}")
+            miette!(help = format!("to resume: {}", to_go_on(folder)), "{error}")
         }
         _ => match error.remedy() {
             Some(remedy) => miette!(help = remedy, "{error}"),
@@ -68,14 +68,14 @@ fn refusal(error: &ExportError, folder: &Path) -> miette::Report {
     }
 }
 
-/// The command that was typed for an unfinished folder, or the form of it.
+/// The command that resumes an unfinished folder: the recorded one, or else its general form.
 fn to_go_on(folder: &Path) -> String {
     let sweep = folder.parent().and_then(Path::parent);
     let marked = partial::go_on(folder).or_else(|| partial::go_on(sweep?));
     marked.unwrap_or_else(|| format!("inkwave run STUDY.toml --output {}", quoted(&folder.to_string_lossy())))
 }
 
-/// `550` or `550:30`.
+/// Parses `550` or `550:30`: nm, and degrees if given.
 fn near_field(text: &str) -> Result<NearField, String> {
     let (nm, deg) = text.split_once(':').unwrap_or((text, "0"));
     let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());

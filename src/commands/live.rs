@@ -1,4 +1,5 @@
-//! Pages while the work goes on: written anew from what is finished, so that they can be opened at any time.
+//! Report pages during a run: rewritten from the finished solves, so that they can be opened at any
+//! time.
 
 use super::progress::Progress;
 use super::say::note;
@@ -15,27 +16,26 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Least time between two pages.
+/// Shortest time between two versions of a page.
 const PAUSE: Duration = Duration::from_secs(20);
-/// Pages take at most one part in so many of the run's time.
+/// Writing pages takes at most 1/`SHARE` of the time of a run.
 const SHARE: u32 = 20;
-/// The page of a folder.
+/// File name of the page.
 const PAGE: &str = "report.html";
 
-/// When the next page is due, and whether it was said that there is one.
+/// When the next page is due, and whether the first one has been announced.
 struct Rhythm {
     due: Instant,
     told: bool,
 }
 
 impl Rhythm {
-    /// A first page is due after a pause.
+    /// Schedules the first page after a pause.
     fn new() -> Self {
         Self { due: Instant::now() + PAUSE, told: false }
     }
 
-    /// Lets `write` write the page when it is due. That it cannot be written now is no reason to stop: the end of the run
-    /// will say so.
+    /// Calls `write` if a page is due. A failure does not stop the run: it is reported at the end.
     fn keep(&mut self, folder: &OutputFolder, write: impl FnOnce() -> bool) {
         let clock = Instant::now();
         let page = folder.path().join(PAGE);
@@ -46,18 +46,18 @@ impl Rhythm {
         self.due = Instant::now() + PAUSE.max(SHARE * clock.elapsed());
         if written && !self.told {
             self.told = true;
-            note(format_args!("{} shows what is finished, and is written anew now and then", page.display()));
+            note(format_args!("{} shows the finished solves and is updated during the run", page.display()));
         }
     }
 }
 
-/// Whether a page was written a short time ago: by another process that works on the same sweep.
+/// Whether the page was written recently, for example by another process working on the same sweep.
 fn is_new(page: &Path) -> bool {
     let age = page.metadata().and_then(|file| file.modified()).map(|time| time.elapsed().unwrap_or_default());
     age.is_ok_and(|age| age < PAUSE)
 }
 
-/// The page of a study.
+/// Keeps the page of a running study up to date.
 pub struct LivePage<'a> {
     study: &'a Study,
     folder: &'a OutputFolder,
@@ -65,7 +65,7 @@ pub struct LivePage<'a> {
 }
 
 impl<'a> LivePage<'a> {
-    /// A first page is due after a pause.
+    /// Schedules the first page after a pause.
     pub fn new(study: &'a Study, folder: &'a OutputFolder) -> Self {
         Self { study, folder, rhythm: RefCell::new(Rhythm::new()) }
     }
@@ -77,7 +77,7 @@ impl<'a> LivePage<'a> {
     }
 }
 
-/// Passes a sweep's progress on and writes its pages when they are due.
+/// Forwards a sweep's progress and keeps its pages up to date.
 pub struct LiveSweep<'a> {
     progress: &'a Progress,
     folder: &'a OutputFolder,
@@ -85,14 +85,14 @@ pub struct LiveSweep<'a> {
 }
 
 impl<'a> LiveSweep<'a> {
-    /// A first page is due after a pause.
+    /// Schedules the first page after a pause.
     pub fn new(sweep: &'a Sweep, folder: &'a OutputFolder, progress: &'a Progress) -> Self {
         Self { progress, folder, page: Mutex::new((Rhythm::new(), Publisher::new(sweep))) }
     }
 
-    /// Writes the pages when they are due, while the other threads go on.
+    /// Writes the pages if they are due, while the other threads continue.
     fn show(&self) {
-        // another thread writes them now, or has failed at it
+        // another thread is writing them now, or has panicked while doing so
         let Ok(mut page) = self.page.try_lock() else { return };
         let (rhythm, publisher) = &mut *page;
         rhythm.keep(self.folder, || !self.progress.stop() && publisher.publish(self.folder).is_ok());

@@ -1,13 +1,13 @@
-//! `--memory-gb`, and what the process is allowed.
+//! `--memory-gb` and the memory limits of the process.
 
 use inkwave::run::memory::allowed;
 use inkwave::run::runner::RunSettings;
 use miette::{Result, miette};
 
-/// Bytes of so many GB, or what the process's limits leave of them.
+/// Converts GB to bytes, capped by the process's limits.
 ///
 /// # Errors
-/// Not above 0, or no number.
+/// `gb` is not a number above 0.
 pub fn bytes(gb: f64) -> Result<f64> {
     if gb.is_nan() || gb <= 0.0 {
         miette::bail!("--memory-gb is {gb}; it must be above 0: try 4");
@@ -25,22 +25,20 @@ pub fn settings(jobs: Option<u16>, memory_gb: Option<f64>) -> Result<RunSettings
     Ok(RunSettings { jobs: jobs.map(usize::from), memory })
 }
 
-/// Bytes beside the solves: threads with their stacks, packings, pages and pictures.
+/// Memory needed besides the solves, bytes: thread stacks, packings, pages and pictures.
 const LEAST_LEFT: f64 = 96e6;
 
-/// Starts the threads that all work is done with, and sees that there is memory to begin with.
+/// Starts the thread pool, after a check that there is enough memory to begin.
 ///
 /// # Errors
-/// The system refuses threads, or leaves less memory than any work takes: said now, as nothing could be said later.
+/// The system refuses threads, or leaves less memory than any command needs; later an error could
+/// no longer be printed.
 pub fn start_threads() -> Result<()> {
     let left = allowed();
     if left < LEAST_LEFT {
-        let help = "raise the limit (ulimit -v, ulimit -d, or the cgroup's), or take another machine";
+        let help = "raise the limit (ulimit -v, ulimit -d, or the cgroup's), or use another machine";
         let [left, least] = [left, LEAST_LEFT].map(|bytes| (1e-6 * bytes).floor());
-        return Err(miette!(
-            help = help,
-            "{left} MB of memory are left to this process; {least} MB are needed"
-        ));
+        return Err(miette!(help = help, "this process has {left} MB of memory left; {least} MB are needed"));
     }
     let started = rayon::ThreadPoolBuilder::new().build_global();
     let help = "allow more processes or memory (ulimit -u, ulimit -v), or fewer threads: RAYON_NUM_THREADS=1";

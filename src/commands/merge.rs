@@ -12,7 +12,7 @@ use inkwave::sweep::publish::publish;
 use miette::{IntoDiagnostic, miette};
 use std::path::PathBuf;
 
-/// Join the shards of a sweep into one folder, and report on it.
+/// Join the shards of a sweep in one folder and report on it
 #[derive(Debug, Args)]
 pub struct MergeArgs {
     /// Folders of the shards
@@ -30,22 +30,22 @@ pub fn run(args: &MergeArgs) -> miette::Result<()> {
     tell_damages(&merged.damages);
     if merged.healed > 0 {
         super::say::note(format_args!(
-            "{} damaged records were taken from other shards, where they are sound",
+            "{} damaged records were replaced by intact copies from other shards",
             merged.healed
         ));
     }
     let reported = publish(&merged.sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, false, "run the sweep again, with its file")
+    tell(&reported, &folder, false, "run the sweep again with its file")
 }
 
 pub(super) fn open_report(error: OpenError) -> miette::Report {
     match error {
         OpenError::Variant(error) => study_report(error),
         OpenError::Changed { .. } => {
-            let help = "run inkwave sweep again with its file and --output here: these files are written anew, every solve is kept";
+            let help = "run inkwave sweep again with its file and --output here: these files are rewritten and every solve is kept";
             miette!(help = help, "{error}")
         }
-        other => miette!(help = "give a folder that inkwave sweep or merge has written", "{other}"),
+        other => miette!(help = "give a folder written by inkwave sweep or inkwave merge", "{other}"),
     }
 }
 
@@ -57,7 +57,7 @@ fn merge_report(error: MergeError) -> miette::Report {
             miette!(help = "merge shards of the same sweep file only; run the others again", "{error}")
         }
         MergeError::Contradiction { .. } => {
-            let help = "one of the two builds computes something else: run one of the shards again with the build of the other";
+            let help = "the two builds compute different results: run one of the shards again with the other's build";
             miette!(help = help, "{error}")
         }
         MergeError::Copy { .. } => miette!(help = "check the disk and the permissions", "{error}"),

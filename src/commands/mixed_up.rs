@@ -1,10 +1,10 @@
-//! A file that belongs to another command.
+//! Recognises files meant for another command.
 
 use inkwave::input::fault::StudyError;
 use inkwave::input::tree::parse_toml;
 use miette::{Report, miette};
 
-/// What a command reads.
+/// Kind of file that a command reads.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// `inkwave run`
@@ -14,7 +14,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// What a file is, by the tables that one kind alone has.
+    /// The kind of a file, by tables that only one kind has.
     fn of(text: &str) -> Option<Self> {
         let table = parse_toml(text).ok()?;
         let has = |keys: &[&str]| keys.iter().any(|key| table.contains_key(*key));
@@ -40,7 +40,7 @@ impl Kind {
     }
 }
 
-/// The report for a file that is refused because another command reads it; `None` where that is not the reason.
+/// Error for a file meant for another command; `None` if that is not what is wrong.
 pub(super) fn not_for(error: &StudyError, wanted: Kind) -> Option<Report> {
     let StudyError::Values { path, text, .. } = error else { return None };
     let found = Kind::of(text).filter(|found| *found != wanted)?;

@@ -20,19 +20,19 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Pack the grains of a study and report on their statistics.
+/// Pack the grains of a study and report on their statistics
 #[derive(Args, Debug)]
 pub struct PackArgs {
     /// Study file (TOML); light, indices and paper may be left out
     pub study: PathBuf,
-    /// Output folder (default: the study's name followed by "-packing")
+    /// Output folder (default: the study's name followed by "-packing"; created if missing)
     #[arg(short, long)]
     pub output: Option<PathBuf>,
-    /// Number of realisations, instead of the study's
+    /// Number of realisations (default: the study's)
     #[arg(short, long)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     pub realisations: Option<u16>,
-    /// Seed, instead of the study's
+    /// Seed (default: the study's)
     #[arg(short, long)]
     pub seed: Option<u64>,
 }
@@ -84,7 +84,7 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let sizes: String = (0..packing.shares().len()).filter_map(sizes).collect();
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{sizes}{notes}",
+        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (requested {asked:.6}), {seconds:.2} s{sizes}{notes}",
         realisation + 1,
         packing.grains().len(),
         account.method.in_words(),
@@ -97,7 +97,7 @@ fn style() -> ProgressStyle {
         .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// Shows progress on stderr and stops when Ctrl-C was pressed.
+/// Shows progress on stderr and stops on Ctrl-C.
 struct PackBar<'a> {
     bar: &'a ProgressBar,
     stop: &'a StopFlag,

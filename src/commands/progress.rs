@@ -1,4 +1,4 @@
-//! Progress of a run on stderr: a bar on a terminal, a plain line every ten seconds elsewhere.
+//! Progress of a run on stderr: a progress bar on a terminal, otherwise a line every ten seconds.
 
 use super::say::note;
 use super::stop::StopFlag;
@@ -13,10 +13,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
-/// Solves whose mean time says little about those to come.
+/// Fewest solves whose mean time is used to estimate the time left.
 const TOO_FEW: usize = 20;
 
-/// How long solves have been under way.
+/// Measures the time during which at least one solve is running.
 struct Busy {
     begun: Instant,
     under_way: usize,
@@ -44,14 +44,14 @@ impl Busy {
         }
     }
 
-    /// Time with a solve under way, this moment included.
+    /// Time with at least one solve running, up to now.
     fn so_far(&self) -> Duration {
         let now = if self.under_way > 0 { self.since.elapsed() } else { Duration::ZERO };
         self.busy + now
     }
 }
 
-/// Shows a run's progress and passes the user's stop on.
+/// Shows a run's progress and forwards the user's request to stop.
 pub struct Progress {
     stop: StopFlag,
     bar: ProgressBar,
@@ -61,11 +61,11 @@ pub struct Progress {
     solved: AtomicUsize,
     left: AtomicUsize,
     busy: Mutex<Busy>,
-    /// A whole sweep is counted, not one study.
+    /// Whether a whole sweep is counted rather than one study.
     whole: AtomicBool,
     /// Processes that share the work.
     workers: AtomicUsize,
-    /// A wanted bar may end the work before all is solved.
+    /// Whether `run.target_delta_e` may end the run before all solves are done.
     ends_early: AtomicBool,
 }
 
@@ -73,7 +73,7 @@ impl Progress {
     pub fn new(stop: StopFlag) -> Self {
         let plain = !std::io::stderr().is_terminal();
         let bar = ProgressBar::no_length();
-        let template = "{bar:32} {pos}/{len} solves  {msg}  {elapsed} gone, {prefix}";
+        let template = "{bar:32} {pos}/{len} solves  {msg}  {elapsed} elapsed, {prefix}";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("━╸ "));
         }
@@ -94,7 +94,7 @@ impl Progress {
         }
     }
 
-    /// So many solves are to come, or fewer where a wanted bar ends the work.
+    /// Sets the number of solves to come; with `ends_early`, `run.target_delta_e` may need fewer.
     pub fn expect(&self, solves: usize, ends_early: bool) {
         self.ends_early.store(ends_early, Ordering::Relaxed);
         self.whole.store(true, Ordering::Relaxed);
@@ -102,7 +102,7 @@ impl Progress {
         self.left.store(solves, Ordering::Relaxed);
     }
 
-    /// Takes the bar away and says how fast it went.
+    /// Removes the progress bar and prints the throughput.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
         let (solved, Ok(busy)) = (self.solved.load(Ordering::Relaxed), self.busy.lock()) else { return };
@@ -111,7 +111,7 @@ impl Progress {
             let idle = 100.0 * (1.0 - busy.busy.as_secs_f64() / seconds);
             let an_hour = solved as f64 * 3600.0 / seconds;
             note(format_args!(
-                "{solved} solves in {seconds:.0} s: {an_hour:.0} an hour, {idle:.0} % of the time outside solves"
+                "{solved} solves in {seconds:.0} s: {an_hour:.0} per hour, {idle:.0} % of the time outside solves"
             ));
         }
     }
@@ -133,8 +133,8 @@ impl Progress {
         }
     }
 
-    /// Mean time of the solves of this run times those left. What is read from the store and searches for grids are not counted:
-    /// they come first, and would stand for years.
+    /// Mean time per solve of this run times the number of solves left. Stored solves and grid
+    /// searches do not count: they come first and would inflate the estimate to years.
     fn time_left(&self) -> String {
         let (solved, left) = (self.solved.load(Ordering::Relaxed), self.left.load(Ordering::Relaxed));
         let Ok(busy) = self.busy.lock() else { return String::new() };
@@ -152,14 +152,14 @@ impl Progress {
         }
     }
 
-    /// A stage that takes long is not silent where no bar moves.
+    /// Reports now and then that a long stage is still running, where there is no progress bar.
     fn waiting_line(&self) {
         let Some(mut last) = self.last_line.as_ref().and_then(|last| last.try_lock().ok()) else { return };
         if last.elapsed() >= BETWEEN_LINES {
             *last = Instant::now();
             let seconds = self.begun.elapsed().as_secs();
             note(format_args!(
-                "still at it after {seconds} s: {} (--plan estimates the whole)",
+                "still working after {seconds} s: {} (--plan estimates the total)",
                 self.bar.message()
             ));
         }
@@ -189,7 +189,7 @@ impl RunWatch for Progress {
         self.bar.set_position(kept as u64);
         self.left.store(all.saturating_sub(kept), Ordering::Relaxed);
         if kept > 0 {
-            self.say(&format!("{kept} of {all} solves are there already"));
+            self.say(&format!("{kept} of {all} solves are already stored"));
         }
     }
 

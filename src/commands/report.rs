@@ -1,4 +1,5 @@
-//! `inkwave report DIR`: tables, contact sheets and pages of a sweep from its store, finished or not.
+//! `inkwave report DIR`: tables, contact sheets and pages of a sweep from its store, finished or
+//! not.
 
 use super::merge::open_report;
 use super::run::folder_report;
@@ -11,7 +12,7 @@ use inkwave::sweep::publish::publish;
 use miette::{IntoDiagnostic, miette};
 use std::path::PathBuf;
 
-/// Rebuild tables, contact sheets and pages of a sweep from what is finished.
+/// Rebuild tables, contact sheets and pages of a sweep from its finished solves
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// Folder of the sweep
@@ -19,7 +20,7 @@ pub struct ReportArgs {
     /// Axis along the rows of the contact sheets
     #[arg(long, value_name = "AXIS")]
     pub rows: Option<String>,
-    /// Axis along their columns
+    /// Axis along the columns of the contact sheets
     #[arg(long, value_name = "AXIS")]
     pub columns: Option<String>,
 }
@@ -38,5 +39,5 @@ pub fn run(args: &ReportArgs) -> miette::Result<()> {
     }
     let folder = OutputFolder::open(&args.folder, Holds::Sweep).map_err(folder_report)?;
     let reported = publish(&sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, false, "run the sweep again, with its file")
+    tell(&reported, &folder, false, "run the sweep again with its file")
 }

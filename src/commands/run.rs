@@ -66,7 +66,7 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
         super::say::note(format_args!("no paper, colour and picture: {reason}"));
     }
     if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
-        super::say::note(format_args!("out of reach: {reason} (--plan tells more; Ctrl-C stops)"));
+        super::say::note(format_args!("out of reach: {reason} (--plan gives details; Ctrl-C stops)"));
     }
     let progress = Progress::new(StopFlag::listen());
     let live = LivePage::new(&study, &folder);
@@ -85,7 +85,7 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     tell(&study, &collected, &published, &folder, progress.stopped())
 }
 
-/// Says the colour, or why there is none, and which numbers are missing besides.
+/// Prints the colour, or why there is none, and every other number that is missing.
 fn tell_colour(study: &Study, published: &Published) -> miette::Result<()> {
     if let Some(colour) = &published.colour {
         say(format_args!("{}: {colour}", study.title))?;
@@ -100,7 +100,7 @@ fn tell_colour(study: &Study, published: &Published) -> miette::Result<()> {
     Ok(())
 }
 
-/// Says where the results are; anything less than all of them is an error, so that scripts notice.
+/// Prints where the results are; incomplete results are an error, so that scripts notice.
 fn tell(
     study: &Study,
     collected: &Collected,
@@ -125,14 +125,14 @@ fn tell(
     let (finished, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
     let refused = collected.refused.len();
     let help = match (stopped, failed) {
-        (true, _) => format!("to go on: {}", this_command()),
+        (true, _) => format!("to resume: {}", this_command()),
         (false, 0) => {
-            "the numbers are means over the packings that had room, and the error bars hold what the others could change at \
-             most: lower pigment.volume_fraction, or try a smaller layer.period_um, where fewer grains have to find room at once"
+            "the results are means over the packings that succeeded, and the error bars include the largest effect that the others \
+             could have: lower pigment.volume_fraction, or try a smaller layer.period_um, which takes fewer grains per packing"
                 .to_owned()
         }
         _ => {
-            "the report lists their reasons; try another solver, a finer grid or more applications".to_owned()
+            "the report lists the reasons; try another solver, a finer grid or more applications".to_owned()
         }
     };
     let why = match (stopped, failed) {
@@ -153,7 +153,7 @@ fn output_path(args: &RunArgs, study: &Study) -> PathBuf {
     args.output.clone().or_else(own).unwrap_or_else(|| Path::new("out").join(name()))
 }
 
-/// Says what was found damaged in a store.
+/// Reports damaged files of a store.
 pub(super) fn tell_damages(damages: &[Damage]) {
     if let Some(told) = in_words(damages) {
         super::say::note(told);
@@ -171,7 +171,7 @@ pub(super) fn run_report(error: RunError) -> miette::Report {
             let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
             miette!(help = help, "{error}")
         }
-        // These say themselves what to try.
+        // These messages include what to try.
         RunError::Resolution(
             AccuracyError::Memory(_)
             | AccuracyError::TooLarge { .. }

@@ -1,17 +1,18 @@
-//! `inkwave schema`: the language of the input files, for editors and for people.
+//! `inkwave schema`: JSON Schemas and commented examples of the input files.
 
 use super::say::say;
 use clap::Args;
 use inkwave::schema::Document;
 use miette::{IntoDiagnostic, Result};
 
-/// Print the JSON Schema of an input file, from which editors complete and underline, or a file with every key.
+/// Print the JSON Schema of an input file, for completion and checks in editors, or a file with
+/// every key
 #[derive(Args)]
 pub struct SchemaArgs {
-    /// Kind of file: a study for `run` and `pack`, or what `sweep`, `compare` and `solve` read
+    /// Kind of input file
     #[arg(value_enum, default_value_t = Document::Study)]
     kind: Document,
-    /// Print a commented file with every key, its meaning, range and default instead
+    /// Print a commented file with every key, its meaning, range and default instead of the schema
     #[arg(long)]
     annotated: bool,
 }

@@ -14,20 +14,20 @@ use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-/// Wavelengths of light, µm.
+/// Plausible wavelengths of light, µm.
 const USUAL_UM: std::ops::RangeInclusive<f64> = 0.1..=20.0;
-/// Accuracy without `--accuracy` or a grid.
+/// Accuracy if neither `--accuracy` nor a grid is given.
 const DEFAULT_ACCURACY: f64 = 1e-3;
 
 /// Solve one explicit geometry and print its orders as JSON
 ///
-/// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d, cylinder2d, lamellar2d)
-/// as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].
+/// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d,
+/// cylinder2d, lamellar2d) as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].
 #[derive(Args)]
 pub struct SolveArgs {
     /// Case file; an object that holds the case as `inputs` is accepted too
     case: PathBuf,
-    /// Largest amplitude error accepted: chooses the resolution (default 1e-3 unless --nxy and --nz are given)
+    /// Largest amplitude error; chooses the grid (default: 1e-3 unless --nxy and --nz are given)
     #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"], allow_negative_numbers = true)]
     accuracy: Option<f64>,
     /// Strategy; relaxation needs --real-mean
@@ -39,13 +39,13 @@ pub struct SolveArgs {
     /// Cells along z
     #[arg(long, value_name = "CELLS")]
     nz: Option<usize>,
-    /// Relative residual to reach (default: a fiftieth of the accuracy; 1e-6 where --nz is given)
+    /// Relative residual to reach (default: a fiftieth of the accuracy, or 1e-6 with --nz)
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Equation solved: scalar (Helmholtz), or vector (Maxwell's equations in s and p polarisation)
+    /// Equation to solve: scalar (Helmholtz), or vector (Maxwell, for s and p polarisation)
     #[arg(long, value_enum, default_value_t = WaveName::Scalar)]
     wave: WaveName,
-    /// Discretisation in z (default cubic; quartic where --accuracy asks for less than 3e-3)
+    /// Discretisation along z (default: cubic; quartic if --accuracy is below 3e-3)
     #[arg(long, value_enum)]
     scheme: Option<SchemeName>,
     /// Average ⟨k²⟩ over the whole layer instead of over each cell
@@ -54,7 +54,7 @@ pub struct SolveArgs {
     /// Leave absorption out of ⟨k²⟩
     #[arg(long)]
     real_mean: bool,
-    /// Memory that one solve may take, in GB
+    /// Memory for one solve, GB
     #[arg(long, default_value_t = 4.0)]
     memory_gb: f64,
     #[command(flatten)]
@@ -100,7 +100,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     warn_of_wavelength(case.incidence.wavelength_um);
     args.light.check(&case, args.wave == WaveName::Vector)?;
     let snapped = args.light.snap(&mut case)?;
-    // A grid of one's own choice may be as fine as it likes.
+    // A grid given explicitly may be as fine as the user likes.
     let error = match args.nz {
         Some(_) => EXACT,
         None => error_among(args.accuracy.unwrap_or(DEFAULT_ACCURACY), case.media.largest_contrast()),
@@ -116,7 +116,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     Ok(())
 }
 
-/// Solves on the grid asked for, or searches one.
+/// Solves on the grid given, or searches for one.
 fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<Estimated> {
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
@@ -138,16 +138,16 @@ fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<Esti
     estimated.into_diagnostic()
 }
 
-/// A wavelength in nm passes for one in µm.
+/// Warns of a wavelength that was probably given in nm instead of µm.
 fn warn_of_wavelength(um: f64) {
     if !USUAL_UM.contains(&um) {
         let meant =
-            if um > 20.0 { format!("; if nm were meant, write {}", short(1e-3 * um)) } else { String::new() };
-        note(format_args!("warning: wavelength is {} µm, outside of 0.1 to 20 µm{meant}", short(um)));
+            if um > 20.0 { format!("; if you meant nm, write {}", short(1e-3 * um)) } else { String::new() };
+        note(format_args!("warning: wavelength is {} µm, outside 0.1 to 20 µm{meant}", short(um)));
     }
 }
 
-/// Usual numbers as they are written, others by their power of ten.
+/// Formats numbers of ordinary size plainly, others in scientific notation.
 fn short(number: f64) -> String {
     if (1e-4..1e6).contains(&number) { number.to_string() } else { format!("{number:e}") }
 }
@@ -160,7 +160,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     Ok(())
 }
 
-/// Residual to reach: three times it is what it may do to an amplitude.
+/// Residual to reach; the amplitude error that it causes may be three times as large.
 fn tolerance(args: &SolveArgs) -> f64 {
     let of_accuracy = || args.accuracy.unwrap_or(DEFAULT_ACCURACY) / 50.0;
     let suited = || if args.nz.is_some() { Goal::default().tolerance } else { of_accuracy() };
@@ -183,10 +183,10 @@ fn scheme(args: &SolveArgs) -> Scheme {
     args.scheme.map_or_else(suited, Scheme::from)
 }
 
-/// A grid that took longer to try is told, also where nobody watches.
+/// Grid trials that take longer than this are reported even without a terminal.
 const SAID_SECONDS: f64 = 2.0;
 
-/// A spinner on standard error with the residual; hidden when that is not a terminal.
+/// Spinner on standard error that shows the residual; hidden if this is not a terminal.
 struct Bar(indicatif::ProgressBar);
 
 impl Bar {
@@ -207,7 +207,7 @@ impl Watch for Bar {
 
     fn grid(&mut self, trial: &GridTrial) {
         self.0.set_prefix(format!("{trial}"));
-        // Short searches stay silent in a file of results.
+        // Without a terminal, short searches print nothing.
         if trial.estimate.is_some() && (!self.0.is_hidden() || trial.seconds > SAID_SECONDS) {
             self.0.suspend(|| super::say::note(format_args!("grid tried: {trial}")));
         }

@@ -1,4 +1,5 @@
-//! What `inkwave solve` is asked about the light: a direction of the lattice, and a lit square of finite size.
+//! Options of `inkwave solve` on the light: directions of the lattice, and a lit square of finite
+//! size.
 
 use super::say::note;
 use clap::Args;
@@ -9,44 +10,47 @@ use inkwave::wave::{FarField, Media};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
 
-/// Degrees between directions without `--illuminated-step-deg`.
+/// Default spacing of the directions, degrees.
 const STEP_DEG: f64 = 5.0;
-/// Degrees between directions that are allowed: half a degree gives 130 000 of them.
+/// Allowed spacings of the directions, degrees; half a degree gives 130 000 directions.
 const STEPS_DEG: std::ops::RangeInclusive<f64> = 0.5..=45.0;
 
 /// Options about the light.
 #[derive(Args)]
 pub struct LightArgs {
-    /// Move the light onto the nearest direction whose (kx, ky) is a multiple of 2π/L, for comparison with programs that
-    /// solve no other
+    /// Snap the light to the nearest direction whose (kx, ky) is a multiple of 2π/L, for comparison
+    /// with programs that solve only these
     ///
-    /// Every direction is solved without it, through its Bloch vector. The output's `snapped` says what was solved:
-    /// `polar_deg`, `azimuth_deg`, `vector` [m, n] with kx = 2πm/Lx, ky = 2πn/Ly; and what was `asked`.
+    /// Without this option any direction is solved, through its Bloch vector. `snapped` in the
+    /// output holds the direction solved, `polar_deg`, `azimuth_deg` and `vector` [m, n] with kx =
+    /// 2πm/Lx and ky = 2πn/Ly, and the one given, `asked`.
     #[arg(long)]
     snap: bool,
-    /// Side of a lit square of the layer, µm: adds `finite_area`, its light per steradian (scalar wave)
+    /// Add `finite_area`: light per steradian from a lit square of this side, µm (scalar wave)
     ///
-    /// Every order becomes a lobe of finite width. `finite_area` has `side_um`; `polar_deg`, from the layer's normal on the
-    /// side that the light leaves into; `azimuth_deg`, of the way the light goes, from the x axis; and for `reflected` and
-    /// `transmitted` (null where that half-space absorbs): `per_sr`, rows by polar angle, columns by azimuth, as share of the
-    /// light on the square per steradian; `total`, its integral over the hemisphere, which tends to R_total or T_total as
-    /// 1/SIDE; `diffuse_per_sr` and `diffuse_total`, the same without the specular order; `first_zero_deg`, from the middle
-    /// of a lobe at the normal to its first zero. From one period to a thousand wavelengths; the centre is x = y = 0.
+    /// Every order becomes a lobe of finite width. `finite_area` has `side_um`; `polar_deg`, from
+    /// the layer's normal on the side that the light leaves to; `azimuth_deg`, of the direction of
+    /// propagation, from the x axis; and for `reflected` and `transmitted` (null where that
+    /// half-space absorbs): `per_sr`, rows by polar angle, columns by azimuth, as share per
+    /// steradian of the light on the square; `total`, its integral over the hemisphere, which tends
+    /// to R_total or T_total as 1/SIDE; `diffuse_per_sr` and `diffuse_total`, the same without the
+    /// specular order; `first_zero_deg`, from the middle of a lobe at the normal to its first zero.
+    /// SIDE may be one period to a thousand wavelengths; the square is centred on x = y = 0.
     #[arg(long, value_name = "SIDE", allow_negative_numbers = true)]
     illuminated_um: Option<f64>,
-    /// Degrees between the directions of `finite_area`, in polar angle and in azimuth (default 5)
+    /// Spacing of the directions of `finite_area` in polar angle and azimuth, degrees (default: 5)
     #[arg(long, value_name = "DEGREES", requires = "illuminated_um", allow_negative_numbers = true)]
     illuminated_step_deg: Option<f64>,
 }
 
 impl LightArgs {
-    /// Refuses before anything is solved.
+    /// Checks the options before anything is solved.
     pub fn check(&self, case: &Case, vector: bool) -> Result<()> {
         let Some(side) = self.illuminated_um else { return Ok(()) };
         if vector {
             miette::bail!(
-                "--illuminated-um is given beside --wave vector; lobes of a lit square are those of the scalar wave: leave \
-                 out one of them"
+                "--illuminated-um is given with --wave vector; the lobes of a lit square are computed for the scalar wave only: \
+                 leave out one of them"
             );
         }
         let step = self.step_deg();
@@ -56,7 +60,7 @@ impl LightArgs {
         FiniteArea::check_side(side, case.scene.period_um, case.incidence.wavelength_um).into_diagnostic()
     }
 
-    /// Moves the case's light where that was asked; what the output says about it.
+    /// Snaps the light of the case if requested; returns the entry `snapped` of the output.
     pub fn snap(&self, case: &mut Case) -> Result<Option<Value>> {
         if !self.snap {
             return Ok(None);
@@ -72,7 +76,7 @@ impl LightArgs {
         })))
     }
 
-    /// Adds `finite_area` where that was asked.
+    /// Adds `finite_area` if requested.
     pub fn add_area(&self, far: &FarField, media: &Media, report: &mut Value) -> Result<()> {
         let Some(side) = self.illuminated_um else { return Ok(()) };
         let [polar, azimuth] = [(90.0, true), (360.0, false)].map(|(end, closed)| self.angles(end, closed));
@@ -93,7 +97,7 @@ impl LightArgs {
         Ok(())
     }
 
-    /// Directions further apart than a lobe is wide miss it.
+    /// Warns if directions are so far apart that they miss lobes.
     fn warn_of_step(&self, first_zero_deg: f64) {
         let (step, finest) = (self.step_deg(), *STEPS_DEG.start());
         if step <= first_zero_deg {
@@ -103,7 +107,7 @@ impl LightArgs {
         let remedy = if first_zero_deg < finest { "a smaller square" } else { &finer };
         note(format_args!(
             "warning: directions are {step}° apart, and a lobe's first zero lies {first_zero_deg:.2}° from its middle: most \
-             lobes fall between directions (the totals hold them all); try {remedy}"
+             lobes fall between directions (the totals include them all); try {remedy}"
         ));
     }
 
@@ -111,7 +115,7 @@ impl LightArgs {
         self.illuminated_step_deg.unwrap_or(STEP_DEG)
     }
 
-    /// 0, step, … to the end, which belongs to them or not.
+    /// 0, step, 2 step, … up to `end`, which is included if `closed`.
     fn angles(&self, end: f64, closed: bool) -> Vec<f64> {
         let step = self.step_deg();
         let angles = (0..).map(|i| step * f64::from(i));

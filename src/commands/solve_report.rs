@@ -1,4 +1,5 @@
-//! The result of `inkwave solve` as JSON: the same keys for both waves, the vector wave's values by polarisation.
+//! The result of `inkwave solve` as JSON: the same keys for both waves, the vector wave's values by
+//! polarisation.
 
 use inkwave::run::crew::processor_seconds;
 use inkwave::solve::accuracy::Estimated;
@@ -29,7 +30,8 @@ pub fn report(e: &Estimated, wave: Wave) -> Value {
         "seconds_setup": e.seconds_setup,
         "seconds_estimate": e.seconds_estimate,
         "unknowns": unknowns,
-        // User and system time of the whole process: reading, search, companions and this solve.
+        // User and system time of the whole process: reading, grid search, comparison solves and
+        // this solve.
         "process_seconds": processor_seconds(),
         "bytes": bytes,
         "bytes_per_unknown": bytes as f64 / unknowns as f64,
@@ -38,7 +40,7 @@ pub fn report(e: &Estimated, wave: Wave) -> Value {
     })
 }
 
-/// Points, cells and planes, also per µm.
+/// The grid: points, cells and planes, also per µm.
 fn resolution_of(grid: &Grid, wave: Wave) -> Value {
     let Resolution { nx, ny, cells, scheme } = grid.resolution;
     json!({
@@ -70,7 +72,8 @@ fn total(e: &Estimated, of: impl Fn(&FarField) -> f64) -> Value {
     total
 }
 
-/// Amplitudes of one side (0 reflected, 1 transmitted), of the vector wave by incident, then by outgoing polarisation.
+/// Amplitudes of one side (0 reflected, 1 transmitted), of the vector wave by incident, then by
+/// outgoing polarisation.
 fn amplitudes(orders: &[&Order], side: usize) -> Value {
     let pair = |a: Complex64| [a.re, a.im];
     let [own, crossed] =

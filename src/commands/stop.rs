@@ -12,8 +12,8 @@ const INTERRUPTED: i32 = 130;
 pub struct StopFlag(Arc<AtomicBool>);
 
 impl StopFlag {
-    /// Listens for Ctrl-C and for a request to terminate. Where the system refuses, Ctrl-C ends the program
-    /// at once; finished points are safe then, too.
+    /// Listens for Ctrl-C and for a request to terminate. Where the system refuses, Ctrl-C ends the
+    /// program at once; finished points are safe then, too.
     pub fn listen() -> Self {
         let flag = Self::default();
         let raised = flag.0.clone();
@@ -28,10 +28,10 @@ impl StopFlag {
     }
 }
 
-/// Raises the flag; ends the program where it is raised already.
+/// Raises the flag, or ends the program if it is already raised.
 fn interrupt(raised: &AtomicBool) {
     if raised.swap(true, Ordering::SeqCst) {
         std::process::exit(INTERRUPTED);
     }
-    note(format_args!("\nStopping after the present step; once more to end at once."));
+    note(format_args!("\nStopping after the current step; press Ctrl-C again to quit at once."));
 }

@@ -23,13 +23,13 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Variables in which array schedulers tell a task its number, counted from 1.
+/// Environment variables in which array schedulers pass the number of a task, counted from 1.
 const TASK_NUMBER: [&str; 4] = ["SLURM_ARRAY_TASK_ID", "PBS_ARRAYID", "PBS_ARRAY_INDEX", "HQ_TASK_ID"];
 
-/// Waiting of this length is told.
+/// Shortest waiting time that is reported.
 const WORTH_TELLING: Duration = Duration::from_millis(100);
 
-/// Run a study of many variants; stop and continue at any time, or divide it among machines.
+/// Run a study of many variants; it can be interrupted, resumed and divided among machines
 #[derive(Debug, Args)]
 pub struct SweepArgs {
     /// Sweep file (TOML); `inkwave schema sweep --annotated` prints every key
@@ -49,7 +49,8 @@ pub struct SweepArgs {
     /// Print the plan as JSON
     #[arg(long, requires = "plan")]
     pub json: bool,
-    /// Run part I of N, counted from 1; N alone takes I from SLURM_ARRAY_TASK_ID, PBS_ARRAYID, PBS_ARRAY_INDEX or HQ_TASK_ID
+    /// Run part I of N, counted from 1; N alone takes I from SLURM_ARRAY_TASK_ID, PBS_ARRAYID,
+    /// PBS_ARRAY_INDEX or HQ_TASK_ID
     #[arg(long, value_name = "I/N", conflicts_with = "plan")]
     pub shard: Option<String>,
     /// Choose the grids and exit; shards then take them with --grids
@@ -67,7 +68,7 @@ pub struct SweepArgs {
 pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let sweep = load::load(&args.sweep)
         .map_err(|error| not_for(&error, Kind::Sweep).unwrap_or_else(|| study_report(error)))?;
-    // most variants leave the same open
+    // most variants have the same remarks
     let remarks: BTreeSet<&String> =
         sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
     remarks.into_iter().for_each(note);
@@ -95,25 +96,29 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     tell_damages(&tally.damages);
     if tally.waited >= WORTH_TELLING {
         let seconds = tally.waited.as_secs_f64();
-        note(format_args!("{seconds:.1} s of this process's workers were spent waiting for others"));
+        note(format_args!("this process's workers waited {seconds:.1} s for others"));
     }
     if args.grids_only {
         return tell_grids(&folder, progress.stopped());
     }
     if shard.is_some() {
-        // The whole is reported once the parts are merged; until then the page shows what this one has.
+        // The sweep is reported once the shards are merged; until then the page shows the results
+        // of this one.
         publish(&sweep, &folder).into_diagnostic()?;
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
     if !tally.publishes {
-        say(format_args!("Other processes work on in {} and write the report.", folder.path().display()))?;
+        say(format_args!(
+            "Other processes are still working in {} and will write the report.",
+            folder.path().display()
+        ))?;
         return Ok(());
     }
     let reported = publish(&sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, progress.stopped(), &this_command())
 }
 
-/// The folder of the results with the sweep and what is to be taken over from elsewhere, ready for a run.
+/// Opens the output folder, writes the sweep to it and applies `--retry-failed` and `--grids`.
 fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputFolder> {
     let folder = OutputFolder::open(path, Holds::Sweep).map_err(folder_report)?;
     let folder = folder.going_on_with(this_command());
@@ -130,7 +135,7 @@ fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputF
     Ok(folder)
 }
 
-/// Says where the results are; anything less than all of them is an error, so that scripts notice.
+/// Prints where the results are; incomplete results are an error, so that scripts notice.
 pub(super) fn tell(
     reported: &Reported,
     folder: &OutputFolder,
@@ -152,13 +157,11 @@ pub(super) fn tell(
         |outcome: &&Outcome| outcome.solves.finished < outcome.solves.asked && outcome.reason.is_none();
     let waiting = reported.outcomes.iter().filter(waits).count();
     let help = if waiting > 0 && !stopped {
-        format!(
-            "{waiting} variants have not been computed to their end; to go on: {go_on}, or merge the missing shards"
-        )
+        format!("{waiting} variants are unfinished; to resume: {go_on}, or merge the missing shards")
     } else if failures > 0 && !stopped {
-        "the report lists the reasons; change the sweep, or try again with --retry-failed".to_owned()
+        "the report lists the reasons; change the sweep, or retry with --retry-failed".to_owned()
     } else {
-        format!("to go on: {go_on}")
+        format!("to resume: {go_on}")
     };
     Err(miette!(help = help, "{complete} of {all} variants are finished, {failures} failures are recorded"))
 }
@@ -177,12 +180,12 @@ fn tell_shard(
     ))?;
     if stopped || finished + failed < asked {
         return Err(miette!(
-            help = format!("to go on: {}", this_command()),
+            help = format!("to resume: {}", this_command()),
             "stopped: {finished} of {asked} solves"
         ));
     }
     if failed > 0 {
-        let help = "inkwave merge and the report list the reasons; --retry-failed tries again";
+        let help = "the report lists the reasons; retry with --retry-failed";
         return Err(miette!(help = help, "{failed} of {asked} solves have no result"));
     }
     Ok(())
@@ -191,7 +194,7 @@ fn tell_shard(
 fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
     if stopped {
         return Err(miette!(
-            help = format!("to go on: {}", this_command()),
+            help = format!("to resume: {}", this_command()),
             "stopped before all grids were chosen"
         ));
     }
@@ -203,7 +206,7 @@ fn no_bars_in_shards(variant: &str) -> miette::Report {
         "leave --shard out and start any number of processes in one folder, or give run.realisations alone";
     miette!(
         help = help,
-        "--shard: found with run.target_delta_e in variant {variant}; allowed without it, as no shard sees the whole bar"
+        "--shard: found with run.target_delta_e in variant {variant}; allowed without it, as no shard knows the whole confidence interval"
     )
 }
 
@@ -213,7 +216,7 @@ fn too_many_shards(shard: Shard, most: usize) -> miette::Report {
     miette!(help = help, "--shard: found {} parts; this sweep can be divided into 1 to {most}", shard.count)
 }
 
-/// Says what a sweep, or a study as a sweep of one variant, will cost.
+/// Prints the expected cost of a sweep, or of a study as a sweep of one variant.
 pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
@@ -231,7 +234,7 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     let time = |cores: f64| in_words(plan.core_seconds / cores);
     say(format_args!("variants          {}", plan.variants))?;
     say(format_args!("packings          {}", plan.packings))?;
-    // A wanted bar may be reached before.
+    // `run.target_delta_e` may be reached earlier.
     let bars = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
     say(format_args!("solves            {}{}", if bars { "at most " } else { "" }, plan.solves))?;
     say(format_args!("unknowns          {} in the largest solve", plan.unknowns))?;
@@ -247,7 +250,7 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     Ok(())
 }
 
-/// A time with two digits or three.
+/// Formats a time with two or three digits.
 fn in_words(seconds: f64) -> String {
     match seconds {
         s if s < 100.0 => format!("{s:.0} s"),
@@ -257,7 +260,7 @@ fn in_words(seconds: f64) -> String {
     }
 }
 
-/// `I/N`, or `N` with the part from the scheduler's variable.
+/// Parses `I/N`, or `N` with the part from the environment variable of the scheduler.
 fn parse_shard(text: &str) -> miette::Result<Shard> {
     let number = |text: &str| text.trim().parse::<usize>().ok();
     let from_variable = || task_number().and_then(|(_, value)| number(&value));
@@ -277,12 +280,12 @@ fn parse_shard(text: &str) -> miette::Result<Shard> {
     }
 }
 
-/// The scheduler's variable that is set, with its value.
+/// The scheduler's environment variable that is set, with its value.
 fn task_number() -> Option<(&'static str, String)> {
     TASK_NUMBER.iter().find_map(|name| Some((*name, std::env::var(name).ok()?)))
 }
 
-/// What was found beside a number of parts alone.
+/// Describes what was found where only the number of parts is given.
 fn without_part() -> String {
     match task_number() {
         Some((name, value)) => format!(" and {name} = {value}"),

@@ -1,4 +1,4 @@
-//! Why there is no comparison.
+//! Errors of comparisons.
 
 use crate::input::case::CaseError;
 use crate::input::fault::StudyError;
@@ -9,7 +9,7 @@ use crate::wave::WaveError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why there is no comparison at all; strategies that fail are rows instead.
+/// An error that prevents the comparison; a strategy that fails is a row with the reason instead.
 #[derive(Debug, Error)]
 pub enum CompareError {
     /// The file cannot be read.
@@ -17,10 +17,10 @@ pub enum CompareError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The message of the system.
         message: String,
     },
-    /// The file is no comparison.
+    /// The file is not a comparison.
     #[error(transparent)]
     Study(#[from] StudyError),
     /// Another error, with the file that it is about.
@@ -43,13 +43,13 @@ pub enum CompareError {
         /// What to try.
         remedy: &'static str,
     },
-    /// The case file.
+    /// The case file is not valid.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// The packing of the layer.
+    /// The layer cannot be packed.
     #[error(transparent)]
     Pack(#[from] crate::ink::PackError),
-    /// The geometry is no wave problem.
+    /// The geometry does not give a wave problem.
     #[error(transparent)]
     Wave(#[from] WaveError),
     /// A strategy is not known, or the user stopped a solve.
@@ -61,7 +61,7 @@ pub enum CompareError {
 }
 
 impl CompareError {
-    /// True where the user has stopped it.
+    /// Whether the user stopped the comparison.
     pub fn is_stop(&self) -> bool {
         match self {
             Self::Solve(error) => matches!(error, SolveError::Cancelled { .. }),
@@ -71,7 +71,7 @@ impl CompareError {
         }
     }
 
-    /// The same with the name of its file, where the message does not say it by itself.
+    /// Adds the name of the file, unless the message contains it.
     pub(super) fn in_file(self, path: &Path) -> CompareError {
         match self {
             named @ (Self::Read { .. } | Self::Study(_) | Self::InFile { .. }) => named,
@@ -89,7 +89,7 @@ impl CompareError {
     }
 }
 
-/// What is left of a list that the user may have stopped: nothing lost where something is there.
+/// Entries finished before the user stopped; an error only if there are none.
 ///
 /// # Errors
 /// Other errors, and a stop before the first entry.

@@ -23,23 +23,23 @@ use means::absorbs;
 use reference::sized;
 use rows::Bench;
 
-/// What a comparison is about to do.
+/// Size of a comparison before it is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ComparisonPlan {
     /// Bodies of the geometry (of the first case).
     pub bodies: usize,
-    /// Solves, but for those of searches for a grid and of repetitions.
+    /// Number of solves, without those of grid searches and repetitions.
     pub rows: usize,
 }
 
-/// A strategy with the name that people call it by.
+/// A strategy with its name.
 type NamedStrategy = (String, Box<dyn Solver>);
 
 impl ComparisonFile {
-    /// Rows of the comparison without a solve: the geometry is packed, and everything is checked.
+    /// Plans the comparison without solving: packs the geometry and checks everything.
     ///
     /// # Errors
-    /// As [`ComparisonFile::run`], but those of solves.
+    /// As [`ComparisonFile::run`], except those of solves.
     pub fn plan(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.planned(registry).map_err(|error| error.in_file(&self.origin))
     }
@@ -63,7 +63,7 @@ impl ComparisonFile {
         Ok(ComparisonPlan { bodies: bodies.unwrap_or(0), rows: self.asked(&subjects, &strategies)? })
     }
 
-    /// Rows asked for; faults of every case show on the way.
+    /// Number of rows; errors of every case are found on the way.
     fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> Result<usize, CompareError> {
         let grids = self.schemes().len() * self.listed().map_or(1, |points| points.len());
         let mut rows = 0;
@@ -120,7 +120,7 @@ impl ComparisonFile {
         })
     }
 
-    /// Every row of one case.
+    /// Computes every row of one case.
     fn on(
         &self,
         subject: &Subject,

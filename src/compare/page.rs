@@ -12,18 +12,18 @@ use std::path::PathBuf;
 
 /// Tables and pages.
 const TABLES: [&str; 4] = ["comparison.csv", "comparison.html", "residuals.csv", "README.md"];
-/// Plots, without the numbers of those that are several.
+/// Plots, without the numbers of those that come in several.
 const PLOTS: [&str; 4] = ["applications", "residuals", "error_against_work", "error_against_seconds"];
 
 /// A finished comparison.
 pub struct Comparison {
-    /// Title, for people.
+    /// Title.
     pub title: String,
     /// The comparison's file.
     pub file: PathBuf,
-    /// What errors are measured against.
+    /// Reference of the errors, in words.
     pub reference: String,
-    /// Amplitude error that the grids were searched for; none where they were listed.
+    /// Amplitude error that the grids were searched for; `None` if they were listed.
     pub accuracy: Option<f64>,
     /// Residual to reach, and the most operator applications.
     pub goal: Goal,
@@ -31,15 +31,15 @@ pub struct Comparison {
     pub strategies: Vec<String>,
     /// Names of the programs beside them.
     pub externals: Vec<String>,
-    /// All names of the registry, by whose order each strategy has its colour.
+    /// All strategies of the registry, whose order determines the colours.
     pub registry: Vec<String>,
-    /// Rows asked for; fewer are there where it was stopped.
+    /// Number of rows planned; there are fewer if the comparison was stopped.
     pub asked: usize,
     /// Case by case, grid by grid, mean by mean, strategy by strategy.
     pub rows: Vec<Row>,
 }
 
-/// Whether a file's name is one of those that a comparison writes.
+/// Whether a file name is one of those that a comparison writes.
 fn is_of_a_comparison(name: &str) -> bool {
     let plot =
         name.strip_suffix(".svg").map(|stem| stem.trim_end_matches(|c: char| c == '-' || c.is_ascii_digit()));
@@ -80,7 +80,7 @@ impl Comparison {
         if self.rows.len() == self.asked { Ok(folder.complete()?) } else { Ok(()) }
     }
 
-    /// All that both pages show, but for the figures.
+    /// Data of both pages, without the figures.
     fn context(&self) -> Value {
         let rows = self.rows.iter().map(|row| context!(failed => !row.converged(), cells => row.shown()));
         context! {
@@ -106,7 +106,7 @@ impl Comparison {
         self.rows.iter().any(|row| row.case.is_some())
     }
 
-    /// Every look at a residual.
+    /// Every recorded residual, as CSV.
     fn residuals(&self) -> Result<Vec<u8>, csv::Error> {
         let mut records = Vec::new();
         for row in &self.rows {
@@ -143,7 +143,7 @@ impl Comparison {
         self.groups().filter(own).map(line).collect()
     }
 
-    /// Who failed, where, and why: one line a failure.
+    /// Failures with strategy, case, grid and reason, one row each.
     fn failures(&self) -> Vec<[String; 4]> {
         let failed = self.rows.iter().filter(|row| !row.converged());
         failed.map(|row| [row.strategy.clone(), dash(row.case), row.grid(), row.outcome()]).collect()

@@ -6,7 +6,7 @@ use super::row::{Row, Varied, mean_name, scheme_name};
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::wave::Scheme;
 
-/// What tells the curves of one strategy apart.
+/// What distinguishes the curves of one strategy.
 type MeanVariant = (Option<Scheme>, bool);
 
 impl Comparison {

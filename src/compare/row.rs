@@ -1,11 +1,10 @@
-//! One row of a comparison: what one program made of one case, what it cost, or why there is no
-//! result.
+//! One row of a comparison: result and cost of one solve of one case, or why it failed.
 
 use crate::solve::Account;
 use crate::wave::{Resolution, Scheme};
 use std::fmt;
 
-/// What the cases of a matrix differ by.
+/// Parameters in which the cases of a matrix differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Varied {
     /// Index [n, κ] of the first pigment.
@@ -25,21 +24,21 @@ impl fmt::Display for Varied {
 pub struct Discrete {
     /// Its grid and scheme.
     pub resolution: Resolution,
-    /// Whether ⟨k²⟩ holds the absorption, or leaves it to the contrast.
+    /// Whether ⟨k²⟩ includes the absorption, or leaves it to the contrast.
     pub absorbing_mean: bool,
 }
 
-/// One solve of one case. What belongs to inkwave's own discretisation is left out for programs
-/// that have another.
+/// One solve of one case. What is specific to inkwave's discretisation is left out for programs
+/// with another.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Which case of a matrix; none where there is only one.
+    /// Case of a matrix; `None` if there is only one.
     pub case: Option<Varied>,
     /// Name of the strategy.
     pub strategy: String,
     /// Value of the knob of a program that has one.
     pub knob: Option<f64>,
-    /// What it was given to solve; none where no grid was found.
+    /// The discrete problem; `None` if no grid was found.
     pub discrete: Option<Discrete>,
     /// Complex unknowns, where the problem could be set up.
     pub unknowns: Option<usize>,
@@ -65,7 +64,7 @@ pub(super) const HEADER: [&str; 11] = [
 ];
 
 impl Row {
-    /// A row without a result yet.
+    /// A row that has no result yet.
     pub(super) fn new(case: Option<Varied>, strategy: &str, discrete: Option<Discrete>) -> Row {
         Row {
             case,
@@ -97,8 +96,7 @@ impl Row {
         self.account.as_ref().map_or(0, |account| account.operator_applications)
     }
 
-    /// Looks at the residual: applications done by then (spread evenly where a look covers
-    /// several), and the residual.
+    /// Recorded residuals: applications by then (spread evenly over the records), and the residual.
     pub(super) fn looks(&self) -> Vec<(f64, f64)> {
         let Some(account) = &self.account else { return Vec::new() };
         let per_look = account.operator_applications as f64 / (account.history.len().max(2) - 1) as f64;

@@ -45,13 +45,13 @@ impl JsonSchema for StudyWritten {
 #[derive(Clone, Debug)]
 pub(super) struct Packed {
     file: StudyFile,
-    /// The file it was read from: tables lie beside it, and faults are told of it.
+    /// The file it was read from: its tables are relative to this file, and errors name it.
     path: PathBuf,
-    /// What its keys are inside of there.
+    /// Prefix of its keys in that file.
     inside: &'static str,
-    /// The middle one of the study's when not given, nm.
+    /// Wavelength, nm; the middle one of the study if not given.
     wavelength_nm: Option<f64>,
-    /// The first of the study's when not given.
+    /// Polar angle, degrees; the first of the study if not given.
     polar_deg: Option<f64>,
 }
 
@@ -72,12 +72,12 @@ impl Packed {
         }
     }
 
-    /// The same under another light, where one is given.
+    /// Replaces the light where one is given.
     pub fn lit(self, wavelength_nm: Option<f64>, polar_deg: Option<f64>) -> Packed {
         Packed { wavelength_nm, polar_deg, ..self }
     }
 
-    /// The same in a square cell of that period and with that index of the first pigment.
+    /// Replaces the cell by a square one of the given period, and the index of the first pigment.
     pub fn varied(&self, period_um: f64, [n, kappa]: [f64; 2]) -> Result<Packed, CompareError> {
         let mut other = self.clone();
         other.file.layer.cell = CellRule::Fixed;
@@ -97,7 +97,7 @@ impl Packed {
     /// The study, checked.
     ///
     /// # Errors
-    /// Its faults; Maxwell's equations.
+    /// Errors of the study; a study with Maxwell's equations.
     fn study(&self) -> Result<Study, CompareError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let checked = check(&self.file, folder, "study");
@@ -154,10 +154,10 @@ impl Packed {
     }
 }
 
-/// Keys of a study that stands in a comparison begin with this.
+/// Prefix of the keys of a study inside a comparison.
 const INSIDE: &str = "study.";
 
-/// Faults of a study, with the lines of its file; none where that cannot be read any more.
+/// Errors of a study with the text of its file, or without if that can no longer be read.
 fn told(faults: Vec<Fault>, path: &Path, inside: &str) -> StudyError {
     let named = |fault: Fault| Fault { field: format!("{inside}{}", fault.field), ..fault };
     let faults = faults.into_iter().map(named).collect();

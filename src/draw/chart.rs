@@ -1,6 +1,8 @@
-//! The one chart: curves with error bars, points and guide lines on linear or logarithmic axes, as SVG or bitmap.
+//! Charts: curves with error bars, points and guide lines on linear or logarithmic axes, as SVG or
+//! bitmap.
 //!
-//! Colours are Okabe–Ito, and every curve has its own marker too, so that charts survive colour blindness and a grey printer.
+//! Colours are Okabe–Ito, and every curve has its own marker as well, so that charts remain legible
+//! for colour-blind readers and in greyscale.
 
 pub use super::curve::{Curve, Style};
 use super::error::{OutputError, failed};
@@ -12,7 +14,7 @@ use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Curves on axes that are logarithmic where said so.
+/// Curves on linear or logarithmic axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Chart {
     /// Title over the chart.
@@ -25,10 +27,11 @@ pub struct Chart {
     pub log: [bool; 2],
     /// The curves, in the order of the legend.
     pub curves: Vec<Curve>,
-    /// Ticks along x with their words, such as dates; round numbers or the data's own where there are none.
+    /// Ticks along x with their labels, such as dates; if empty, round numbers or the data
+    /// themselves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub x_ticks: Vec<(f64, String)>,
-    /// Range of y; from the points when none.
+    /// Range of y; by default that of the points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub y_range: Option<[f64; 2]>,
     /// Whether a linear y begins at 0 where nothing is negative.
@@ -36,15 +39,15 @@ pub struct Chart {
     pub from_zero: bool,
 }
 
-/// Lines of more points have a marker at every second, third … of them.
+/// Most markers of a line; longer lines have one at every second, third … point.
 const MARKED: usize = 40;
 /// Dash and gap of guide lines, pixels.
 const DASHES: [u32; 2] = [7, 5];
-/// Room of the words along x and along y, pixels.
+/// Space for the labels along x and along y, pixels.
 const ROOM: [u32; 2] = [370, 270];
 /// Margin of a linear axis beyond its data, as a share of them.
 const MARGIN: f64 = 0.04;
-/// Margin of a logarithmic one, as a factor.
+/// Margin of a logarithmic axis, as a factor.
 const MARGIN_FACTOR: f64 = 1.25;
 
 type Axes<'a, B> = ChartContext<'a, B, Cartesian2d<Scale, Scale>>;
@@ -57,7 +60,7 @@ struct Pen {
 }
 
 impl Pen {
-    /// The curve's own look, or that of its place.
+    /// The curve's own look, or the one of its position in the chart.
     fn of(k: usize, curve: &Curve) -> Self {
         let [place, marker] = curve.look.unwrap_or([k; 2]);
         let colour = if curve.style == Style::Guide { RGBColor(120, 120, 120) } else { palette(place) };
@@ -80,7 +83,7 @@ impl Chart {
     /// The chart as SVG text.
     ///
     /// # Errors
-    /// Nothing to show, or the drawing library's own failures.
+    /// Nothing to show, or a failure of the drawing library.
     pub fn svg(&self) -> Result<String, OutputError> {
         svg_of(self.leaf().size(), |area| self.paint(area))
     }
@@ -96,7 +99,7 @@ impl Chart {
         Ok(bitmap)
     }
 
-    /// Curves with their places, as far as they have a name.
+    /// Curves that have a name, with their positions.
     fn named(&self) -> impl Iterator<Item = (usize, &Curve)> {
         self.curves.iter().enumerate().filter(|(_, curve)| !curve.name.is_empty())
     }
@@ -138,7 +141,8 @@ impl Chart {
         Ok(Scale::new(self.log[axis], range, ticks))
     }
 
-    /// Ticks along x with their words: as given where they can be read, at few data, or at round numbers.
+    /// Ticks along x with their labels: the given ones as far as they are legible, at the data if
+    /// these are few, or at round numbers.
     fn along(&self, range: &Range<f64>) -> Vec<(f64, String)> {
         if !self.x_ticks.is_empty() {
             return readable(&self.x_ticks, range.end - range.start);
@@ -173,18 +177,18 @@ impl Chart {
         Ok(if grounded { 0.0 } else { low - margin }..high + margin)
     }
 
-    /// A place on the axes.
+    /// Axis coordinates of a point.
     fn at(&self, x: f64, y: f64) -> (f64, f64) {
         (ticks::on(self.log[0], x), ticks::on(self.log[1], y))
     }
 
-    /// Ends of the error bar; where a logarithm has no lower end, the point itself.
+    /// Ends of the error bar; the point itself where the lower end has no logarithm.
     fn ends(&self, p: &[f64; 3]) -> [(f64, f64); 2] {
         let half = if self.log[1] && p[1] <= p[2] { 0.0 } else { p[2] };
         [self.at(p[0], p[1] - half), self.at(p[0], p[1] + half)]
     }
 
-    /// Line or band, markers and bars of one curve.
+    /// Draws line or band, markers and error bars of one curve.
     fn draw<B: DrawingBackend>(
         &self,
         axes: &mut Axes<B>,
@@ -216,7 +220,7 @@ impl Chart {
         Ok(())
     }
 
-    /// A line through points; dashes of no length are none.
+    /// Draws a line through points, solid if the dashes have no length.
     fn line<B: DrawingBackend>(
         &self,
         axes: &mut Axes<B>,
@@ -234,7 +238,7 @@ impl Chart {
     }
 }
 
-/// One entry of the legend.
+/// Draws one entry of the legend.
 fn name<B: DrawingBackend>(
     area: &Area<B>,
     (x, y): (i32, i32),
@@ -256,7 +260,7 @@ fn name<B: DrawingBackend>(
     Ok(())
 }
 
-/// Ticks whose words do not touch, from the first on; `length` is that of the axis.
+/// Ticks whose labels do not overlap, from the first on; `length` is that of the axis.
 fn readable(all: &[(f64, String)], length: f64) -> Vec<(f64, String)> {
     let widest = all.iter().map(|tick| width(&tick.1, WORDS) + WORDS).max().unwrap_or(0);
     let apart = length * f64::from(widest) / f64::from(ROOM[0]);
@@ -269,7 +273,7 @@ fn readable(all: &[(f64, String)], length: f64) -> Vec<(f64, String)> {
     kept
 }
 
-/// Okabe–Ito, and the same greyer from the eighth curve on.
+/// Okabe–Ito colours, and greyer ones from the eighth curve on.
 fn palette(k: usize) -> RGBColor {
     let RGBColor(r, g, b) = COLOURS[k % COLOURS.len()];
     if k < COLOURS.len() { RGBColor(r, g, b) } else { RGBColor(r / 2 + 60, g / 2 + 60, b / 2 + 60) }

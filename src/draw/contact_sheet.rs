@@ -10,11 +10,11 @@ use crate::appearance::picture::InkPicture;
 pub struct ContactSheet {
     /// Title over the sheet.
     pub title: String,
-    /// Name of the axis that runs down, and its captions.
+    /// Name of the axis that runs down the sheet.
     pub row_axis: String,
     /// Labels of the rows, from the top.
     pub rows: Vec<String>,
-    /// Name of the axis that runs to the right, and its captions.
+    /// Name of the axis that runs to the right.
     pub column_axis: String,
     /// Labels of the columns, from the left.
     pub columns: Vec<String>,
@@ -28,7 +28,7 @@ pub struct ContactSheet {
 pub(super) const SHEET_LEFT: usize = 150;
 pub(super) const SHEET_TOP: usize = 104;
 const SHEET_GAP: usize = 22;
-/// Width of a letter over the size of the type, at most on average.
+/// Upper limit on the mean width of a letter, over the type size.
 const LETTER: f64 = 0.6;
 
 impl ContactSheet {
@@ -96,7 +96,7 @@ impl ContactSheet {
     }
 }
 
-/// Why there is no picture, in lines as wide as the place.
+/// Writes why there is no picture, in lines that fit into the cell.
 fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> Result<(), OutputError> {
     let size = LABEL_PX - 2;
     let letters = ((cell[0] - SHEET_GAP) as f64 / (LETTER * size as f64)) as usize;
@@ -111,7 +111,7 @@ fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str
     Ok(())
 }
 
-/// Words in lines of at most so many letters, where no word is longer.
+/// Breaks a text into lines of at most `letters` characters; longer words stay whole.
 fn wrapped(text: &str, letters: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

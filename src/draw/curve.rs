@@ -1,4 +1,4 @@
-//! What a chart shows: points with error bars, joined or not, and lines to compare with.
+//! Curves of a chart: points with error bars, joined or not, and guide lines.
 
 use crate::numerics::estimate::Estimate;
 use serde::{Deserialize, Serialize};
@@ -11,23 +11,25 @@ pub enum Style {
     Data,
     /// Measured points alone.
     Points,
-    /// A line to compare with, dashed and without markers; bars become a band.
+    /// A reference line, dashed and without markers; error bars become a band.
     Guide,
 }
 
-/// Points (x, y, half width of the bar).
+/// A named series of points with error bars.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
-    /// Name in the legend; none where it is empty.
+    /// Name in the legend; not listed if empty.
     pub name: String,
     /// How it is drawn.
     pub style: Style,
-    /// x, y and the error of y, 0 where there is none. Where y is not finite, a point is missing and the line is broken.
+    /// x, y and the half width of the error bar of y, 0 if there is none. A y that is not finite
+    /// marks a missing point, at which the line is broken.
     pub points: Vec<[f64; 3]>,
-    /// Places of its colour and of its marker in their lists; its place among the curves when none.
+    /// Indices of colour and marker in their lists; by default the position of the curve in the
+    /// chart.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look: Option<[usize; 2]>,
-    /// Dashes of a line of data: none at 0, then longer and longer ones.
+    /// Dashes of a line of data: 0 is solid, larger numbers have longer dashes.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub dashes: usize,
 }
@@ -36,10 +38,11 @@ fn is_zero(n: &usize) -> bool {
     *n == 0
 }
 
-/// Abscissae closer than this are one: wavelengths in nm, angles in degrees.
+/// Abscissae closer than this count as equal: wavelengths in nm, angles in degrees.
 const SAME: f64 = 1e-6;
 
-/// Fewest points of an exponent: two make a line exactly, three leave one degree of freedom.
+/// Fewest points for the fit of an exponent: two determine a line, three leave one degree of
+/// freedom.
 const FEWEST_POINTS: usize = 4;
 
 impl Curve {
@@ -57,7 +60,7 @@ impl Curve {
         Self { name: name.into(), style, points: points.into_iter().collect(), look: None, dashes: 0 }
     }
 
-    /// Data whose bars are their standard errors, where these are known.
+    /// A data curve whose error bars are the standard errors, where these are known.
     pub fn measured(name: impl Into<String>, points: impl IntoIterator<Item = (f64, Estimate)>) -> Self {
         let bar = |(x, y): (f64, Estimate)| [x, y.value, y.standard_error.unwrap_or(0.0)];
         Self::with_bars(name, Style::Data, points.into_iter().map(bar))
@@ -68,7 +71,7 @@ impl Curve {
         self.points.iter().any(|p| p[1].is_finite())
     }
 
-    /// The same, broken at the abscissae that were asked for and have no point.
+    /// Breaks the curve at the abscissae that were asked for and have no point.
     pub fn asked_at(mut self, asked: &[f64]) -> Self {
         let found = |x: f64| self.points.iter().any(|p| (p[0] - x).abs() < SAME);
         let missing: Vec<_> = asked.iter().filter(|&&x| !found(x)).map(|&x| [x, f64::NAN, 0.0]).collect();
@@ -77,24 +80,25 @@ impl Curve {
         self
     }
 
-    /// The same in a colour and with a marker that do not depend on the other curves of the chart.
+    /// Fixes colour and marker, which otherwise depend on the position of the curve in the chart.
     pub fn looking(self, colour: usize, marker: usize) -> Self {
         Self { look: Some([colour, marker]), ..self }
     }
 
-    /// The same with a line in dashes, to tell it from others of its colour and marker.
+    /// Dashes the line, to distinguish it from others of the same colour and marker.
     pub fn dashed(self, dashes: usize) -> Self {
         Self { dashes, ..self }
     }
 
-    /// C x^slope through the last point of another curve, over its range.
+    /// Guide line C x^slope through the last point of another curve, over its range.
     pub fn guide(name: impl Into<String>, along: &Curve, slope: f64) -> Self {
         let last = along.points.last().copied().unwrap_or([1.0; 3]);
         let at = |p: &[f64; 3]| (p[0], last[1] * (p[0] / last[0]).powf(slope));
         Self::new(name, Style::Guide, along.points.iter().map(at))
     }
 
-    /// Slope of a least-squares line through the logarithms with its standard error; none of fewer than four points.
+    /// Slope of a least-squares line through the logarithms, with its standard error; `None` for
+    /// fewer than four points.
     pub fn exponent(&self) -> Option<Estimate> {
         let points: Vec<[f64; 2]> = self.points.iter().map(|p| [p[0].ln(), p[1].ln()]).collect();
         if points.len() < FEWEST_POINTS {

@@ -1,16 +1,16 @@
-//! Why an output was not made or written.
+//! Errors of making and writing outputs.
 
 use std::path::PathBuf;
 
-/// Why a file of results, or a picture in one, is not there.
+/// Why a results file, or a picture in one, was not made.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The file cannot be written.
-    #[error("cannot write {}: {source}; check the folder and its rights", path.display())]
+    #[error("cannot write {}: {source}; check the folder and its permissions", path.display())]
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The message of the system.
         source: std::io::Error,
     },
     /// The file cannot be read.
@@ -39,7 +39,7 @@ pub enum OutputError {
         /// Most, pixels.
         most: usize,
     },
-    /// Another number of items than needed.
+    /// The wrong number of items.
     #[error("{field}: {count} entries where {expected} are needed")]
     Count {
         /// Which items.
@@ -52,7 +52,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// What becomes of any failure while something is made.
+    /// Maps any failure while `what` is made.
     pub(crate) fn making<E: std::fmt::Display>(what: &str) -> impl Fn(E) -> Self + '_ {
         move |reason| Self::Make { what: what.into(), reason: reason.to_string() }
     }

@@ -1,4 +1,4 @@
-//! The canvas under pictures and plots: an RGB bitmap with the built-in font, written as PNG.
+//! Canvas of pictures and plots: an RGB bitmap with a built-in font, written as PNG.
 
 use super::error::{OutputError, failed};
 use plotters::coord::Shift;
@@ -21,7 +21,7 @@ pub fn register_fonts() {
     });
 }
 
-/// Okabe–Ito colours, told apart with every common colour blindness; black first.
+/// Okabe–Ito colours, distinguishable with every common form of colour blindness; black first.
 pub const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
     RGBColor(0, 114, 178),
@@ -97,7 +97,7 @@ impl Bitmap {
     /// Writes a line of text, vertically centred on `y`; `upwards` turns it by 90°.
     ///
     /// # Errors
-    /// The font fails (it is embedded, so it does not).
+    /// The font fails, which it cannot as it is embedded.
     pub fn text(
         &mut self,
         text: &str,
@@ -145,7 +145,7 @@ impl Bitmap {
             .map_err(|source| OutputError::Write { path: path.into(), source })
     }
 
-    /// The bytes of such a PNG.
+    /// Encodes the bitmap as the PNG that [`Bitmap::write_png`] writes.
     ///
     /// # Errors
     /// A keyword is not 1–79 Latin-1 characters.

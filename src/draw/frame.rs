@@ -1,4 +1,4 @@
-//! The frame with axes in which pictures of the layer are set.
+//! A frame with axes around pictures of the layer.
 
 use super::error::OutputError;
 use super::figure::{Bitmap, FONT};
@@ -10,10 +10,10 @@ use std::ops::Range;
 const LABEL: u32 = 17;
 const CAPTION: u32 = 20;
 
-/// What pictures are drawn on.
+/// Drawing area of a bitmap.
 pub(super) type Canvas<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
-/// A drawing of some width and height, pixels, as PNG.
+/// Draws a picture of some width and height, pixels, as PNG.
 pub(super) fn drawn(
     (width, height): (u32, u32),
     paint: impl FnOnce(&Canvas) -> Result<(), OutputError>,
@@ -39,7 +39,7 @@ const BELOW: u32 = 56;
 const MARGIN: u32 = 18;
 const ABOVE: u32 = 34;
 
-/// A raster with axes around it, as PNG.
+/// Draws a raster with axes around it, as PNG.
 pub(super) fn framed(
     frame: Frame,
     what: &str,

@@ -1,27 +1,28 @@
-//! The leaf that a plot stands on: no wider than a phone shows with its words still read, the title above the axes and the names
-//! of the curves beneath them.
+//! Layout of a plot: narrow enough to be legible on a phone, with the title above the axes and the
+//! names of the curves below.
 
 use super::error::{OutputError, failed};
 use super::figure::{FONT, register_fonts};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-/// Width of all plots, pixels. A phone leaves 358 of its 390 to a page: words of 13 are 10 there.
+/// Width of all plots, pixels. A page on a phone has 358 of its 390 pixels, where letters of 13
+/// pixels have 10.
 const WIDTH: u32 = 480;
-/// Height of the axes with their words, pixels.
+/// Height of the axes with their labels, pixels.
 const AXES: u32 = 320;
-/// Size of words; the library draws them 1.24 times smaller, in pixels.
+/// Type size of labels; the library draws them 1.24 times smaller, in pixels.
 pub(super) const WORDS: u32 = 16;
 const TITLE: u32 = 18;
 const TITLE_STEP: u32 = 24;
 const NAME_STEP: u32 = 22;
 const MARGIN: u32 = 12;
-/// Room for a curve's line and marker before its name.
+/// Space for a curve's line and marker before its name.
 pub(super) const KEY: i32 = 32;
 
 pub(super) type Area<B> = DrawingArea<B, Shift>;
 
-/// The parts of a leaf.
+/// Title and legend of a plot, which determine its size.
 pub(super) struct Leaf {
     title: Vec<String>,
     names: usize,
@@ -29,7 +30,7 @@ pub(super) struct Leaf {
 }
 
 impl Leaf {
-    /// Room for a title and for names, in as many columns as fit.
+    /// Lays out a title, and names in as many columns as fit.
     pub fn new<'a>(title: &str, names: impl IntoIterator<Item = &'a str>) -> Leaf {
         let widths: Vec<u32> =
             names.into_iter().map(|name| KEY as u32 + MARGIN + width(name, WORDS)).collect();
@@ -49,7 +50,7 @@ impl Leaf {
         (WIDTH, self.title_height() + AXES + names)
     }
 
-    /// Writes the title; what is left are the axes and the names beneath.
+    /// Writes the title; returns the areas of the axes and of the names below.
     pub fn split<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(Area<B>, Area<B>), OutputError> {
         let (title, rest) = area.split_vertically(self.title_height());
         for (k, line) in self.title.iter().enumerate() {
@@ -60,7 +61,7 @@ impl Leaf {
         Ok(rest.split_vertically(AXES))
     }
 
-    /// Where the key of a curve begins, in the area of the names: its left end and the middle of its line.
+    /// Position of entry `k` in the area of the names: the left end of its line, and its middle.
     pub fn place(&self, k: usize) -> (i32, i32) {
         let step = (WIDTH - MARGIN) / self.columns as u32;
         let (row, column) = ((k / self.columns) as u32, (k % self.columns) as u32);
@@ -68,18 +69,18 @@ impl Leaf {
     }
 }
 
-/// The size at which words fit into a room of so many pixels; as small as can be read where they do not.
+/// Largest type size at which words fit into `room` pixels, but no smaller than is legible.
 pub(super) fn fitting(words: &str, room: u32) -> u32 {
     (11..=WORDS).rev().find(|&px| width(words, px) <= room).unwrap_or(11)
 }
 
-/// Width of words, pixels.
+/// Width of a text, pixels.
 pub(super) fn width(words: &str, px: u32) -> u32 {
     register_fonts(); // a font is looked up when its description is made
     (FONT, px).into_font().box_size(words).map_or(0, |size| size.0)
 }
 
-/// A title in lines that fit.
+/// Breaks a title into lines that fit.
 fn lines(title: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in title.split_whitespace() {
@@ -93,7 +94,7 @@ fn lines(title: &str) -> Vec<String> {
     lines
 }
 
-/// A drawing as SVG, without what says nothing.
+/// Draws as SVG, without redundant attributes.
 pub(super) fn svg_of(
     size: (u32, u32),
     paint: impl FnOnce(&Area<SVGBackend>) -> Result<(), OutputError>,
@@ -108,14 +109,14 @@ pub(super) fn svg_of(
     Ok(at_night(&text.replace(" opacity=\"1\"", "")))
 }
 
-/// Rules of a drawing on a dark page, with the colours of the pages' own style; print stays white.
+/// Style rules for dark pages, with the colours of the pages' style sheet; print stays white.
 const NIGHT: &str = "<style>@media screen and (prefers-color-scheme: dark) { \
     rect[fill=\"#FFFFFF\"] { fill: #211f1c; } text { fill: #e6e2da; } \
     [stroke=\"#000000\"] { stroke: #e6e2da; } polygon[fill=\"#000000\"] { fill: #e6e2da; } \
     [stroke=\"#DEDEDE\"] { stroke: #45413b; } \
     [stroke=\"#0072B2\"] { stroke: #3d9fdc; } polygon[fill=\"#0072B2\"] { fill: #3d9fdc; } }</style>";
 
-/// The drawing with rules for dark pages.
+/// Adds the rules for dark pages to a drawing.
 fn at_night(svg: &str) -> String {
     match svg.find("<svg").and_then(|at| Some(at + svg[at..].find('>')? + 1)) {
         Some(end) => format!("{}\n{NIGHT}{}", &svg[..end], &svg[end..]),
@@ -127,7 +128,7 @@ fn at_night(svg: &str) -> String {
 mod tests {
     use super::*;
 
-    /// 358 pixels are left to a plot on a phone of 390.
+    /// A page on a phone of 390 pixels has 358 for a plot.
     #[test]
     fn words_are_read_on_a_phone() {
         let shown = f64::from(WORDS) / 1.24 * 358.0 / f64::from(WIDTH);

@@ -1,9 +1,10 @@
 //! Markers of points.
 
-/// Shapes that [`marker`] tells apart.
+/// Number of different markers.
 const MARKERS: usize = 7;
 
-/// Disc, triangle, square, diamond, triangle on its tip, plus and hourglass, in pixels around the point.
+/// Outline of marker `k` in pixels around the point: disc, triangle, square, diamond, triangle on
+/// its tip, plus and hourglass.
 pub(super) fn marker(k: usize) -> Vec<(i32, i32)> {
     match k % MARKERS {
         0 => vec![(-1, -4), (1, -4), (4, -1), (4, 1), (1, 4), (-1, 4), (-4, 1), (-4, -1)],

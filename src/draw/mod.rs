@@ -1,4 +1,4 @@
-//! The only place that draws: bitmaps, lines, pictures of inks and of packings.
+//! All drawing: charts, bitmaps, and pictures of inks and of packings.
 
 pub mod chart;
 pub mod contact_sheet;

@@ -1,4 +1,5 @@
-//! Pictures of a layer: from the incident side, cut open, in perspective; and a sheet of grain shapes.
+//! Pictures of a layer: from the incident side, cut open, in perspective; and a sheet of grain
+//! shapes.
 
 use super::error::{OutputError, failed};
 use super::figure::FONT;
@@ -11,7 +12,8 @@ const WIDE: f64 = 860.0;
 /// Pixels along the side of a grain's picture on a sheet of shapes.
 const TILE: usize = 300;
 
-/// The layer seen along +z, from the incident side: pigment dimmed with its depth below the binder's surface.
+/// The layer seen along +z, from the incident side: pigment dimmed with its depth below the
+/// binder's surface.
 pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let [lx, ly] = packing.period_um();
     let per_um = WIDE / lx.max(ly);
@@ -77,7 +79,8 @@ fn reaches_into(sphere: &Sphere, [lx, ly]: [f64; 2]) -> bool {
     reaches(x, lx) && reaches(y, ly)
 }
 
-/// The plane y = Ly/2: pigment, binder and vacuum before the binder; z grows downwards to the exit side.
+/// The plane y = Ly/2: pigment, binder and vacuum before the binder; z grows downwards to the exit
+/// side.
 pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let [lx, ly] = packing.period_um();
     let height = packing.thickness_um();
@@ -124,12 +127,12 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
     raster
 }
 
-/// How many spheres, in words.
+/// The number of spheres in words.
 fn spheres(count: usize) -> String {
     if count == 1 { "1 sphere".into() } else { format!("{count} spheres") }
 }
 
-/// The cell from the incident side and aside, with its edges; the face z = 0 is up.
+/// The cell with its edges, obliquely from the incident side; the face z = 0 is up.
 pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let (w, h) = (1200u32, 760u32);
     drawn((w, h + 40), |area| draw_perspective(area, packing, (w, h)))
@@ -180,7 +183,7 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
     raster
 }
 
-/// Each pigment's grain side by side, at one scale, with its name and figures.
+/// One grain of each pigment side by side, at the same scale, with its name and dimensions.
 pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
     let n = shapes.len().max(1);
     drawn(((n * TILE) as u32, 400), |area| {

@@ -29,10 +29,11 @@ pub(super) const LABEL_PX: u32 = 15;
 pub(super) const TITLE_PX: u32 = 18;
 const TICKS_DEG: f64 = 20.0;
 
-/// The picture as a bitmap; with labels, `title` stands above it.
+/// Renders the picture as a bitmap; with labels, `title` is written above it.
 ///
 /// # Errors
-/// No angles, strip and square of other sizes than the angles, sides of 0 or more than 20 000 pixels.
+/// No angles, a strip or square that does not have their number, sides of 0 or more than 20 000
+/// pixels.
 pub fn render(picture: &InkPicture, style: &PictureStyle, title: &str) -> Result<Bitmap, OutputError> {
     Painter(picture).render(style, title)
 }

@@ -1,22 +1,22 @@
-//! Ticks of axes: round numbers, and as many as can be read.
+//! Axis ticks at round numbers, as many as are legible.
 
 use plotters::coord::ranged1d::{BoldPoints, KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
-/// Most ticks of an axis that runs along the page.
+/// Most ticks of a horizontal axis.
 const MOST_ALONG: usize = 7;
-/// Most ticks of one that runs up the page: linear and logarithmic.
+/// Most ticks of a vertical axis: linear and logarithmic.
 const MOST_UP: [usize; 2] = [8, 12];
 /// Slack of comparisons between round numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// Round ticks of an axis along the page, with their words.
+/// Round ticks of a horizontal axis, with their labels.
 pub(super) fn along(range: &Range<f64>, log: bool) -> Vec<(f64, String)> {
     round_ticks(range, log, MOST_ALONG)
 }
 
-/// The same up the page.
+/// Round ticks of a vertical axis, with their labels.
 pub(super) fn up(range: &Range<f64>, log: bool) -> Vec<(f64, String)> {
     round_ticks(range, log, MOST_UP[usize::from(log)])
 }
@@ -30,7 +30,8 @@ fn round_ticks(range: &Range<f64>, log: bool, most: usize) -> Vec<(f64, String)>
     at.into_iter().map(|v| (v, label(v, log, range.end - range.start))).collect()
 }
 
-/// 1, 2 and 5 times the powers of ten within a range; of long ranges the powers alone, or every second of them, and so on.
+/// 1, 2 and 5 times the powers of ten within a range; for long ranges the powers alone, or every
+/// second, third … of them.
 fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
     let all = round_numbers(range, &[1.0, 2.0, 5.0]);
     if all.len() <= most {
@@ -47,7 +48,7 @@ fn round_numbers(range: &Range<f64>, leading: &[f64]) -> Vec<f64> {
     (from..=to).flat_map(|k| leading.iter().map(move |l| l * 10f64.powi(k))).filter(within).collect()
 }
 
-/// A logarithmic range with two ticks at least. It grows to the side where less is added.
+/// Widens a logarithmic range until it has at least two ticks, on the side where this adds less.
 pub(super) fn wide(low: f64, high: f64) -> Range<f64> {
     let there = |range: &Range<f64>| logarithmic(range, MOST_ALONG).len();
     let (mut down, mut up) = (low..high, low..high);
@@ -58,18 +59,18 @@ pub(super) fn wide(low: f64, high: f64) -> Range<f64> {
     if there(&down) < 2 { up } else { down }
 }
 
-/// A tick in words. `span` is the length of the axis: ticks of a linear one differ by a tenth of it or more, so that its
-/// decimal place tells them apart.
+/// Label of a tick. `span` is the length of the axis: ticks of a linear axis differ by at least a
+/// tenth of it, which determines the decimal places.
 fn label(v: f64, log: bool, span: f64) -> String {
     if log { round(v) } else { linear(v, span) }
 }
 
-/// A round number of a logarithmic axis.
+/// Label of a round number on a logarithmic axis.
 fn round(v: f64) -> String {
     if (0.01..100_000.0).contains(&v) { trimmed(format!("{v:.3}")) } else { format!("{v:.0e}") }
 }
 
-/// Least and largest place of a digit that is written without a power of ten.
+/// Smallest and largest decimal exponent of numbers written without a power of ten.
 const PLAIN: (i32, i32) = (-5, 5);
 
 fn linear(v: f64, span: f64) -> String {
@@ -84,13 +85,13 @@ fn linear(v: f64, span: f64) -> String {
     format!("{v:.*e}", (first - last).clamp(0, 15) as usize)
 }
 
-/// Without the zeros that say nothing.
+/// Strips trailing zeros.
 fn trimmed(text: String) -> String {
     let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if short == "-0" { "0".into() } else { short.into() }
 }
 
-/// A number of some data as a tick: three digits.
+/// Label of a data value: three digits.
 fn of_data(v: f64) -> String {
     let digits = (2 - v.abs().log10().floor() as i32).clamp(0, 12) as usize;
     if (1e-4..100_000.0).contains(&v) { trimmed(format!("{v:.digits$}")) } else { format!("{v:.2e}") }
@@ -99,7 +100,8 @@ fn of_data(v: f64) -> String {
 /// Least distance between ticks at the data, as a share of the axis.
 const APART: f64 = 0.08;
 
-/// Ticks of a logarithmic axis at the data themselves, where these are few and far enough apart to be read.
+/// Ticks of a logarithmic axis at the data themselves, where these are few and far enough apart to
+/// be read.
 pub(super) fn at_data(values: impl Iterator<Item = f64>, range: &Range<f64>) -> Option<Vec<(f64, String)>> {
     let mut all: Vec<f64> = values.collect();
     all.sort_by(f64::total_cmp);
@@ -111,12 +113,12 @@ pub(super) fn at_data(values: impl Iterator<Item = f64>, range: &Range<f64>) -> 
     ((2..=MOST_ALONG).contains(&named.len()) && apart && told).then_some(named)
 }
 
-/// Where a number stands on an axis.
+/// Axis coordinate of a number.
 pub(super) fn on(log: bool, v: f64) -> f64 {
     if log { v.log10() } else { v }
 }
 
-/// An axis over numbers or their logarithms, with ticks in words at given places.
+/// An axis over numbers or their logarithms, with labelled ticks.
 pub(super) struct Scale {
     axis: RangedCoordf64,
     ticks: Vec<(f64, String)>,
@@ -191,7 +193,8 @@ mod tests {
         assert_eq!(label(-0.05, false, 0.3), "-0.05");
     }
 
-    /// Ticks of linear axes of all lengths, as the drawing library places them. *Planted*: three decimals write 0.092 twice.
+    /// Ticks of linear axes of all lengths, as the drawing library places them. *Planted*: three
+    /// decimals write 0.092 twice.
     #[test]
     fn labels_of_an_axis_differ() {
         let mut draws = crate::numerics::Draws::new(3, 0);

@@ -1,18 +1,19 @@
-//! CGATS.17 text: spectra in percent with Lab, one row a geometry, in the columns that ArgyllCMS reads.
+//! CGATS.17 text: spectra in percent with Lab, one row per geometry, in the columns that ArgyllCMS
+//! reads.
 
 use super::print::Print;
 use std::fmt::Write;
 
-/// Which program the first line addresses.
+/// Dialect of the file, named in its first line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
     /// `CGATS.17`, the standard's own.
     Standard,
-    /// `SPECT`: what the tools of ArgyllCMS take as measured spectra without device values.
+    /// `SPECT`: read by the tools of ArgyllCMS as measured spectra without device values.
     Argyll,
 }
 
-/// The whole file.
+/// The complete file.
 pub fn cgats(print: &Print, dialect: Dialect) -> String {
     let mut out = match dialect {
         Dialect::Standard => "CGATS.17\n\n",
@@ -61,15 +62,15 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("SPECTRAL_END_NM", &format!("{:.6}", f64::from(last.copied().unwrap_or(0))));
 }
 
-/// Whose Lab the columns hold.
+/// Note on the origin of the Lab columns.
 fn lab_note(print: &Print) -> String {
     if !has_lab(print) {
-        return "none: the wavelengths carry no colour".to_owned();
+        return "none: the wavelengths do not suffice for a colour".to_owned();
     }
     print.lab_differs().unwrap_or_else(|| "as on the study's page".to_owned())
 }
 
-/// Whether every spectrum has a colour: columns have no gaps.
+/// Whether every spectrum has a colour; otherwise there are no Lab columns.
 fn has_lab(print: &Print) -> bool {
     print.spectra.iter().all(|spectrum| spectrum.colour.is_some())
 }

@@ -1,17 +1,18 @@
-//! CxF3 (ISO 17972): the spectra of the print with Lab, as colour instruments' programs exchange them.
+//! CxF3 (ISO 17972): the spectra of the print with Lab, as colour instruments' programs exchange
+//! them.
 //!
-//! The format has no slot for uncertainties: they are tags of each object. What was simulated says so in `Creator`,
-//! `Description` and in the tags.
+//! The format has no element for uncertainties: they are tags of each object. `Creator`,
+//! `Description` and the tags state that the data are simulated.
 
 use super::print::{InstrumentGeometry, Print, PrintSpectrum, xml};
 use std::fmt::Write;
 
 /// Decimals of reflectance factors: far below any standard error.
 const DECIMALS: usize = 7;
-/// Illuminants that the format has a name for, of those that a study may ask for.
+/// Illuminants of studies that the format has a name for.
 const ILLUMINANTS: [&str; 11] = ["A", "D50", "D65", "E", "F2", "F3", "F7", "F9", "F10", "F11", "F12"];
 
-/// The whole file.
+/// The complete file.
 pub fn cxf(print: &Print) -> String {
     let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     out += "<cc:CxF xmlns:cc=\"http://colorexchangeformat.com/CxF3-core\">\n";
@@ -83,7 +84,8 @@ fn tags(print: &Print, spectrum: &PrintSpectrum) -> String {
     out + "</cc:TagCollection>\n"
 }
 
-/// Light and observer of Lab, with the white that Lab refers to; names that the format does not know are `Custom`.
+/// Light and observer of Lab, with the white that Lab refers to; names that the format does not
+/// know are `Custom`.
 fn tristimulus(print: &Print, spectrum: &PrintSpectrum) -> String {
     let (light, observer) = (print.viewing.illuminant(), print.viewing.observer());
     let white = spectrum.colour.as_ref().map_or_else(String::new, |colour| {

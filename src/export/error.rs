@@ -1,4 +1,4 @@
-//! Why an export fails.
+//! Errors of exports.
 
 use crate::evaluate::ink::InkError;
 use crate::ink::PackError;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Why something could not be exported.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// No results there.
+    /// The folder holds no results.
     #[error("{} holds no results of `inkwave run`: {reason}", path.display())]
     NoResults {
         /// The folder.
@@ -28,11 +28,11 @@ pub enum ExportError {
         expected: String,
     },
     /// Solves are missing.
-    #[error("{} is not finished: {finished} of {asked} solves are there", path.display())]
+    #[error("{} is unfinished: {finished} of {asked} solves are stored", path.display())]
     Unfinished {
         /// The folder.
         path: PathBuf,
-        /// Solves that are there.
+        /// Finished solves.
         finished: usize,
         /// Solves of the study.
         asked: usize,
@@ -53,7 +53,7 @@ pub enum ExportError {
         /// Why there is none.
         reason: String,
     },
-    /// The material's frame is vacuum.
+    /// Materials of renderers lie in vacuum.
     #[error("layer.index_in is {index}; a renderer's material lies in air: allowed is 1")]
     NotInAir {
         /// Index of the incident side.
@@ -67,7 +67,7 @@ pub enum ExportError {
         /// The study's own, nm.
         allowed: String,
     },
-    /// The near field of Maxwell's equations is known as moments alone.
+    /// The near field of Maxwell's equations is known only as moments.
     #[error(
         "near field: light.wave is {wave}; allowed is \"scalar\": Maxwell's equations are solved for moments of E, which no volume shows yet"
     )]
@@ -84,19 +84,19 @@ pub enum ExportError {
     /// Records that do not belong together.
     #[error(transparent)]
     Seen(#[from] crate::appearance::bdf::BdfError),
-    /// The appearance refuses.
+    /// The appearance cannot be computed.
     #[error(transparent)]
     Ink(#[from] InkError),
-    /// A table was not made.
+    /// A table cannot be written.
     #[error("cannot write a table: {0}")]
     Csv(#[from] csv::Error),
-    /// JSON was not made.
+    /// JSON cannot be written.
     #[error("cannot write JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// The archive of arrays was not made.
+    /// The archive of arrays cannot be written.
     #[error("cannot write the archive of arrays: {0}")]
     Npz(#[from] ndarray_npy::WriteNpzError),
-    /// The packing could not be made again.
+    /// The packing could not be reproduced.
     #[error(transparent)]
     Packing(#[from] PackError),
     /// The near field's problem is not valid.
@@ -108,17 +108,17 @@ pub enum ExportError {
 }
 
 impl ExportError {
-    /// What to try, where the message does not say it.
+    /// What to try, unless the message includes it.
     pub fn remedy(&self) -> Option<&'static str> {
         match self {
             Self::NoResults { .. } => Some(
-                "give the folder that `inkwave run STUDY.toml` has written; of a sweep, a folder under variants/",
+                "give the folder written by `inkwave run STUDY.toml`, or for a sweep a folder under variants/",
             ),
             Self::Changed { .. } => {
                 Some("results.json was edited or is of another version: run the study again")
             }
             Self::Unfinished { .. } => {
-                Some("run the study again in that folder: it goes on where it stopped")
+                Some("run the study again in that folder: it resumes where it stopped")
             }
             Self::Store { .. } => Some("check the folder's permissions"),
             Self::Seen(_) => Some("run the study again in a new folder"),

@@ -1,10 +1,12 @@
-//! The ink on its paper as a measured material of the renderer Mitsuba 3: spectral and RGB `.bsdf`, and a scene of each.
+//! The ink on its paper as a measured material of the renderer Mitsuba 3: spectral and RGB `.bsdf`,
+//! and a scene of each.
 //!
-//! Stored is f·cos θ_o over a grid of half vectors for each angle of incidence. With θ_m, φ_m the half vector's angles in
-//! the frame of the light (φ_i = 0), column and row are u = √(2θ_m/π) and v = (φ_m + π)/2π, both from 0 to 1.
-//! In this program light travels towards +x and its mirror image lies at α = +sin θ; the renderer's ω_i points to the
-//! source: (α, β) = −(ω_o,x, ω_o,y). The mirror part is a delta, which such a table cannot hold: it is left out and
-//! written to `specular.csv`.
+//! Stored is f·cos θ_o over a grid of half vectors for each angle of incidence. With θ_m, φ_m the
+//! half vector's angles in the frame of the light (φ_i = 0), column and row are u = √(2θ_m/π) and v
+//! = (φ_m + π)/2π, both from 0 to 1. In this program light travels towards +x and its mirror image
+//! lies at α = +sin θ; the renderer's ω_i points to the source: (α, β) = −(ω_o,x, ω_o,y). The
+//! mirror part is a delta, which such a table cannot hold: it is left out and written to
+//! `specular.csv`.
 
 use super::tensor::{TensorField, tensor_file};
 use crate::appearance::colour::Colorimeter;
@@ -13,13 +15,16 @@ use crate::evaluate::ink::InkError;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Points along each axis of the half vector's grid. *Measured* against the formula at cos θ > 0.2, median and 95th
-/// percentile: 32 points 0.7 % and 8 %, 48 points 0.3 % and 4 %, 96 points 0.09 % and 1.5 %.
+/// Points along each axis of the half vector's grid. *Measured* against the formula at cos θ > 0.2,
+/// median and 95th percentile: 32 points 0.7 % and 8 %, 48 points 0.3 % and 4 %, 96 points 0.09 %
+/// and 1.5 %.
 pub const POINTS: usize = 96;
-/// The renderer divides by the luminance when it draws directions: never 0, at least this share of its mean.
+/// The renderer divides by the luminance when it draws directions: never 0, at least this share of
+/// its mean.
 const LEAST_LUMINANCE: f64 = 1e-4;
-/// Angles of incidence lie at most this far apart: between them the renderer keeps the half vector, so that the direction of
-/// view turns with the light. *Measured* with 4.5°, median and 95th percentile: 0.56 % and 3.0 %.
+/// Angles of incidence lie at most this far apart: between them the renderer keeps the half vector,
+/// so that the direction of view turns with the light. *Measured* with 4.5°, median and 95th
+/// percentile: 0.56 % and 3.0 %.
 const WIDEST_STEP_DEG: f64 = 3.0;
 /// Directions nearer to grazing than this have no orders around them.
 const GRAZING_DEG: f64 = 89.9;
@@ -94,7 +99,8 @@ impl MaterialTable {
         Ok(RgbFile { bytes: tensor_file(&fields), clipped: clipped as f64 / lit.max(1) as f64 })
     }
 
-    /// Fields of both files. The microfacet tables are flat, so that the renderer's warps leave (u, v) as they are.
+    /// Fields of both files. The microfacet tables are flat, so that the renderer's warps leave (u,
+    /// v) as they are.
     fn common(&self, description: &str) -> Vec<TensorField> {
         let (angles, n) = (self.theta_deg.len(), self.points);
         let radians = self.theta_deg.iter().map(|deg| deg.to_radians() as f32).collect();
@@ -154,7 +160,8 @@ fn slab(ink: &DirectionalInk, light_deg: f64, points: usize) -> Result<TensorSla
     Ok(slab)
 }
 
-/// The direction that the half vector of a cell mirrors the light into, and its cosine; `None` below the horizon.
+/// The direction that the half vector of a cell mirrors the light into, and its cosine; `None`
+/// below the horizon.
 fn view(light_deg: f64, [row, column]: [usize; 2], points: usize) -> Option<(Direction, f64)> {
     let share = |i: usize| i as f64 / (points - 1) as f64;
     let (theta, phi) = (share(column).powi(2) * FRAC_PI_2, TAU * share(row) - PI);
@@ -171,7 +178,8 @@ fn view(light_deg: f64, [row, column]: [usize; 2], points: usize) -> Option<(Dir
     Some((Direction { polar_deg, azimuth_deg }, out[2]))
 }
 
-/// A scene that renders at once: a ball and a flat patch of the ink on a grey table, lit by a lamp and a pale sky.
+/// A scene that renders at once: a ball and a flat patch of the ink on a grey table, lit by a lamp
+/// and a pale sky.
 pub fn scene(bsdf_file: &str, title: &str) -> String {
     let title = title.replace("--", "–").replace(['<', '>', '&'], " ");
     SCENE.replace("{bsdf}", bsdf_file).replace("{title}", &title)

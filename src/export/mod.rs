@@ -1,11 +1,15 @@
-//! Files that other people's tools open, made from what is stored.
+//! Files for other programs, made from stored results.
 //!
-//! [`stored`] reads a finished study back; [`run`](mod@run) makes the files asked for:
-//! [`mitsuba`] a measured material for the renderer with scenes and [`samples`] to check it by · [`cxf`] and [`cgats`] the
-//! [`print`](mod@print)'s spectra with Lab for colour programs · [`npz`] far fields for NumPy · [`voxels`] and
-//! [`near_field`] as [`vti`] for ParaView · [`provenance`] a research crate and a data package ·
-//! [`viewer`] a packing in the browser. Each writer takes plain
-//! numbers and gives bytes; `scripts/check-exports` opens every file with the program it is meant for.
+//! [`stored`] reads a finished study back; [`run`](mod@run) makes the files requested. Each writer
+//! takes plain numbers and returns bytes; `scripts/check-exports` opens every file with the program
+//! it is meant for.
+//!
+//! - [`mitsuba`]: a measured material for the renderer, with scenes and [`samples`] to check it
+//! - [`cxf`], [`cgats`]: the spectra of the [`print`](mod@print) with Lab for colour programs
+//! - [`npz`]: far fields for NumPy
+//! - [`voxels`], [`near_field`]: volumes for ParaView, as [`vti`]
+//! - [`provenance`]: a research crate and a data package
+//! - [`viewer`]: a packing in the browser
 
 pub mod cgats;
 pub mod cxf;

@@ -5,12 +5,14 @@ use crate::wave::{Field, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Heights within each cell of the solver's grid; its interpolation carries the wave between its own points.
+/// Heights per cell of the solver's grid, between whose points the wave is interpolated.
 const HEIGHTS_PER_CELL: usize = 4;
 
-/// u(x, y, z), Bloch phase included, on the solver's points in the plane and on evenly spaced heights 0 … H.
+/// u(x, y, z), Bloch phase included, on the solver's points in the plane and on evenly spaced
+/// heights 0 … H.
 ///
-/// The arrays are `u` (real and imaginary part) and `intensity` |u|², 1 for the incident wave alone.
+/// The arrays are `u` (real and imaginary part) and `intensity` |u|², 1 for the incident wave
+/// alone.
 pub fn image(problem: &Problem, field: &Field) -> Image {
     let (grid, resolution) = (&problem.coverage.grid, problem.coverage.grid.resolution);
     let planes = plane_values(problem, field);
@@ -40,7 +42,7 @@ pub fn image(problem: &Problem, field: &Field) -> Image {
     }
 }
 
-/// Cell and place in it (0–1) of height `k`.
+/// Cell that contains height `k`, and the position within it (0–1).
 fn place(k: usize, cells: usize) -> (usize, f64) {
     let cell = (k / HEIGHTS_PER_CELL).min(cells - 1);
     (cell, (k - HEIGHTS_PER_CELL * cell) as f64 / HEIGHTS_PER_CELL as f64)
@@ -82,7 +84,8 @@ mod tests {
     use std::f64::consts::TAU;
     use std::sync::Arc;
 
-    /// A ball of the binder's own index scatters nothing: the wave is the plane wave itself, at every point.
+    /// A ball of the binder's own index scatters nothing: the wave is the plane wave itself, at
+    /// every point.
     #[test]
     fn without_contrast_the_wave_is_the_incident_one() {
         let ball = Ball { center_um: [0.4, 0.3, 0.25], radius_um: 0.2 };

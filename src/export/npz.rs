@@ -1,7 +1,7 @@
-//! Far fields as NumPy arrays (`.npz`): what every solve found, order by order.
+//! Far fields as NumPy arrays (`.npz`): all orders of every solve.
 //!
-//! Arrays of one row a solve are named `solve_…`; arrays of one row an order `order_…`. The orders of solve s are the
-//! rows `solve_first_order[s] .. solve_first_order[s + 1]`:
+//! Arrays with one row per solve are named `solve_…`; arrays with one row per order `order_…`. The
+//! orders of solve s are the rows `solve_first_order[s] .. solve_first_order[s + 1]`:
 //!
 //! ```python
 //! f = numpy.load("far-fields.npz")

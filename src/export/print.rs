@@ -1,4 +1,4 @@
-//! What an instrument would have measured on the print: spectra on a uniform grid, with their colours.
+//! Spectra that an instrument would measure on the print, on a uniform grid, with their colours.
 
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::lagrange_shares;
@@ -10,7 +10,7 @@ const STEP_NM: f64 = 10.0;
 /// Wavelengths nearer than this to a multiple of the step count as that multiple.
 const SLACK_NM: f64 = 1e-6;
 
-/// How the print is lit and seen.
+/// Illumination and viewing of the print.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstrumentGeometry {
     /// Lit at 45°, seen along the normal (ISO 13655).
@@ -24,9 +24,9 @@ pub enum InstrumentGeometry {
 pub struct PrintSpectrum {
     /// Light and view.
     pub geometry: InstrumentGeometry,
-    /// One value a wavelength, with its standard error where it is known.
+    /// One value per wavelength, with its standard error where it is known.
     pub values: Vec<Estimate>,
-    /// Colour of these values under the study's light, if they carry one.
+    /// Colour of these values under the study's light, if they suffice for one.
     pub colour: Option<Colour>,
     /// Lab of the study's own page under the same light.
     pub page_lab: Option<[f64; 3]>,
@@ -54,7 +54,7 @@ pub struct Print {
 }
 
 impl InstrumentGeometry {
-    /// For people.
+    /// Name for readers.
     pub fn name(self) -> &'static str {
         match self {
             Self::LitAt45 => "45:0",
@@ -62,7 +62,7 @@ impl InstrumentGeometry {
         }
     }
 
-    /// For identifiers.
+    /// Name for identifiers.
     pub fn id(self) -> &'static str {
         match self {
             Self::LitAt45 => "lit_at_45",
@@ -71,7 +71,8 @@ impl InstrumentGeometry {
     }
 }
 
-/// How far Lab of a file may be from the page's before the file says why, in each of L*, a*, b*: the page's rounding.
+/// Largest difference of L*, a* or b* between file and page that needs no explanation: the page's
+/// rounding.
 const ROUNDING: f64 = 0.005;
 
 impl Print {
@@ -85,7 +86,8 @@ impl Print {
         }
     }
 
-    /// Why Lab of the file differs from that of the study's page, with the page's; `None` where both round alike.
+    /// Why Lab of the file differs from that of the study's page, and the page's values; `None` if
+    /// both round alike.
     pub fn lab_differs(&self) -> Option<String> {
         let pages: Vec<String> = self.spectra.iter().filter_map(PrintSpectrum::page_lab_if_other).collect();
         if pages.is_empty() {
@@ -93,10 +95,10 @@ impl Print {
         }
         let sums = match self.interpolated {
             true => "the study's own wavelengths",
-            false => "all solves, also what their fitted spectra smooth out,",
+            false => "all solves, including what their fitted spectra smooth out,",
         };
         Some(format!(
-            "Lab here is summed from the spectrum beside it, every 10 nm, so that whoever sums it again finds it; the study's \
+            "Lab is computed from the spectrum in this file, every 10 nm, so that other programs find the same; the study's \
              page sums {sums} and has {}",
             pages.join("; ")
         ))
@@ -122,8 +124,9 @@ pub fn uniform_grid(wavelengths_nm: &[f64]) -> Vec<u32> {
     (from..=to).map(|k| k * STEP_NM as u32).collect()
 }
 
-/// A spectrum on another grid: values by the rule that colours use (four points, ASTM E2022), standard errors linear
-/// between their neighbours, since chance at neighbouring wavelengths of one packing is shared.
+/// Resamples a spectrum: values by the rule that colours use (four points, ASTM E2022), standard
+/// errors linearly, since statistical errors at neighbouring wavelengths of one packing are
+/// correlated.
 pub fn resample(wavelengths_nm: &[f64], values: &[Estimate], grid: &[u32]) -> Vec<Estimate> {
     let at = |&nm: &u32| {
         let shares = lagrange_shares(wavelengths_nm, f64::from(nm));

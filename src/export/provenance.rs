@@ -1,4 +1,5 @@
-//! Where the files come from and what their columns hold: a Process Run Crate (RO-Crate 1.1) and a Data Package.
+//! Where the files come from and what their columns hold: a Process Run Crate (RO-Crate 1.1) and a
+//! Data Package.
 
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -10,7 +11,7 @@ pub struct Described {
     pub name: String,
     /// The file's bytes.
     pub bytes: Vec<u8>,
-    /// What it holds, for people.
+    /// Description of its content.
     pub about: String,
 }
 
@@ -90,8 +91,8 @@ fn file_entity(file: &Described) -> Value {
     })
 }
 
-/// `datapackage.json`: every file, and the types of every table's columns. Types are stated because readers that guess
-/// them take an angle that happens to be whole for an integer.
+/// `datapackage.json`: every file, and the types of every table's columns. Types are stated because
+/// readers that guess them take an angle that happens to be whole for an integer.
 pub fn data_package(run: &Run, files: &[Described]) -> Value {
     json!({
         "profile": "data-package",

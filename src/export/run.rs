@@ -27,7 +27,7 @@ use crate::store::record::PointRecord;
 use crate::wave::{Coverage, Incidence, Mean, Problem, Scene, Side};
 use std::sync::Arc;
 
-/// The files, and what a person should know about them.
+/// The exported files, and remarks on them.
 #[derive(Clone, Debug, Default)]
 pub struct Exported {
     /// Every file, none written yet.
@@ -151,7 +151,7 @@ impl Exporter<'_> {
         let print = self.print("cgats")?;
         let text = |dialect| cgats::cgats(&print, dialect);
         out.add("spectra.cgats", text(cgats::Dialect::Standard), "spectra of the print with Lab, CGATS.17");
-        out.add("spectra.sp", text(cgats::Dialect::Argyll), "the same for ArgyllCMS");
+        out.add("spectra.sp", text(cgats::Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
         Ok(())
     }
 
@@ -217,7 +217,7 @@ impl Exporter<'_> {
         out.add(
             "packing.html",
             viewer::page(&packing, &study.title, &names),
-            "the first packing, to turn and to cut",
+            "interactive view of the first packing",
         );
         Ok(())
     }
@@ -231,7 +231,7 @@ impl Exporter<'_> {
         all.iter().position(|known| (known - nm).abs() < 1e-6).ok_or_else(missing)
     }
 
-    /// The tables of the run beside what was exported, described together.
+    /// Adds the tables of the run, and describes all files together.
     fn provenance(&self, out: &mut Exported) -> Result<(), ExportError> {
         let manifest = self.manifest();
         let amplitude_error = manifest.certainty.amplitude_error_estimate;

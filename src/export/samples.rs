@@ -1,4 +1,5 @@
-//! Tables beside the material: the BRDF at directions that anyone may check, and what the material leaves out.
+//! Tables for the material: its BRDF at sample directions, for independent checks, and the mirror
+//! part that it leaves out.
 
 use super::error::ExportError;
 use crate::evaluate::directional::{Direction, DirectionalInk};
@@ -10,8 +11,8 @@ const LEAST_COSINE: f64 = 0.1;
 /// Step of `specular.csv`, degrees.
 const STEP_DEG: f64 = 5.0;
 
-/// f(i, o) in 1/sr at directions spread over both hemispheres, for every wavelength. Azimuth 0 is forward, where the
-/// mirror image lies; the mirror part itself is left out.
+/// f(i, o) in 1/sr at directions spread over both hemispheres, for every wavelength. Azimuth 0 is
+/// forward, where the mirror image lies; the mirror part itself is left out.
 ///
 /// # Errors
 /// What [`DirectionalInk::brdf`] refuses.
@@ -33,7 +34,8 @@ pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
     finish(table)
 }
 
-/// The Halton sequence in both cosines and the azimuth (0–180°: the other half is its mirror image).
+/// The Halton sequence in both cosines and the azimuth (0–180°: the other half is its mirror
+/// image).
 fn directions(ink: &DirectionalInk) -> Vec<(f64, Direction)> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
     let polar = |u: f64| (LEAST_COSINE + (1.0 - LEAST_COSINE) * u).acos().to_degrees();
@@ -44,7 +46,7 @@ fn directions(ink: &DirectionalInk) -> Vec<(f64, Direction)> {
     (1..=SAMPLES).map(one).collect()
 }
 
-/// The number whose digits in `base` are those of `k`, mirrored at the point.
+/// The radical inverse of `k`: its digits in `base`, mirrored at the point.
 fn halton(mut k: usize, base: usize) -> f64 {
     let (mut value, mut digit) = (0.0, 1.0);
     while k > 0 {
@@ -55,8 +57,9 @@ fn halton(mut k: usize, base: usize) -> f64 {
     value
 }
 
-/// The mirror part R_s(θ, λ) that the material leaves out, the albedo of what it holds as the totals R and T say it, and as
-/// its BRDF integrates, with the standard error of the difference of both. Fits that fall below 0, at grazing light, count as 0.
+/// The mirror part R_s(θ, λ) that the material leaves out; the albedo of the material, from the
+/// totals R and T and as the integral of its BRDF; and the standard error of the difference. Fits
+/// that fall below 0, at grazing light, count as 0.
 ///
 /// # Errors
 /// What [`DirectionalInk::disagreement`] refuses.

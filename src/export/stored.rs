@@ -1,4 +1,5 @@
-//! A finished study, read back from its folder: what `results.json` says was asked, and the records that answer it.
+//! A finished study, read back from its folder: the study in `results.json` and the records of its
+//! solves.
 
 use super::error::ExportError;
 use crate::evaluate::seen::{Seen, see};
@@ -12,14 +13,14 @@ use std::path::Path;
 /// Numbers and provenance of a run.
 const RESULTS: &str = "results.json";
 
-/// A finished study with all that follows from its solves.
+/// A finished study with the evaluation of its solves.
 #[derive(Debug)]
 pub struct Stored {
-    /// What was asked.
+    /// The study.
     pub study: Study,
     /// Every record.
     pub collected: Collected,
-    /// What the records say.
+    /// The evaluated records.
     pub seen: Seen,
 }
 
@@ -49,7 +50,7 @@ impl Stored {
     }
 }
 
-/// The checked study that `results.json` holds; its content hash proves that it is whole.
+/// The checked study in `results.json`; its content hash shows that it is unchanged.
 fn study(path: &Path) -> Result<Study, ExportError> {
     let no_results = |reason: String| ExportError::NoResults { path: path.to_owned(), reason };
     let text = std::fs::read(path.join(RESULTS)).map_err(|e| no_results(format!("{RESULTS}: {e}")))?;

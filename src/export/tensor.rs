@@ -5,7 +5,8 @@
 //! for each field:  length of name (u16)  name  number of dimensions (u16)  type (u8)  offset (u64)  sizes (u64 each)
 //! the data of all fields, each at its offset; everything little-endian
 //! ```
-//! Layout as the reader expects it: found by reading such files and checked with the real one (`scripts/check-exports`).
+//! The layout was derived from existing files and is checked with Mitsuba itself
+//! (`scripts/check-exports`).
 
 /// What a field holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +72,7 @@ impl TensorField {
     }
 }
 
-/// The whole file.
+/// The complete file.
 pub fn tensor_file(fields: &[TensorField]) -> Vec<u8> {
     let headers: usize = fields.iter().map(TensorField::header_size).sum();
     let mut offset = MAGIC.len() + VERSION.len() + 4 + headers;

@@ -1,4 +1,5 @@
-//! A packing to look at in a browser: every sphere as a ball, a cut that slides through the layer. One file, no network.
+//! Interactive view of a packing in a browser: every sphere, and a cut that moves through the
+//! layer. One file, no network.
 
 use crate::ink::Packing;
 use base64::Engine;

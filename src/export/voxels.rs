@@ -1,4 +1,5 @@
-//! The layer as a volume: which share of every voxel each pigment fills, and the contrast that the wave sees.
+//! The layer as a volume: which share of every voxel each pigment fills, and the contrast that the
+//! wave sees.
 
 use super::vti::{Image, PointArray};
 use crate::ink::Packing;
@@ -12,7 +13,8 @@ const MOST_VOXELS: f64 = 2.0e6;
 /// Smallest edge of a voxel, µm: a fraction of the finest grains.
 const FINEST_UM: f64 = 0.02;
 
-/// Marks of the fine raster: the binder, what lies above a relief, and pigments from `FIRST_PIGMENT` on.
+/// Marks of the fine raster: the binder, the space above a relief, and pigments from
+/// `FIRST_PIGMENT` on.
 const BINDER: u8 = 0;
 const VACUUM: u8 = 1;
 const FIRST_PIGMENT: usize = 2;
@@ -24,7 +26,8 @@ pub struct Voxels {
     pub count: [usize; 3],
     /// Edges of a voxel, µm.
     pub edge_um: [f64; 3],
-    /// Share of each voxel's volume, x fastest: first what lies above a relief, then one list a pigment.
+    /// Share of each voxel's volume, x fastest: first the space above a relief, then one list per
+    /// pigment.
     pub shares: Vec<Vec<f32>>,
 }
 

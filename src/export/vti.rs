@@ -5,10 +5,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
 
-/// A named field: `components` numbers a point, x fastest, then y, then z.
+/// A named field: `components` numbers per point, x fastest, then y, then z.
 #[derive(Clone, Debug)]
 pub struct PointArray {
-    /// Shown by the viewer.
+    /// Name that the viewer shows.
     pub name: String,
     /// 1 for numbers, 2 for complex ones.
     pub components: usize,
@@ -30,7 +30,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// The whole file; arrays are little-endian, base64, behind a length of 8 bytes.
+    /// The complete file; arrays are little-endian, base64, preceded by their length in 8 bytes.
     pub fn vti(&self) -> String {
         let extent = self.points.map(|n| format!("0 {}", n - 1)).join(" ");
         let numbers = |x: [f64; 3]| x.map(|x| x.to_string()).join(" ");

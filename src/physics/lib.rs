@@ -1,5 +1,6 @@
-//! The physics of `inkwave`, in the order of the light: mathematics, indices, grains and packings, the wave equation, its
-//! solution, and what is seen. The crate `inkwave` re-exports every folder and is the tour.
+//! The physics of `inkwave`, in the order of the light: mathematics, indices, grains and packings,
+//! the wave equation, its solution, and appearance. The crate `inkwave` re-exports every module and
+//! gives the tour.
 
 #![warn(missing_docs)]
 

@@ -1,14 +1,15 @@
-//! Texts of people, and numbers with their errors, in tables that other programs open.
+//! Cells of tables for other programs: free text, and numbers with their errors.
 
 use crate::numerics::estimate::Estimate;
 
-/// A cell of a CSV table. What a spreadsheet would take for a formula starts with an apostrophe, which makes it text there.
+/// Text for a CSV cell; what a spreadsheet would take for a formula starts with an apostrophe,
+/// which marks it as text.
 pub fn text(words: &str) -> String {
     let formula = words.starts_with(['=', '+', '-', '@', '\t', '\r']) && words.parse::<f64>().is_err();
     if formula { format!("'{words}") } else { words.to_owned() }
 }
 
-/// Words in a line of Markdown: no cell, line or tag ends there.
+/// Escapes text for a line or table cell of Markdown.
 pub fn markdown(words: &str) -> String {
     words.replace('|', "\\|").replace('<', "&lt;").replace(['\n', '\r'], " ")
 }

@@ -1,4 +1,4 @@
-//! What people read: pages, tables, reports of packings, and the folder of published files.
+//! Reports: pages, tables, reports of packings, and the folder of published files.
 
 pub mod cell;
 pub mod packing;

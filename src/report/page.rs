@@ -1,4 +1,4 @@
-//! The page to show a colleague: one HTML file with its pictures inside.
+//! The report page of a study: one HTML file with embedded pictures.
 
 use crate::store::identity::METHOD_VERSION;
 use base64::Engine;
@@ -6,14 +6,14 @@ use base64::prelude::BASE64_STANDARD;
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;
 
-/// All that the page says; its layout is `page.html`.
+/// Contents of the page; its template is `page.html`.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Page {
     /// The study's title.
     pub title: String,
     /// The study in one sentence.
     pub summary: String,
-    /// What is missing, while the study is not finished.
+    /// What is missing if the study is unfinished.
     pub partial: Option<String>,
     /// The picture of the ink on paper.
     pub picture: Option<Picture>,
@@ -23,17 +23,17 @@ pub struct Page {
     pub figures: Vec<Figure>,
     /// Hiding power and differences, where there are colours.
     pub ink_maker: Option<MakerBlock>,
-    /// What the errors hold.
+    /// The parts of the uncertainty.
     pub certainty: Vec<Meant>,
-    /// What was asked.
+    /// The settings of the study.
     pub asked: Vec<Named>,
     /// The packings that were made.
     pub packings: Vec<PackingRow>,
-    /// What failed.
+    /// Solves and packings that failed.
     pub failures: Vec<FailureRow>,
     /// What the numbers do not cover.
     pub limits: Vec<String>,
-    /// How the results can be made again.
+    /// What is needed to reproduce the results.
     pub provenance: Provenance,
 }
 
@@ -42,7 +42,7 @@ pub struct Page {
 pub struct Picture {
     /// A `data:` address.
     pub data: String,
-    /// Text beneath.
+    /// Caption.
     pub caption: String,
 }
 
@@ -53,7 +53,7 @@ pub struct Figure {
     pub heading: String,
     /// The figure as a data address.
     pub data: String,
-    /// Text beneath.
+    /// Caption.
     pub caption: String,
 }
 
@@ -64,9 +64,9 @@ pub struct ColourBlock {
     pub hex: String,
     /// Headings of the columns: light and viewing.
     pub conditions: Vec<String>,
-    /// One row a quantity.
+    /// One row for each quantity.
     pub rows: Vec<ColourRow>,
-    /// Text beneath.
+    /// Caption.
     pub note: String,
     /// The first column in one line.
     pub in_words: String,
@@ -81,7 +81,7 @@ pub struct ColourRow {
     pub values: Vec<String>,
 }
 
-/// What an ink maker asks.
+/// Numbers for an ink maker.
 #[derive(Clone, Debug, Serialize)]
 pub struct MakerBlock {
     /// `#rrggbb` and name of each swatch.
@@ -101,7 +101,7 @@ pub struct Meant {
     pub meaning: String,
 }
 
-/// A row of name and value; `code` sets the value in a typewriter face.
+/// A row of name and value; `code` sets the value in a monospaced face.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Named {
     /// The quantity.
@@ -121,7 +121,7 @@ pub struct PackingRow {
     pub pigment: String,
     /// Number of grains.
     pub grains: usize,
-    /// Volume fraction asked for.
+    /// Volume fraction requested.
     pub asked: String,
     /// Volume fraction of whole grains.
     pub reached: String,
@@ -145,7 +145,7 @@ pub struct FailureRow {
 pub struct Provenance {
     /// Program and version.
     pub program: String,
-    /// What else is needed to make them again.
+    /// What is needed to reproduce them.
     pub rows: Vec<Named>,
 }
 
@@ -177,13 +177,13 @@ impl Page {
     /// The page as HTML; all text is escaped.
     ///
     /// # Errors
-    /// The template does not fit the page's data, which is a fault of the program.
+    /// The template does not fit the data, which is a bug.
     pub fn html(&self) -> Result<String, minijinja::Error> {
         rendered(include_str!("page.html"), Serde(self))
     }
 }
 
-/// A page by its layout, which may include `style.css`; all text is escaped.
+/// Renders a page from its template, which may include `style.css`; all text is escaped.
 pub(crate) fn rendered(layout: &str, data: impl Into<minijinja::Value>) -> Result<String, minijinja::Error> {
     let mut templates = Environment::new();
     templates.add_template("style.css", STYLE)?;

@@ -1,4 +1,4 @@
-//! From the finished solves to the folder a person opens: `results.json`, tables, picture and page.
+//! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
 use super::sheet::sheet;
 use super::tables;
@@ -24,17 +24,17 @@ pub enum PublishError {
     /// The folder of results.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// What the page would have shown.
+    /// A result that is unphysical.
     #[error(
-        "{0}: no result, so nothing is published; every solve is kept. Curves through few wavelengths and cells overshoot: take \
+        "{0}: no result, so nothing is published; every solve is kept. Curves through few wavelengths and cells overshoot: try \
          more realisations or a smaller light.step_nm, or else a finer grid"
     )]
     Unphysical(String),
-    /// Too many packings have no room.
+    /// Too many packings failed.
     #[error(
-        "{0}: means over the others show the cells that could be packed, so nothing is published; every solve is kept. Lower \
-         pigment.volume_fraction, take smaller grains or a thicker layer, or try a smaller layer.period_um: fewer grains have to \
-         find room at once. A larger run.failed_packings has the numbers, with error bars that hold the worst selection"
+        "{0}: the mean over the others would be biased towards cells that can be packed, so nothing is published; every solve is kept. Lower \
+         pigment.volume_fraction, use smaller grains or a thicker layer, or try a smaller layer.period_um, which takes fewer \
+         grains per packing. A larger run.failed_packings gives the numbers, with error bars that include the largest bias"
     )]
     NoRoom(String),
     /// A plot or picture.
@@ -60,7 +60,7 @@ pub enum PublishError {
     Records(#[from] std::io::Error),
 }
 
-/// What was written.
+/// What was published.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Published {
     /// Whether anything is missing.
@@ -73,7 +73,8 @@ pub struct Published {
     pub withheld: Vec<String>,
 }
 
-/// Writes everything that the finished solves allow; takes the partial mark away when all are finished.
+/// Writes everything that the finished solves allow; removes the mark of partial results when all
+/// are finished.
 ///
 /// # Errors
 /// Files that cannot be written, or records that do not belong together.
@@ -87,7 +88,7 @@ pub fn publish(
     publish_seen(study, &Manifest { process_seconds, ..summarise(study, collected, &seen) }, &seen, folder)
 }
 
-/// Writes what has been seen already.
+/// Publishes a study that has been evaluated.
 pub(crate) fn publish_seen(
     study: &Study,
     manifest: &Manifest<&Study>,
@@ -137,7 +138,7 @@ struct Pictures {
     labelled: Vec<u8>,
 }
 
-/// None where the wavelengths or angles cannot carry a colour.
+/// `None` if the wavelengths or angles do not suffice for a colour.
 fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError> {
     let Ok(ink) = &seen.ink else { return Ok(None) };
     let step = study.angles.picture_max_deg / (PICTURE_ANGLES - 1) as f64;

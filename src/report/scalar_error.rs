@@ -1,6 +1,7 @@
-//! What the scalar wave gets wrong for inks like a study's, as measured: `scalar_error.csv` is written by
-//! `examples/scalar_against_vector.rs` from the sweep `examples/scalar-against-vector.toml`, and kept in `reports/scalar-against-vector`
-//! as `differences.csv`.
+//! Error of the scalar wave for inks similar to a study's, as measured: `scalar_error.csv` is
+//! written by `examples/scalar_against_vector.rs` from the sweep
+//! `examples/scalar-against-vector.toml`; `reports/scalar-against-vector/differences.csv` is a
+//! copy.
 
 use crate::appearance::paper::Coupling;
 use crate::input::study::{IndexSpectrum, Study};
@@ -8,7 +9,8 @@ use serde::Deserialize;
 
 const DATA: &str = include_str!("scalar_error.csv");
 
-/// One measured ink: what the scalar wave gives less what unpolarised light by Maxwell's equations does.
+/// One measured ink: results of the scalar wave minus those of unpolarised light by Maxwell's
+/// equations.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 struct MeasuredInk {
     ink: String,
@@ -23,7 +25,7 @@ struct MeasuredInk {
     transmittance_standard_error: f64,
 }
 
-/// What decides whether two inks are alike.
+/// Properties by which the similarity of two inks is judged.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 struct TablePlace {
     /// Over wavelengths and pigments.
@@ -38,7 +40,7 @@ struct TablePlace {
 }
 
 impl TablePlace {
-    /// The study's ink; none of a layer without pigments.
+    /// Properties of a study's ink; `None` for a layer without pigments.
     fn of(study: &Study) -> Option<TablePlace> {
         let materials: Vec<&IndexSpectrum> = (study.pigments.iter().map(|p| &p.material))
             .chain(study.dissolved.iter().map(|d| &d.material))
@@ -66,7 +68,8 @@ impl TablePlace {
         })
     }
 
-    /// How far two inks are apart in each respect, in units of the most by which they are still alike.
+    /// Differences of two inks in each property, in units of the largest at which they still count
+    /// as similar.
     fn apart(&self, other: &TablePlace) -> [f64; 5] {
         [
             (self.largest_kappa - other.largest_kappa) / 0.1,
@@ -81,14 +84,14 @@ impl TablePlace {
         self.apart(other).iter().map(|x| x * x).sum()
     }
 
-    /// Roundings of the file's four digits never decide.
+    /// Rounding to the file's four digits must not decide.
     fn is_like(&self, other: &TablePlace) -> bool {
         self.apart(other).iter().all(|x| x.abs() <= 1.0 + 1e-3)
     }
 }
 
-/// One line for the page of a scalar study: the error measured on the nearest ink, or that none was measured; none for
-/// Maxwell's equations.
+/// Note for the page of a scalar study: the error measured on the most similar ink, or that none
+/// was measured; `None` for Maxwell's equations.
 pub(crate) fn line(study: &Study) -> Option<String> {
     if study.wave.is_vector() {
         return None;
@@ -97,7 +100,8 @@ pub(crate) fn line(study: &Study) -> Option<String> {
     Some(nearest(study).map_or_else(|| UNKNOWN.to_owned(), |m| m.in_words(with_paper)))
 }
 
-/// One line for a page of many studies: the range of the errors measured on the inks nearest to its scalar ones.
+/// Note for a page of many studies: the range of the errors measured on the inks most similar to
+/// the scalar ones.
 pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Option<String> {
     let found: Vec<Option<MeasuredInk>> = studies.filter(|s| !s.wave.is_vector()).map(nearest).collect();
     let known: Vec<&MeasuredInk> = found.iter().flatten().collect();
@@ -111,9 +115,9 @@ pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Opti
                 format!("{low:.1} to {high:.1}")
             };
             Some(format!(
-                "The scalar wave's error: inks like {some} of the {all} scalar variants were solved by Maxwell's equations, too, in the \
-                 same packings; the colour of unpolarised light lay ΔE₀₀ {} away under a uniform sky and {} lit at 45° and seen \
-                 at 0°. An indication, not a correction; {UNLIKE}.",
+                "Error of the scalar wave: inks similar to {some} of the {all} scalar variants were also solved with Maxwell's equations, \
+                 in the same packings; the colour in unpolarised light differed by ΔE₀₀ {} under a uniform sky and by {} lit at \
+                 45° and seen at 0°. An indication, not a correction; {UNLIKE}.",
                 range(|m| m.delta_e_sky),
                 range(|m| m.delta_e_print)
             ))
@@ -121,11 +125,12 @@ pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Opti
     }
 }
 
-const UNKNOWN: &str = "The scalar wave's error: no ink like this one has been solved by Maxwell's equations beside it, so its size is not \
-     known here; light.wave = \"unpolarised\" solves them.";
-const UNLIKE: &str = "nothing is known of the others";
+const UNKNOWN: &str = "Error of the scalar wave: unknown here, as no similar ink has been solved with Maxwell's equations for comparison; \
+     light.wave = \"unpolarised\" solves them.";
+const UNLIKE: &str = "for the others it is unknown";
 
-/// The measured ink that is nearest, where it is alike. All were between air and air, on paper behind a gap, flat.
+/// The most similar measured ink, if it is similar enough. All were measured flat, in air, on paper
+/// behind an air gap.
 fn nearest(study: &Study) -> Option<MeasuredInk> {
     let layer = &study.layer;
     let air = layer.index_in == 1.0 && layer.index_out == 1.0 && study.paper.coupling == Coupling::Gap;
@@ -152,12 +157,12 @@ impl MeasuredInk {
             nm => format!("of {nm:.0} nm"),
         };
         let colour = format!(
-            "the colour of unpolarised light lay ΔE₀₀ = {:.1} ± {:.1} away on white paper under a uniform sky and {:.1} lit at 45° and seen at 0°; ",
+            "the colour in unpolarised light differed by ΔE₀₀ = {:.1} ± {:.1} on white paper under a uniform sky and by {:.1} lit at 45° and seen at 0°; ",
             self.delta_e_sky, self.delta_e_sky_standard_error, self.delta_e_print
         );
         format!(
-            "The scalar wave's error: on the most similar ink that was solved by Maxwell's equations, too ({}, κ up to {largest_kappa:.2}, \
-             {:.0} % {grains}, {thickness_um} µm), {}the scalar R of the layer at 0° was off by up to {:+.3} ± {:.3} and T by up to \
+            "Error of the scalar wave: for the most similar ink that was also solved with Maxwell's equations ({}, κ up to \
+             {largest_kappa:.2}, {:.0} % {grains}, {thickness_um} µm), {}the scalar R of the layer at 0° was off by up to {:+.3} ± {:.3} and T by up to \
              {:+.3} ± {:.3}. An indication, not a correction: other shapes, sizes and angles differ.",
             self.ink,
             100.0 * volume_fraction,

@@ -1,6 +1,6 @@
 use super::*;
 
-/// The rows are the last measurement's, as it was published.
+/// The rows are those of the last measurement, as published.
 #[test]
 fn the_rows_are_those_of_the_published_report() {
     let published = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -22,7 +22,7 @@ fn every_measured_ink_finds_itself() {
     }
 }
 
-/// Each respect alone decides: an ink a little off one measured row finds that row and no other.
+/// Every property counts: an ink slightly off one measured row finds that row and no other.
 #[test]
 fn the_row_chosen_is_the_nearest_in_every_respect() {
     let all = measured();
@@ -44,7 +44,7 @@ fn the_row_chosen_is_the_nearest_in_every_respect() {
     assert_eq!(near(0.35, 0.28, 330.0), row("red", 30.0, 300.0));
 }
 
-/// Beyond what was measured nothing is said.
+/// No error is stated beyond the range of the measurements.
 #[test]
 fn an_ink_unlike_all_measured_ones_has_no_row() {
     let all = measured();

@@ -1,4 +1,5 @@
-//! A last line that shows whether a generated page is still as it was generated, and by which method.
+//! Seals of generated pages: a last line that shows whether the page was edited, and the version of
+//! its method.
 
 use crate::store::identity::METHOD_VERSION;
 
@@ -9,23 +10,23 @@ const METHOD: &str = ", method ";
 /// Digits of the hash.
 const DIGITS: usize = 16;
 
-/// Why a page is not as it was generated.
+/// Why a seal does not hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Broken {
     /// There is no seal.
-    #[error("the page has no seal: make it with its script")]
+    #[error("the page has no seal: generate it with its script")]
     Missing,
-    /// The text is not the one that was sealed.
-    #[error("the page was edited after it was made: make it again with its script")]
+    /// The text was changed after it was sealed.
+    #[error("the page was edited after it was generated: generate it again with its script")]
     Edited,
 }
 
-/// The text with its seal, in place of one that it has, and with the version of today's method.
+/// Seals a text, in place of an older seal, with the current version of the method.
 pub fn sealed(text: &str) -> String {
     sealed_by(text, METHOD_VERSION)
 }
 
-/// The same for numbers that were made by another version.
+/// Seals a text whose numbers were made by another version of the method.
 pub fn sealed_by(text: &str, method: u32) -> String {
     with_method(text, Some(method))
 }
@@ -36,14 +37,14 @@ fn with_method(text: &str, method: Option<u32>) -> String {
     format!("{body}\n\n{MARK}{}{method} -->\n", hash(&format!("{body}{method}")))
 }
 
-/// The method that a page's numbers were made by, where its seal or its footer says so.
+/// Version of the method behind a page's numbers, if its seal or footer states it.
 pub fn method_of(page: &str) -> Option<u32> {
     let digits = page.rsplit_once(METHOD)?.1;
     let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
     digits[..end].parse().ok()
 }
 
-/// Whether a text is as it was sealed.
+/// Checks that a text is unchanged since it was sealed.
 ///
 /// # Errors
 /// It has no seal, or was edited.
@@ -55,7 +56,7 @@ pub fn check(text: &str) -> Result<(), Broken> {
     if with_method(text, method_of(seal)) == text { Ok(()) } else { Err(Broken::Edited) }
 }
 
-/// What stands before the seal.
+/// The text before the seal.
 fn body(text: &str) -> &str {
     text.rfind(MARK).map_or(text, |i| &text[..i])
 }

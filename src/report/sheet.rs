@@ -1,4 +1,4 @@
-//! What the report page says of a study.
+//! Contents of the report page of a study.
 
 mod figures;
 mod ink_maker;
@@ -152,7 +152,7 @@ fn colour_note(manifest: &Manifest<&Study>) -> String {
         manifest.colours.iter().filter(|c| c.colour.out_of_gamut).map(|c| c.conditions.as_str()).collect();
     if !outside.is_empty() {
         let line = format!(
-            " The colour at {} lies outside sRGB: screens show the nearest they can.",
+            " The colour at {} lies outside sRGB: screens show the nearest colour they can.",
             outside.join(" and ")
         );
         note.push_str(&line);

@@ -1,4 +1,4 @@
-//! The tables that other programs open: spectra and distributions as CSV.
+//! CSV tables for other programs: spectra and distributions.
 
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::evaluate::ink_maker::InkMaker;
@@ -7,7 +7,7 @@ use crate::numerics::estimate::Estimate;
 use crate::report::cell::{numbers, table};
 use crate::wave::Side;
 
-/// Spectra, one row a wavelength; unknown errors and unfinished values are empty.
+/// Spectra, one row per wavelength; unknown errors and unfinished values are empty.
 pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
     let names =
         ["reflectance", "specular_reflectance", "transmittance", "specular_transmittance", "absorptance"];
@@ -32,8 +32,9 @@ fn spectrum_row(row: &SpectrumRow) -> impl Iterator<Item = String> {
     place.into_iter().chain(all.flat_map(numbers))
 }
 
-/// `kubelka-munk.csv` where K and S are known, and `measured.csv` where there is a measurement. `factor` on a standard error gives half of a 95 % interval:
-/// few realisations make it far more than 2.
+/// `kubelka-munk.csv` where K and S are known, and `measured.csv` if there is a measurement.
+/// `factor` times a standard error is half the width of a 95 % interval: with few realisations far
+/// more than 2.
 pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<(&'static str, Vec<u8>)>> {
     let Some(maker) = maker else { return Ok(Vec::new()) };
     let mut files = Vec::new();
@@ -61,7 +62,7 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
     Ok(files)
 }
 
-/// A number with its standard error and half of its 95 % interval.
+/// A number with its standard error and half the width of its 95 % interval.
 fn with_half(e: Estimate, factor: Option<f64>) -> impl Iterator<Item = String> {
     let half = e.standard_error.zip(factor).map_or_else(String::new, |(error, f)| (error * f).to_string());
     numbers(Some(e)).into_iter().chain([half])
@@ -86,11 +87,12 @@ const BDF_HEADER: [&str; 16] = [
     "efficiency_grid_error",
 ];
 
-/// Distributions of the layer alone, one row an order: direction cosines, efficiency and BRDF or BTDF. The
-/// specular order is marked: it is a mirror image, not a density per steradian.
+/// Distributions of the layer alone, one row per order: direction cosines, efficiency and BRDF or
+/// BTDF. The specular order is marked: it is a mirror image, not a density per steradian.
 ///
-/// `amplitude_error` is what the grid may do to an order's complex amplitude a; its efficiency e = w|a|² is then uncertain by
-/// 2 √(e w) times that, w = cos θ_out/cos θ_in being the order's share of the flux.
+/// `amplitude_error` is the error of an order's complex amplitude a due to the grid; its efficiency
+/// e = w|a|² then has an error of 2 √(e w) times that, where w = cos θ_out/cos θ_in is the order's
+/// share of the flux.
 pub fn distributions<'a>(
     bdfs: impl Iterator<Item = &'a Bdf>,
     amplitude_error: f64,

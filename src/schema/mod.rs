@@ -1,5 +1,5 @@
-//! The language of all input files: JSON Schemas, generated from the types that read them, from which editors complete and
-//! underline, and a commented file with every key.
+//! Descriptions of all input files: JSON Schemas, generated from the types that read them, for
+//! completion and checks in editors, and a commented file with every key of each.
 
 mod document;
 mod tidy;

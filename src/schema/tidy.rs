@@ -1,11 +1,11 @@
-//! Makes generated schemas say what the reader says, and no more.
+//! Adapts generated schemas to what the reader of the files accepts.
 
 use schemars::Schema;
 use schemars::transform::transform_subschemas;
 use serde_json::Value;
 
-/// Takes away formats (`double`, `uint64`), which validators do not know, and defaults that are no value of a file:
-/// null, and whole tables, whose keys have defaults of their own.
+/// Removes formats (`double`, `uint64`), which validators do not know, and defaults that cannot be
+/// written in a file: null, and whole tables, whose keys have defaults of their own.
 pub(super) fn tidy(schema: &mut Schema) {
     schema.remove("format");
     let table = |value: &Value| value.is_object() && value.get("kind").is_none();
@@ -24,7 +24,7 @@ fn for_readers(text: &str) -> String {
     plain.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Takes null away from what may be written.
+/// Removes null from the values allowed.
 pub(super) fn without_null(schema: &mut Schema) {
     if let Some(Value::Array(types)) = schema.get_mut("type") {
         types.retain(|kind| kind != "null");

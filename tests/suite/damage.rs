@@ -182,7 +182,7 @@ fn a_merge_takes_the_sound_copy_and_names_the_point_of_a_contradiction() {
     );
     let healed = merge(&["one", "copy", "two"], "merged");
     assert!(healed.status.success(), "{}", said(&healed));
-    assert!(said(&healed).contains("3 damaged records were taken from other shards"), "{}", said(&healed));
+    assert!(said(&healed).contains("3 damaged records were replaced by intact copies"), "{}", said(&healed));
     for (local, merged) in results(&place.path("local")).iter().zip(&results(&place.path("merged"))) {
         assert!(local == merged, "{} differs", local.0.display());
     }

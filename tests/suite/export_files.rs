@@ -242,9 +242,9 @@ fn what_cannot_be_exported_is_refused_with_a_remedy() {
     let file = folder.path().join("study.toml").display().to_string();
     assert!(refusal(&out, &["--to", "npz", "--output", &file]).contains("--output"));
     fs::remove_dir_all(out.join("records")).unwrap();
-    assert!(refusal(&out, &["--to", "npz"]).contains("to go on: inkwave run STUDY.toml --output"));
+    assert!(refusal(&out, &["--to", "npz"]).contains("to resume: inkwave run STUDY.toml --output"));
     fs::write(out.join("PARTIAL"), "Not finished:\n\n    inkwave run it.toml\n").unwrap();
-    assert!(refusal(&out, &["--to", "npz"]).contains("to go on: inkwave run it.toml"));
+    assert!(refusal(&out, &["--to", "npz"]).contains("to resume: inkwave run it.toml"));
     let results = fs::read_to_string(out.join("results.json")).unwrap();
     fs::write(out.join("results.json"), results.replace("\"seed\": 7", "\"seed\": 8")).unwrap();
     assert!(refusal(&out, &["--to", "npz"]).contains("the study has hash"));

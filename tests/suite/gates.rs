@@ -209,7 +209,7 @@ fn unusual_wavelengths_are_solved_with_a_warning() {
     let film = json!({ "wavelength": 550, "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0.1] }] });
     let solved = output(inkwave("solve", &folder.file("nm.json", &film.to_string()), &[]));
     assert!(
-        solved.status.success() && message(&solved).contains("if nm were meant, write 0.55"),
+        solved.status.success() && message(&solved).contains("if you meant nm, write 0.55"),
         "{}",
         message(&solved)
     );

@@ -129,7 +129,10 @@ fn albedos_that_are_none_are_refused_with_field_value_range_and_remedy() {
     };
     refused("1.5", &["paper.albedo", "1.5", "0 to 1", "0.9 is good paper"]);
     refused("[[400, 0.5], [700, 1.5]]", &["paper.albedo[1]", "1.5 at 700 nm", "from 0 to 1"]);
-    refused("[[450, 0.5], [700, 0.5]]", &["paper.albedo", "450 to 700 nm, asked at 400", "extend the table"]);
+    refused(
+        "[[450, 0.5], [700, 0.5]]",
+        &["paper.albedo", "450 to 700 nm, requested at 400", "extend the table"],
+    );
     refused("{ csv = \"none.csv\" }", &["paper.albedo.csv", "none.csv", "wavelength_nm,albedo"]);
     refused("\"white\"", &["white", "a number, rows"]);
 }

@@ -154,7 +154,7 @@ fn variants_end_at_their_wanted_bar_whoever_works() {
     let shard =
         inkwave(&["sweep", &file, "--shard", "1/2", "--output", &place.path("part")]).output().unwrap();
     assert!(
-        !shard.status.success() && plain(&shard).contains("no shard sees the whole bar"),
+        !shard.status.success() && plain(&shard).contains("no shard knows the whole confidence interval"),
         "{}",
         said(&shard)
     );

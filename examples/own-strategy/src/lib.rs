@@ -1,13 +1,14 @@
-//! A strategy of another crate: generalised conjugate residuals (Eisenstat, Elman & Schultz, SIAM J. Numer. Anal. 20,
-//! 345, 1983). It implements [`Solver`], keeps its account in a [`Ledger`] and joins a [`Registry`]; its tests put it into
-//! a comparison, before the referee and under two claims.
+//! A strategy in a crate of its own: generalised conjugate residuals (Eisenstat, Elman & Schultz,
+//! SIAM J. Numer. Anal. 20, 345, 1983). It implements [`Solver`], keeps its account in a [`Ledger`]
+//! and joins a [`Registry`]; its tests run it in a comparison, against the referee and under two
+//! claims.
 
 use inkwave::solve::ledger::flat;
 use inkwave::solve::vectors::{dot, norm};
 use inkwave::solve::{Goal, Ledger, Registry, Solution, SolveError, Solver, System, Watch};
 use inkwave::wave::Field;
 
-/// Minimises the residual over all directions kept, with one operator application a step.
+/// Minimises the residual over all stored directions, with one operator application per step.
 #[derive(Clone, Copy, Debug)]
 pub struct ConjugateResiduals {
     /// Directions kept before a restart; each costs two vectors.
@@ -43,7 +44,8 @@ impl Solver for ConjugateResiduals {
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut residual = Field::zeros(problem.shape());
         loop {
-            // The true residual, r = u₀ − M u with M = 1 + A⁻¹V: rounding does not add up from cycle to cycle.
+            // The true residual, r = u₀ − M u with M = 1 + A⁻¹V: rounding does not add up from
+            // cycle to cycle.
             let size = ledger.measure(&field, &mut residual);
             ledger.note(size)?;
             if ledger.reached() {
@@ -117,7 +119,8 @@ mod tests {
         }
     }
 
-    /// A row of its own in `compare`, with the error of the other strategies on the same discrete system.
+    /// It has a row in `compare`, with the error of the other strategies on the same discrete
+    /// system.
     #[test]
     fn it_is_a_row_of_a_comparison() {
         let examples =

@@ -43,7 +43,7 @@ impl Subject {
         self.varied.map(|varied| varied.period_um)
     }
 
-    /// Amplitudes that a case file brings along.
+    /// Amplitudes given in a case file.
     pub fn known(&self) -> Option<&[Value]> {
         match &self.geometry {
             CaseGeometry::Written(_, json) => json.pointer("/outputs/orders")?.as_array().map(Vec::as_slice),
@@ -62,17 +62,19 @@ impl Subject {
         }
     }
 
-    /// What errors are measured against.
+    /// Reference of the errors, in words.
     pub fn reference(&self) -> &'static str {
         match self.known() {
             Some(_) => "the case file's own amplitudes",
-            None => "krylov's on cubic cells, with half as many points and cells again as the finest grid",
+            None => {
+                "those of krylov on cubic cells, with 1.5 times as many points and cells as the finest grid"
+            }
         }
     }
 }
 
 impl ComparisonFile {
-    /// Every case, the study as it stands when nothing varies.
+    /// All cases; the study itself if nothing varies.
     pub(super) fn subjects(&self) -> Result<Vec<Subject>, CompareError> {
         if let Some(path) = &self.case {
             let path = self.folder().join(path);

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ComparisonFile {
-    /// Title, for people.
+    /// Title of the page.
     pub title: String,
     /// The study whose first packing the strategies are compared on: its file (relative to this
     /// one), or a table `[study]` with a whole study.
@@ -52,27 +52,27 @@ pub struct ComparisonFile {
     /// `resolutions`; 1e-2 in a matrix without either.
     #[schemars(transform = limits::ACCURACY.mark(), example = 1e-2)]
     pub accuracy: Option<f64>,
-    /// Whether ⟨k²⟩ holds the absorption. When left out: as it suits each strategy, and where this
-    /// makes a difference the real mean beside it.
+    /// Whether ⟨k²⟩ includes the absorption. When left out: as suits each strategy, and the real
+    /// mean as well where this makes a difference.
     #[schemars(example = true)]
     pub absorbing_mean: Option<bool>,
-    /// Lets ⟨k²⟩ follow the composition along z, as it does when left out, or takes one for the
-    /// whole layer.
+    /// Whether ⟨k²⟩ follows the composition along z, as it does when left out, or is one value for
+    /// the whole layer.
     #[schemars(example = false)]
     pub mean_depends_on_z: Option<bool>,
     /// Residual to reach, and the most operator applications.
     pub goal: GoalWritten,
-    /// Solves of each row, whose median seconds are kept; 3 when left out.
+    /// Solves of each row, whose median time is reported; 3 when left out.
     #[schemars(range(min = 1), example = 3)]
     pub repeats: Option<usize>,
     /// Programs of other projects, rows beside those of the strategies.
     pub external: Vec<ExternalTable>,
-    /// Where the comparison was read.
+    /// The file that the comparison was read from.
     #[serde(skip)]
     pub origin: PathBuf,
 }
 
-/// What is asked of every strategy.
+/// Goal of every solve.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GoalWritten {
@@ -126,7 +126,7 @@ impl ComparisonFile {
         Ok(ComparisonFile { origin, ..read_tree(table.into()).map_err(values)? })
     }
 
-    /// The strategies to compare, each of them known.
+    /// The strategies to compare, checked against the registry.
     pub(super) fn strategies(
         &self,
         registry: &Registry,
@@ -141,7 +141,7 @@ impl ComparisonFile {
         }
     }
 
-    /// The grids of the list; none where they are searched.
+    /// The grids listed; `None` if they are searched.
     pub(super) fn listed(&self) -> Option<Vec<Points>> {
         let usual = || [(9, 8), (15, 12), (25, 20)].map(|(points, cells)| Points { points, cells }).to_vec();
         match self.searched() {
@@ -150,7 +150,7 @@ impl ComparisonFile {
         }
     }
 
-    /// The accuracy that grids are searched for; none where they are listed.
+    /// The accuracy that grids are searched for; `None` if they are listed.
     pub(super) fn searched(&self) -> Option<f64> {
         let usual = self.matrix.is_some() && self.resolutions.is_none();
         self.accuracy.or(usual.then_some(1e-2))
@@ -165,7 +165,7 @@ impl ComparisonFile {
         self.schemes.clone().unwrap_or_else(usual)
     }
 
-    /// What every strategy is asked for.
+    /// Goal of every solve.
     pub(super) fn goal(&self) -> Goal {
         let usual = Goal::default();
         let tolerance = self.searched().map_or(usual.tolerance, |accuracy| 1e-2 * accuracy);
@@ -211,7 +211,7 @@ impl ComparisonFile {
         self.check_numbers()
     }
 
-    /// Refuses what no solve could do.
+    /// Refuses values that no solve could use.
     fn check_numbers(&self) -> Result<(), CompareError> {
         let sides = self.resolutions.iter().flatten().enumerate();
         let sides = sides.flat_map(|(k, grid)| [(k, "points", grid.points), (k, "cells", grid.cells)]);
@@ -219,7 +219,7 @@ impl ComparisonFile {
         if let Some((k, side, count)) = outside.next() {
             let (name, allowed) =
                 (format!("resolutions[{k}].{side}"), format!("whole numbers from 1 to {MOST_POINTS}"));
-            let remedy = "a wavelength in the binder takes some 10 points and 8 cells";
+            let remedy = "a wavelength in the binder needs about 10 points and 8 cells";
             return Err(field(&name, &count.to_string(), &allowed, remedy));
         }
         let numbers = [
@@ -228,7 +228,7 @@ impl ComparisonFile {
                 "goal.tolerance",
                 self.goal.tolerance,
                 limits::TOLERANCE,
-                "1e-6 tells strategies apart, and costs little",
+                "1e-6 distinguishes strategies and costs little",
             ),
         ];
         for (name, value, allowed, remedy) in numbers {
@@ -241,7 +241,12 @@ impl ComparisonFile {
             return Ok(());
         }
         let allowed = limits::APPLICATIONS.to_string();
-        Err(field("goal.max_applications", &most.to_string(), &allowed, "some hundreds do for most inks"))
+        Err(field(
+            "goal.max_applications",
+            &most.to_string(),
+            &allowed,
+            "a few hundred suffice for most inks",
+        ))
     }
 
     /// The study under the comparison's light.

@@ -5,7 +5,7 @@ use crate::solve::Solver;
 use crate::wave::{Mean, Media};
 
 impl ComparisonFile {
-    /// The means that a strategy is tried with: the one asked for, or else the one that suits it
+    /// The means that a strategy is compared with: the one requested, or else the one that suits it
     /// best and, where absorption makes a difference, the real one too.
     pub(super) fn means(&self, solver: &dyn Solver, absorbs: bool) -> Vec<Mean> {
         let depends_on_z = self.mean_depends_on_z.unwrap_or(true);
@@ -18,7 +18,7 @@ impl ComparisonFile {
     }
 }
 
-/// Whether any medium of the layer absorbs: where none does, both means are one.
+/// Whether any medium of the layer absorbs: otherwise both means are equal.
 pub(super) fn absorbs(media: &Media) -> bool {
     media.backgrounds.iter().chain(&media.inclusions).any(|eta| (eta * eta).im != 0.0)
 }

@@ -1,5 +1,4 @@
-//! The grids of a case, what they cost in accuracy, and the amplitudes that every row is held
-//! against.
+//! The grids of a case with their error estimates, and the reference amplitudes of its rows.
 
 use super::cases::Subject;
 use super::file::{ComparisonFile, Points};
@@ -11,7 +10,7 @@ use crate::solve::{Coverages, Gmres, Goal, Watch};
 use crate::wave::{FarField, Mean, Order, Physical, Resolution, Scene, Scheme, TotalErrors};
 use num_complex::Complex64;
 
-/// A grid to try, and its share of the error.
+/// A grid to compare on, and its part of the error.
 pub(super) struct ReferenceTrial {
     /// None where the search for it failed, for this reason.
     pub grid: Result<Resolution, String>,
@@ -44,7 +43,7 @@ impl ComparisonFile {
         Ok(trials)
     }
 
-    /// All that [`ComparisonFile::truth`] asks for before it solves.
+    /// Checks everything that [`ComparisonFile::truth`] needs before it solves.
     ///
     /// # Errors
     /// No memory for the grid; a geometry or a direction that makes no problem on it.
@@ -57,8 +56,8 @@ impl ComparisonFile {
         Ok(())
     }
 
-    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and
-    /// cells again.
+    /// Reference amplitudes: those of the case file, or of a solve with 1.5 times as many points
+    /// and cells.
     pub(super) fn truth(
         &self,
         subject: &Subject,
@@ -110,7 +109,7 @@ fn searched_trial(task: &Task, accuracy: f64, watch: &mut dyn Watch) -> Result<R
     }
 }
 
-/// A solve of the reference strategy, but for its grid.
+/// A solve of the reference strategy, without its grid.
 fn task<'a>(case: &'a Case, coverages: &'a Coverages<'a>, solver: &'a Gmres, tolerance: f64) -> Task<'a> {
     Task {
         coverages,

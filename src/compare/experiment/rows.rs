@@ -21,7 +21,7 @@ pub(super) struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// One line: a result, or the reason why there is none. Errors: the user stopped it.
+    /// Computes one row: a result, or the reason why there is none. Errors: the user stopped it.
     pub fn row(
         &self,
         (name, solver): (&str, &dyn Solver),
@@ -63,7 +63,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Solves as often as was asked, and judges the first result: its largest amplitude error.
+    /// Solves as often as requested; the result is the largest amplitude error of the first solve.
     fn measure(
         &self,
         task: &Task,

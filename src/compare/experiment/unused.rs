@@ -1,5 +1,4 @@
-//! What a comparison leaves aside of the files it reads: said, so that nobody waits for the effect
-//! of a key that has none.
+//! Keys of the input files that have no effect on a comparison, for a note to the user.
 
 use super::file::ComparisonFile;
 use crate::compare::subject::StudyWritten;
@@ -7,7 +6,7 @@ use crate::input::tree::{Node, parse_toml};
 use crate::numerics::files;
 use std::path::Path;
 
-/// Keys of a study that a comparison has its own of, or no use for.
+/// Study keys that a comparison replaces or does not use.
 const OF_STUDIES: [&str; 15] = [
     "paper",
     "resolution",
@@ -25,7 +24,7 @@ const OF_STUDIES: [&str; 15] = [
     "angles.count",
     "angles.picture_max_deg",
 ];
-/// Keys of a study that the matrix has its own of.
+/// Study keys that a matrix replaces.
 const OF_VARIED_STUDIES: [&str; 3] = ["layer.cell", "layer.period_um", "pigment[0].index"];
 
 impl ComparisonFile {
@@ -50,7 +49,7 @@ fn table(path: &Path) -> Node {
     parse_toml(&text).map_or(Node::Null, Node::from)
 }
 
-/// The keys of a list that a table has.
+/// Those keys of a list that a table has.
 fn written<'a>(table: &Node, before: &str, keys: impl Iterator<Item = &'a &'a str>) -> Vec<String> {
     keys.filter(|key| has(table, key)).map(|key| format!("{before}{key}")).collect()
 }

@@ -1,4 +1,5 @@
-//! What an instrument would report of the print: its spectra every 10 nm, and the Lab that these have under the study's light.
+//! What an instrument would report of the print: its spectra every 10 nm, and the Lab that these
+//! have under the study's light.
 
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::evaluate::ink_maker::{InkMaker, Swatch};
@@ -20,8 +21,9 @@ struct KnownSpectrum {
     page_lab: Option<[f64; 3]>,
 }
 
-/// The spectra with their colours. Fitted spectra are taken where the file has its wavelengths, as the program's colours take
-/// them; listed ones are interpolated. Lab is summed from what is written, so that whoever sums it again finds it.
+/// The spectra with their colours. Fitted spectra are evaluated at the wavelengths of the file,
+/// listed ones are interpolated. Lab is computed from the exported values, so that other programs
+/// find the same.
 pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> Result<Print, ExportError> {
     let study = &stored.study;
     let grid = uniform_grid(&study.wavelengths_nm);
@@ -45,7 +47,7 @@ pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> Res
         return Err(ExportError::NoInk { format, reason: reason.in_words() });
     }
     let meter = Colorimeter::under(&wavelengths_nm, &study.judgement.viewing);
-    // what the page withholds no file gives
+    // a number that the page withholds is in no file
     let meter = meter.ok().filter(|_| own.ink_maker.is_some());
     Ok(Print {
         title: study.title.clone(),
@@ -95,7 +97,7 @@ fn known_at(
     of: fn(&SpectrumRow) -> Option<Estimate>,
     swatch: fn(&InkMaker) -> &Swatch,
 ) -> Option<KnownSpectrum> {
-    // the ink on its paper stands beside the layer at the normal alone
+    // the ink on its paper is evaluated at normal incidence only
     let normal = manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
     let values = normal.map(of).collect::<Option<Vec<Estimate>>>()?;
     let lab_covariance = manifest.ink_maker.as_ref().and_then(|maker| swatch(maker).colour.lab_covariance);

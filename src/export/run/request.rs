@@ -5,7 +5,7 @@ use clap::ValueEnum;
 /// A format, or a group of files that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// Material for Mitsuba 3 (spectral and RGB), scenes, tables to check it by.
+    /// Material for Mitsuba 3 (spectral and RGB), scenes, and tables to check it.
     Mitsuba,
     /// Spectra with Lab, CxF3.
     Cxf,
@@ -15,13 +15,13 @@ pub enum Format {
     Npz,
     /// Contrast of the first packing as a VTK image.
     Vti,
-    /// The first packing as a page to turn and to cut in a browser.
+    /// Interactive view of the first packing for a browser.
     Viewer,
     /// RO-Crate and Data Package.
     Crate,
 }
 
-/// Light for a near field, which is computed anew: no run keeps it.
+/// Light of a near field, which is solved again as no run stores it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearField {
     /// One of the study's wavelengths, nm.
@@ -35,7 +35,7 @@ pub struct NearField {
 pub struct Request {
     /// Formats, in any order.
     pub formats: Vec<Format>,
-    /// A solve for `near-field.vti`; none unless asked.
+    /// Light of a solve for `near-field.vti`, if requested.
     pub near_field: Option<NearField>,
     /// Date and time for the files that carry one, RFC 3339.
     pub created: String,

@@ -1,9 +1,11 @@
-//! BRDF and BTDF: ensemble averages of far fields of several realisations at one incidence, with standard errors.
+//! BRDF and BTDF: ensemble averages of far fields of several realisations at one incidence, with
+//! standard errors.
 //!
-//! Orders sit on a uniform lattice in direction cosines (α, β) = (kx, ky)/k0, cell area λ²/(Lx Ly); since
-//! cos θ dω = dα dβ, the estimate at an order is f = ⟨e⟩ Lx Ly/λ² per steradian, with no cosine and no bin area
-//! (vacuum on that side; in a medium of index n, dα dβ = n² cos θ dω). One order of one realisation is speckle with a
-//! relative deviation of 1; smoothing and averaging tame it.
+//! Orders sit on a uniform lattice in direction cosines (α, β) = (kx, ky)/k0, cell area λ²/(Lx Ly);
+//! since cos θ dω = dα dβ, the estimate at an order is f = ⟨e⟩ Lx Ly/λ² per steradian, with no
+//! cosine and no bin area (vacuum on that side; in a medium of index n, dα dβ = n² cos θ dω). One
+//! order of one realisation is speckle with a relative deviation of 1; smoothing and averaging tame
+//! it.
 
 pub use super::bdf_orders::{Lobe, OrderMean, Totals};
 use super::bdf_orders::{View, order_mean, totals, view};
@@ -13,13 +15,13 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use thiserror::Error;
 
-/// Why far fields do not make a distribution function, or none at a direction.
+/// Why far fields yield no distribution function, or none in the requested direction.
 #[derive(Debug, Error, PartialEq)]
 pub enum BdfError {
     /// No far fields were given.
     #[error("no far fields: a BDF needs at least one realisation")]
     Empty,
-    /// Far fields that do not belong together.
+    /// Far fields that cannot be averaged together.
     #[error(
         "far field {index} differs from the first in {field}; average realisations of one incidence and period"
     )]
@@ -29,7 +31,7 @@ pub enum BdfError {
         /// What differs.
         field: &'static str,
     },
-    /// An amplitude that is no number.
+    /// An amplitude that is not finite.
     #[error("far field {index}, order ({m}, {n}): not finite; check the solve behind it")]
     NotFinite {
         /// Place of the far field in the list.
@@ -44,12 +46,12 @@ pub enum BdfError {
         "smoothing bandwidth = {value} (direction cosines): must be greater than 0 and finite, at least {spacing:.4} to reach a neighbour"
     )]
     Bandwidth {
-        /// The bandwidth, direction cosines.
+        /// The bandwidth in direction cosines.
         value: f64,
-        /// Distance of neighbouring orders, direction cosines.
+        /// Distance between neighbouring orders in direction cosines.
         spacing: f64,
     },
-    /// No order near the direction asked for.
+    /// No order near the requested direction.
     #[error(
         "direction cosines ({alpha}, {beta}) are outside the unit circle, or no order lies within the bandwidth {bandwidth}"
     )]
@@ -58,24 +60,26 @@ pub enum BdfError {
         alpha: f64,
         /// ky/k0.
         beta: f64,
-        /// The bandwidth, direction cosines.
+        /// The bandwidth in direction cosines.
         bandwidth: f64,
     },
-    /// The table could not be written; the message says why.
+    /// The table could not be written; the message gives the reason.
     #[error("cannot write the table: {0}")]
     Write(String),
 }
 
-/// A smoothed BDF value, 1/sr; `effective_orders` = (ΣK)²/ΣK² says how many orders of one realisation it averages.
+/// A smoothed BDF value, 1/sr; `effective_orders` = (ΣK)²/ΣK² is the number of orders of one
+/// realisation that it averages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed {
     /// The distribution function, 1/sr.
     pub bdf: Estimate,
-    /// Number of equally weighted orders that would scatter as little.
+    /// Number of equally weighted orders with the same statistical scatter.
     pub effective_orders: f64,
 }
 
-/// One side: the orders that propagate there, and every realisation's efficiencies \[realisation, order\].
+/// Data of one side: the orders that propagate there and the efficiencies of every realisation,
+/// indexed \[realisation, order\].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LobeData {
     pub(super) orders: Vec<OrderMean>,
@@ -83,7 +87,7 @@ pub(super) struct LobeData {
     pub(super) totals: Totals,
 }
 
-/// The ensemble's BDF at one incidence.
+/// The ensemble-averaged BDF at one incidence.
 ///
 /// ```
 /// use inkwave_physics::appearance::bdf::{Bdf, Lobe};
@@ -123,7 +127,8 @@ pub struct Bdf {
     pub(super) transmitted: LobeData,
 }
 
-/// A bandwidth (direction cosines) that always reaches the eight neighbours of an order: 1.5 of the lattice spacing.
+/// A bandwidth (direction cosines) that always reaches the eight neighbours of an order: 1.5
+/// lattice spacings.
 pub fn suggested_bandwidth(wavelength_um: f64, period_um: [f64; 2]) -> f64 {
     1.5 * wavelength_um / period_um[0].min(period_um[1])
 }
@@ -132,7 +137,8 @@ impl Bdf {
     /// Averages far fields of independent realisations.
     ///
     /// # Errors
-    /// No far fields; far fields of different incidence, period or orders; values that are not finite.
+    /// No far fields; far fields of different incidence, period or orders; values that are not
+    /// finite.
     pub fn from_ensemble(fields: &[FarField]) -> Result<Self, BdfError> {
         let first = fields.first().ok_or(BdfError::Empty)?;
         for (index, field) in fields.iter().enumerate() {
@@ -163,28 +169,30 @@ impl Bdf {
         self.realisations
     }
 
-    /// The orders that propagate on that side.
+    /// Orders that propagate on one side.
     pub fn orders(&self, lobe: Lobe) -> &[OrderMean] {
         &self.lobe(lobe).orders
     }
 
-    /// Whether any order but the specular one propagates: a cell narrower than the wavelength has none.
+    /// Whether any order other than the specular one propagates; none does if the period is shorter
+    /// than the wavelength.
     pub fn scatters(&self, lobe: Lobe) -> bool {
         self.orders(lobe).iter().any(|o| (o.m, o.n) != (0, 0))
     }
 
-    /// Totals of one side.
+    /// Totals over all orders of one side.
     pub fn totals(&self, lobe: Lobe) -> Totals {
         self.lobe(lobe).totals
     }
 
-    /// Distance of neighbouring orders in direction cosines: [λ/Lx, λ/Ly].
+    /// Distance between neighbouring orders in direction cosines: [λ/Lx, λ/Ly].
     pub fn spacing(&self) -> [f64; 2] {
         self.period_um.map(|l| self.incidence.wavelength_um / l)
     }
 
-    /// Diffuse BDF at direction cosines (α, β), smoothed with the kernel K = 1 − (d/bandwidth)² over the orders within
-    /// `bandwidth` (direction cosines). The specular order is left out: its neighbours fill the gap.
+    /// Diffuse BDF at direction cosines (α, β), smoothed with the kernel K = 1 − (d/bandwidth)²
+    /// over the orders within `bandwidth` (direction cosines). The specular order is left out: its
+    /// neighbours fill the gap.
     ///
     /// # Errors
     /// Bandwidth not positive; directions outside the unit circle; no order within the bandwidth.
@@ -193,10 +201,11 @@ impl Bdf {
         self.smooth(lobe, direction, bandwidth, |[a, b]| (a - alpha).hypot(b - beta))
     }
 
-    /// Diffuse BDF averaged over azimuth at a polar angle (vacuum), smoothed in sin θ with the same kernel.
+    /// Diffuse BDF averaged over azimuth at a polar angle (vacuum), smoothed in sin θ with the
+    /// kernel of [`Bdf::at`].
     ///
     /// # Errors
-    /// As [`Bdf::at`].
+    /// See [`Bdf::at`].
     pub fn azimuthal_mean(&self, lobe: Lobe, polar_deg: f64, bandwidth: f64) -> Result<Smoothed, BdfError> {
         let sin = polar_deg.to_radians().sin();
         self.smooth(lobe, [sin, 0.0], bandwidth, |[a, b]| a.hypot(b) - sin)

@@ -1,9 +1,10 @@
-//! BDFs of an ensemble whose cells differ: every realisation's orders, turned into one plane of incidence, are collected on the lattice
-//! of the nominal cell.
+//! BDFs of an ensemble whose periods differ: the orders of every realisation, rotated into one
+//! plane of incidence, are binned on the lattice of the nominal period.
 //!
-//! A lattice cell holds what all orders nearest to it carry, so totals are kept exactly and the mean over realisations is an
-//! unbiased histogram of the distribution in direction cosines. The specular order stays alone in (0, 0): a cell's next order is
-//! more than half a lattice step away.
+//! Each bin holds the sum of all orders nearest to it, so totals are conserved exactly and the mean
+//! over realisations is an unbiased histogram of the distribution in direction cosines. The
+//! specular order is alone in bin (0, 0): every other order is more than half a lattice step away
+//! from it.
 
 use super::bdf::{Bdf, BdfError, LobeData};
 use super::bdf_orders::{Lobe, OrderMean, View, totals, view};
@@ -12,15 +13,16 @@ use crate::wave::{FarField, Incidence, Order};
 use ndarray::Array2;
 use std::collections::BTreeMap;
 
-/// Place on the lattice.
+/// Index of a bin on the lattice.
 type BinPlace = (i32, i32);
 
 impl Bdf {
-    /// Averages far fields of one polar angle and nearly one wavelength; cells and azimuths may differ. `period_um` is that of the nominal
-    /// cell. Directions count from the plane of incidence (azimuth 0).
+    /// Averages far fields of one polar angle and nearly one wavelength; periods and azimuths may
+    /// differ. `period_um` is the nominal period. Azimuths are measured from the plane of incidence
+    /// (azimuth 0).
     ///
     /// # Errors
-    /// No far fields, or fields lit at different polar angles or from different sides.
+    /// No far fields, or fields at different polar angles or lit from different sides.
     pub fn from_varied_cells(fields: &[FarField], period_um: [f64; 2]) -> Result<Self, BdfError> {
         let first = fields.first().ok_or(BdfError::Empty)?;
         let same = |f: &FarField| {
@@ -56,7 +58,8 @@ impl Lattice {
         [self.centre[0] + f64::from(m) * self.step[0], self.centre[1] + f64::from(n) * self.step[1]]
     }
 
-    /// The nearest cell; of those at the rim the nearest one whose centre lies inside `reach`, the largest cosine that propagates.
+    /// The nearest bin; near the rim, the nearest bin whose centre lies inside `reach`, the largest
+    /// cosine that propagates.
     fn place(&self, direction: [f64; 2], reach: f64) -> BinPlace {
         let nearest = |i: usize| ((direction[i] - self.centre[i]) / self.step[i]).round() as i32;
         let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (nearest(0) + i, nearest(1) + j)));

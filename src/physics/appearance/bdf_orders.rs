@@ -5,7 +5,7 @@ use crate::wave::{FURTHER, Order};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// The half-space the light leaves into, seen from where it came.
+/// The half-space into which the light leaves, relative to its source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
     /// Back to the side the light came from.
@@ -14,33 +14,35 @@ pub enum Lobe {
     Transmitted,
 }
 
-/// One order on one side, averaged over the ensemble. Efficiencies are shares of the incident power.
+/// One order on one side, averaged over the ensemble. Efficiencies are fractions of the incident
+/// power.
 ///
-/// `coherent` w|⟨a⟩|² and `diffuse` w(⟨|a|²⟩ − |⟨a⟩|²) are the unbiased estimates (variance over n − 1), so that they
-/// sum to the mean efficiency; one realisation cannot tell them apart (`None`). An unbiased coherent part may come
-/// out slightly negative: noise around zero. `bdf` is per steradian.
+/// `coherent` w|⟨a⟩|² and `diffuse` w(⟨|a|²⟩ − |⟨a⟩|²) are the unbiased estimates (variance over n
+/// − 1) and sum to the mean efficiency; one realisation cannot separate them (`None`). An unbiased
+/// coherent part may be slightly negative: noise around zero. `bdf` is per steradian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderMean {
-    /// Order along x, counted from the specular one.
+    /// Index along x; the specular order has 0.
     pub m: i32,
-    /// Order along y.
+    /// Index along y.
     pub n: i32,
     /// Direction cosines (kx, ky)/k0.
     pub direction: [f64; 2],
-    /// Mean share of the incident power.
+    /// Mean fraction of the incident power.
     pub efficiency: Estimate,
-    /// Share that survives the mean of the amplitudes.
+    /// Fraction that survives averaging of the amplitudes.
     pub coherent: Option<f64>,
-    /// The rest of the efficiency.
+    /// Remainder of the efficiency.
     pub diffuse: Option<f64>,
     /// Distribution function at the order, 1/sr.
     pub bdf: Estimate,
 }
 
-/// Totals of one side, shares of the incident power.
+/// Totals of one side, as fractions of the incident power.
 ///
-/// `specular` is the whole order (0, 0), `diffuse` all others. `coherent` is the part of the specular order that
-/// survives averaging of the amplitude (unbiased, jackknife error; unknown for one realisation).
+/// `specular` is the whole order (0, 0), `diffuse` all others. `coherent` is the part of the
+/// specular order that survives averaging of the amplitude (unbiased, jackknife error; unknown for
+/// one realisation).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Totals {
     /// All orders.
@@ -53,11 +55,11 @@ pub struct Totals {
     pub coherent: Option<Estimate>,
 }
 
-/// One side of an order.
+/// Sampled amplitudes and efficiencies of one order on one side.
 #[derive(Clone, Copy)]
 pub(super) struct View {
     pub(super) propagates: bool,
-    /// Amplitudes that do not interfere with each other.
+    /// Mutually incoherent amplitudes.
     amplitudes: [Complex64; 1 + FURTHER],
     pub(super) efficiency: f64,
 }
@@ -89,8 +91,8 @@ pub(super) fn order_mean(order: &Order, column: &[View], density: f64) -> OrderM
     }
 }
 
-/// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), w = Σe/Σ|a|² the flux factor of the order, summed over the amplitudes that do not
-/// interfere. `None` for one sample.
+/// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), with w = Σe/Σ|a|² the flux factor of the order, summed over
+/// mutually incoherent amplitudes. `None` for one sample.
 fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64> {
     let (mut n, mut sum, mut square, mut power) = (0.0, [Complex64::ZERO; 1 + FURTHER], 0.0, 0.0);
     for v in views {
@@ -120,7 +122,7 @@ pub(super) fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column
     }
 }
 
-/// The coherent part of the specular order; leaving one out needs three realisations for an error.
+/// The coherent part of the specular order; a jackknife error needs at least three realisations.
 fn coherent_total(column: &[View]) -> Option<Estimate> {
     let others = |r: usize| column.iter().enumerate().filter(move |(s, _)| *s != r).map(|(_, v)| v);
     let replicates: Option<Vec<[f64; 1]>> =

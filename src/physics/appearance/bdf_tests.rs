@@ -21,8 +21,8 @@ mod rand_chacha_normal {
 pub(crate) const LAMBDA_UM: f64 = 0.5;
 pub(crate) const PERIOD_UM: f64 = 5.0;
 
-/// A far field with ⟨|a|²⟩ = `power` in every diffuse order (plus a coherent amplitude in the specular one);
-/// e = cos θ |a|² at normal incidence, so f = power · cos θ · L²/λ².
+/// A far field with ⟨|a|²⟩ = `power` in every diffuse order (plus a coherent amplitude in the
+/// specular one); e = cos θ |a|² at normal incidence, so f = power · cos θ · L²/λ².
 pub fn speckle(rng: &mut rand::rngs::ChaCha8Rng, power: f64, coherent: f64) -> FarField {
     let reach = (PERIOD_UM / LAMBDA_UM) as i32 + 1;
     let mut orders = Vec::new();
@@ -86,7 +86,8 @@ proptest! {
     }
 }
 
-/// (χ² of the smoothed value against its own standard error, mean standard error) over repeated ensembles.
+/// (χ² of the smoothed value against its own standard error, mean standard error) over repeated
+/// ensembles.
 fn calibration(count: usize, repeats: usize) -> (f64, f64) {
     let direction = [0.3, 0.2];
     let truth = 1e-3 * PERIOD_UM.powi(2) / LAMBDA_UM.powi(2);
@@ -114,7 +115,8 @@ fn standard_errors_are_calibrated_and_fall_as_one_over_root_n() {
     let repeats = 400;
     let (chi2, error_8) = calibration(8, repeats);
     let (_, error_32) = calibration(32, repeats);
-    // significance: t² with 7 degrees of freedom has mean 7/5 and variance 2·49·6/(25·3) = 7.84; within 4σ of 400
+    // significance: t² with 7 degrees of freedom has mean 7/5 and variance 2·49·6/(25·3) = 7.84;
+    // within 4σ of 400
     let (mean, sigma) = (7.0 / 5.0 * repeats as f64, (7.84 * repeats as f64).sqrt());
     assert!((chi2 - mean).abs() < 4.0 * sigma, "χ² = {chi2}, expected {mean} ± {sigma}");
     // c4(8)/c4(32) = 0.965/0.992 and 4σ of the spread 1/√(2·7·400)

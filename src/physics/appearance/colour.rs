@@ -7,14 +7,15 @@ use colorimetry::observer::Observer;
 use colorimetry::xyz::{RelXYZ, XYZ};
 use serde::Serialize;
 
-/// Slack of the gamut test: rounding of the division by white.
+/// Tolerance of the gamut test: rounding of the division by white.
 const GAMUT_SLACK: f64 = 1e-9;
 
 /// A colour under D65 for the CIE 1931 2° observer.
 ///
-/// `lab` refers to the grid's own perfect white. `linear_rgb` is divided per channel by that of white and not
-/// clipped; `srgb` and `srgb8` are clipped to 0–1 before the transfer curve (IEC 61966-2-1), and `out_of_gamut`
-/// tells when that changed the colour. `lab_covariance` is `None` when one realisation leaves it unknown.
+/// `lab` is relative to the perfect white on the same grid. `linear_rgb` is divided per channel by
+/// the value of white and not clipped; `srgb` and `srgb8` are clipped to 0–1 before the transfer
+/// curve (IEC 61966-2-1), and `out_of_gamut` states whether clipping changed the colour.
+/// `lab_covariance` is `None` for a single realisation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Colour {
     /// X, Y, Z; a perfect white has Y = 100.
@@ -25,9 +26,9 @@ pub struct Colour {
     pub lab: [f64; 3],
     /// Linear red, green, blue; 1 for white.
     pub linear_rgb: [f64; 3],
-    /// The same, clipped and through the transfer curve, 0 to 1.
+    /// Gamma-encoded sRGB after clipping, 0 to 1.
     pub srgb: [f64; 3],
-    /// The same in steps of 1/255.
+    /// Gamma-encoded sRGB in steps of 1/255.
     pub srgb8: [u8; 3],
     /// Whether clipping changed the colour.
     pub out_of_gamut: bool,
@@ -52,7 +53,8 @@ impl Colorimeter {
         Ok(self.colour_of(self.xyz(values)?))
     }
 
-    /// Colour of tristimulus values on this grid's scale (white has Y = 100), uncertainty unknown.
+    /// Colour of tristimulus values scaled so that white has Y = 100 on this grid, uncertainty
+    /// unknown.
     pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
         let white_xyz = self.white_xyz();
         let linear_rgb = self.linear_rgb(xyz);
@@ -69,11 +71,12 @@ impl Colorimeter {
         }
     }
 
-    /// Colour of the ensemble's spectrum with the jackknife covariance of Lab: `replicates` are the same
-    /// spectrum computed with one realisation left out at a time (n of them; fewer than two leave it unknown).
+    /// Colour of the ensemble's spectrum with the jackknife covariance of Lab. `replicates` are the
+    /// n spectra that leave out one realisation each; with fewer than two, the covariance is
+    /// unknown.
     ///
     /// # Errors
-    /// As [`Colorimeter::colour`].
+    /// See [`Colorimeter::colour`].
     pub fn colour_with_error(&self, values: &[f64], replicates: &[Vec<f64>]) -> Result<Colour, ColourError> {
         let labs = replicates.iter().map(|r| Ok(self.colour(r)?.lab)).collect::<Result<Vec<_>, _>>()?;
         Ok(Colour { lab_covariance: jackknife_covariance(&labs), ..self.colour(values)? })
@@ -81,15 +84,15 @@ impl Colorimeter {
 }
 
 impl Colour {
-    /// C* = √(a*² + b*²), standard error to first order.
+    /// Chroma C* = √(a*² + b*²), standard error to first order.
     pub fn chroma(&self) -> Estimate {
         let [_, a, b] = self.lab;
         let standard_error = self.lab_covariance.map(|c| quadratic_form(&c, self.chroma_gradient()).sqrt());
         Estimate { value: a.hypot(b), standard_error }
     }
 
-    /// Hue angle, degrees in 0–360, standard error to first order (unknown for a neutral colour, where the
-    /// angle has no meaning and 0 is returned).
+    /// Hue angle, degrees in 0–360, standard error to first order. A neutral colour has no hue: the
+    /// result is 0 with an unknown error.
     pub fn hue_deg(&self) -> Estimate {
         let [_, a, b] = self.lab;
         if a * a + b * b < NEUTRAL {
@@ -99,14 +102,14 @@ impl Colour {
         Estimate { value: b.atan2(a).to_degrees().rem_euclid(360.0), standard_error }
     }
 
-    /// Derivative of the hue angle by L*, a*, b*, degrees; zero for a neutral colour.
+    /// Derivatives of the hue angle with respect to L*, a*, b*, degrees; zero for a neutral colour.
     pub fn hue_gradient(&self) -> [f64; 3] {
         let [_, a, b] = self.lab;
         let square = a * a + b * b;
         if square < NEUTRAL { [0.0; 3] } else { [0.0, -b / square, a / square].map(f64::to_degrees) }
     }
 
-    /// Derivative of C* by L*, a*, b*.
+    /// Derivatives of C* with respect to L*, a*, b*.
     pub fn chroma_gradient(&self) -> [f64; 3] {
         gradient(&|[_, a, b]| a.hypot(b), self.lab)
     }
@@ -123,32 +126,34 @@ impl Colour {
 
     /// ΔE₀₀ (CIEDE2000, k_L = k_C = k_H = 1) to an independent colour.
     ///
-    /// The error is first order: √(gᵀ(C₁ + C₂)g), g the gradient along the line between the two colours. Where ΔE
-    /// is not well above it, noise alone lifts ΔE: compare with [`Colour::delta_e_noise`].
+    /// The error is of first order: √(gᵀ(C₁ + C₂)g), with g the gradient along the line between the
+    /// two colours. Where ΔE is not well above its error, noise alone raises ΔE: compare with
+    /// [`Colour::delta_e_noise`].
     pub fn delta_e_2000(&self, other: &Self) -> Estimate {
         self.delta_e_2000_among(other, &INDEPENDENT)
     }
 
-    /// The same where Lab here and Lab there have a covariance, as in colours of the same realisations: `common[i][j]` is that of
-    /// component i here and j there.
+    /// ΔE₀₀ between correlated colours, such as those of the same realisations: `common[i][j]` is
+    /// the covariance of Lab component i of `self` and j of `other`.
     pub fn delta_e_2000_among(&self, other: &Self, common: &[[f64; 3]; 3]) -> Estimate {
         self.difference(other, common, ciede2000)
     }
 
-    /// Root mean square of ΔE*ab that the two uncertainties alone would show: √tr(C₁ + C₂).
+    /// Root mean square of ΔE*ab expected from the two uncertainties alone: √tr(C₁ + C₂).
     pub fn delta_e_noise(&self, other: &Self) -> Option<f64> {
         let trace = |c: [[f64; 3]; 3]| c[0][0] + c[1][1] + c[2][2];
         Some((trace(self.lab_covariance?) + trace(other.lab_covariance?)).sqrt())
     }
 
-    /// Root mean square of ΔE₀₀ that this colour's uncertainty alone would show: √tr(M C), with M the local metric of ΔE₀₀.
+    /// Root mean square of ΔE₀₀ expected from the uncertainty of this colour alone: √tr(M C), with
+    /// M the local metric of ΔE₀₀.
     pub fn delta_e_2000_noise(&self) -> Option<f64> {
         let covariance = self.lab_covariance?;
         let trace: f64 = (0..9).map(|k| metric(self.lab, k / 3, k % 3) * covariance[k / 3][k % 3]).sum();
         Some(trace.max(0.0).sqrt())
     }
 
-    /// Derivatives of ΔE₀₀ by Lab here and by Lab there.
+    /// Derivatives of ΔE₀₀ with respect to Lab of `self` and of `other`.
     pub fn delta_e_2000_gradients(&self, other: &Self) -> [[f64; 3]; 2] {
         self.gradients(other, &ciede2000)
     }
@@ -168,7 +173,7 @@ impl Colour {
         let variance = |a, b| quadratic_form(&a, here) + quadratic_form(&b, there) + 2.0 * shared;
         let covariances = self.lab_covariance.zip(other.lab_covariance);
         let first_order = covariances.map(|(a, b)| variance(a, b).max(0.0).sqrt());
-        // equal colours have no line between them: the noise in every direction bounds the error
+        // equal colours define no direction: the noise over all directions bounds the error
         let equal = distance(self.lab, other.lab) < 2.0 * STEP;
         let in_common = 2.0 * (common[0][0] + common[1][1] + common[2][2]);
         let noise = || Some((self.delta_e_noise(other)?.powi(2) - in_common).max(0.0).sqrt());
@@ -177,10 +182,10 @@ impl Colour {
     }
 }
 
-/// C*² below which a colour has no hue.
+/// C*² below which a colour counts as neutral.
 const NEUTRAL: f64 = 1e-18;
 
-/// Covariance of colours that know nothing of each other.
+/// Covariance of statistically independent colours.
 const INDEPENDENT: [[f64; 3]; 3] = [[0.0; 3]; 3];
 
 /// IEC 61966-2-1 transfer curve for 0 ≤ c ≤ 1.
@@ -195,7 +200,7 @@ fn lab_of(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
 
 fn ciede2000(p: [f64; 3], q: [f64; 3]) -> f64 {
     let white = Observer::Cie1931.xyz_d65();
-    // the same observer and white on both sides: the crate has no reason to refuse
+    // same observer and white on both sides, so the crate cannot fail
     CieLab::new(p, white).ciede2000(&CieLab::new(q, white)).unwrap_or_else(|_| distance(p, q))
 }
 
@@ -208,10 +213,10 @@ fn quadratic_form(c: &[[f64; 3]; 3], g: [f64; 3]) -> f64 {
     (0..3).map(|i| g[i] * row(i)).sum::<f64>().max(0.0)
 }
 
-/// Step of the metric of ΔE₀₀, Lab units.
+/// Step of the finite differences in the metric of ΔE₀₀, Lab units.
 const METRIC_STEP: f64 = 1e-2;
 
-/// Component (i, j) of the local metric of ΔE₀₀ at `lab`, by polarisation of its quadratic form.
+/// Component (i, j) of the local metric of ΔE₀₀ at `lab`, by polarisation of the quadratic form.
 fn metric(lab: [f64; 3], i: usize, j: usize) -> f64 {
     let unit = |i: usize| std::array::from_fn::<f64, 3, _>(|k| if k == i { 1.0 } else { 0.0 });
     if i == j {
@@ -221,7 +226,7 @@ fn metric(lab: [f64; 3], i: usize, j: usize) -> f64 {
     (quadratic_metric(lab, pair) - quadratic_metric(lab, unit(i)) - quadratic_metric(lab, unit(j))) / 2.0
 }
 
-/// Quadratic form of the metric at `lab`: (ΔE₀₀/h)² of a displacement by h times `by`.
+/// Quadratic form of the metric at `lab`: (ΔE₀₀/h)² of a displacement h·`by`.
 fn quadratic_metric(lab: [f64; 3], by: [f64; 3]) -> f64 {
     let moved: [f64; 3] = std::array::from_fn(|i| lab[i] + METRIC_STEP * by[i]);
     (ciede2000(lab, moved) / METRIC_STEP).powi(2)
@@ -230,7 +235,7 @@ fn quadratic_metric(lab: [f64; 3], by: [f64; 3]) -> f64 {
 /// Step of the numerical gradients, Lab units.
 const STEP: f64 = 1e-3;
 
-/// Central differences.
+/// Gradient by central differences.
 fn gradient(f: &impl Fn([f64; 3]) -> f64, at: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| derivative(f, at, i))
 }

@@ -1,4 +1,5 @@
-//! Against `validation/data/colour.json` (plain sums; white, Lab and sRGB of 12 spectra on two grids).
+//! Against `validation/data/colour.json` (plain sums; white, Lab and sRGB of 12 spectra on two
+//! grids).
 
 use super::*;
 use serde_json::Value;
@@ -52,8 +53,9 @@ fn both_reference_grids_are_reproduced() {
         for case in json["spectra"].as_array().unwrap() {
             let (name, want) = (case["name"].as_str().unwrap(), &case[key]);
             let got = colour_on(&grid, name);
-            // The tables are the same numbers, so only the file's 12 printed digits remain: 5e-10 of XYZ ≤ 109, and
-            // Lab, RGB from the same sums. Seen: XYZ 1.2e-10, Lab 3.4e-10, RGB 5e-12, sRGB 5e-13.
+            // The tables are the same numbers, so only the file's 12 printed digits remain: 5e-10
+            // of XYZ ≤ 109, and Lab, RGB from the same sums. Observed: XYZ 1.2e-10, Lab 3.4e-10, RGB
+            // 5e-12, sRGB 5e-13.
             let xyz = largest_difference(&got.xyz, &numbers(&want["XYZ"]));
             let lab = largest_difference(&got.lab, &numbers(&want["Lab"]));
             let rgb = largest_difference(&got.linear_rgb, &numbers(&want["rgb_linear_whitenorm"]));
@@ -80,7 +82,8 @@ fn white_is_exactly_255_on_any_grid() {
 #[test]
 fn coarse_grids_keep_the_colour() {
     let json = reference();
-    // Resolution: about twice the largest ΔE seen. A band of σ = 12 nm falls through such grids and is left out.
+    // Resolution: about twice the largest ΔE observed. A band of σ = 12 nm is lost by such grids and
+    // omitted.
     for (step, bound) in [(20.0, 1.0), (300.0 / 11.0, 2.5), (300.0 / 7.0, 12.0)] {
         let grid = uniform(400., 700., step);
         for case in json["spectra"].as_array().unwrap() {

@@ -1,8 +1,8 @@
-//! What can be wrong with the paper, and with a spectrum that is to have a colour.
+//! Errors of the paper model and of colorimetry.
 
 use thiserror::Error;
 
-/// What is wrong with the paper, or with an angle asked of it.
+/// Invalid paper, or an invalid angle.
 #[derive(Debug, Error, PartialEq)]
 pub enum PaperError {
     /// An angle outside the hemisphere.
@@ -17,8 +17,8 @@ pub enum PaperError {
         /// The albedo.
         value: f64,
     },
-    /// A wavelength that the table does not hold.
-    #[error("paper albedo is given from {lo} to {hi} nm, asked at {value} nm; extend the table")]
+    /// A wavelength outside the table.
+    #[error("paper albedo is given from {lo} to {hi} nm, requested at {value} nm; extend the table")]
     AlbedoRange {
         /// The wavelength, nm.
         value: f64,
@@ -27,18 +27,18 @@ pub enum PaperError {
         /// Last wavelength of the table, nm.
         hi: f64,
     },
-    /// A table that does not rise.
+    /// A table that does not increase in wavelength.
     #[error("paper albedo table: wavelength_nm = {value} does not increase, or fewer than 2 rows")]
     AlbedoTable {
         /// The wavelength, nm.
         value: f64,
     },
-    /// A closed box without losses.
+    /// A lossless closed cavity.
     #[error(
         "the layer reflects all light from the exit side (R̄_b = {mean}) on paper of albedo 1: the light never leaves; lower the albedo"
     )]
     TrapsAllLight {
-        /// R̄_b.
+        /// R̄_b, the mean reflectance from the exit side.
         mean: f64,
     },
 }
@@ -52,22 +52,22 @@ pub enum ColourError {
         /// Wavelengths given.
         count: usize,
     },
-    /// An illuminant or observer that is not known.
+    /// An unknown illuminant or observer.
     #[error("{what} = {value:?}: allowed are {allowed}")]
     UnknownName {
         /// Illuminant or observer.
         what: &'static str,
-        /// What was written.
+        /// The name found.
         value: String,
-        /// The names known.
+        /// The known names.
         allowed: String,
     },
-    /// A wavelength outside the observer's table, or not rising.
+    /// A wavelength outside the observer's table, or not increasing.
     #[error(
         "wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables); leave it out of the colour"
     )]
     BadWavelength {
-        /// Its place in the list.
+        /// Index in the list.
         index: usize,
         /// The wavelength, nm.
         value: f64,
@@ -76,23 +76,23 @@ pub enum ColourError {
         /// Longest allowed, nm.
         hi: f64,
     },
-    /// Wavelengths that leave out so much of the visible range that a colour would be a guess.
+    /// Wavelengths that cover too little of the visible range for a reliable colour.
     #[error(
-        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of its {name}, at least {least} needed: less would make the colour a guess; cover 400 to 700 nm (about 440 to 610 nm is the least), with tables that reach as far"
+        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of its {name}, at least {least} needed: with less, the colour would be a guess; cover 400 to 700 nm (about 440 to 610 nm is the least), with tables that reach as far"
     )]
     WhiteNotCovered {
         /// First wavelength, nm.
         first: f64,
         /// Last wavelength, nm.
         last: f64,
-        /// The tristimulus value that lacks light.
+        /// The tristimulus value that is not covered.
         name: &'static str,
-        /// Share of it that the wavelengths cover.
+        /// Fraction of it that the wavelengths cover.
         channel: f64,
-        /// Least share allowed.
+        /// Smallest fraction allowed.
         least: f64,
     },
-    /// A spectrum of another length than the list of wavelengths.
+    /// A spectrum whose length differs from that of the list of wavelengths.
     #[error("the spectrum has {count} values for {expected} wavelengths")]
     WrongLength {
         /// Values given.
@@ -100,10 +100,10 @@ pub enum ColourError {
         /// Values expected.
         expected: usize,
     },
-    /// A value that is no number.
+    /// A value that is not finite.
     #[error("spectrum value at {wavelength_nm} nm = {value}: must be finite")]
     NotFinite {
-        /// Its wavelength, nm.
+        /// Wavelength of the value, nm.
         wavelength_nm: f64,
         /// The value.
         value: f64,

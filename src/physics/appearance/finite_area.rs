@@ -1,31 +1,36 @@
-//! A lit square instead of an endless layer: every order becomes a lobe of finite width (P2 section 4.1).
+//! A finite illuminated square of the infinite layer: every order becomes a lobe of finite width
+//! (P2 section 4.1).
 //!
-//! The square |x|, |y| ≤ l/2 of the periodic layer shines, what lies outside is dark, and Kirchhoff's formula carries the
-//! field of the face to the far hemisphere (P2 (4.1)–(4.8)). Of the orders that propagate there, with amplitudes α and
-//! lateral wavevectors (kx, ky), in the direction (ϑ, φ) of a medium of index n, k = n k0:
+//! Only the square |x|, |y| ≤ l/2 of the periodic layer emits, everything outside is dark, and
+//! Kirchhoff's formula carries the field on the face to the far hemisphere (P2 (4.1)–(4.8)). For
+//! propagating orders with amplitudes α and lateral wavevectors (kx, ky), in the direction (ϑ, φ)
+//! of a medium of index n, k = n k0:
 //!
 //! ```text
 //! s(ϑ, φ) = Σ α sinc(l (kx − k sin ϑ cos φ)/2) sinc(l (ky − k sin ϑ sin φ)/2),   sinc t = sin t / t
 //! G(ϑ, φ) = l²/(4π²) · k³ cos²ϑ / κ₀ · |s|²                                      (4.9)
 //! ```
 //!
-//! P2 prints the flux k0|u|², here it is divided by the flux κ₀ of an incident wave of amplitude 1 (κ₀ = k cos σ on its
-//! side), so that G is a share of the light that falls on the square, per steradian. With cos ϑ dω = dkx dky/k²,
+//! P2 prints the flux k0|u|²; here it is divided by the flux κ₀ of an incident wave of amplitude 1
+//! (κ₀ = k cos σ on its side), so that G is a fraction of the light incident on the square, per
+//! steradian. With cos ϑ dω = dkx dky/k²,
 //!
 //! ```text
 //! ∫ G dω = l²/(4π²) ∫ √(k² − kx² − ky²)/κ₀ · |s|² dkx dky,                       kx² + ky² < k²
 //! ```
 //!
-//! which tends to R or T of the endless layer (P2 section 4.2). At a side of whole periods what lacks is the light at the
-//! edges, to first order in 1/l the mean of |Σ α exp(i(kx x + ky y))|² over each of them:
+//! which tends to R or T of the infinite layer (P2 section 4.2). For a side of whole periods the
+//! deficit is the light at the edges, to first order in 1/l the mean of |Σ α exp(i(kx x + ky y))|²
+//! over each of them:
 //!
 //! ```text
 //! ∫ G dω → Σ κ/κ₀ |α|² − 1/(κ₀ l) · [⟨|u|²⟩ at x = l/2 + ⟨|u|²⟩ at y = l/2],     one order: 2 |α|²/(κ₀ l)
 //! ```
 //!
-//! Where P2 is corrected: (4.9) leaves α₀₀ out because the field of the lit face holds the incident wave. Its share is 1,
-//! not α₀₀; [`crate::wave::Order::reflected`] is α₀₀ − 1 already, and the specular lobe that remains is real. It is kept, and
-//! [`FiniteArea::without_specular`] leaves it out. Evanescent orders stay out, as in P2.
+//! One correction to P2: (4.9) omits α₀₀ because the field on the lit face contains the incident
+//! wave. The incident wave contributes 1, not α₀₀; [`crate::wave::Order::reflected`] is already α₀₀
+//! − 1, and the remaining specular lobe is real. It is kept here, and
+//! [`FiniteArea::without_specular`] omits it. Evanescent orders are omitted, as in P2.
 
 use super::bdf::Lobe;
 use crate::wave::{FarField, Media, Order, Side};
@@ -35,17 +40,18 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
 
-/// Longest side of the square, in wavelengths: the hemisphere's integral costs the square of it.
+/// Longest side of the square in wavelengths; the cost of the hemispherical integral grows with its
+/// square.
 const MOST_WAVELENGTHS: f64 = 1000.0;
-/// Samples of the hemisphere's integral along a radius of the disk, at least.
+/// Minimum number of samples of the hemispherical integral along a radius of the disk.
 const SAMPLES: f64 = 400.0;
-/// Samples a width 2π/l of a lobe: |s|² holds no finer detail than half of it.
+/// Samples per lobe width 2π/l: |s|² has no structure finer than half of it.
 const SAMPLES_A_LOBE: f64 = 4.0;
 
-/// Why there is no distribution of a finite area.
+/// Why a finite area has no distribution.
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum FiniteAreaError {
-    /// A side that holds no period, or too many wavelengths.
+    /// A side shorter than a period, or too many wavelengths long.
     #[error(
         "illuminated_um, the side of the lit square, is {value}; allowed is {least} … {most} µm (one period to a thousand \
          wavelengths): try ten periods, {} µm",
@@ -59,15 +65,15 @@ pub enum FiniteAreaError {
         /// A thousand wavelengths, µm.
         most: f64,
     },
-    /// A half-space that no light crosses to infinity.
+    /// A half-space in which light does not propagate to infinity.
     #[error(
         "the index of the half-space of the {side} light is {eta}; light reaches infinity only where it is real and above 0: \
          make that half-space transparent, or ask for the other side"
     )]
     Absorber {
-        /// Which light.
+        /// Reflected or transmitted light.
         side: &'static str,
-        /// Its half-space's index.
+        /// Index of its half-space.
         eta: Complex64,
     },
     /// Amplitudes of polarised light.
@@ -75,7 +81,7 @@ pub enum FiniteAreaError {
         "the far field holds polarised light; lobes of a finite area are those of the scalar wave: solve the scalar wave"
     )]
     Polarised,
-    /// An amplitude that is no number.
+    /// An amplitude that is not finite.
     #[error("order ({m}, {n}) of the far field is not finite; check the solve behind it")]
     NotFinite {
         /// Order along x.
@@ -83,7 +89,7 @@ pub enum FiniteAreaError {
         /// Order along y.
         n: i32,
     },
-    /// A direction outside of the hemisphere.
+    /// A direction outside the hemisphere.
     #[error(
         "direction is {polar_deg}° from the normal, azimuth {azimuth_deg}°; allowed are 0 … 90° and any finite azimuth"
     )]
@@ -99,7 +105,7 @@ fn ten_times(length: &f64) -> f64 {
     10.0 * length
 }
 
-/// The light that leaves a lit square of the layer on one side (P2 (4.9)).
+/// Light that leaves an illuminated square of the layer on one side (P2 (4.9)).
 ///
 /// ```
 /// use inkwave_physics::appearance::bdf::Lobe;
@@ -128,7 +134,7 @@ pub struct FiniteArea {
     k: f64,
     /// κ₀, 1/µm.
     incident_kappa: f64,
-    /// The orders that propagate, by n: all of a row share ky.
+    /// Propagating orders by n: all orders of a row share ky.
     rows: BTreeMap<i32, LobeRow>,
 }
 
@@ -149,11 +155,12 @@ struct PlaneWave {
 }
 
 impl FiniteArea {
-    /// The lobes of one side of a far field that a square of `side_um` (µm) sends out; its centre is x = y = 0, its sides
-    /// lie along the periods. `media` are those that the far field was solved with.
+    /// Lobes of one side of a far field, emitted by a square of side `side_um` (µm), centred at x =
+    /// y = 0 with its sides along the periods. `media` must be those of the far field's solve.
     ///
     /// # Errors
-    /// What [`FiniteArea::check_side`] refuses; an absorbing half-space; polarised light; amplitudes that are not finite.
+    /// Sides that [`FiniteArea::check_side`] rejects; an absorbing half-space; polarised light;
+    /// amplitudes that are not finite.
     pub fn new(far: &FarField, media: &Media, lobe: Lobe, side_um: f64) -> Result<Self, FiniteAreaError> {
         Self::check_side(side_um, far.period_um, far.incidence.wavelength_um)?;
         let [from, to] = if far.incidence.from == Side::Incident {
@@ -177,10 +184,11 @@ impl FiniteArea {
         })
     }
 
-    /// Refuses a side shorter than a period or longer than a thousand wavelengths (all in µm): P2 (4.1) asks for many periods.
+    /// Rejects a side shorter than a period or longer than a thousand wavelengths (all in µm): P2
+    /// (4.1) assumes many periods.
     ///
     /// # Errors
-    /// Such a side, or one that is no number.
+    /// A side outside that range, or not a number.
     pub fn check_side(side_um: f64, period_um: [f64; 2], wavelength_um: f64) -> Result<(), FiniteAreaError> {
         let (least, most) = (period_um[0].max(period_um[1]), MOST_WAVELENGTHS * wavelength_um);
         if (least..=most).contains(&side_um) {
@@ -189,7 +197,7 @@ impl FiniteArea {
         Err(FiniteAreaError::Side { value: side_um, least, most })
     }
 
-    /// The same without the order (0, 0): diffuse light alone, as P2 (4.9) has it.
+    /// The lobes without the order (0, 0): diffuse light alone, as in P2 (4.9).
     pub fn without_specular(&self) -> FiniteArea {
         let mut diffuse = self.clone();
         if let Some(row) = diffuse.rows.get_mut(&0) {
@@ -198,10 +206,12 @@ impl FiniteArea {
         diffuse
     }
 
-    /// G: share of the light on the square that goes into the direction, sr⁻¹, phases and tails of all lobes included.
+    /// G: fraction of the light on the square scattered into the direction, sr⁻¹, with the phases
+    /// and tails of all lobes.
     ///
-    /// `polar_deg` is counted from the layer's normal on the side that the light leaves into, in the medium there;
-    /// `azimuth_deg` from the x axis, of the way the light goes: both specular lobes are at the azimuth of the incidence.
+    /// `polar_deg` is measured from the layer's normal on the side into which the light leaves, in
+    /// the medium there; `azimuth_deg`, measured from the x axis, is that of the propagation
+    /// direction, so both specular lobes are at the azimuth of the incidence.
     ///
     /// # Errors
     /// A polar angle outside 0 … 90°, an azimuth that is not finite.
@@ -219,13 +229,14 @@ impl FiniteArea {
         Ok(self.aperture() * self.k.powi(3) * cos * cos / self.incident_kappa * s.norm_sqr())
     }
 
-    /// ∫ G dω over the hemisphere: tends to R or T of the endless layer as 1/l.
+    /// ∫ G dω over the hemisphere: tends to R or T of the infinite layer as 1/l.
     ///
-    /// By the midpoint rule in (kx, ky), to some 1e-6 of what the lobes hold; to 1e-3 for one within 10° of grazing.
+    /// By the midpoint rule in (kx, ky), accurate to about 1e-6 of the power in the lobes, and to
+    /// 1e-3 for a lobe within 10° of grazing.
     pub fn total(&self) -> f64 {
         let samples = SAMPLES.max((SAMPLES_A_LOBE * self.k * self.side_um / TAU).ceil());
         let step = self.k / samples;
-        // Midpoints: a sample never lies on the rim of the disk.
+        // Midpoints: no sample lies on the rim of the disk.
         let places: Vec<f64> = (0..2 * samples as usize).map(|i| (i as f64 + 0.5 - samples) * step).collect();
         let table = |row: &LobeRow| places.iter().map(|ky| self.sinc(row.ky - ky)).collect();
         let tables: Vec<Vec<f64>> = self.rows.values().map(table).collect();
@@ -234,12 +245,14 @@ impl FiniteArea {
         self.aperture() * step * step / self.incident_kappa * lines.iter().sum::<f64>()
     }
 
-    /// Angle from the middle of a lobe at the normal to its first zero, degrees: sin ϑ = λ/(n l).
+    /// Angle between the centre of a lobe at normal direction and its first zero, degrees: sin ϑ =
+    /// λ/(n l).
     pub fn first_zero_deg(&self) -> f64 {
         (TAU / (self.k * self.side_um)).min(1.0).asin().to_degrees()
     }
 
-    /// Σ √(k² − kx² − ky²) |s|² over the samples `places` of ky, with sinc(l (ky_n − ky)/2) of every row n in `tables`.
+    /// Σ √(k² − kx² − ky²) |s|² over the samples `places` of ky; `tables` holds sinc(l (ky_n −
+    /// ky)/2) of every row n.
     fn line(&self, kx: f64, places: &[f64], tables: &[Vec<f64>]) -> f64 {
         let mut s = vec![Complex64::default(); places.len()];
         for (row, table) in self.rows.values().zip(tables) {
@@ -255,19 +268,19 @@ impl FiniteArea {
         row.waves.iter().map(|w| w.amplitude * self.sinc(w.kx - kx)).sum()
     }
 
-    /// sinc(l q/2) of a difference of wavenumbers, 1/µm.
+    /// sinc(l q/2) of a wavenumber difference q, 1/µm.
     fn sinc(&self, q: f64) -> f64 {
         let t = 0.5 * self.side_um * q;
         if t.abs() < 1e-8 { 1.0 } else { t.sin() / t }
     }
 
-    /// l²/(4π²), µm².
+    /// Prefactor l²/(4π²), µm².
     fn aperture(&self) -> f64 {
         (0.5 * self.side_um / PI).powi(2)
     }
 }
 
-/// The orders that propagate on one side, by n.
+/// Propagating orders of one side, by n.
 fn rows(orders: &[Order], lobe: Lobe, k0: f64) -> Result<BTreeMap<i32, LobeRow>, FiniteAreaError> {
     let mut rows = BTreeMap::new();
     for o in orders {

@@ -1,4 +1,5 @@
-//! Lobes against closed forms: one square aperture, the integral over the aperture itself, and what the edges lose.
+//! Lobes against closed forms: one square aperture, the integral over the aperture itself, and what
+//! the edges lose.
 
 use super::*;
 use crate::solve::{Gmres, Goal, Silent, Solver};
@@ -40,7 +41,8 @@ fn far(period_um: f64, orders: Vec<Order>) -> FarField {
     FarField { incidence, period_um: [period_um; 2], orders, reflectance, transmittance, absorptance: 0.0 }
 }
 
-/// Orders (m, n) 0.4 apart in direction, off the axes, with amplitudes of all phases; five of 25 are evanescent.
+/// Orders (m, n) 0.4 apart in direction, off the axes, with amplitudes of all phases; five of 25
+/// are evanescent.
 fn many() -> FarField {
     let label = |i: i32| [i / 5 - 2, i % 5 - 2];
     let direction = |[m, n]: [i32; 2]| [0.1 + 0.4 * f64::from(m), -0.05 + 0.4 * f64::from(n)];
@@ -53,8 +55,8 @@ fn lit(far: &FarField, side_um: f64) -> FiniteArea {
     FiniteArea::new(far, &media(1.0, 1.0), Lobe::Reflected, side_um).expect("a square of whole periods")
 }
 
-/// Identity, to the rounding of angles: half of the lobe's height at t = l k Δsin ϑ/2 = 1.39, nothing at t = π. The factor
-/// cos²ϑ belongs to the direction, not to the lobe.
+/// Identity, to the rounding of angles: half of the lobe's height at t = l k Δsin ϑ/2 = 1.39,
+/// nothing at t = π. The factor cos²ϑ belongs to the direction, not to the lobe.
 #[test]
 fn a_lobe_is_narrower_by_the_side() {
     let far = far(0.5, vec![order([1, 0], [0.3, 0.0], Complex64::new(0.1, 0.2))]);
@@ -72,7 +74,8 @@ fn a_lobe_is_narrower_by_the_side() {
     }
 }
 
-/// Order: an isolated lobe lacks 2|α|²/(κ₀ l) of its efficiency; the next term is the square's corners', smaller by 1/(k l).
+/// Order: an isolated lobe lacks 2|α|²/(κ₀ l) of its efficiency; the next term is the square's
+/// corners', smaller by 1/(k l).
 #[test]
 fn a_lobe_holds_its_orders_efficiency_but_for_the_edges() {
     for direction in [[0.0, 0.0], [0.3, 0.5], [-0.6, 0.2]] {
@@ -89,7 +92,8 @@ fn a_lobe_holds_its_orders_efficiency_but_for_the_edges() {
     }
 }
 
-/// Order: the interfering lobes of many orders lack the light at the edges of the square, the rest falls as 1/l².
+/// Order: the interfering lobes of many orders lack the light at the edges of the square, the rest
+/// falls as 1/l².
 #[test]
 fn the_hemisphere_holds_all_orders_but_for_the_edges() {
     let far = many();
@@ -116,7 +120,8 @@ fn the_hemisphere_holds_all_orders_but_for_the_edges() {
     }
 }
 
-/// Order h²: the closed form against Kirchhoff's integral of the field over the square (P2 (4.5)), by the midpoint rule.
+/// Order h²: the closed form against Kirchhoff's integral of the field over the square (P2 (4.5)),
+/// by the midpoint rule.
 #[test]
 fn lobes_interfere_as_the_field_of_the_square_does() {
     let (far, side, points) = (many(), 2.3, 400);
@@ -144,8 +149,8 @@ fn lobes_interfere_as_the_field_of_the_square_does() {
     }
 }
 
-/// Identity: a film is one aperture, and its light a square's Fraunhofer pattern about the specular directions, outside in
-/// the angle of incidence, in the glass in Snell's.
+/// Identity: a film is one aperture, and its light a square's Fraunhofer pattern about the specular
+/// directions, outside in the angle of incidence, in the glass in Snell's.
 #[test]
 fn a_film_shines_like_a_square_aperture() {
     let (media, side) = (media(1.0, 1.5), 6.0);

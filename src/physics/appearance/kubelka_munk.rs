@@ -1,39 +1,40 @@
-//! Kubelka–Munk coefficients of a layer: what an ink maker mixes with, from the layer's own diffuse reflectance and
+//! Kubelka–Munk coefficients of a layer, as used in ink mixing, from its diffuse reflectance and
 //! transmittance.
 //!
-//! Two diffuse fluxes in a layer of thickness X obey (Kubelka 1948), with a = 1 + K/S and b = √(a² − 1):
+//! Two diffuse fluxes in a layer of thickness X obey (Kubelka 1948), with a = 1 + K/S and b = √(a²
+//! − 1):
 //!
 //! ```text
 //! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)      over a backing ρ:  R + T² ρ/(1 − ρ R)
 //! ```
 //!
-//! They hold for a layer that is the same from both sides. What its two faces reflect is no scattering: [`DiffuseFaces`] takes it off
-//! first (Saunderson 1942), for light that is diffuse inside.
+//! They assume a layer with the same reflectance from both sides. Reflection at its faces is not
+//! scattering: [`DiffuseFaces`] removes it first (Saunderson 1942), for light that is diffuse inside.
 
 /// The two plane faces of a layer between air and air, for diffuse light.
 ///
-/// One face reflects r of diffuse light from outside and r′ = 1 − (1 − r)/n² of diffuse light from inside (the same light passes
-/// both ways, over n²). Lit from both sides by equal fluxes the bare layer reflects ρ = R₀ + T₀, by opposite ones R₀ − T₀; with
-/// its faces each becomes what J. L. Saunderson gives for one face (J. Opt. Soc. Am. 32, 727–736, 1942):
+/// One face reflects r of diffuse light from outside and r′ = 1 − (1 − r)/n² of diffuse light from inside (the transmittances
+/// in both directions differ by n²). Illuminated from both sides by equal fluxes the bare layer reflects ρ = R₀ + T₀, by opposite ones
+/// R₀ − T₀; its faces modify each as J. L. Saunderson gives for one face (J. Opt. Soc. Am. 32, 727–736, 1942):
 ///
 /// ```text
 /// R ± T = r + (1 − r)(1 − r′) ρ/(1 − r′ ρ)      ρ = (R ± T − r)/((1 − r)(1 − r′) + r′ (R ± T − r))
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DiffuseFaces {
-    /// r, share of diffuse light from outside that a face reflects, 0–1.
+    /// Reflectance r of a face for diffuse light from outside, 0–1.
     pub external: f64,
-    /// r′, share of diffuse light from inside that a face reflects, 0–1.
+    /// Reflectance r′ of a face for diffuse light from inside, 0–1.
     pub internal: f64,
 }
 
 impl DiffuseFaces {
-    /// Plane faces of a layer of real index n that reflect `external` of diffuse light from outside.
+    /// Plane faces of a layer of real index n with the reflectance `external` for diffuse light from outside.
     pub fn plane(external: f64, index: f64) -> Self {
         Self { external, internal: 1.0 - (1.0 - external) / (index * index) }
     }
 
-    /// \[R, T\] of the layer without its faces. `None` where no layer in diffuse light has this R and T with such faces.
+    /// \[R, T\] of the layer without its faces. `None` if no layer in diffuse light has this R and T with such faces.
     pub fn taken_off(&self, reflectance: f64, transmittance: f64) -> Option<[f64; 2]> {
         let bare = |sum: f64| {
             let inside = sum - self.external;
@@ -53,7 +54,7 @@ impl DiffuseFaces {
     }
 }
 
-/// Absorption and scattering per unit of thickness.
+/// Absorption and scattering per unit thickness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KubelkaMunk {
     /// K, 1/µm.
@@ -62,18 +63,19 @@ pub struct KubelkaMunk {
     pub scattering_per_um: f64,
 }
 
-/// a² − 1 below this counts as no absorption: differences of rounding size.
+/// a² − 1 below this counts as no absorption: it is of the size of rounding.
 const NO_ABSORPTION: f64 = 1e-12;
 
 impl KubelkaMunk {
-    /// From the diffuse reflectance and transmittance of the layer alone. Noise that makes R + T exceed 1 counts as no
-    /// absorption. `None` unless 0 ≤ R < 1, 0 < T ≤ 1 and the thickness is positive.
+    /// Coefficients from the diffuse reflectance and transmittance of the layer alone. If noise
+    /// makes R + T exceed 1, the absorption is 0. `None` unless 0 ≤ R < 1, 0 < T ≤ 1 and the
+    /// thickness is positive.
     pub fn from_layer(reflectance: f64, transmittance: f64, thickness_um: f64) -> Option<Self> {
         Self::with(reflectance, transmittance, thickness_um, |a| a.max(1.0))
     }
 
-    /// The same continued smoothly to R + T above 1, where K is negative: what noise does to K and S is seen here whole, while
-    /// K of [`KubelkaMunk::from_layer`] stops at 0 and says of noise below it nothing.
+    /// Analytic continuation of [`KubelkaMunk::from_layer`] to R + T above 1, where K is negative.
+    /// It shows the full effect of noise on K and S, whereas `from_layer` clips K at 0.
     pub fn continued(reflectance: f64, transmittance: f64, thickness_um: f64) -> Option<Self> {
         Self::with(reflectance, transmittance, thickness_um, |a| a)
     }
@@ -97,11 +99,13 @@ impl KubelkaMunk {
         Some(Self { absorption_per_um: scattering_per_um * (a - 1.0), scattering_per_um })
     }
 
-    /// From reflectances of one layer over two known backings, as a draw-down card gives them. `None` where no layer gives
-    /// such a pair: R over the lighter backing must be larger, and both inside 0–1.
+    /// Coefficients from the reflectances of one layer over two known backings, as measured on a
+    /// draw-down card. `None` if no layer gives such a pair: R over the lighter backing must be
+    /// larger, and both must lie inside 0–1.
     pub fn from_backings(darker: [f64; 2], lighter: [f64; 2], thickness_um: f64) -> Option<Self> {
         let ([rho0, r0], [rho1, r1]) = (darker, lighter);
-        // (r_i − R)(1 − ρ_i R) = T² ρ_i: the difference of both divided by ρ leaves one equation for R
+        // (r_i − R)(1 − ρ_i R) = T² ρ_i: dividing each by its ρ and subtracting leaves one equation
+        // for R
         let square = |r: f64| {
             let t2 = |rho: f64, measured: f64| (measured - r) * (1.0 - rho * r) / rho;
             if rho0 > 0.0 { t2(rho0, r0) - t2(rho1, r1) } else { r - r0 }
@@ -111,7 +115,7 @@ impl KubelkaMunk {
         if t2 > 0.0 { Self::from_layer(r, t2.sqrt(), thickness_um) } else { None }
     }
 
-    /// \[R, T\] of a layer of any thickness.
+    /// \[R, T\] of a layer of the given thickness, µm.
     pub fn layer(&self, thickness_um: f64) -> [f64; 2] {
         let (k, s) = (self.absorption_per_um * thickness_um, self.scattering_per_um * thickness_um);
         if s == 0.0 {
@@ -122,7 +126,7 @@ impl KubelkaMunk {
         if b * b < NO_ABSORPTION {
             return [s / (1.0 + s), 1.0 / (1.0 + s)];
         }
-        // divided through by e^{bS}, so that thick layers do not overflow
+        // divided by e^{bS} so that thick layers do not overflow
         let (sinh, cosh) = ((1.0 - (-2.0 * b * s).exp()) / 2.0, (1.0 + (-2.0 * b * s).exp()) / 2.0);
         let denominator = a * sinh + b * cosh;
         [sinh / denominator, b * (-b * s).exp() / denominator]
@@ -134,7 +138,7 @@ impl KubelkaMunk {
         r + t * t * backing / (1.0 - backing * r)
     }
 
-    /// R∞ = a − b, the reflectance of a layer that hides everything; 1 without absorption.
+    /// R∞ = a − b, the reflectance of an opaque layer; 1 without absorption.
     pub fn infinite(&self) -> f64 {
         if self.scattering_per_um == 0.0 {
             return 0.0;
@@ -144,10 +148,11 @@ impl KubelkaMunk {
     }
 }
 
-/// A start this much smaller than the end is zero but for rounding.
+/// If the value at the start is this much smaller than at the end, it is zero within rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// The root of a function that changes sign in an interval, to rounding; its start where that is a root already.
+/// Root of a function that changes sign in an interval, to rounding; the start if it already is a
+/// root.
 fn root(f: impl Fn(f64) -> f64, mut lo: f64, mut hi: f64) -> Option<f64> {
     if f(lo).abs() <= ROUNDING * f(hi).abs() {
         return Some(lo);
@@ -184,7 +189,8 @@ mod tests {
         }
     }
 
-    /// Two layers of half the thickness, put together by the light going back and forth between them, are one layer.
+    /// Two layers of half the thickness, coupled by multiple reflections, are equivalent to one
+    /// layer.
     #[test]
     fn half_layers_add_up() {
         for [absorption_per_um, scattering_per_um] in CASES {

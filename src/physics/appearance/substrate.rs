@@ -19,7 +19,7 @@ pub enum Coupling {
 }
 
 impl Coupling {
-    /// Index of the half-space below that the solves must have.
+    /// Index of the exit half-space required in the solves.
     pub fn index_out(self) -> f64 {
         match self {
             Self::Gap => 1.0,
@@ -28,7 +28,8 @@ impl Coupling {
     }
 }
 
-/// Albedo ρ of the paper, 0–1: the same at every wavelength, or (wavelength_nm, ρ) rows, linear in between.
+/// Albedo ρ of the paper, 0–1: the same at every wavelength, or (wavelength_nm, ρ) rows, linear in
+/// between.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Albedo {
@@ -39,7 +40,7 @@ pub enum Albedo {
 }
 
 impl Albedo {
-    /// ρ(λ).
+    /// The albedo ρ(λ) at a wavelength in nm.
     ///
     /// # Errors
     /// Values outside 0–1, tables that do not increase, wavelengths outside the table.

@@ -11,58 +11,61 @@ use beyond::SpectrumEnd;
 /// Range of the CIE tables, nm.
 pub const TABLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
 
-/// Uniform grids up to this step are summed as they are; others are resampled to at most [`RESAMPLED_STEP_NM`].
+/// Uniform grids up to this step are summed directly; others are resampled to at most
+/// [`RESAMPLED_STEP_NM`].
 const LARGEST_DIRECT_STEP_NM: f64 = 10.0;
 const RESAMPLED_STEP_NM: f64 = 5.0;
-/// Lamps have lines: only the whole table knows how much light they hold.
+/// Step for lamps: their spectral lines need the full resolution of the table.
 const LINES_STEP_NM: f64 = 1.0;
 
 /// IEC 61966-2-1: linear RGB = M · XYZ with Y = 1 for white.
 const XYZ_TO_RGB: [[f64; 3]; 3] =
     [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
 
-/// Turns spectra on one wavelength grid into tristimulus values: XYZ = Σ_j w_j R_j, white (R = 1) has Y = 100.
+/// Converts spectra on one wavelength grid to tristimulus values: XYZ = Σ_j w_j R_j, white (R = 1)
+/// has Y = 100.
 ///
-/// A uniform grid with steps up to 10 nm is summed as it is (CIE 15, plain sum). Any other grid is resampled to
-/// steps of at most 5 nm between its ends by Lagrange interpolation through the four nearest points (three
-/// in the first and last interval: the rule of ASTM E2022), which keeps XYZ linear in the spectrum. Colours are those of
-/// 400–700 nm ([`COLOUR_RANGE_NM`]), and of the whole grid where that is wider: the value at an end stands for what lies
-/// between it and 400 or 700 nm, and [`Colorimeter::beyond`] tells what that may cost. Under lamps, whose spectra have lines, every grid is
-/// resampled to 1 nm: sums over F11 at every tenth nm give a white of Z = 32 instead of 66.
+/// A uniform grid with steps up to 10 nm is summed directly (CIE 15). Any other grid is resampled
+/// between its ends to steps of at most 5 nm by Lagrange interpolation through the four nearest
+/// points (three in the first and last interval: the rule of ASTM E2022), which keeps XYZ linear in
+/// the spectrum. The range of integration is 400–700 nm ([`COLOUR_RANGE_NM`]) or the whole grid if
+/// wider: the value at an end is extended to 400 or 700 nm, and [`Colorimeter::beyond`] estimates
+/// the resulting error. Under lamps, whose spectra have lines, every grid is resampled to 1 nm:
+/// sums over F11 at every tenth nm give a white of Z = 32 instead of 66.
 ///
 /// *Measured* over the 12 spectra of `validation/data/colour.json`, largest ΔE*ab against the 5 nm sum from 400 to
-/// 700 nm: 16 points (20 nm) 0.5, 12 points (27 nm) 1.6, 8 points (43 nm) 6.5; a band of σ = 12 nm is lost by
-/// such grids (1.3, 7.8, 79). Test `coarse_grids_keep_the_colour`.
+/// 700 nm: 16 points (20 nm) 0.5, 12 points (27 nm) 1.6, 8 points (43 nm) 6.5; a band of σ = 12 nm
+/// is lost by such grids (1.3, 7.8, 79). Test `coarse_grids_keep_the_colour`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colorimeter {
     wavelengths_nm: Vec<f64>,
-    /// Factor on light times observer that makes Y of white 100, per nm.
+    /// Normalisation of light times observer that makes Y of white 100, per nm.
     scale_per_nm: f64,
     weights: Vec<[f64; 3]>,
     white_xyz: [f64; 3],
     white_rgb: [f64; 3],
     viewing: Viewing,
-    /// What lies beyond both ends of the grid.
+    /// Spectral range beyond either end of the grid.
     ends: [SpectrumEnd; 2],
-    /// To D65, under another light.
+    /// Chromatic adaptation to D65, if the illuminant is another one.
     adaptation: Option<[[f64; 3]; 3]>,
 }
 
 impl Colorimeter {
-    /// Weights for a grid, nm, increasing, uniform or not.
+    /// Weights of a grid in nm, increasing, uniform or not, under D65 for the CIE 1931 observer.
     ///
     /// # Errors
-    /// Fewer than 3 wavelengths, not increasing, outside 380–780 nm, or so narrow that more than a quarter of white's X, Y or Z lies
-    /// outside ([`MOST_OUTSIDE`]).
+    /// Fewer than 3 wavelengths, not increasing, outside 380–780 nm, or so narrow that more than a
+    /// quarter of white's X, Y or Z lies outside ([`MOST_OUTSIDE`]).
     pub fn new(wavelengths_nm: &[f64]) -> Result<Self, ColourError> {
         Self::under(wavelengths_nm, &Viewing::default())
     }
 
-    /// The same under any light and for any observer. White is then that of the light: `linear_rgb` shows colours as to an eye
-    /// that has adapted to it (Bradford).
+    /// Weights of a grid under any illuminant and for any observer. White is then that of the
+    /// illuminant: `linear_rgb` shows colours as to an eye adapted to it (Bradford).
     ///
     /// # Errors
-    /// As [`Colorimeter::new`].
+    /// See [`Colorimeter::new`].
     pub fn under(wavelengths_nm: &[f64], viewing: &Viewing) -> Result<Self, ColourError> {
         check_grid(wavelengths_nm)?;
         let (step_nm, mut raw) = if viewing.summation == Summation::E308 {
@@ -99,12 +102,13 @@ impl Colorimeter {
         })
     }
 
-    /// The wavelengths, nm, rising.
+    /// The wavelengths, nm, increasing.
     pub fn wavelengths_nm(&self) -> &[f64] {
         &self.wavelengths_nm
     }
 
-    /// Weight of a narrow band at a wavelength, per nm: what the sum over the grid stands for as an integral.
+    /// Weight of a narrow band at a wavelength, per nm: the integrand that the sum over the grid
+    /// approximates.
     pub fn weight_per_nm(&self, nm: f64) -> [f64; 3] {
         light_times_observer(nm, &self.viewing).map(|w| self.scale_per_nm * w)
     }
@@ -130,7 +134,8 @@ impl Colorimeter {
         }
     }
 
-    /// Linear sRGB, divided per channel by that of white, so that white is exactly (1, 1, 1); not clipped.
+    /// Linear sRGB, divided per channel by the value of white, so that white is exactly (1, 1, 1);
+    /// not clipped.
     pub fn linear_rgb(&self, xyz: [f64; 3]) -> [f64; 3] {
         let rgb = rgb_of(adapted(&self.adaptation, xyz));
         std::array::from_fn(|c| rgb[c] / self.white_rgb[c])
@@ -141,23 +146,23 @@ fn rgb_of(xyz: [f64; 3]) -> [f64; 3] {
     XYZ_TO_RGB.map(|row| row.iter().zip(xyz).map(|(m, x)| m * x / 100.0).sum())
 }
 
-/// Cone responses of Bradford's adaptation.
+/// Cone response matrix of the Bradford adaptation.
 const BRADFORD: [[f64; 3]; 3] =
     [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
-/// Its inverse.
+/// Inverse of [`BRADFORD`].
 const BRADFORD_BACK: [[f64; 3]; 3] = [
     [0.986_992_9, -0.147_054_3, 0.159_962_7],
     [0.432_305_3, 0.518_360_3, 0.049_291_2],
     [-0.008_528_7, 0.040_042_8, 0.968_486_7],
 ];
-/// White of the screen's primaries: D65 for the CIE 1931 observer.
+/// White point of sRGB: D65 for the CIE 1931 observer.
 const SCREEN_WHITE: [f64; 3] = [95.047, 100.0, 108.883];
 
 fn times(matrix: &[[f64; 3]; 3], xyz: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row.iter().zip(xyz).map(|(m, x)| m * x).sum())
 }
 
-/// Turns colours under a light with this white into those that look the same under D65.
+/// Matrix that maps colours under an illuminant of this white to corresponding colours under D65.
 fn adaptation(white: [f64; 3]) -> [[f64; 3]; 3] {
     let (here, there) = (times(&BRADFORD, white), times(&BRADFORD, SCREEN_WHITE));
     let scaled: [[f64; 3]; 3] = std::array::from_fn(|i| BRADFORD[i].map(|m| m * there[i] / here[i]));
@@ -184,7 +189,7 @@ fn check_grid(grid: &[f64]) -> Result<(), ColourError> {
     }
 }
 
-/// Adds the weight of what lies beyond an end to the end's own.
+/// Adds the weight beyond an end of the grid to that of the end.
 fn fold(own: &mut [f64; 3], beyond: [f64; 3]) {
     own.iter_mut().zip(beyond).for_each(|(own, beyond)| *own += beyond);
 }
@@ -207,7 +212,7 @@ fn mean_step(grid: &[f64]) -> f64 {
     (grid[grid.len() - 1] - grid[0]) / (grid.len() - 1) as f64
 }
 
-/// Uniform with a step of at most 10 nm (to a rounding of the user's numbers).
+/// Whether a grid is uniform with a step of at most 10 nm (up to rounding of the input).
 fn is_direct(grid: &[f64]) -> bool {
     let step = mean_step(grid);
     let uniform = grid.windows(2).all(|w| (w[1] - w[0] - step).abs() < 1e-6 * step);
@@ -223,7 +228,7 @@ fn light_times_observer(nm: f64, viewing: &Viewing) -> [f64; 3] {
     std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
 }
 
-/// The step taken, at most `most_nm`, and the weights of the sum over it.
+/// The step used, at most `most_nm`, and the weights of the sum over it.
 fn resampled_weights(grid: &[f64], most_nm: f64, viewing: &Viewing) -> (f64, Vec<[f64; 3]>) {
     let (first, last) = (grid[0], grid[grid.len() - 1]);
     let intervals = ((last - first) / most_nm - 1e-9).ceil().max(1.0);
@@ -238,8 +243,8 @@ fn resampled_weights(grid: &[f64], most_nm: f64, viewing: &Viewing) -> (f64, Vec
     ((last - first) / intervals, weights)
 }
 
-/// ASTM E308: every nanometre of the tables is shared among the grid by ASTM E2022's rule; what lies beyond the grid counts
-/// to its ends.
+/// Weights by ASTM E308: every nanometre of the tables is distributed over the grid by the rule of
+/// ASTM E2022; the range beyond the grid is assigned to its ends.
 fn e308_weights(grid: &[f64], viewing: &Viewing) -> Vec<[f64; 3]> {
     let (first, last) = (grid[0], grid[grid.len() - 1]);
     let mut weights = vec![[0.0; 3]; grid.len()];
@@ -253,7 +258,7 @@ fn e308_weights(grid: &[f64], viewing: &Viewing) -> Vec<[f64; 3]> {
     weights
 }
 
-/// (index, weight) of the local Lagrange interpolation through up to four neighbours.
+/// (index, weight) pairs of the local Lagrange interpolation through up to four neighbours.
 pub fn lagrange_shares(grid: &[f64], at: f64) -> Vec<(usize, f64)> {
     let after = grid.partition_point(|&x| x < at).clamp(1, grid.len() - 1);
     let window = after.saturating_sub(2)..(after + 2).min(grid.len());

@@ -1,4 +1,4 @@
-//! Under which light and by which observer a colour is judged.
+//! Illuminant and observer of a colour.
 
 use super::error::ColourError;
 use colorimetry::illuminant::CieIlluminant;
@@ -52,10 +52,10 @@ const ILLUMINANTS: [(&str, CieIlluminant); 39] = {
     ]
 };
 
-/// Those without lines.
+/// Illuminants without spectral lines.
 const SMOOTH: [&str; 4] = ["D65", "D50", "E", "A"];
 
-/// The standard observers by the names that people use.
+/// The standard observers by their usual names.
 const OBSERVERS: [(&str, Observer); 4] = [
     ("2", Observer::Cie1931),
     ("10", Observer::Cie1964),
@@ -63,15 +63,16 @@ const OBSERVERS: [(&str, Observer); 4] = [
     ("2015_10", Observer::Cie2015_10),
 ];
 
-/// How a spectrum on a grid becomes tristimulus values.
+/// Rule by which spectra are summed to tristimulus values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Summation {
-    /// Every 5 nm, every nm under lamps, whatever the spectra's step; nothing beyond the ends of their range (CIE 15).
+    /// Every 5 nm, every nm under lamps, whatever the spectra's step; nothing beyond the ends of
+    /// their range (CIE 15).
     #[default]
     Plain,
-    /// Weights as tabulated by ASTM E308: interpolated by the rule of ASTM E2022, and the ends of the grid stand for
-    /// what lies beyond them, down to 380 and up to 780 nm.
+    /// Weights as tabulated by ASTM E308: interpolated by the rule of ASTM E2022, and the ends of
+    /// the grid stand for what lies beyond them, down to 380 and up to 780 nm.
     E308,
 }
 
@@ -90,26 +91,27 @@ impl Default for Viewing {
     }
 }
 
-/// Names of illuminants, for the schema of a file; any case will do.
+/// Names of illuminants for a file's schema; case does not matter.
 pub fn illuminants(_: &mut SchemaGenerator) -> Schema {
     offered(&ILLUMINANTS.map(|(name, _)| name))
 }
 
-/// Names of observers, for the schema of a file; a degree sign does no harm.
+/// Names of observers for a file's schema; a degree sign is accepted.
 pub fn observers(_: &mut SchemaGenerator) -> Schema {
     offered(&OBSERVERS.map(|(name, _)| name))
 }
 
-/// Texts of which some are known: editors offer those.
+/// Schema of a text with suggested values: editors offer them.
 fn offered(names: &[&str]) -> Schema {
     json_schema!({ "type": "string", "anyOf": [{ "enum": names }, {}] })
 }
 
 impl Viewing {
-    /// An illuminant such as `D50`, `A`, `F11`, and an observer `2`, `10`, `2015_2` or `2015_10`.
+    /// Conditions from an illuminant such as `D50`, `A`, `F11` and an observer `2`, `10`, `2015_2`
+    /// or `2015_10`.
     ///
     /// # Errors
-    /// Names that are not known.
+    /// Unknown names.
     pub fn new(illuminant: &str, observer: &str, summation: Summation) -> Result<Self, ColourError> {
         let unknown = |what, value: &str, allowed: Vec<&str>| {
             Err(ColourError::UnknownName { what, value: value.to_owned(), allowed: allowed.join(", ") })
@@ -135,14 +137,14 @@ impl Viewing {
         &self.observer
     }
 
-    /// For people, such as `D50, 2° observer`.
+    /// Display name, such as `D50, 2° observer`.
     pub fn name(&self) -> String {
         let rule = if self.summation == Summation::E308 { ", ASTM E308" } else { "" };
         let observer = self.observer.replace("2015_", "2015, ");
         format!("{}, {observer}° observer{rule}", self.illuminant)
     }
 
-    /// Lamps: their spectra are no smooth functions of the wavelength.
+    /// Whether the illuminant is a lamp with spectral lines.
     pub fn has_lines(&self) -> bool {
         !SMOOTH.contains(&self.illuminant.as_str())
     }
@@ -155,7 +157,7 @@ impl Viewing {
         let observer =
             OBSERVERS.iter().find(|(known, _)| *known == self.observer).map_or(Observer::Cie1931, |o| o.1);
         let light = find(&self.illuminant).illuminant().as_ref()[nm];
-        // every caller stays inside the tables, where the crate has an answer
+        // all callers stay inside the tables, so the lookup cannot fail
         observer.xyz_at_wavelength(nm).map_or([0.0; 3], |xyz| xyz.to_array().map(|x| light * x))
     }
 }
@@ -173,7 +175,8 @@ mod tests {
         assert!(Viewing::new("A", "4", Summation::Plain).is_err());
     }
 
-    /// 32 spectra under D50, D65, A and F11 for both observers against colour-science: its E308 sums, and its sums over 1 nm.
+    /// 32 spectra under D50, D65, A and F11 for both observers against colour-science: its E308
+    /// sums, and its sums over 1 nm.
     #[test]
     fn sums_are_those_of_an_independent_library() {
         use crate::appearance::colour::Colorimeter;
@@ -189,13 +192,14 @@ mod tests {
             let viewing = Viewing::new(name, observer, Summation::E308).unwrap();
             let xyz = Colorimeter::under(&grid, &viewing).unwrap().xyz(&values).unwrap();
             for (have, want) in xyz.iter().zip(list("xyz_e308")) {
-                // Both interpolate the tables by E2022; they differ in rounding and in the tables' last digits, and in how
-                // they spread the narrow lines of F11 between its 5 nm entries: 0.1 of Y = 100 is 0.04 of L*.
+                // Both interpolate the tables by E2022; they differ in rounding and in the tables'
+                // last digits, and in how they spread the narrow lines of F11 between its 5 nm
+                // entries: 0.1 of Y = 100 is 0.04 of L*.
                 let allowed = if name == "F11" { 0.1 } else { 0.02 };
                 assert!((have - want).abs() < allowed, "{name} {observer} {step}: {have} {want}");
             }
-            // Plain sums end at 400 and 700 nm, theirs at 360 and 830: 0.5 of Y = 100 in blue. Lines summed at every tenth nm are
-            // off by 40.
+            // Plain sums end at 400 and 700 nm, theirs at 360 and 830: 0.5 of Y = 100 in blue.
+            // Lines summed at every tenth nm are off by 40.
             let plain = Viewing::new(name, observer, Summation::Plain).unwrap();
             let meter = Colorimeter::under(&grid, &plain).unwrap();
             for (have, want) in meter.white_xyz().iter().zip(list("white_1nm")) {

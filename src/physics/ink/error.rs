@@ -1,9 +1,9 @@
-//! Why a packing was not delivered.
+//! Errors of packing.
 
-/// Every way a packing can fail; the fields carry what a reader needs to act.
+/// All failures of a packing; the fields carry what is needed to correct them.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PackError {
-    /// A number of the request that cannot be packed; found before any grain is placed.
+    /// An invalid number in the request; found before any grain is placed.
     #[error("{field} = {found}: allowed is {allowed}; {remedy}")]
     BadInput {
         /// Path of the field in the request.
@@ -31,11 +31,11 @@ pub enum PackError {
         placed: usize,
         /// Grains of the request.
         wanted: usize,
-        /// Attempts made, those for the grains in place included.
+        /// Total number of attempts, including those of the placed grains.
         attempts: u64,
     },
 
-    /// Relaxation of overlaps came to rest, or to its limit of steps, with overlaps left.
+    /// Relaxation stalled, or reached its limit of steps, with overlaps left.
     #[error(
         "volume fraction {requested:.4} not reached after {steps} steps: {}, largest overlap left \
          {largest_overlap_um:.2e} µm ({relative_overlap:.1e} of the radii's sum); lower the volume fraction to what was \
@@ -45,19 +45,20 @@ pub enum PackError {
     NotReached {
         /// Volume fraction of all grains of the request.
         requested: f64,
-        /// What did find room after the worst grains were taken out; `None` when that search gave up as well.
+        /// The largest arrangement without overlap after removing the worst grains; `None` if the
+        /// search failed too.
         reached: Option<Reached>,
         /// Grains of the request.
         wanted: usize,
         /// Steps of relaxation.
         steps: u64,
-        /// Largest overlap left, µm.
+        /// Largest remaining overlap, µm.
         largest_overlap_um: f64,
         /// Largest overlap over the sum of the two radii.
         relative_overlap: f64,
     },
 
-    /// Two grains, or a grain and a wall, overlap in a packing that claims to have no overlap.
+    /// Two grains, or a grain and a wall, overlap in a packing that must have no overlap.
     #[error(
         "{first} and {second} overlap by {overlap_um:.3e} µm; a packing holds only grains that do not overlap"
     )]
@@ -70,22 +71,22 @@ pub enum PackError {
         overlap_um: f64,
     },
 
-    /// The watch asked to stop.
-    #[error("stopped on request during {stage} after {steps} steps; nothing is delivered")]
+    /// The watch requested a stop.
+    #[error("stopped on request during {stage} after {steps} steps; no packing is returned")]
     Stopped {
-        /// What was being done.
+        /// Stage that was interrupted.
         stage: &'static str,
-        /// Steps, attempts or sweeps until then.
+        /// Steps, attempts or sweeps completed.
         steps: u64,
     },
 }
 
-/// The densest arrangement without overlap that a stuck relaxation leads to.
+/// The densest arrangement without overlap found from a stuck relaxation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
-    /// Its volume fraction.
+    /// Volume fraction of the arrangement.
     pub fraction: f64,
-    /// Its grains.
+    /// Number of its grains.
     pub grains: usize,
 }
 
@@ -94,7 +95,7 @@ fn reached_part(reached: &Option<Reached>, wanted: usize) -> String {
         Some(Reached { fraction, grains }) => {
             format!("{grains} of {wanted} grains fit without overlap (fraction {fraction:.4})")
         }
-        None => format!("how many of the {wanted} grains would fit was not found either"),
+        None => format!("the number of the {wanted} grains that would fit could not be determined either"),
     }
 }
 

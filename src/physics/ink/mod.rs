@@ -1,8 +1,9 @@
-//! What is there: grain shapes, packings and their statistics (no grid, no wave, no picture).
+//! Grain shapes, packings and their statistics (no grid, no wave, no picture).
 //!
-//! A [`PackingRequest`] is drawn into rigid bodies of [`grains`], which [`pack`] places ([`packing`]). The result
-//! passes an all-pairs check that shares no code with the placing before it becomes a [`Packing`]; a [`Relief`] may then
-//! lower the binder. [`statistics`] only reads packings.
+//! A [`PackingRequest`] is turned into rigid bodies of [`grains`], which [`pack`] places
+//! ([`packing`]). The result must pass an all-pairs check that shares no code with the placement
+//! before it becomes a [`Packing`]; a [`Relief`] may then lower the binder. [`statistics`] only
+//! reads packings.
 
 pub mod error;
 pub mod grains;

@@ -1,8 +1,9 @@
 //! Micro-relief: the binder's surface below the tops of the grains (P1 section 3, "микрорельеф").
 //!
-//! Grains are packed between the paper (z = H) and the top (z = 0). The dry ink, pigment and binder together, has
-//! the volume A (H − depth), of which the pigment takes the requested share exactly as in a flat layer. Since
-//! grains stand out of it, the binder sinks: its level is found from the conservation of its volume.
+//! Grains are packed between the paper (z = H) and the top (z = 0). The dry ink, pigment plus
+//! binder, has the volume A (H − depth), of which the pigment takes the requested fraction exactly
+//! as in a flat layer. As grains protrude from it, the binder sinks: its level follows from
+//! conservation of its volume.
 
 use super::error::PackError;
 use crate::numerics::allowed::Allowed;
@@ -12,15 +13,15 @@ use serde::{Deserialize, Serialize};
 
 /// Depths and lengths of a relief; a depth stays below the layer's thickness.
 const LENGTH_UM: Allowed = Allowed::between(0.0, f64::MAX, "µm");
-/// How far a surface follows the grains.
+/// Degree to which a surface follows the grains.
 const FOLLOW: Allowed = Allowed::between(0.0, 1.0, "");
 
-/// What is asked of the binder's surface.
+/// Request for the binder's surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReliefRequest {
-    /// By how much the levelled dry ink is thinner than the layer of grains, H: the volume fractions refer to
-    /// the dry volume, area × (H − depth).
+    /// Thickness difference between the layer of grains, H, and the levelled dry ink: the volume
+    /// fractions refer to the dry volume, area × (H − depth).
     #[schemars(transform = LENGTH_UM.mark(), example = 0.15)]
     pub depth_um: f64,
     /// The surface's shape.
@@ -35,10 +36,11 @@ pub enum ReliefRule {
     /// One level everywhere.
     #[default]
     Flat,
-    /// Level + `follow` × (T − ⟨T⟩), T the height of the topmost pigment over each point smoothed by a Gaussian
-    /// of standard deviation `smoothing_um`: surface tension levels what is shorter. Never above the layer.
+    /// Level + `follow` × (T − ⟨T⟩), with T the height of the topmost pigment over each point,
+    /// smoothed by a Gaussian of standard deviation `smoothing_um`: surface tension levels shorter
+    /// structures. Never above the layer.
     Following {
-        /// How far the surface follows the grains: 0 (flat) to 1.
+        /// Degree to which the surface follows the grains: 0 (flat) to 1.
         #[schemars(transform = FOLLOW.mark(), example = 0.5)]
         follow: f64,
         /// Standard deviation of the smoothing, µm, at least 0.
@@ -50,7 +52,7 @@ pub enum ReliefRule {
 impl ReliefRequest {
     pub(crate) fn check(&self, thickness_um: f64, walls: bool) -> Result<(), PackError> {
         if !walls {
-            let remedy = "set walls = true, or leave the relief out";
+            let remedy = "set walls = true, or remove the relief";
             return Err(PackError::input(
                 "relief",
                 "with walls = false",
@@ -79,16 +81,16 @@ impl ReliefRequest {
     }
 }
 
-/// Height of pigment and binder levelled out.
+/// Height of pigment and binder when levelled.
 pub(crate) fn dry_height_um(request: &ReliefRequest, thickness_um: f64) -> f64 {
     thickness_um - request.depth_um
 }
 
-/// The binder's surface as heights above the paper on a periodic grid, with its balance of volumes.
+/// The binder's surface as heights above the paper on a periodic grid, with its volume balance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relief {
     pub(super) heights_um: Vec<f64>,
-    /// Highest of binder and grains at the same points.
+    /// Height of the free surface, the higher of binder and grains, at the grid points.
     pub(super) surface_um: Vec<f64>,
     pub(super) count: [usize; 2],
     pub(super) period_um: [f64; 2],
@@ -110,7 +112,7 @@ impl Relief {
         self.count
     }
 
-    /// The rule that was asked for.
+    /// The requested rule.
     pub fn rule(&self) -> ReliefRule {
         self.rule
     }
@@ -125,27 +127,29 @@ impl Relief {
         rms(&self.heights_um)
     }
 
-    /// Root mean square height of what vacuum touches: the higher of binder and grains.
+    /// Root mean square deviation of the free surface: the higher of binder and grains.
     pub fn rms_surface_um(&self) -> f64 {
         rms(&self.surface_um)
     }
 
-    /// Share of the pigment's volume above the binder's surface.
+    /// Fraction of the pigment's volume above the binder's surface.
     pub fn protruding_share(&self) -> f64 {
         self.protruding_share
     }
 
-    /// Pigment below the surface over volume below the surface (the request refers to the dry volume instead).
+    /// Volume fraction of pigment below the binder's surface (the request refers to the dry volume
+    /// instead).
     pub fn fraction_below(&self) -> f64 {
         self.fraction_below
     }
 
-    /// Height of pigment and binder levelled out, the reference of the volume fractions.
+    /// Height of pigment and binder when levelled, the reference of the volume fractions.
     pub fn dry_height_um(&self) -> f64 {
         self.dry_height_um
     }
 
-    /// Relative error of the pigment's volume on the grid of columns: how well the balance is known.
+    /// Relative error of the pigment's volume on the grid of columns: the accuracy of the volume
+    /// balance.
     pub fn balance_error(&self) -> f64 {
         self.balance_error
     }

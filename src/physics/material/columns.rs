@@ -1,7 +1,8 @@
-//! Tables of numbers as people save them: commas, semicolons or tabs, decimal points or decimal commas.
+//! Numerical tables as spreadsheets export them: commas, semicolons or tabs, decimal points or
+//! decimal commas.
 //!
-//! A spreadsheet in much of the world writes `;` between columns and `,` in numbers. Which one a file uses is read off
-//! its header line; a file that mixes them is refused with an explanation, never guessed at.
+//! In many countries, spreadsheets write `;` between columns and `,` in numbers. The header line
+//! determines which convention a file uses; a mixed file is rejected with an explanation.
 
 mod error;
 
@@ -11,10 +12,11 @@ use crate::numerics::files;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Light of fewer nm than this is none that a table of optical constants is made for.
+/// Shortest plausible wavelength in a table of optical constants, nm; smaller numbers are probably
+/// µm.
 const LEAST_NM: f64 = 10.0;
 
-/// The largest of some wavelengths where they are too small for nm.
+/// The largest wavelength, if the wavelengths are too small to be in nm.
 pub fn micrometres(wavelengths_nm: impl IntoIterator<Item = f64>) -> Option<f64> {
     let largest = wavelengths_nm.into_iter().reduce(f64::max)?;
     (0.0 < largest && largest < LEAST_NM).then_some(largest)
@@ -23,13 +25,13 @@ pub fn micrometres(wavelengths_nm: impl IntoIterator<Item = f64>) -> Option<f64>
 /// Columns by name, and rows of numbers; an empty cell is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns {
-    /// The file.
+    /// Path of the file.
     path: PathBuf,
     /// Names in lower case, as the header has them.
     pub names: Vec<String>,
-    /// One list a line.
+    /// One list per line.
     pub rows: Vec<Vec<Option<f64>>>,
-    /// The rows' lines in the file, from 1.
+    /// Line number of each row, from 1.
     lines: Vec<u64>,
 }
 
@@ -42,7 +44,8 @@ impl Columns {
         let unreadable = |source| ColumnsError::Unreadable { path: path.into(), source };
         let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
         if bytes.contains(&0) {
-            let what = "it is no plain text (UTF-16, or a spreadsheet's own format): save it as CSV in UTF-8";
+            let what =
+                "it is not plain text (UTF-16, or a spreadsheet's own format): save it as CSV in UTF-8";
             return Err(unreadable(io::Error::new(io::ErrorKind::InvalidData, what)));
         }
         Self::parse(path, &String::from_utf8_lossy(&bytes))
@@ -68,7 +71,7 @@ impl Columns {
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
             let record = record.map_err(broken)?;
-            // Spreadsheets end with lines of nothing but separators.
+            // Spreadsheets append lines of separators only.
             if record.iter().any(|cell| !cell.is_empty()) {
                 let line = line_of(text, &record);
                 rows.push(row((path, line), &names, separator, &record)?);
@@ -78,12 +81,12 @@ impl Columns {
         Ok(Self { path: path.into(), names, rows, lines })
     }
 
-    /// Place of the first of these names that the table has.
+    /// Index of the first of these names among the columns.
     pub fn find(&self, names: &[&str]) -> Option<usize> {
         self.names.iter().position(|name| names.contains(&name.as_str()))
     }
 
-    /// A column without gaps.
+    /// A column without empty cells.
     ///
     /// # Errors
     /// An empty cell.
@@ -97,7 +100,7 @@ impl Columns {
         row[place].ok_or_else(empty)
     }
 
-    /// A column of wavelengths without gaps, nm.
+    /// A column of wavelengths without empty cells, nm.
     ///
     /// # Errors
     /// An empty cell, or wavelengths that look like µm.
@@ -109,7 +112,8 @@ impl Columns {
     }
 }
 
-/// The line of a record, from 1; the reader's place is before the empty lines and comments that it skips.
+/// Line number of a record, from 1; the reader's position is before the empty lines and comments
+/// that it skips.
 fn line_of(text: &str, record: &csv::StringRecord) -> u64 {
     let Some(place) = record.position() else { return 0 };
     let rest = text.get(place.byte() as usize..).unwrap_or("");
@@ -178,7 +182,7 @@ mod tests {
         assert!(message.contains("column kappa: found \"much\""), "{message}");
         assert!(parse("# nothing\n").is_err());
         let message = parse("wavelength_nm,n,n\n400,1.4,1.5\n").unwrap_err().to_string();
-        assert!(message.contains("column n is there twice"), "{message}");
+        assert!(message.contains("column n occurs twice"), "{message}");
     }
 
     #[test]
@@ -189,6 +193,6 @@ mod tests {
         assert!(message.contains("ink.csv, line 5, column kappa: an empty cell"), "{message}");
         let table = parse("wavelength_nm,kappa\n0.4,0.1\n0.7,0.2\n").unwrap();
         let message = table.wavelengths_nm(0).unwrap_err().to_string();
-        assert!(message.contains("0.7: these look like µm; the column wants nm"), "{message}");
+        assert!(message.contains("0.7: these look like µm; the column must be in nm"), "{message}");
     }
 }

@@ -1,6 +1,8 @@
-//! Records of refractiveindex.info: tabulated indices and its nine dispersion formulas, read from its YAML files.
+//! Records of refractiveindex.info: tabulated indices and its nine dispersion formulas, read from
+//! its YAML files.
 //!
-//! Wavelengths λ are in µm, as in the files; C₁, C₂, … are a record's coefficients, missing ones are 0.
+//! Wavelengths λ are in µm, as in the files; C₁, C₂, … are a record's coefficients, missing ones
+//! are 0.
 //!
 //! | formula | |
 //! |---|---|
@@ -22,7 +24,7 @@ use serde_norway::Value;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Brackets that may be open at once, those in comments included.
+/// Largest depth of nested brackets, including those in comments.
 const MOST_OPEN: usize = 200;
 
 /// A record that cannot be used.
@@ -33,25 +35,25 @@ pub enum DispersionError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The file is no record of the database.
+    /// The file is not a record of the database.
     #[error("{}: {reason}; expected a record of refractiveindex.info with DATA: - type: tabulated nk, n, k or formula 1 to 9", path.display())]
     NoRecord {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The problem found.
         reason: String,
     },
 }
 
-/// What gives one part of the index over a range of wavelengths.
+/// Source of n or κ over a range of wavelengths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum DataSource {
-    /// Rows (λ in µm, value), rising; linear between them.
+    /// Rows (λ in µm, value), increasing; linear between them.
     Table(Vec<[f64; 2]>),
-    /// A formula by its number, with its range in µm and its coefficients.
+    /// A formula by number, with its range in µm and its coefficients.
     Formula { number: u8, range_um: [f64; 2], coefficients: Vec<f64> },
 }
 
@@ -63,12 +65,12 @@ pub struct Dispersion {
     kappa: Option<DataSource>,
 }
 
-/// What a record says about itself, without markup.
+/// What a record states about itself, without markup.
 #[derive(Clone, Debug)]
 pub struct RecordText {
     /// The publications.
     pub reference: String,
-    /// What was measured and how; empty where nothing is said.
+    /// What was measured and how; empty if the record has no comment.
     pub comment: String,
 }
 
@@ -80,14 +82,14 @@ struct RecordWords {
 }
 
 impl RecordText {
-    /// Of a record's text; empty where it says nothing.
+    /// The texts in a record's YAML; empty if absent.
     pub fn of(text: &str) -> Self {
         let words: RecordWords = serde_norway::from_str(text).unwrap_or_default();
         Self { reference: plain(&words.references), comment: plain(&words.comments) }
     }
 }
 
-/// Without tags, on one line.
+/// Text without tags, on one line.
 fn plain(html: &str) -> String {
     let outside = html.split('<').enumerate().map(|(i, part)| match part.split_once('>') {
         Some((_, rest)) if i > 0 => rest,
@@ -116,7 +118,7 @@ impl Dispersion {
     /// Reads a record's YAML file.
     ///
     /// # Errors
-    /// The file cannot be read, is no record, or holds numbers that make no index.
+    /// The file cannot be read, is not a record, or holds numbers that give no index.
     pub fn read(path: &Path) -> Result<Self, DispersionError> {
         let unreadable = |source| DispersionError::Unreadable { path: path.into(), source };
         let text = files::read_text(path, files::STUDY).map_err(unreadable)?;
@@ -124,7 +126,7 @@ impl Dispersion {
         Self::parse(&path.display().to_string(), &text).map_err(no_record)
     }
 
-    /// A record that comes with the program; tests read every one.
+    /// A record shipped with the program; tests read every one.
     pub(super) fn shipped(name: &str, text: &str) -> Self {
         Self::parse(name, text).expect("a record of the program's own")
     }
@@ -160,7 +162,7 @@ impl Dispersion {
         }
     }
 
-    /// The file it comes from.
+    /// Name of the file.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -173,7 +175,7 @@ impl Dispersion {
         [1e3 * lo, 1e3 * hi]
     }
 
-    /// The widest gap between rows that a range of wavelengths reaches into, nm, where it is worth telling.
+    /// The widest gap between rows within a range of wavelengths, nm, if wide enough to report.
     pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
         let parts = [&self.n, &self.kappa].into_iter().flatten();
         let gaps = parts.filter_map(|part| gaps::widest_gap_nm(&part.rows_nm(), range_nm));
@@ -185,14 +187,14 @@ impl Dispersion {
         self.n.is_some()
     }
 
-    /// With the same real part at all wavelengths of the record.
+    /// The record with a constant real part.
     pub fn with_n(self, n: f64) -> Self {
         let [lo, hi] = self.range_nm().map(|nm| 1e-3 * nm);
         let n = DataSource::Formula { number: 5, range_um: [lo, hi], coefficients: vec![n] };
         Self { n: Some(n), ..self }
     }
 
-    /// n + iκ at a wavelength in µm inside the range; not a number without n, transparent without k.
+    /// n + iκ at a wavelength in µm inside the range; NaN without n, transparent without k.
     pub fn index(&self, wavelength_um: f64) -> Complex64 {
         let value =
             |part: &Option<DataSource>, default| part.as_ref().map_or(default, |s| s.value(wavelength_um));
@@ -208,7 +210,8 @@ impl DataSource {
         }
     }
 
-    /// Wavelengths of a table, nm, without the rounding of the factor; a formula has none.
+    /// Wavelengths of a table, nm, without the rounding of the unit conversion; empty for a
+    /// formula.
     fn rows_nm(&self) -> Vec<f64> {
         match self {
             Self::Table(rows) => rows.iter().map(|row| (1e9 * row[0]).round() / 1e6).collect(),
@@ -231,7 +234,8 @@ fn between(rows: &[[f64; 2]], um: f64) -> f64 {
     if before == after { y0 } else { y0 + (um - x0).clamp(0.0, x1 - x0) / (x1 - x0) * (y1 - y0) }
 }
 
-/// n by the formula of that number; `c` without gaps, so that pairs are (c\[1\], c\[2\]), (c\[3\], c\[4\]) …
+/// n by the formula of that number; `c` is contiguous, so that pairs are (c\[1\], c\[2\]), (c\[3\],
+/// c\[4\]) …
 fn evaluate(number: u8, c: &[f64], um: f64) -> f64 {
     let at = |i: usize| c.get(i).copied().unwrap_or(0.0);
     let square = um * um;
@@ -268,7 +272,7 @@ fn evaluate(number: u8, c: &[f64], um: f64) -> f64 {
     }
 }
 
-/// Brackets open at once where they are more than any record has: the parser's time grows with their square.
+/// The nesting depth if it exceeds the limit: the parser's time grows with its square.
 fn too_deep(text: &str) -> Option<usize> {
     let mut open = 0usize;
     for byte in text.bytes() {
@@ -302,7 +306,7 @@ fn rows(entry: &DataEntry, columns: usize) -> Result<Vec<Vec<f64>>, String> {
         return Err(format!("type {:?} has no data", entry.kind));
     }
     match rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-        Some(pair) => Err(format!("wavelengths do not rise: {} µm after {} µm", pair[1][0], pair[0][0])),
+        Some(pair) => Err(format!("wavelengths do not increase: {} µm after {} µm", pair[1][0], pair[0][0])),
         None => Ok(rows),
     }
 }
@@ -317,7 +321,7 @@ fn formula(entry: &DataEntry, number: &str) -> Result<DataSource, String> {
     };
     let range = numbers(&text(&entry.wavelength_range), 2)?;
     if range[0] >= range[1] {
-        return Err(format!("wavelength_range does not rise: {} to {} µm", range[0], range[1]));
+        return Err(format!("wavelength_range does not increase: {} to {} µm", range[0], range[1]));
     }
     let coefficients = numbers(&text(&entry.coefficients), 1)?;
     Ok(DataSource::Formula { number, range_um: [range[0], range[1]], coefficients })

@@ -1,9 +1,11 @@
-//! Stretches between the rows of a table that are too wide to be bridged without a word.
+//! Gaps between the rows of a table that are too wide to interpolate without a warning.
 
-/// Rows of a spectrum are 5 to 20 nm apart; beyond this an absorption band fits between two of them, nm.
+/// Spectra usually have rows every 5 to 20 nm; a wider gap than this can hide an absorption band,
+/// nm.
 const WORTH_TELLING_NM: f64 = 50.0;
 
-/// The widest stretch between neighbours of rising `rows_nm` that the range reaches into, where it is worth telling.
+/// The widest gap between increasing `rows_nm` within a range of wavelengths, if wide enough to
+/// report.
 pub fn widest_gap_nm(rows_nm: &[f64], [from, to]: [f64; 2]) -> Option<[f64; 2]> {
     let width = |gap: &[f64; 2]| gap[1] - gap[0];
     let gaps = rows_nm.windows(2).map(|pair| [pair[0], pair[1]]);

@@ -1,32 +1,36 @@
-//! What grains too small to scatter mix to.
+//! Mixtures of grains too small to scatter.
 
 use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The homogeneous index a mixture tends to as its grains shrink: η² = Σ f η² + (1 − Σ f) η_binder².
+/// The homogeneous index a mixture tends to as its grains shrink: η² = Σ f η² + (1 − Σ f)
+/// η_binder².
 ///
-/// The scalar equation has no Maxwell Garnett term: the volume average of η² is exact for grain size → 0 (the
-/// molecular mixture of P1 section 5). `shares` are (volume fraction, index); fractions sum to at most 1.
+/// The scalar equation has no Maxwell Garnett term: the volume average of η² is exact in the limit
+/// of vanishing grain size (the molecular mixture of P1 section 5). `shares` are (volume fraction,
+/// index) pairs; the fractions sum to at most 1.
 pub fn molecular_mixture(binder: Complex64, shares: &[(f64, Complex64)]) -> Complex64 {
     let squared: Complex64 = shares.iter().map(|&(f, eta)| f * (eta * eta - binder * binder)).sum();
     (binder * binder + squared).sqrt()
 }
 
-/// How pigments without grains mix with the binder: the limit of vanishing grains of a wave equation.
+/// How pigments without grains mix with the binder: the limit of vanishing grains of a wave
+/// equation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MixingRule {
     /// ε = ⟨ε⟩, the limit of the scalar wave, which feels no surface charge.
     #[default]
     VolumeAverage,
-    /// (ε − ε_b)/(ε + 2ε_b) = Σ f_i (ε_i − ε_b)/(ε_i + 2ε_b), the limit of Maxwell's equations for separate balls (J. C.
-    /// Maxwell Garnett, Phil. Trans. R. Soc. A 203 (1904) 385): exact to the first order of f.
+    /// (ε − ε_b)/(ε + 2ε_b) = Σ f_i (ε_i − ε_b)/(ε_i + 2ε_b), the limit of Maxwell's equations for
+    /// separate balls (J. C. Maxwell Garnett, Phil. Trans. R. Soc. A 203 (1904) 385): exact to the
+    /// first order of f.
     MaxwellGarnett,
 }
 
 impl MixingRule {
-    /// Index of a mixture of a binder with shares of other materials.
+    /// Index of a mixture of a binder with volume fractions of other materials.
     pub fn mix(self, binder: Complex64, shares: &[(f64, Complex64)]) -> Complex64 {
         match self {
             Self::VolumeAverage => molecular_mixture(binder, shares),
@@ -56,7 +60,8 @@ mod tests {
         let (binder, pigment) = (Complex64::from(1.5), Complex64::from(1.8));
         let mix = |f: f64| MixingRule::MaxwellGarnett.mix(binder, &[(f, pigment)]);
         assert!((mix(0.0) - binder).norm() < 1e-15 && (mix(1.0) - pigment).norm() < 1e-15);
-        // Hashin and Shtrikman: for balls denser than the binder it is the lower bound, below ⟨ε⟩ and above 1/⟨1/ε⟩.
+        // Hashin and Shtrikman: for balls denser than the binder it is the lower bound, below ⟨ε⟩
+        // and above 1/⟨1/ε⟩.
         let (host, grain) = (binder * binder, pigment * pigment);
         let [low, high] = [1.0 / (0.7 / host + 0.3 / grain), 0.7 * host + 0.3 * grain];
         let mixed = mix(0.3) * mix(0.3);

@@ -1,4 +1,4 @@
-//! What things are made of: refractive indices n + iκ against wavelength, and mixtures.
+//! Materials: refractive indices n + iκ against wavelength, and mixtures.
 
 pub mod columns;
 pub mod dispersion;

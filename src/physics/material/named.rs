@@ -1,18 +1,19 @@
-//! Named materials: measured indices that come with the program, from the refractiveindex.info database (CC0 1.0).
+//! Named materials: measured indices shipped with the program, from the refractiveindex.info
+//! database (CC0 1.0).
 //!
-//! A crystal with an ordinary and an extraordinary index stands in every direction in a layer of grains; the waves
-//! here see one scalar index, that of the orientation average ε̄ = (2ε_o + ε_e)/3.
+//! The grains of a birefringent crystal have random orientations in a layer; the waves here use one
+//! scalar index, that of the orientation average ε̄ = (2ε_o + ε_e)/3.
 
 use super::dispersion::{Dispersion, RecordText};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-/// A material of the list: its name, what was measured, and its records with their weights in ε̄.
+/// A listed material: its name, its description, and its records with their weights in ε̄.
 #[derive(Debug)]
 pub struct NamedMaterial {
     /// The name in `index = { material = "…" }`.
     pub name: &'static str,
-    /// What it is to an ink or paint maker.
+    /// Description for ink and paint makers.
     pub what: &'static str,
     records: &'static [(f64, &'static str)],
 }
@@ -62,23 +63,23 @@ pub const MATERIALS: &[NamedMaterial] = &[
 ];
 
 impl NamedMaterial {
-    /// The material of that name; upper and lower case alike.
+    /// The material of that name, ignoring case.
     pub fn find(name: &str) -> Option<&'static Self> {
         MATERIALS.iter().find(|material| material.name.eq_ignore_ascii_case(name))
     }
 
-    /// Whether the crystal has two indices, which are averaged over its orientations.
+    /// Whether the crystal is birefringent, so that its two indices are averaged over orientations.
     pub fn is_birefringent(&self) -> bool {
         self.records.len() > 1
     }
 
-    /// Its index against wavelength.
+    /// Index of the material against wavelength.
     pub fn index(&self) -> NamedIndex {
         let parts = self.records.iter().map(|&(weight, text)| (weight, Dispersion::shipped(self.name, text)));
         NamedIndex { name: self.name.into(), parts: parts.collect() }
     }
 
-    /// Whose measurement of what it is, one text a record.
+    /// References and comments of the measurements, one per record.
     pub fn sources(&self) -> Vec<RecordText> {
         self.records.iter().map(|(_, text)| RecordText::of(text)).collect()
     }
@@ -98,13 +99,13 @@ impl NamedIndex {
         &self.name
     }
 
-    /// First and last wavelength that all records hold, nm.
+    /// Wavelength range common to all records, nm.
     pub fn range_nm(&self) -> [f64; 2] {
         let ranges = self.parts.iter().map(|(_, record)| record.range_nm());
         ranges.fold([0.0, f64::INFINITY], |[lo, hi], [a, b]| [f64::max(lo, a), f64::min(hi, b)])
     }
 
-    /// The widest gap between the records' rows that a range of wavelengths reaches into, nm.
+    /// The widest gap between the records' rows within a range of wavelengths, nm.
     pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
         let gaps = self.parts.iter().filter_map(|(_, record)| record.widest_gap_nm(range_nm));
         gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))

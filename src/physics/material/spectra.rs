@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Re η of every pigment in P1 section 5, and of the built-in synthetic ones.
 pub const PIGMENT_N: f64 = 1.4;
-/// Largest real part of an index: a decimal comma that was lost makes 155 of 1.55.
+/// Largest real part accepted: a lost decimal comma turns 1.55 into 155.
 const LARGEST_N: f64 = 10.0;
 
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
@@ -85,11 +85,12 @@ impl Spectrum {
         Ok(Self::Named(NamedMaterial::find(name).ok_or_else(unknown)?.index()))
     }
 
-    /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start with `#` are comments. A table
-    /// without a column `n` needs `n` beside it.
+    /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start
+    /// with `#` are comments. A table without a column `n` needs `n` beside it.
     ///
     /// # Errors
-    /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ < 0, n ≤ 0, n nowhere or twice.
+    /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ
+    /// < 0, n ≤ 0, n nowhere or twice.
     pub fn from_csv(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
         let path = path.as_ref();
         let columns = Columns::read(path)?;
@@ -102,8 +103,8 @@ impl Spectrum {
         Self::tabulated(&path.display().to_string(), places.samples(&columns, n)?)
     }
 
-    /// Reads a record of refractiveindex.info (YAML); a record without n needs `n` beside it, without k the material is
-    /// transparent.
+    /// Reads a record of refractiveindex.info (YAML); a record without n needs `n` beside it,
+    /// without k the material is transparent.
     ///
     /// # Errors
     /// Unreadable files, files that are no such record, n nowhere or twice.
@@ -135,7 +136,7 @@ impl Spectrum {
         Ok(Self::Tabulated(Table { name: name.into(), samples }))
     }
 
-    /// η at a vacuum wavelength in µm.
+    /// The index η at a vacuum wavelength in µm.
     ///
     /// # Errors
     /// The wavelength is not positive, or outside [`Spectrum::range_nm`].
@@ -145,7 +146,7 @@ impl Spectrum {
             return Err(SpectrumError::BadWavelength { value: nm });
         }
         if let Some([lo, hi]) = self.range_nm() {
-            // 0.38 µm · 1000 may differ from 380 by a rounding
+            // 0.38 µm · 1000 may differ from 380 by rounding
             if nm < lo * (1.0 - 1e-12) || nm > hi * (1.0 + 1e-12) {
                 return Err(SpectrumError::OutOfRange { name: self.name(), value: nm, lo, hi });
             }
@@ -159,7 +160,7 @@ impl Spectrum {
         })
     }
 
-    /// First and last wavelength that the spectrum can answer, nm; `None` for a constant.
+    /// First and last wavelength of the spectrum's range, nm; `None` for a constant.
     pub fn range_nm(&self) -> Option<[f64; 2]> {
         match self {
             Self::Constant { .. } => None,
@@ -172,7 +173,8 @@ impl Spectrum {
         }
     }
 
-    /// The widest gap between a file's rows that a range of wavelengths reaches into, nm, where it is worth telling.
+    /// The widest gap between a file's rows within a range of wavelengths, nm, if wide enough to
+    /// report.
     pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
         match self {
             Self::Constant { .. } | Self::Synthetic(_) => None,
@@ -182,7 +184,7 @@ impl Spectrum {
         }
     }
 
-    /// A name for messages and tables; synthetic spectra say that they are.
+    /// Display name for messages and tables; synthetic spectra are marked as such.
     pub fn name(&self) -> String {
         match self {
             Self::Constant { n, kappa } => format!("{n} + {kappa}i"),
@@ -198,7 +200,7 @@ fn known_materials() -> String {
     MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ")
 }
 
-/// The real part that is given beside a file, where the file has none: one of them must, both would contradict each other.
+/// The real part given beside a file that has none: exactly one of the two must give it.
 fn the_other(path: &Path, in_file: bool, beside: Option<f64>) -> Result<Option<f64>, SpectrumError> {
     match (in_file, beside) {
         (false, None) => Err(SpectrumError::NoRealPart { path: path.into() }),
@@ -207,7 +209,7 @@ fn the_other(path: &Path, in_file: bool, beside: Option<f64>) -> Result<Option<f
     }
 }
 
-/// Where a table keeps what.
+/// Indices of the columns of a table.
 struct ColumnPlaces {
     wavelength: usize,
     kappa: usize,
@@ -231,7 +233,7 @@ impl ColumnPlaces {
         })
     }
 
-    /// The rows; `n` where the table has no such column.
+    /// Rows of the table, with real part `n` where it has no such column.
     fn samples(&self, columns: &Columns, n: Option<f64>) -> Result<Vec<Sample>, ColumnsError> {
         let wavelengths = columns.wavelengths_nm(self.wavelength)?;
         let kappa = columns.numbers(self.kappa)?;
@@ -254,7 +256,7 @@ impl Table {
         self.samples.iter().map(|sample| sample.wavelength_nm).collect()
     }
 
-    /// Linear between the rows, n and κ apart.
+    /// Linear interpolation between the rows, n and κ separately.
     fn interpolate(&self, nm: f64) -> Complex64 {
         let after = self.samples.partition_point(|s| s.wavelength_nm < nm).clamp(1, self.samples.len() - 1);
         let (a, b) = (self.samples[after - 1], self.samples[after]);

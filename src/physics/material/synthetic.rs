@@ -1,8 +1,9 @@
 //! The built-in pigments.
 //!
-//! P1 fixes Re η = 1.4 for every pigment and shows Im η of red, yellow, blue and an artificial green only as a
-//! plot (Fig. 5). The built-in pigments are therefore **synthetic**: smooth sums of Gaussians made for this
-//! project (`validation/data/pigments.json`), not measured data. Measured spectra come from a CSV file.
+//! P1 fixes Re η = 1.4 for every pigment and shows Im η of red, yellow, blue and an artificial
+//! green only as a plot (Fig. 5). The built-in pigments are therefore **synthetic**: smooth sums of
+//! Gaussians made for this project (`validation/data/pigments.json`), not measured data. Measured
+//! spectra come from a CSV file.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,11 +21,11 @@ pub enum Synthetic {
     Green,
 }
 
-/// Range in which the synthetic formulas are used: that of the CIE tables.
+/// Range of the synthetic formulas: that of the CIE tables.
 pub(super) const SYNTHETIC_RANGE_NM: [f64; 2] = [380.0, 780.0];
 
 impl Synthetic {
-    /// All of them.
+    /// All synthetic pigments.
     pub const ALL: [Self; 4] = [Self::Red, Self::Yellow, Self::Blue, Self::Green];
 
     /// Name in study files: red, yellow, blue or green.

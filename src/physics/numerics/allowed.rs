@@ -1,15 +1,15 @@
-//! Allowed ranges of numbers, each written once: checks refuse by them, messages say them, schemas of files carry them.
+//! Allowed ranges of numbers, each defined once for checks, error messages and schemas.
 
 use schemars::Schema;
 use schemars::transform::Transform;
 use std::fmt;
 
-/// Numbers closer to nothing than this are shown with a power of ten, and so are those above [`LARGE`].
+/// Magnitude below which numbers are shown in scientific notation; see also [`LARGE`].
 const SMALL: f64 = 1e-4;
-/// See [`SMALL`].
+/// Magnitude from which numbers are shown in scientific notation; see also [`SMALL`].
 const LARGE: f64 = 1e15;
 
-/// A number as a person wants to see it, without rows of zeros.
+/// A number for display, without rows of zeros.
 pub fn shown(value: f64) -> String {
     let size = value.abs();
     if size > 0.0 && !(SMALL..LARGE).contains(&size) && value.is_finite() {
@@ -19,7 +19,7 @@ pub fn shown(value: f64) -> String {
     }
 }
 
-/// An allowed range of a number, with its unit, that can say itself in words.
+/// An allowed range of a number with its unit; displays itself in words.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowed {
     low: f64,
@@ -45,12 +45,12 @@ impl Allowed {
         Self { low, low_is_open: false, high, high_is_open: true, unit }
     }
 
-    /// Marks a field of a file: its schema carries the range.
+    /// Attaches the range to the schema of a file's field.
     pub const fn mark(self) -> Self {
         self
     }
 
-    /// False for NaN and infinities too.
+    /// Whether a value is allowed; false for NaN and infinities.
     pub fn holds(&self, value: f64) -> bool {
         let above = if self.low_is_open { value > self.low } else { value >= self.low };
         let below = if self.high_is_open { value < self.high } else { value <= self.high };
@@ -77,7 +77,7 @@ impl fmt::Display for Allowed {
     }
 }
 
-/// The range in a schema, which has no place for units.
+/// Adds the range to a schema, which has no place for units.
 impl Transform for Allowed {
     fn transform(&mut self, schema: &mut Schema) {
         let low = if self.low_is_open { "exclusiveMinimum" } else { "minimum" };
@@ -92,9 +92,9 @@ impl Transform for Allowed {
 /// An allowed range of a whole number, both ends included.
 #[derive(Clone, Copy, Debug)]
 pub struct Whole {
-    /// The least.
+    /// Smallest allowed value.
     pub low: usize,
-    /// The largest.
+    /// Largest allowed value.
     pub high: usize,
 }
 
@@ -104,7 +104,7 @@ impl Whole {
         Self { low, high }
     }
 
-    /// Marks a field of a file: its schema carries the range.
+    /// Attaches the range to the schema of a file's field.
     pub const fn mark(self) -> Self {
         self
     }
@@ -128,17 +128,17 @@ impl Transform for Whole {
     }
 }
 
-/// A list of 1 to `most` entries, each of them allowed.
+/// A list of 1 to `most` entries, each in an allowed range.
 #[derive(Clone, Copy, Debug)]
 pub struct Each<T> {
-    /// What each entry must be.
+    /// Allowed range of each entry.
     pub entry: T,
-    /// Most entries.
+    /// Largest number of entries.
     pub most: usize,
 }
 
 impl<T: Copy> Each<T> {
-    /// Marks a field of a file: its schema carries the range.
+    /// Attaches the range to the schema of a file's field.
     pub const fn mark(self) -> Self {
         self
     }

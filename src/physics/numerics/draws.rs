@@ -1,4 +1,5 @@
-//! Random draws that are the same on every machine: ChaCha8 words turned into numbers by our own rules.
+//! Random draws that are identical on every machine: ChaCha8 words converted to numbers by rules of
+//! this project.
 
 use super::vector::{Rotation, V3};
 use rand::SeedableRng;
@@ -6,11 +7,12 @@ use rand::rand_core::Rng;
 use rand::rngs::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 
-/// A reproducible source: the seed names the study, the stream the realisation.
+/// A reproducible random source: the seed identifies the study, the stream the realisation.
 pub struct Draws(ChaCha8Rng);
 
 impl Draws {
-    /// The 64-bit seed fills the first eight bytes of the ChaCha key (little end first), zeros the rest.
+    /// The 64-bit seed fills the first eight bytes of the ChaCha key (little-endian), zeros the
+    /// rest.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut key = [0u8; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -48,13 +50,13 @@ impl Draws {
         [planar * c, planar * s, z]
     }
 
-    /// A uniform turn about the z axis followed by the turn of z onto `axis`.
+    /// A uniform rotation about the z axis followed by the rotation of z onto `axis`.
     pub fn rotation_with_axis(&mut self, axis: V3) -> Rotation {
         let spin = Rotation::by([0.0, 0.0, self.between(-PI, PI)]);
         spin.then(Rotation::from_z_to(axis))
     }
 
-    /// Puts the items into random order, each order equally likely (Fisher–Yates).
+    /// Shuffles the items, each order equally likely (Fisher–Yates).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for i in (1..items.len()).rev() {
             items.swap(i, self.below(i + 1));

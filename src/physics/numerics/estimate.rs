@@ -1,10 +1,10 @@
-//! A number with its standard error, and the jackknife that gives it where a formula is not linear.
+//! A number with its standard error, and the jackknife for statistics that are not linear.
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// A value and its standard error (one standard deviation of the value); `None` where one realisation leaves
-/// it unknown. Unknown is not zero.
+/// A value and its standard error (one standard deviation of the value). The error is `None`, not
+/// zero, where a single realisation leaves it unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// The value.
@@ -19,7 +19,8 @@ impl Estimate {
         Self { value, standard_error: None }
     }
 
-    /// Mean of independent samples and s/√n with the unbiased s² (n − 1); no samples give 0, error unknown.
+    /// Mean of independent samples and s/√n with the unbiased s² (n − 1); no samples give 0, error
+    /// unknown.
     pub fn of_mean(samples: &[f64]) -> Self {
         let n = samples.len() as f64;
         let value = samples.iter().sum::<f64>() / n.max(1.0);
@@ -35,13 +36,14 @@ impl Estimate {
         Self { value: whole, standard_error: variance.map(f64::sqrt) }
     }
 
-    /// With a floor of the error, such as a counting error, which few realisations estimate badly.
+    /// The estimate with a lower bound on its error, such as a counting error, which few
+    /// realisations estimate badly.
     pub fn at_least(self, floor: f64) -> Self {
         Self { standard_error: Some(self.standard_error.unwrap_or(0.0).max(floor)), ..self }
     }
 
-    /// `35.55 ± 0.56`: the error with two digits, the value as far as the error lets it speak. A lone value with `decimals` where
-    /// the error is unknown or zero; nothing for no number.
+    /// Display such as `35.55 ± 0.56`: the error with two significant digits and the value rounded
+    /// to match. The value alone, with `decimals`, if the error is unknown or zero; empty for NaN.
     pub fn in_words(&self, decimals: usize) -> String {
         if !self.value.is_finite() {
             return String::new();
@@ -53,29 +55,31 @@ impl Estimate {
     }
 }
 
-/// Most decimals that people are shown.
+/// Largest number of decimals displayed.
 const MOST_DECIMALS: i32 = 12;
 
-/// Decimals that leave an error two digits.
+/// Decimals that show an error with two significant digits.
 fn decimals_of(error: f64) -> usize {
     (1 - error.log10().floor() as i32).clamp(0, MOST_DECIMALS) as usize
 }
 
-/// With a true minus sign, and none before zero.
+/// The number with a true minus sign, and none before zero.
 fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let zero = text.chars().all(|c| "-0.".contains(c));
     if zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
-/// Factor on a standard error of `degrees` degrees of freedom that gives a 95 % interval (Student's t); `None` without any.
+/// Factor that turns a standard error of `degrees` degrees of freedom into a 95 % interval
+/// (Student's t); `None` for no degrees of freedom.
 pub fn coverage_factor_95(degrees: usize) -> Option<f64> {
     let law = StudentsT::new(0.0, 1.0, degrees as f64).ok()?;
     Some(law.inverse_cdf(0.975))
 }
 
-/// Jackknife covariance (n − 1)/n Σ_r (x_r − x̄)(x_r − x̄)ᵀ of a statistic from its n leave-one-out replicates
-/// (Efron & Stein 1981); for a mean it is exactly the square of s/√n. `None` for fewer than two.
+/// Jackknife covariance (n − 1)/n Σ_r (x_r − x̄)(x_r − x̄)ᵀ of a statistic from its n leave-one-out
+/// replicates (Efron & Stein 1981); for a mean it is exactly the square of s/√n. `None` for fewer
+/// than two.
 pub fn jackknife_covariance<const N: usize>(replicates: &[[f64; N]]) -> Option<[[f64; N]; N]> {
     let n = replicates.len() as f64;
     if replicates.len() < 2 {
@@ -89,8 +93,10 @@ pub fn jackknife_covariance<const N: usize>(replicates: &[[f64; N]]) -> Option<[
     Some(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
 }
 
-/// What each sample moves a statistic by, √((n − 1)/n) (x̄ − x_r) of its n leave-one-out replicates: the products of these deviations add
-/// up to [`jackknife_covariance`], and those of two statistics of the same samples to the covariance between them. Empty for fewer than two.
+/// Contributions of the samples to the variance of a statistic, √((n − 1)/n) (x̄ − x_r) of its n
+/// leave-one-out replicates. Sums of products of these deviations give [`jackknife_covariance`],
+/// and, for two statistics of the same samples, the covariance between them. Empty for fewer than
+/// two replicates.
 pub fn jackknife_deviations<const N: usize>(replicates: &[[f64; N]]) -> Vec<[f64; N]> {
     let n = replicates.len() as f64;
     if replicates.len() < 2 {

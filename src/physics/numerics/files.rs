@@ -1,5 +1,5 @@
-//! Reading of what people hand in: regular files of a bounded size, so that no device, pipe or slip of the path keeps
-//! the program reading for ever.
+//! Reading of user files: only regular files of a bounded size, so that devices, pipes and mistyped
+//! paths cannot block the program.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
@@ -12,10 +12,10 @@ pub const TABLE: u64 = 64 << 20;
 /// Largest case, bytes: some hundred bytes for each of a million spheres.
 pub const CASE: u64 = 256 << 20;
 
-/// The text of a regular file of at most `most` bytes, without the byte order mark that some editors put before it.
+/// The text of a regular file of at most `most` bytes, without a byte order mark.
 ///
 /// # Errors
-/// The file cannot be opened or read, is no regular file, is larger, or is not UTF-8.
+/// The file cannot be opened or read, is not a regular file, is larger, or is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String> {
     let mut text = String::from_utf8(read_bytes(path, most)?)
         .map_err(|_| Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))?;
@@ -25,9 +25,9 @@ pub fn read_text(path: &Path, most: u64) -> Result<String> {
     Ok(text)
 }
 
-/// The bytes of a regular file of at most `most` bytes. Errors: see [`read_text`].
+/// The bytes of a regular file of at most `most` bytes. For errors see [`read_text`].
 pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
-    // Asked before it is opened: opening a pipe would wait for a writer.
+    // Checked before opening: opening a pipe would wait for a writer.
     if !std::fs::metadata(path)?.is_file() {
         let what = "it is not a regular file but a folder, a pipe or a device";
         return Err(Error::new(ErrorKind::InvalidInput, what));
@@ -35,7 +35,7 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        let what = format!("it is larger than the {} MB that are read", most >> 20);
+        let what = format!("it is larger than the limit of {} MB", most >> 20);
         return Err(Error::new(ErrorKind::FileTooLarge, what));
     }
     Ok(bytes)

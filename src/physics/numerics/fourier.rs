@@ -1,17 +1,19 @@
-//! Two-dimensional transforms of planes; spectra stay transposed, and only harmonics in use are kept.
+//! Two-dimensional transforms of planes; spectra remain transposed, and only harmonics in use are
+//! kept.
 
 use num_complex::{Complex, Complex64};
 use rustfft::num_traits::NumAssign;
 use rustfft::{Fft, FftNum, FftPlanner};
 use std::sync::Arc;
 
-/// Floating-point types of transforms: `f64`, and `f32` where its rounding is far below the error asked.
+/// Floating-point types of transforms: `f64`, and `f32` where its rounding is far below the
+/// requested error.
 pub trait Real: FftNum + NumAssign + PartialOrd + Default + bytemuck::Pod {
-    /// What rounding leaves of a vector that should vanish, over its length before: some hundred roundings.
+    /// Relative rounding residue of a vector that should vanish: some hundred rounding errors.
     const ROUNDING: f64;
     /// The nearest number of this type.
     fn of(x: f64) -> Self;
-    /// The number itself.
+    /// Conversion to double precision.
     fn wide(self) -> f64;
 }
 
@@ -35,14 +37,15 @@ impl Real for f32 {
     }
 }
 
-/// The same number in another precision.
+/// A complex number in another precision.
 pub fn narrow<T: Real>(z: Complex64) -> Complex<T> {
     Complex::new(T::of(z.re), T::of(z.im))
 }
 
 /// Transforms of an nx × ny plane (x runs fastest), unnormalised in both directions.
 ///
-/// The spectrum is left transposed (n runs fastest): one transposition a transform instead of two.
+/// The spectrum remains transposed (n runs fastest): one transposition per transform instead of
+/// two.
 #[derive(Clone)]
 pub struct PlaneFft<T: Real = f64> {
     nx: usize,
@@ -51,7 +54,8 @@ pub struct PlaneFft<T: Real = f64> {
     inverse: [Arc<dyn Fft<T>>; 2],
 }
 
-/// Buffers of one thread: a plane, its transposed image, and the transforms' own scratch.
+/// Work arrays of one thread: a plane, its transposed spectrum, and the scratch space of the
+/// transforms.
 pub struct PlaneScratch<T: Real = f64> {
     /// Values at the points, x fastest.
     pub plane: Vec<Complex<T>>,
@@ -61,7 +65,7 @@ pub struct PlaneScratch<T: Real = f64> {
 }
 
 impl<T: Real> PlaneFft<T> {
-    /// Plans both directions.
+    /// Plans both directions of the transform.
     pub fn new(nx: usize, ny: usize) -> PlaneFft<T> {
         let mut planner = FftPlanner::new();
         let forward = [planner.plan_fft_forward(nx), planner.plan_fft_forward(ny)];
@@ -69,7 +73,7 @@ impl<T: Real> PlaneFft<T> {
         PlaneFft { nx, ny, forward, inverse }
     }
 
-    /// Buffers for one thread.
+    /// Allocates the work arrays of one thread.
     pub fn scratch(&self) -> PlaneScratch<T> {
         let plans = self.forward.iter().chain(&self.inverse);
         let work = plans.map(|p| p.get_inplace_scratch_len()).max().unwrap_or(0);
@@ -78,7 +82,8 @@ impl<T: Real> PlaneFft<T> {
         PlaneScratch { plane: vec![zero; points], spectrum: vec![zero; points], work: vec![zero; work] }
     }
 
-    /// `plane` → `spectrum`; rows of the spectrum outside `used` (ranges of m mod nx) are left unfinished.
+    /// `plane` → `spectrum`; rows of the spectrum outside `used` (ranges of m mod nx) are
+    /// undefined.
     pub fn forward(&self, s: &mut PlaneScratch<T>, used: &[std::ops::Range<usize>]) {
         self.forward[0].process_with_scratch(&mut s.plane, &mut s.work);
         transpose::transpose(&s.plane, &mut s.spectrum, self.nx, self.ny);
@@ -99,11 +104,12 @@ impl<T: Real> PlaneFft<T> {
     }
 }
 
-/// The harmonics in use, |m| < nx/2 and |n| < ny/2: the set is symmetric, so reciprocity holds on the grid.
+/// The harmonics in use, |m| < nx/2 and |n| < ny/2: the set is symmetric, so reciprocity holds on
+/// the grid.
 pub struct Harmonics {
     /// (m, n) of each compact index.
     pub orders: Vec<[i32; 2]>,
-    /// Stretches (position in the spectrum, compact index, length).
+    /// Contiguous runs (position in the spectrum, compact index, length).
     runs: Vec<[usize; 3]>,
     /// Rows (m mod nx) of the transposed spectrum that hold harmonics.
     pub rows: Vec<std::ops::Range<usize>>,
@@ -153,7 +159,7 @@ impl Harmonics {
         }
     }
 
-    /// Picks the harmonics in use from a transposed spectrum.
+    /// Gathers the harmonics in use from a transposed spectrum.
     pub fn gather<T: Copy>(&self, spectrum: &[T], compact: &mut [T]) {
         for &[position, index, len] in &self.runs {
             compact[index..index + len].copy_from_slice(&spectrum[position..position + len]);

@@ -1,21 +1,22 @@
-//! Numbers of the same realisations, which err together: sums and differences of them with their errors.
+//! Correlated numbers of the same realisations: their sums and differences with standard errors.
 
 use super::estimate::Estimate;
 use std::collections::BTreeMap;
 
-/// A number of an ensemble with what each realisation moves it by
-/// ([`jackknife_deviations`](super::estimate::jackknife_deviations)). What its standard error holds beyond these is its own alone.
+/// A statistic of an ensemble with the contribution of each realisation
+/// ([`jackknife_deviations`](super::estimate::jackknife_deviations)). Any further part of its
+/// standard error is independent of all others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linked {
-    /// The number.
+    /// The value with its standard error.
     pub estimate: Estimate,
-    /// By number of the realisation.
+    /// Deviations by number of the realisation.
     pub deviations: BTreeMap<usize, f64>,
 }
 
 impl Linked {
-    /// Σ weight · number. Realisations that two of them share move both at once; those that only one has move it alone. The
-    /// error is unknown where one of theirs is.
+    /// Σ weight · number. Shared realisations move several terms together; the others contribute
+    /// independently. The error is unknown if that of any term is.
     ///
     /// ```
     /// use inkwave_physics::numerics::{Estimate, linked::Linked};
@@ -23,7 +24,7 @@ impl Linked {
     ///     estimate: Estimate { value, standard_error: Some(5.0) },
     ///     deviations: [(0, 3.0), (1, -4.0)].into(),
     /// };
-    /// // two inks in the same packings: chance leaves their difference alone
+    /// two inks in the same packings: the packings cancel in their difference
     /// let difference = Linked::sum([(1.0, &number(40.0)), (-1.0, &number(30.0))]);
     /// assert_eq!(difference.estimate, Estimate { value: 10.0, standard_error: Some(0.0) });
     /// ```
@@ -42,12 +43,12 @@ impl Linked {
         sum
     }
 
-    /// Variance that realisations bring.
+    /// Variance due to the realisations.
     pub fn chance_variance(&self) -> f64 {
         self.deviations.values().map(|by| by * by).sum()
     }
 
-    /// Variance beyond that.
+    /// Variance beyond that of the realisations.
     fn own_variance(&self) -> Option<f64> {
         self.estimate.standard_error.map(|error| (error * error - self.chance_variance()).max(0.0))
     }

@@ -1,5 +1,5 @@
-//! Mathematics without physics: vectors and rotations, random draws, estimates with their errors, Fourier planes; and reading
-//! of what people hand in, with the ranges allowed there.
+//! Mathematics without physics: vectors and rotations, random draws, estimates with their errors,
+//! Fourier planes; and reading of user files, with the allowed ranges of numbers.
 
 pub mod allowed;
 pub mod draws;

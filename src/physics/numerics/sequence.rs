@@ -1,13 +1,14 @@
-//! Points that fill a box evenly from the first to the last, however many are taken: a Kronecker sequence.
+//! Points that fill a box evenly for any number of points: a Kronecker sequence.
 //!
-//! Coordinate d of point r is the fractional part of s_d + (r + 1) g^{−d}, with g the positive root of g^{D+1} = g + 1 (the golden
-//! ratio for D = 1; M. Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"). The shifts s_d are drawn from
-//! the seed (Cranley and Patterson 1976): every single point is uniform, so a mean over points is unbiased, and the
-//! sequence may be extended without changing what was drawn before.
+//! Coordinate d of point r is the fractional part of s_d + (r + 1) g^{−d}, with g the positive root
+//! of g^{D+1} = g + 1 (the golden ratio for D = 1; M. Roberts 2018, "The unreasonable effectiveness
+//! of quasirandom sequences"). The shifts s_d are drawn from the seed (Cranley and Patterson 1976):
+//! every single point is uniform, so a mean over points is unbiased, and the sequence may be
+//! extended without changing earlier points.
 
 use super::Draws;
 
-/// Stream of the seed that the shifts come from; packings use the streams 0, 1, 2, …
+/// Stream of the seed for the shifts; packings use the streams 0, 1, 2, …
 const STREAM: u64 = u64::MAX;
 
 /// A shifted Kronecker sequence in `D` dimensions.
@@ -34,8 +35,8 @@ impl<const D: usize> Sequence<D> {
     }
 }
 
-/// xⁿ by repeated squaring. `powi` may end in another last digit in another build, and with it a seed's directions, by
-/// which stored solves are found again.
+/// xⁿ by repeated squaring. The last digit of `powi` may depend on the build, and with it a seed's
+/// directions, which identify stored solves.
 fn power(x: f64, n: usize) -> f64 {
     let (mut power, mut square, mut left) = (1.0, x, n);
     loop {
@@ -67,8 +68,9 @@ mod tests {
         approx::assert_relative_eq!(power(g, 7), g + 1.0, max_relative = 1e-14);
     }
 
-    /// 64 points leave no gap wider than three times the even spacing, in any coordinate and for any seed: independent draws leave
-    /// gaps of 5/64 and more (ln 64 ≈ 4.2 times the spacing on average).
+    /// 64 points leave no gap wider than three times the even spacing, in any coordinate and for
+    /// any seed: independent draws leave gaps of 5/64 and more (ln 64 ≈ 4.2 times the spacing on
+    /// average).
     #[test]
     fn points_are_even_in_every_coordinate() {
         for seed in 0..20 {

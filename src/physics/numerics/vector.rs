@@ -1,4 +1,4 @@
-//! Three-vectors and rotations: the few operations the packings need.
+//! Three-vectors and rotations: the few operations that packings need.
 
 /// Cartesian components (x, y, z).
 pub type V3 = [f64; 3];
@@ -44,10 +44,10 @@ pub fn unit(a: V3) -> V3 {
 pub struct Rotation(pub [f64; 4]);
 
 impl Rotation {
-    /// The turn by nothing.
+    /// The identity rotation.
     pub const IDENTITY: Self = Self([1.0, 0.0, 0.0, 0.0]);
 
-    /// The turn by |a| radians about the direction of `a`.
+    /// The rotation by |a| radians about the direction of `a`.
     pub fn by(a: V3) -> Self {
         let angle = norm(a);
         let (s, c) = (0.5 * angle).sin_cos();
@@ -55,7 +55,7 @@ impl Rotation {
         Self([c, k * a[0], k * a[1], k * a[2]])
     }
 
-    /// A turn that carries the z axis onto the unit vector `axis`.
+    /// A rotation that carries the z axis onto the unit vector `axis`.
     pub fn from_z_to(axis: V3) -> Self {
         if axis[2] < -1.0 + 1e-12 {
             return Self([0.0, 1.0, 0.0, 0.0]);
@@ -63,7 +63,7 @@ impl Rotation {
         Self([1.0 + axis[2], -axis[1], axis[0], 0.0]).normalised()
     }
 
-    /// First `self`, then `next`.
+    /// Composition: first `self`, then `next`.
     pub fn then(self, next: Self) -> Self {
         let ([aw, ax, ay, az], [bw, bx, by, bz]) = (next.0, self.0);
         Self([
@@ -75,13 +75,13 @@ impl Rotation {
         .normalised()
     }
 
-    /// The turn back.
+    /// The inverse rotation.
     pub fn inverse(self) -> Self {
         let [w, x, y, z] = self.0;
         Self([w, -x, -y, -z])
     }
 
-    /// The vector `v` turned.
+    /// The vector `v` after the rotation.
     pub fn turn(self, v: V3) -> V3 {
         let [w, x, y, z] = self.0;
         let q = [x, y, z];

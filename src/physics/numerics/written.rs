@@ -1,9 +1,9 @@
-//! What the schema of a file must say beyond its types: choices by name alone.
+//! Additions to a file's schema beyond its types: choices by name alone.
 
 use schemars::Schema;
 use serde_json::{Map, Value, json};
 
-/// A choice tagged by `kind` may be written by its bare name where it has no key that must be there.
+/// Lets a choice tagged by `kind` be written as its bare name if it has no required key.
 pub fn also_by_name(schema: &mut Schema) {
     let Some(choices) = schema.get_mut("oneOf").and_then(Value::as_array_mut) else { return };
     let names: Vec<Value> = choices.iter().filter_map(Value::as_object).filter_map(bare_name).collect();

@@ -1,31 +1,33 @@
 //! The orthonormal vectors of a Krylov space, in double or single precision.
 //!
-//! Real and imaginary parts lie apart, so that sums over many vectors are plain loops over numbers. Sums run over fixed
-//! chunks, which are added in order and in double precision: they do not depend on the number of threads.
+//! Real and imaginary parts are stored separately, so that sums over many vectors are plain loops
+//! over real numbers. Sums run over fixed chunks, which are added in order and in double precision:
+//! results do not depend on the number of threads.
 
 use crate::numerics::fourier::Real;
 use multiversion::multiversion;
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 
-/// Entries a chunk: real and imaginary parts of one stay in first-level cache in single precision.
+/// Entries per chunk: in single precision, real and imaginary parts of a chunk fit into the
+/// first-level cache.
 const CHUNK: usize = 2048;
-/// Chunks below which one thread does all: waking others costs more.
+/// Number of chunks below which a single thread is faster.
 const FEW: usize = 16;
-/// A second orthogonalisation pays when the first one removed nearly everything (Kahan, Parlett).
+/// A second orthogonalisation pays off when the first removed nearly everything (Kahan, Parlett).
 const REORTHOGONALISE: f64 = 0.05;
-/// Numbers a step of the kernels.
+/// Numbers per step of the kernels.
 const LANES: usize = 16;
 
 /// Orthonormal vectors of one length.
 pub(crate) struct Basis<T: Real> {
     length: usize,
-    /// Each vector's real parts, then its imaginary parts.
+    /// Real parts followed by imaginary parts of each vector.
     vectors: Vec<Vec<T>>,
 }
 
 impl<T: Real> Basis<T> {
-    /// One vector: `first` over its norm.
+    /// A basis of one vector: `first` over its norm.
     pub fn new(first: &[Complex64], norm: f64) -> Basis<T> {
         let part = |value: fn(&Complex64) -> f64| first.iter().map(move |z| T::of(value(z) / norm));
         let vector = part(|z| z.re).chain(part(|z| z.im)).collect();
@@ -42,13 +44,13 @@ impl<T: Real> Basis<T> {
         self.len() * 2 * self.length * size_of::<T>()
     }
 
-    /// The latest vector.
+    /// Copies the latest vector to `out`.
     pub fn last(&self, out: &mut [Complex<T>]) {
         let (re, im) = self.vectors[self.len() - 1].split_at(self.length);
         out.iter_mut().zip(re.iter().zip(im)).for_each(|(z, (&re, &im))| *z = Complex::new(re, im));
     }
 
-    /// Σ a_i v_i over the first vectors.
+    /// Linear combination Σ a_i v_i of the first vectors.
     pub fn combine(&self, factors: &[Complex64], out: &mut [Complex<T>]) {
         let mut sum = vec![T::zero(); 2 * self.length];
         add_combination(&mut sum, factors, &self.vectors);
@@ -56,8 +58,8 @@ impl<T: Real> Basis<T> {
         out.iter_mut().zip(re.iter().zip(im)).for_each(|(z, (&re, &im))| *z = Complex::new(re, im));
     }
 
-    /// Orthogonalises `applied` + `image` and adds it: its column of the Hessenberg matrix, which ends with its norm.
-    /// Where nothing but rounding is left no vector is added.
+    /// Orthogonalises `applied` + `image` and appends it; returns its column of the Hessenberg
+    /// matrix, which ends with its norm. If only rounding is left, no vector is appended.
     pub fn expand(&mut self, applied: &[Complex<T>], image: &[Complex<T>]) -> (Vec<Complex64>, bool) {
         let mut w = vec![T::zero(); 2 * self.length];
         let (re, im) = w.split_at_mut(self.length);
@@ -81,7 +83,7 @@ impl<T: Real> Basis<T> {
         (column, grows)
     }
 
-    /// ⟨v_i, w⟩ for all i, reading each chunk of w once.
+    /// Inner products ⟨v_i, w⟩ for all i, reading each chunk of w once.
     fn dots(&self, w: &[T]) -> Vec<Complex64> {
         let product = |from: usize| {
             let w = part(w, from);
@@ -92,7 +94,7 @@ impl<T: Real> Basis<T> {
         (0..self.len()).map(|i| parts.iter().map(|p| p[i]).sum()).collect()
     }
 
-    /// w ← w − Σ c_i v_i; the norms of w before and after.
+    /// Subtracts w ← w − Σ c_i v_i; returns the norms of w before and after.
     fn subtract(&self, w: &mut [T], column: &[Complex64]) -> (f64, f64) {
         let negative: Vec<Complex64> = column.iter().map(|c| -c).collect();
         let after = add_combination(w, &negative, &self.vectors);
@@ -101,7 +103,7 @@ impl<T: Real> Basis<T> {
     }
 }
 
-/// w ← w + Σ a_i v_i, writing each chunk of w once; returns ‖w‖ afterwards.
+/// Adds w ← w + Σ a_i v_i, writing each chunk of w once; returns ‖w‖ afterwards.
 fn add_combination<T: Real>(w: &mut [T], factors: &[Complex64], vectors: &[Vec<T>]) -> f64 {
     let length = w.len() / 2;
     let (re, im) = w.split_at_mut(length);
@@ -112,7 +114,8 @@ fn add_combination<T: Real>(w: &mut [T], factors: &[Complex64], vectors: &[Vec<T
     parts.iter().sum::<f64>().sqrt()
 }
 
-/// w ← w + Σ a_i v_i on the chunk that begins at `from`, as real and imaginary part; returns its Σ |w|² afterwards.
+/// Adds w ← w + Σ a_i v_i on the chunk that begins at `from`, as real and imaginary part; returns
+/// its Σ |w|² afterwards.
 fn add_to_chunk<T: Real>(
     [re, im]: [&mut [T]; 2],
     factors: &[Complex64],
@@ -133,7 +136,7 @@ fn part<T>(v: &[T], from: usize) -> (&[T], &[T]) {
     (&re[from..to], &im[from..to])
 }
 
-/// Σ ā b of one chunk.
+/// Inner product Σ ā b of one chunk.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
     let ((a_re, a_im), (b_re, b_im)) = (a, b);
@@ -154,7 +157,7 @@ fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
     Complex64::new(sum(parallel), sum(crossed))
 }
 
-/// w ← w + factor v on one chunk; every operand as real and imaginary part.
+/// Adds w ← w + factor v on one chunk; every operand as real and imaginary part.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn add_scaled<T: Real>([re, im]: [&mut [T]; 2], [a_re, a_im]: [T; 2], [v_re, v_im]: [&[T]; 2]) {
     for ((re, im), (&x, &y)) in re.iter_mut().zip(im).zip(v_re.iter().zip(v_im)) {

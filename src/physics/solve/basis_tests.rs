@@ -31,7 +31,8 @@ fn check<T: Real>(rounding: f64) {
         for (i, a) in vectors.iter().enumerate() {
             for (j, b) in vectors.iter().enumerate() {
                 let expected = if i == j { 1.0 } else { 0.0 };
-                // Rounding of sums over the length, amplified where a vector was nearly in the span.
+                // Rounding of sums over the length, amplified where a vector was nearly in the
+                // span.
                 assert!((dot(a, b) - expected).norm() < rounding, "{len}: {i}, {j}");
             }
         }

@@ -1,14 +1,14 @@
-//! What a solve will take of the memory, said before anything is built.
+//! Memory demand of a solve, known before anything is built.
 //!
-//! Numbers of bytes are kept as floating-point numbers: however wild the grid, they grow without overflow. Every term is an
-//! upper bound; `tests/suite/memory.rs` holds the sum against what the system measured.
+//! Numbers of bytes are floating-point numbers, which cannot overflow for any grid. Every term is
+//! an upper bound; `tests/suite/memory.rs` compares the sum with the memory measured.
 
 pub use super::size::Size;
 use super::solver::{Fit, Solver};
 use crate::wave::Resolution;
 use thiserror::Error;
 
-/// The memory allowed does not hold a solve.
+/// A solve exceeds the memory allowed.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "{} × {} points and {} cells would need {} of the {} allowed; take fewer points or \
@@ -16,15 +16,15 @@ use thiserror::Error;
     .resolution.nx, .resolution.ny, .resolution.cells, memory_in_words(*need_gb), memory_in_words(*allowed_gb)
 )]
 pub struct TooLarge {
-    /// The grid refused.
+    /// The rejected grid.
     pub resolution: Resolution,
-    /// Needed.
+    /// Memory needed, GB.
     pub need_gb: f64,
-    /// Allowed.
+    /// Memory allowed, GB.
     pub allowed_gb: f64,
 }
 
-/// A part of the memory in the unit that shows it: 12.31 GB, 0.4 MB, 30 bytes.
+/// An amount of memory in a suitable unit: 12.31 GB, 0.4 MB, 30 bytes.
 pub fn memory_in_words(gb: f64) -> String {
     match gb {
         gb if gb >= 0.095 => format!("{gb:.2} GB"),
@@ -34,7 +34,7 @@ pub fn memory_in_words(gb: f64) -> String {
 }
 
 impl Size {
-    /// Bytes of a solve with a strategy at its largest.
+    /// Largest memory of a solve with a strategy, bytes.
     pub fn bytes(&self, solver: &dyn Solver) -> f64 {
         self.with(self.fit(solver, f64::INFINITY).bytes)
     }
@@ -43,15 +43,16 @@ impl Size {
         if self.channels == 0 { Fit::fixed(self.fields(4.0)) } else { solver.fit(self, bytes) }
     }
 
-    /// Bytes of a solve whose strategy takes that many.
+    /// Memory of a solve whose strategy needs `strategy` bytes.
     fn with(&self, strategy: f64) -> f64 {
         self.problem() + self.making().max(strategy)
     }
 
-    /// The strategy if `memory` bytes hold it, itself or with less memory of its own, and with leave to grow into the rest.
+    /// The strategy if `memory` bytes suffice, unchanged or with less memory of its own, and with
+    /// permission to grow into the rest.
     ///
     /// # Errors
-    /// [`TooLarge`]: nothing does.
+    /// [`TooLarge`] if no variant fits.
     pub fn admit<'a>(&self, asked: &'a dyn Solver, memory: f64) -> Result<Admitted<'a>, TooLarge> {
         let Fit { bytes, solver } = self.fit(asked, memory - self.problem());
         let bytes = self.with(bytes);
@@ -63,12 +64,12 @@ impl Size {
     }
 }
 
-/// A strategy that fits the memory.
+/// A strategy that fits into the memory.
 pub struct Admitted<'a> {
-    /// Bytes of a solve, unless it stalls and the strategy grows.
+    /// Memory of a solve in bytes, unless it stalls and the strategy grows.
     pub bytes: f64,
     asked: &'a dyn Solver,
-    /// With another memory of its own.
+    /// The strategy with other memory settings, if they had to change.
     fitted: Option<Box<dyn Solver>>,
 }
 

@@ -1,4 +1,4 @@
-//! The account that every strategy keeps while it runs, in this crate and outside.
+//! The account that every strategy keeps while it runs, in this crate and in others.
 
 use super::solver::{Account, Goal, Solution, SolveError, Step, Watch};
 use super::vectors::norm;
@@ -6,22 +6,22 @@ use crate::wave::{Field, System};
 use num_complex::Complex64;
 use std::time::Instant;
 
-/// Residuals beyond this multiple of the incident wave will not come back.
+/// Residuals above this multiple of the incident wave count as divergence.
 const HOPELESS: f64 = 1e4;
 
-/// One solve under way: the yardstick, the history and the watcher.
+/// A solve in progress: residual measure, history and watch.
 ///
-/// A strategy makes a ledger, measures its fields with it, notes every residual, and ends with [`Ledger::finish`] or
-/// one of the errors that the ledger makes. What it does beyond measuring it adds to [`Ledger::account`]: steps, and
-/// operator applications of its own.
+/// A strategy creates a ledger, measures its fields with it, notes every residual, and ends with
+/// [`Ledger::finish`] or one of the errors created by the ledger. It adds its own work to
+/// [`Ledger::account`]: steps, and further operator applications.
 pub struct Ledger<'a> {
     /// The problem being solved.
     pub problem: &'a dyn System,
     /// u₀ = A⁻¹b, the wave in the mean medium: harmonics of every unknown plane.
     pub background: Field,
-    /// What was asked for.
+    /// Tolerance and limits.
     pub goal: Goal,
-    /// The account so far.
+    /// The account up to now.
     pub account: Account,
     scale: f64,
     watch: &'a mut dyn Watch,
@@ -29,7 +29,7 @@ pub struct Ledger<'a> {
 }
 
 impl<'a> Ledger<'a> {
-    /// Opens the account of a solve by the strategy `name`; the clock starts here.
+    /// Opens the account of a solve by the strategy `name` and starts its clock.
     pub fn new(name: &str, problem: &'a dyn System, goal: Goal, watch: &'a mut dyn Watch) -> Ledger<'a> {
         let clock = Instant::now();
         let background = problem.background_wave();
@@ -38,17 +38,18 @@ impl<'a> Ledger<'a> {
         Ledger { problem, background, goal, account, scale, watch, clock }
     }
 
-    /// Bytes of `vectors` fields of the problem's size.
+    /// Records the memory of `vectors` fields of the problem's size.
     pub fn holds_vectors(&mut self, vectors: usize) {
         self.account.bytes = vectors * self.background.len() * size_of::<Complex64>();
     }
 
-    /// ‖u₀‖, the unit of relative residuals.
+    /// Norm ‖u₀‖, the unit of relative residuals.
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// True relative residual of `u`; its vector goes to `out`. One operator application.
+    /// True relative residual of `u`; the residual vector is written to `out`. One operator
+    /// application.
     pub fn measure(&mut self, u: &Field, out: &mut Field) -> f64 {
         self.problem.residual(&self.background, u, out);
         self.account.operator_applications += 1;
@@ -56,11 +57,11 @@ impl<'a> Ledger<'a> {
         self.account.residual
     }
 
-    /// The field to begin with, its residual noted: `start`, or u₀, which is the solution itself where there is no contrast.
-    /// Its residual vector goes to `scratch`.
+    /// The initial field, with its residual noted: `start`, or u₀, which is the solution without
+    /// contrast. The residual vector is written to `scratch`.
     ///
     /// # Errors
-    /// As [`Ledger::note`].
+    /// See [`Ledger::note`].
     pub fn first_field(&mut self, start: Option<&Field>, scratch: &mut Field) -> Result<Field, SolveError> {
         if !self.problem.has_contrast() {
             self.note(0.0)?;
@@ -72,10 +73,10 @@ impl<'a> Ledger<'a> {
         Ok(field)
     }
 
-    /// Enters a residual in the history and asks the watcher whether to go on.
+    /// Adds a residual to the history and asks the watch whether to continue.
     ///
     /// # Errors
-    /// [`SolveError::Cancelled`] when the watcher says no.
+    /// [`SolveError::Cancelled`] if the watch stops the solve.
     pub fn note(&mut self, residual: f64) -> Result<(), SolveError> {
         self.account.residual = residual;
         self.account.history.push(residual);
@@ -88,17 +89,17 @@ impl<'a> Ledger<'a> {
         Ok(())
     }
 
-    /// True when the last residual meets the goal.
+    /// Whether the last residual meets the goal.
     pub fn reached(&self) -> bool {
         self.account.residual <= self.goal.tolerance
     }
 
-    /// True when the operator applications of the goal are used up.
+    /// Whether the operator applications of the goal are used up.
     pub fn exhausted(&self) -> bool {
         self.account.operator_applications >= self.goal.max_applications
     }
 
-    /// Gives up when the residual is not finite or hopelessly large, or when the applications are used up.
+    /// Fails if the residual is not finite or far too large, or if the applications are used up.
     ///
     /// # Errors
     /// [`SolveError::Diverged`] or [`SolveError::NotConverged`] with `advice`.
@@ -110,12 +111,12 @@ impl<'a> Ledger<'a> {
         if self.exhausted() { Err(self.not_converged(advice)) } else { Ok(()) }
     }
 
-    /// The error of an iteration whose terms grow by the factor `ratio` a step.
+    /// The error of an iteration whose terms grow by the factor `ratio` per step.
     pub fn diverged(&self, ratio: f64) -> SolveError {
         SolveError::Diverged { account: Box::new(self.account.clone()), ratio }
     }
 
-    /// The error of an iteration that gives up; `advice` says what to try.
+    /// The error of an iteration that did not converge, with advice on what to try.
     pub fn not_converged(&self, advice: &str) -> SolveError {
         let account = Box::new(self.account.clone());
         SolveError::NotConverged { account, tolerance: self.goal.tolerance, advice: advice.to_string() }
@@ -128,7 +129,8 @@ impl<'a> Ledger<'a> {
     }
 }
 
-/// Geometric mean of the ratio of successive residuals over the last `window` steps, once there are that many.
+/// Geometric mean of the ratio of successive residuals over the last `window` steps, if there are
+/// that many.
 pub fn ratio_of_terms(history: &[f64], window: usize) -> Option<f64> {
     let window = window.max(1);
     let last = history.len().checked_sub(1)?;

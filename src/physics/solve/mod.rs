@@ -1,7 +1,9 @@
-//! The ways to solve the discrete problem (A + V) u = b, all behind one trait and one yardstick.
+//! Strategies to solve the discrete problem (A + V) u = b, with a common trait and a common
+//! residual.
 //!
-//! The yardstick is the relative residual ‖u₀ − (1 + A⁻¹V) u‖ / ‖u₀‖ with u₀ = A⁻¹b, the wave in the mean medium.
-//! [`accuracy`] searches the grid for a wanted error and estimates the error of what it delivers.
+//! The residual is the relative one, ‖u₀ − (1 + A⁻¹V) u‖ / ‖u₀‖ with u₀ = A⁻¹b, the wave in the
+//! mean medium. [`accuracy`] searches the grid for a requested error and estimates the error of the
+//! result.
 
 pub mod accuracy;
 mod basis;

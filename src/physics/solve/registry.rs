@@ -1,15 +1,15 @@
-//! The strategies by name.
+//! Registry of strategies by name.
 //!
-//! The built-in ones are listed once, in `built_in!`; names, study files ([`SolverChoice`]) and the registry that
-//! comparisons, the referee and the claims walk through are made from that list. A strategy of another crate joins with
-//! [`Registry::with`].
+//! The built-in strategies are listed once, in `built_in!`, which generates their names, the choice
+//! in study files ([`SolverChoice`]) and the registry used by comparisons, the dense reference and
+//! the claims. Strategies of other crates are added with [`Registry::with`].
 
 use super::solver::{SolveError, Solver};
 use super::strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, Relaxation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Makes a strategy with its default settings.
+/// Constructs a strategy with its default settings.
 type Make = Box<dyn Fn() -> Box<dyn Solver> + Send + Sync>;
 
 /// One strategy of a registry.
@@ -20,23 +20,23 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The name people call it by.
+    /// Name of the strategy.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// One line for people who choose.
+    /// One-line description that helps to choose.
     pub fn description(&self) -> &str {
         &self.description
     }
 
-    /// The strategy with its default settings.
+    /// Constructs the strategy with its default settings.
     pub fn build(&self) -> Box<dyn Solver> {
         (self.make)()
     }
 }
 
-/// Strategies by name, in the order in which tables show them; [`Registry::default`] holds the built-in ones.
+/// Strategies by name, in the order of tables; [`Registry::default`] holds the built-in ones.
 ///
 /// ```
 /// use inkwave_physics::solve::{Gmres, Registry};
@@ -56,7 +56,7 @@ impl Registry {
     /// Adds a strategy.
     ///
     /// # Errors
-    /// [`SolveError::Setting`] when the name is empty or taken.
+    /// [`SolveError::Setting`] if the name is empty or taken.
     pub fn with(
         mut self,
         name: &str,
@@ -68,27 +68,27 @@ impl Registry {
                 field: "name of the strategy",
                 value: format!("{name:?}"),
                 allowed: format!("any but {}", self.list()),
-                remedy: "give it a name of its own".into(),
+                remedy: "choose another name".into(),
             });
         }
         self.entries.push(Entry { name: name.into(), description: description.into(), make: Box::new(make) });
         Ok(self)
     }
 
-    /// All strategies, in their order.
+    /// All strategies, in order.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// All names, in their order.
+    /// All names, in order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().map(Entry::name)
     }
 
-    /// The strategy of that name with its default settings.
+    /// Constructs the strategy of that name with its default settings.
     ///
     /// # Errors
-    /// [`SolveError::Setting`], with the names that are known.
+    /// [`SolveError::Setting`] with the known names, if the name is unknown.
     pub fn build(&self, name: &str) -> Result<Box<dyn Solver>, SolveError> {
         let known = self.entries.iter().find(|e| e.name == name);
         known.map(Entry::build).ok_or_else(|| unknown(name, self.list()))
@@ -108,7 +108,7 @@ fn unknown(name: &str, known: String) -> SolveError {
     }
 }
 
-/// Makes the choice, its names and the registry from the one list of built-in strategies.
+/// Generates the choice, its names and the registry from the list of built-in strategies.
 macro_rules! built_in {
     ($($name:literal => $variant:ident($settings:ty), $description:literal;)+) => {
         /// A built-in strategy with its settings, as a study file writes it.
@@ -129,7 +129,7 @@ macro_rules! built_in {
             /// The strategy of that name with its default settings.
             ///
             /// # Errors
-            /// [`SolveError::Setting`], with the names that are known.
+            /// [`SolveError::Setting`] with the known names, if the name is unknown.
             pub fn named(name: &str) -> Result<SolverChoice, SolveError> {
                 match name {
                     $($name => Ok(SolverChoice::$variant(Default::default())),)+
@@ -137,7 +137,7 @@ macro_rules! built_in {
                 }
             }
 
-            /// The strategy itself.
+            /// Constructs the strategy with these settings.
             pub fn build(&self) -> Box<dyn Solver> {
                 match *self {
                     $(SolverChoice::$variant(settings) => Box::new(settings),)+

@@ -1,38 +1,40 @@
-//! The size of a solve, and the bytes of its parts.
+//! The size of a solve, and the memory of its parts.
 
 use crate::wave::{Media, Resolution, Scene, Wave};
 use std::f64::consts::PI;
 
 /// Bytes of a complex number.
 const COMPLEX: f64 = 16.0;
-/// Harmonics that the coverage is made with, for each of the grid's: twice as many along both axes.
+/// Ratio of the coverage's harmonics to those of the grid: twice as many along both axes.
 const WIDE: f64 = 4.0;
-/// Points of the coverage's source grids for each of those harmonics: twice as many along both axes.
+/// Ratio of the coverage's source points to its harmonics: twice as many along both axes.
 const FINE: f64 = 4.0;
 
-/// The size of a solve, and what its memory depends on.
+/// Quantities that determine the memory of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
     /// The grid.
     pub resolution: Resolution,
-    /// Pairs of a background and a material of bodies; 0 for films.
+    /// Pairs of a background and a body material; 0 for films.
     pub channels: usize,
     /// Periods and thickness, µm.
     pub layer_um: [f64; 3],
-    /// Largest wavenumber in a medium and that in vacuum, 1/µm; zeros where no guided modes are treated.
+    /// Largest wavenumber in a medium and wavenumber in vacuum, 1/µm; zeros if no guided modes are
+    /// treated.
     pub wavenumbers: [f64; 2],
-    /// The vector wave: three components of each unknown.
+    /// Whether the wave is the vector wave, with three components per unknown.
     pub vector: bool,
 }
 
-/// Per point and plane of the vector wave: the contrast's tensor (complex), two tables of the mean operator's cells and
-/// four of its nodes for every two planes (complex), both in double and in single precision, and seven moments a channel (real).
+/// Bytes per point and plane of the vector wave: the contrast tensor (complex), two tables of the
+/// mean operator's cells and four of its nodes for every two planes (complex), both in double and
+/// in single precision, and seven moments per channel (real).
 const VECTOR_TENSOR: f64 = 9.0 * COMPLEX;
 const VECTOR_TABLES: f64 = 4.5 * COMPLEX;
 const VECTOR_MOMENTS: f64 = 7.0 * 8.0;
 
 impl Size {
-    /// Of a scene on a grid; guided modes are treated in the scalar wave alone.
+    /// Size of a scene on a grid; guided modes are treated for the scalar wave only.
     pub fn new(wave: Wave, scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
         let (mut backgrounds, mut materials) = (Vec::new(), Vec::new());
         scene.strata.iter().for_each(|s| note(&mut backgrounds, s.background));
@@ -51,36 +53,36 @@ impl Size {
         }
     }
 
-    /// Points of a plane.
+    /// Number of points of a plane.
     pub fn points(&self) -> f64 {
         self.resolution.nx as f64 * self.resolution.ny as f64
     }
 
-    /// Planes with unknowns.
+    /// Number of planes with unknowns.
     pub fn planes(&self) -> f64 {
         self.resolution.scheme.degree() as f64 * self.resolution.cells as f64 + 1.0
     }
 
-    /// Unknowns, at most.
+    /// Upper limit on the number of unknowns.
     pub fn unknowns(&self) -> f64 {
         let components = if self.vector { 3.0 } else { 1.0 };
         components * self.points() * self.planes()
     }
 
-    /// Bytes of so many fields.
+    /// Memory of `count` fields, bytes.
     pub fn fields(&self, count: f64) -> f64 {
         count * COMPLEX * self.unknowns()
     }
 
-    /// Eigenvalues of the mean slab's operator within `threshold` k0² of zero: wavevectors in a shell of half the k-space,
-    /// and those of the two faces.
+    /// Number of eigenvalues of the mean slab's operator within `threshold` k0² of zero:
+    /// wavevectors in a shell of half of k-space, plus those of the two faces.
     pub fn near_null_modes(&self, threshold: f64) -> f64 {
         let ([lx, ly, h], [k, k0]) = (self.layer_um, self.wavenumbers);
         let shell = threshold * k0 * k0;
         lx * ly * shell * (h * k / (2.0 * PI * PI) + 1.0 / (2.0 * PI)) + 1.0
     }
 
-    /// Bytes that are held while a problem is there: coverage and factors of the mean operator.
+    /// Memory held by a problem, bytes: coverage and factors of the mean operator.
     pub fn problem(&self) -> f64 {
         let (channels, degree) = (self.channels as f64, self.resolution.scheme.degree() as f64);
         if self.vector {
@@ -88,13 +90,14 @@ impl Size {
             return self.points() * self.planes() * each;
         }
         let moments = channels + 0.5 * channels * (channels + 1.0);
-        // The mean operator's tables and the contrast in double precision, and those of A⁻¹V in single.
+        // Tables of the mean operator and contrast in double precision, and those of A⁻¹V in single
+        // precision.
         let factors = COMPLEX * (4.5 + 2.0 / degree);
         self.unknowns() * (8.0 * moments + factors)
     }
 
-    /// Bytes that making the coverage takes besides what it keeps: coefficients of every cell, and source grids of
-    /// every thread.
+    /// Memory needed while the coverage is computed beyond its result, bytes: coefficients of every
+    /// cell, and source grids of every thread.
     pub fn making(&self) -> f64 {
         if self.channels == 0 {
             return 0.0;
@@ -108,7 +111,7 @@ impl Size {
     }
 }
 
-/// Adds what is not there yet.
+/// Adds an item unless the list contains it.
 fn note<T: PartialEq>(list: &mut Vec<T>, item: T) {
     if !list.contains(&item) {
         list.push(item);

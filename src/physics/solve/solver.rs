@@ -1,4 +1,4 @@
-//! The door: what a strategy is asked for, what it reports, and how it fails.
+//! Interface of the strategies: goal, account and errors.
 
 use super::size::Size;
 use crate::wave::{Field, Mean, Problem, Resolution, System};
@@ -8,13 +8,13 @@ use std::fmt;
 use std::ops::ControlFlow;
 use thiserror::Error;
 
-/// What is asked of a solver.
+/// Goal of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Goal {
     /// Relative residual to reach.
     pub tolerance: f64,
-    /// Most operator applications (each one inverse and one forward transform of every plane).
+    /// Limit on operator applications (each one inverse and one forward transform of every plane).
     pub max_applications: usize,
 }
 
@@ -24,7 +24,7 @@ impl Default for Goal {
     }
 }
 
-/// One step of a solver, as shown to its watcher.
+/// One step of a solver, as reported to its watch.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// Number of the step, from 0.
@@ -35,21 +35,21 @@ pub struct Step {
     pub residual: f64,
 }
 
-/// Someone who looks on: progress bars, histories, cancellation.
+/// Observer of a solve: progress bars, histories, cancellation.
 pub trait Watch {
     /// Called after every step; `Break` stops the solve with [`SolveError::Cancelled`].
     fn step(&mut self, step: &Step) -> ControlFlow<()>;
 
-    /// Called when a search for a grid begins to try one, and again when its error is known.
+    /// Called when a search starts on a grid, and again when its error is known.
     fn grid(&mut self, _: &GridTrial) {}
 }
 
-/// A grid that a search tries.
+/// A grid tried by a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridTrial {
     /// The grid.
     pub resolution: Resolution,
-    /// Largest amplitude error that was asked for.
+    /// Largest amplitude error requested.
     pub accuracy: f64,
     /// Largest amplitude error estimated, once it is known.
     pub estimate: Option<f64>,
@@ -68,7 +68,7 @@ impl fmt::Display for GridTrial {
     }
 }
 
-/// Nobody looks on.
+/// A watch that ignores everything.
 pub struct Silent;
 
 impl Watch for Silent {
@@ -86,7 +86,7 @@ pub struct Account {
     pub steps: usize,
     /// Operator applications, each one inverse and one forward transform of every plane.
     pub operator_applications: usize,
-    /// Relative residual after each step, the start included.
+    /// Relative residual after each step, including the start.
     pub history: Vec<f64>,
     /// Relative residual of the delivered field.
     pub residual: f64,
@@ -96,54 +96,54 @@ pub struct Account {
     pub bytes: usize,
 }
 
-/// A converged field; there is no other kind.
+/// A converged field; strategies return no others.
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// Nodes and bubbles of every harmonic: planes × harmonics.
     pub field: Field,
-    /// How it was reached.
+    /// Account of the solve.
     pub account: Account,
 }
 
 /// Why there is no solution.
 #[derive(Debug, Error)]
 pub enum SolveError {
-    /// The goal was not met within what was allowed.
+    /// The goal was not met within its limits.
     #[error(
-        "{} stopped at residual {:.2e} after {} operator applications (asked: {tolerance:.1e}): {advice}",
+        "{} stopped at residual {:.2e} after {} operator applications (requested: {tolerance:.1e}): {advice}",
         .account.solver, .account.residual, .account.operator_applications
     )]
     NotConverged {
-        /// What was done.
+        /// Account up to the failure.
         account: Box<Account>,
-        /// Relative residual asked for.
+        /// Requested relative residual.
         tolerance: f64,
         /// What to try.
         advice: String,
     },
-    /// The iteration moves away from the solution.
+    /// The iteration diverges.
     #[error(
-        "{} diverges: successive terms grow by a factor {ratio:.3} a step (residual {:.2e} after {} steps); {}",
+        "{} diverges: successive terms grow by a factor {ratio:.3} per step (residual {:.2e} after {} steps); {}",
         .account.solver, .account.residual, .account.steps, instead_of(&account.solver)
     )]
     Diverged {
-        /// What was done.
+        /// Account up to the failure.
         account: Box<Account>,
-        /// Factor by which terms grow, a step.
+        /// Growth factor of successive terms.
         ratio: f64,
     },
-    /// The watch stopped it.
+    /// The watch stopped the solve.
     #[error("the solve was cancelled after {} steps at residual {:.2e}", .account.steps, .account.residual)]
     Cancelled {
-        /// What was done.
+        /// Account up to the cancellation.
         account: Box<Account>,
     },
-    /// A setting that does not suit the problem.
+    /// A setting that is invalid or does not suit the problem.
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
     Setting {
-        /// The setting.
+        /// Name of the setting.
         field: &'static str,
-        /// Its value.
+        /// Value found.
         value: String,
         /// What is allowed.
         allowed: String,
@@ -153,7 +153,7 @@ pub enum SolveError {
 }
 
 impl SolveError {
-    /// The account of what was done before the failure, where there is one.
+    /// Account up to the failure, if there is one.
     pub fn account(&self) -> Option<&Account> {
         match self {
             Self::NotConverged { account, .. }
@@ -164,23 +164,24 @@ impl SolveError {
     }
 }
 
-/// A strategy in the memory that it may take.
+/// A strategy with its memory demand.
 pub struct Fit {
-    /// Most bytes that it takes besides the problem, unless a solve that stalls makes it grow.
+    /// Largest memory besides the problem in bytes, unless a stalled solve lets it grow.
     pub bytes: f64,
-    /// The same strategy with less memory of its own, or with leave to grow; none where it stays as it is.
+    /// The strategy with less memory, or with permission to grow; `None` if it is unchanged.
     pub solver: Option<Box<dyn Solver>>,
 }
 
 impl Fit {
-    /// Of a strategy that always takes the same.
+    /// The demand of a strategy with constant memory.
     pub fn fixed(bytes: f64) -> Fit {
         Fit { bytes, solver: None }
     }
 }
 
-/// A strategy: it owns its loop, the problem owns the yardstick. Strategies of other crates implement this trait, keep
-/// their account in a [`Ledger`](super::Ledger) and join a [`Registry`](super::Registry).
+/// A strategy: it controls its iteration, while the problem defines the residual. Strategies of
+/// other crates implement this trait, keep their account in a [`Ledger`](super::Ledger) and are
+/// added to a [`Registry`](super::Registry).
 ///
 /// ```
 /// use inkwave_physics::solve::{Gmres, Goal, Silent, Solver};
@@ -200,13 +201,15 @@ impl Fit {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Solver: Send + Sync {
-    /// The name people call it by, in tables and in [`Account::solver`].
+    /// Name in tables and in [`Account::solver`].
     fn name(&self) -> &'static str;
 
-    /// Solves to `goal.tolerance`, or says why not. `start` is a first guess of u, if there is one.
+    /// Solves to `goal.tolerance`, or fails with the reason. `start` is an optional initial guess
+    /// of u.
     ///
     /// # Errors
-    /// [`SolveError`]: not converged, diverged, cancelled by the watch, or settings that do not fit the problem.
+    /// [`SolveError`]: not converged, diverged, cancelled by the watch, or settings that do not
+    /// suit the problem.
     fn solve_from(
         &self,
         problem: &dyn System,
@@ -215,29 +218,31 @@ pub trait Solver: Send + Sync {
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError>;
 
-    /// [`Solver::solve_from`] without a first guess: most strategies then start from the wave in the mean medium.
+    /// Calls [`Solver::solve_from`] without an initial guess: most strategies start from the wave
+    /// in the mean medium.
     fn solve(&self, problem: &dyn System, goal: Goal, watch: &mut dyn Watch) -> Result<Solution, SolveError> {
         self.solve_from(problem, None, goal, watch)
     }
 
-    /// The mean medium this strategy can work with: relaxation needs a real one, most take any.
+    /// Mean medium that the strategy can use: relaxation needs a real one, most accept any.
     fn suited_mean(&self) -> Mean {
         Mean::default()
     }
 
-    /// What the strategy takes besides a problem of that size where it may take `bytes`; more than that if it cannot do
-    /// with less.
+    /// Memory demand besides a problem of the given size if `bytes` are available; more than that
+    /// if the strategy cannot run with less.
     fn fit(&self, size: &Size, _bytes: f64) -> Fit {
         Fit::fixed(size.fields(50.0))
     }
 
-    /// Most unknowns it takes, for strategies that store a dense matrix; comparisons leave those out unless asked.
+    /// Largest number of unknowns of strategies that store a dense matrix; comparisons omit larger
+    /// cases by default.
     fn most_unknowns(&self) -> Option<usize> {
         None
     }
 }
 
-/// A and V apart, for a strategy that treats them in turn.
+/// A and V separately, for a strategy that alternates between them.
 ///
 /// # Errors
 /// The system has no values at points.
@@ -251,7 +256,7 @@ pub(in crate::solve) fn split<'a>(system: &'a dyn System, name: &str) -> Result<
     })
 }
 
-/// What to try where a strategy diverges.
+/// Remedy if a strategy diverges.
 fn instead_of(solver: &str) -> &'static str {
     match solver {
         "krylov" => "give lengths in µm and refractive indices of matter, and more points and cells",

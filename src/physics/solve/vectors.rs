@@ -1,35 +1,35 @@
-//! Norms and products of long complex vectors, in parallel and independent of the number of threads:
-//! sums run over fixed chunks and are added in order.
+//! Norms and products of long complex vectors, in parallel and independent of the number of
+//! threads: sums run over fixed chunks and are added in order.
 
 use multiversion::multiversion;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Entries a chunk: 64 KiB, within second-level cache.
+/// Entries per chunk: 64 KiB, within the second-level cache.
 const CHUNK: usize = 4096;
 
-/// ‖v‖₂.
+/// Euclidean norm ‖v‖₂.
 pub fn norm(v: &[Complex64]) -> f64 {
     let parts: Vec<f64> = v.par_chunks(CHUNK).map(square_chunk).collect();
     parts.iter().sum::<f64>().sqrt()
 }
 
-/// ⟨a, b⟩ = Σ ā b.
+/// Inner product ⟨a, b⟩ = Σ ā b.
 pub fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     let chunks = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK));
     let parts: Vec<Complex64> = chunks.map(|(a, b)| dot_chunk(a, b)).collect();
     parts.iter().sum()
 }
 
-/// Entries a step of the kernels below: eight doubles, two AVX registers.
+/// Entries per step of the kernels below: eight doubles, two AVX registers.
 const LANES: usize = 8;
 
-/// Real and imaginary parts exchanged within each pair.
+/// Exchanges real and imaginary parts within each pair.
 fn swapped(v: &[f64; LANES]) -> [f64; LANES] {
     std::array::from_fn(|i| v[i ^ 1])
 }
 
-/// Σ ā b of one chunk. Lane-wise sums, written so that they vectorise on whatever the machine has.
+/// Inner product Σ ā b of one chunk. Lane-wise sums, written so that they vectorise on any machine.
 #[multiversion(targets("x86_64+avx2"))]
 fn dot_chunk(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     let ([a, b], mut parallel, mut crossed) = ([doubles(a), doubles(b)], [0.0; LANES], [0.0; LANES]);
@@ -49,7 +49,7 @@ fn dot_chunk(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     sum
 }
 
-/// Σ |z|² of one chunk.
+/// Sum Σ |z|² over one chunk.
 #[multiversion(targets("x86_64+avx2"))]
 fn square_chunk(v: &[Complex64]) -> f64 {
     let v8 = doubles(v).as_chunks::<LANES>();

@@ -1,24 +1,25 @@
-//! From the incident wave to harmonics centred on zero: the Bloch vector in the first Brillouin zone.
+//! Bloch vector in the first Brillouin zone, so that harmonics are centred on zero.
 //!
-//! Harmonics are q + G with the reduced vector q, |q| ≤ π/L along each axis, and the incident wave is one of them.
-//! All incident waves that share q are then solved on the same harmonics, and those of q and of −q are opposite,
-//! which makes reciprocity exact between all orders, on odd and on even grids (whose Nyquist harmonic is left out); no
-//! points are spent on one side only at oblique incidence. On the zone's edge itself q and −q are the same direction
-//! with different harmonics: there reciprocity is exact for the specular order, and as accurate as the grid for others.
+//! Harmonics are q + G with the reduced vector q, |q| ≤ π/L along each axis, and the incident wave
+//! is one of them. All incident waves that share q are solved on the same harmonics, and those of q
+//! and −q are opposite, which makes reciprocity exact between all orders, on odd and on even grids
+//! (whose Nyquist harmonic is omitted); at oblique incidence no points are wasted on one side. On
+//! the zone boundary itself, q and −q are the same direction with different harmonics: there
+//! reciprocity is exact for the specular order, and as accurate as the grid for others.
 
 use super::{Incidence, Layout, Media, Side, WaveError};
 use std::f64::consts::TAU;
 
-/// Distance from the zone's edge, in units of 2π/L, within which a vector counts as on it and stays where it is:
-/// rounding must not decide between both ends of the zone.
+/// Distance from the zone boundary, in units of 2π/L, within which a vector counts as on it and is
+/// left unchanged: rounding must not decide between both ends of the zone.
 pub(super) const TIE: f64 = 1e-9;
 
-/// Bloch vector, and the harmonic that the incident wave is.
+/// Bloch vector, and the harmonic of the incident wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlochVector {
-    /// q in 1/µm, reduced along the axes that have a lattice.
+    /// Reduced vector q in 1/µm; only axes with a lattice are reduced.
     pub reduced: [f64; 2],
-    /// (m, n) of the incident wave: its lateral wavevector is q + 2π (m/Lx, n/Ly).
+    /// Harmonic (m, n) of the incident wave: its lateral wavevector is q + 2π (m/Lx, n/Ly).
     pub incident: [i32; 2],
     step: [f64; 2],
 }
@@ -26,8 +27,8 @@ pub struct BlochVector {
 impl BlochVector {
     /// Reduces the lateral wavevector of the incident wave.
     ///
-    /// Along an axis on which nothing changes there is no lattice: the whole component stays.
-    /// Errors: light that comes through an absorber.
+    /// Along a uniform axis there is no lattice: the component is kept unchanged. Errors: light
+    /// incident through an absorber.
     pub fn new(layout: &Layout, media: &Media, incidence: &Incidence) -> Result<BlochVector, WaveError> {
         let whole = incidence.lateral_wavevector(media)?;
         let step = layout.grid.period_um.map(|l| TAU / l);
@@ -42,12 +43,12 @@ impl BlochVector {
         [0, 1].map(|i| self.reduced[i] + self.step[i] * f64::from(harmonic[i]))
     }
 
-    /// Refuses a grid on which a propagating order of a half-space has no harmonic.
+    /// Rejects a grid on which a propagating order of a half-space has no harmonic.
     pub fn check_orders(&self, layout: &Layout, media: &Media, k0: f64) -> Result<(), WaveError> {
         let resolution = layout.grid.resolution;
         let sizes = [resolution.nx, resolution.ny];
         let k = k0 * media.incident.re.max(media.exit.re);
-        // Where nothing changes along an axis no light goes into its orders.
+        // A uniform axis scatters no light into its orders.
         for axis in (0..2).filter(|&i| !layout.uniform[i]) {
             let outermost = |sign: f64| ((k - sign * self.reduced[axis]) / self.step[axis]).floor() as i32;
             let order = outermost(1.0).max(outermost(-1.0));
@@ -64,13 +65,14 @@ impl BlochVector {
     }
 }
 
-/// The integer nearest to `x`, of two equally near ones that closer to zero: opposite waves have opposite ones.
+/// The integer nearest to `x`; of two equally near ones that closer to zero, so that opposite waves
+/// have opposite harmonics.
 pub(super) fn nearest_order(x: f64) -> i32 {
     (x.signum() * (x.abs() - 0.5 - TIE).ceil()) as i32
 }
 
 impl Incidence {
-    /// (kx, ky) of the incident wave, 1/µm.
+    /// Lateral wavevector (kx, ky) of the incident wave, 1/µm.
     pub(super) fn lateral_wavevector(&self, media: &Media) -> Result<[f64; 2], WaveError> {
         let eta = if self.from == Side::Incident { media.incident } else { media.exit };
         if eta.im != 0.0 {

@@ -72,8 +72,8 @@ fn without_a_lattice_nothing_is_reduced() {
 
 #[test]
 fn grids_without_a_harmonic_for_a_propagating_order_are_refused_by_its_label() {
-    // kx = 0.9 · 2π/0.45 = 1.6 steps: harmonic 2 − 0.4. Below, orders reach ±(1.5/0.45) · 0.8 = 2.67 steps, that is
-    // harmonics −2 … 3 and labels −4 … 1.
+    // kx = 0.9 · 2π/0.45 = 1.6 steps: harmonic 2 − 0.4. Below, orders reach ±(1.5/0.45) · 0.8 =
+    // 2.67 steps, that is harmonics −2 … 3 and labels −4 … 1.
     let light = light(0.9, 0.0, 0.45);
     let refused = |n: usize| {
         Problem::new(&coverage([n, 9], grain()), &media(), &light, Mean::default())

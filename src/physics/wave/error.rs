@@ -1,96 +1,96 @@
-//! What can be wrong with a wave problem, each with the value found and the remedy.
+//! Errors of wave problems, each with the value found and the remedy.
 
 use thiserror::Error;
 
-/// Refusals of the wave stage.
+/// Invalid scenes, media, lights or grids.
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum WaveError {
     /// A length that must be positive.
     #[error("{field} is {value}; it must be finite and above 0")]
     NotPositive {
-        /// Which length.
+        /// Name of the length.
         field: String,
         /// The value found.
         value: f64,
     },
-    /// A stratum that rounding would drown.
+    /// A stratum so thin that rounding would dominate.
     #[error(
         "thickness of stratum {stratum} is {thickness_um:e} µm; below {least_um:e} µm, thinner than any atom, rounding \
          would drown it: leave the stratum out"
     )]
     TooThin {
-        /// Its number from the incident side.
+        /// Index of the stratum from the incident side.
         stratum: usize,
-        /// Its thickness, µm.
+        /// Thickness found, µm.
         thickness_um: f64,
-        /// Least thickness, µm.
+        /// Smallest thickness allowed, µm.
         least_um: f64,
     },
-    /// A coordinate beyond what its rounding allows.
+    /// A coordinate too large for its rounding.
     #[error(
-        "{field} is {value:e}; at most {most_um:e} µm (a million periods) leaves enough digits of its place in the period: \
+        "{field} is {value:e}; at most {most_um:e} µm (a million periods) leaves enough digits of its position in the period: \
          give it within the period"
     )]
     FarOut {
-        /// Which coordinate.
+        /// Name of the coordinate.
         field: String,
         /// The value found, µm.
         value: f64,
-        /// Most allowed, µm.
+        /// Largest magnitude allowed, µm.
         most_um: f64,
     },
     /// A number that is not finite.
     #[error("{field} is {value}; it must be a finite number")]
     NotFinite {
-        /// Which number.
+        /// Name of the number.
         field: String,
         /// The value found.
         value: f64,
     },
-    /// A body that leaves the layer.
+    /// A body that extends beyond the layer.
     #[error(
         "body {body} reaches from z = {low_um} to {high_um} µm; it must lie within 0 … {thickness_um} µm: \
          move it or make the layer thicker"
     )]
     OutsideLayer {
-        /// Its place in the scene.
+        /// Index of the body in the scene.
         body: usize,
-        /// Its smallest z, µm.
+        /// Smallest z of the body, µm.
         low_um: f64,
-        /// Its largest z, µm.
+        /// Largest z of the body, µm.
         high_um: f64,
         /// Thickness of the layer, µm.
         thickness_um: f64,
     },
-    /// A medium without an index.
+    /// A medium without a refractive index.
     #[error("{what} {index} is used, but only {known} are given; add its index")]
     UnknownMedium {
         /// Background or inclusion.
         what: &'static str,
-        /// The index used.
+        /// Index of the medium.
         index: usize,
-        /// How many are given.
+        /// Number of media given.
         known: usize,
     },
-    /// A refractive index that no passive medium has.
+    /// An unphysical refractive index of a passive medium.
     #[error(
         "refractive index of {medium} is {real} + {imaginary}i; both parts must be finite and ≥ 0 \
          (Im η ≥ 0 absorbs: change the sign if it was given for e^(+iωt))"
     )]
     Index {
-        /// Which medium.
+        /// Name of the medium.
         medium: String,
         /// Real part found.
         real: f64,
         /// Imaginary part found.
         imaginary: f64,
     },
-    /// Something that Maxwell's equations are not solved for here.
-    #[error("{what} is refused by the vector wave: {reason}; {remedy}")]
+    /// A case that the solver of Maxwell's equations does not support.
+    #[error("{what} is not supported by the vector wave: {reason}; {remedy}")]
     NotInVectorMode {
         /// What was found.
         what: &'static str,
-        /// Why it is refused.
+        /// Why it is not supported.
         reason: &'static str,
         /// What to do instead.
         remedy: &'static str,
@@ -98,7 +98,7 @@ pub enum WaveError {
     /// A number outside its range.
     #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
     Range {
-        /// Which number.
+        /// Name of the number.
         field: &'static str,
         /// The value found.
         value: f64,
@@ -107,7 +107,7 @@ pub enum WaveError {
         /// What to try.
         remedy: &'static str,
     },
-    /// Someone asked to stop.
+    /// The computation was cancelled.
     #[error("stopped before the geometry was on its grid")]
     Stopped,
     /// A grid too coarse along z for the wave.
@@ -124,7 +124,7 @@ pub enum WaveError {
         phase: f64,
         /// Largest phase allowed, rad.
         limit: f64,
-        /// Cells that would do.
+        /// Number of cells needed.
         needed: usize,
     },
     /// A grid too coarse in the plane for an order that propagates.
@@ -140,7 +140,7 @@ pub enum WaveError {
         m: i32,
         /// The order along y.
         n: i32,
-        /// Points that would do.
+        /// Number of points needed.
         need: usize,
     },
     /// Two bodies that overlap.
@@ -148,9 +148,9 @@ pub enum WaveError {
         "bodies {first} and {second} overlap by {overlap_um:.3e} µm; grains must not overlap: move them apart"
     )]
     Overlap {
-        /// Place of one in the scene.
+        /// Index of one body in the scene.
         first: usize,
-        /// Place of the other.
+        /// Index of the other body.
         second: usize,
         /// Depth of the overlap, µm.
         overlap_um: f64,
@@ -161,7 +161,7 @@ pub enum WaveError {
          make the period larger or the grain smaller"
     )]
     OverlapsImage {
-        /// Its place in the scene.
+        /// Index of the body in the scene.
         body: usize,
         /// Depth of the overlap, µm.
         overlap_um: f64,

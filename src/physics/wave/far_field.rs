@@ -1,44 +1,47 @@
-//! What leaves the layer: complex amplitudes and efficiencies of every order.
+//! The far field: complex amplitudes and efficiencies of all orders.
 
 use super::{Field, Incidence, Media, Problem, Side};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// One diffraction order (m, n), counted from the specular direction.
+/// One diffraction order (m, n), counted from the specular order.
 ///
-/// `direction` is (kx, ky)/k0, the direction cosines when the half-space is vacuum. The reflected amplitude
-/// refers to the face the light enters by, the transmitted one to the opposite face; the reflected (0, 0)
-/// amplitude is u₀₀ − 1 (P2 (4.10) corrected). Efficiencies are Re κ_mn/κ₀₀ |·|², zero for evanescent orders.
+/// `direction` is (kx, ky)/k0, the direction cosines if the half-space is vacuum. The reflected
+/// amplitude refers to the illuminated face, the transmitted one to the opposite face; the
+/// reflected (0, 0) amplitude is u₀₀ − 1 (P2 (4.10) corrected). Efficiencies are Re κ_mn/κ₀₀ |·|²,
+/// zero for evanescent orders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
-    /// Order along x.
+    /// Index along x.
     pub m: i32,
-    /// Order along y.
+    /// Index along y.
     pub n: i32,
-    /// (kx, ky)/k0.
+    /// Lateral wavevector (kx, ky)/k0.
     pub direction: [f64; 2],
     /// Whether it propagates in the half-space the light came from.
     pub reflected_propagates: bool,
     /// Whether it propagates in the opposite half-space.
     pub transmitted_propagates: bool,
-    /// Amplitude R_mn, incident wave 1.
+    /// Amplitude R_mn relative to the incident wave.
     pub reflected: Complex64,
-    /// Amplitude T_mn.
+    /// Amplitude T_mn relative to the incident wave.
     pub transmitted: Complex64,
-    /// Share of the incident power that it carries back.
+    /// Fraction of the incident power reflected into this order.
     pub reflected_efficiency: f64,
-    /// Share of the incident power that it carries on.
+    /// Fraction of the incident power transmitted into this order.
     pub transmitted_efficiency: f64,
-    /// Amplitudes \[reflected, transmitted\] that do not interfere with the first ones, zero in the scalar wave: light of
-    /// the other polarisation, and in unpolarised light both of the other incident one. Their powers add, with one
-    /// flux factor for all.
+    /// Further amplitudes \[reflected, transmitted\] incoherent with the first ones, zero for the
+    /// scalar wave: light of the other polarisation, and for unpolarised light both amplitudes of
+    /// the other incident polarisation. Powers add, with a common flux factor.
     pub further: [[Complex64; 2]; FURTHER],
 }
 
-/// Pairs of amplitudes beside the first one: crossed, and two of the second incident polarisation.
+/// Number of pairs of amplitudes besides the first: crossed, and two of the second incident
+/// polarisation.
 pub const FURTHER: usize = 3;
 
-/// All orders of one solve with their receipt: R + T + A = 1, A from the discrete quadratic form.
+/// All orders of one solve with their energy balance: R + T + A = 1, A from the discrete quadratic
+/// form.
 ///
 /// ```
 /// use inkwave_physics::solve::{Gmres, Goal, Silent, Solver};
@@ -59,22 +62,22 @@ pub const FURTHER: usize = 3;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FarField {
-    /// The light.
+    /// The incident light.
     pub incidence: Incidence,
     /// Lateral periods, µm.
     pub period_um: [f64; 2],
-    /// All orders that propagate on either side, and evanescent ones near them.
+    /// All orders that propagate on either side, and evanescent ones of similar wavenumber.
     pub orders: Vec<Order>,
     /// R, the sum of the reflected efficiencies.
     pub reflectance: f64,
     /// T, the sum of the transmitted efficiencies.
     pub transmittance: f64,
-    /// A, the absorbed share of the incident power.
+    /// A, the absorbed fraction of the incident power.
     pub absorptance: f64,
 }
 
 impl FarField {
-    /// From all orders and the absorbed share; R and T are sums over them.
+    /// The far field of all orders and the absorbed fraction; R and T are their sums.
     pub(in crate::wave) fn of_orders(
         incidence: Incidence,
         period_um: [f64; 2],
@@ -86,13 +89,13 @@ impl FarField {
         FarField { incidence, period_um, orders, reflectance, transmittance, absorptance }
     }
 
-    /// R + T + A − 1: zero to the solver's residual at any resolution.
+    /// Energy error R + T + A − 1: zero to the solver's residual at any resolution.
     pub fn energy_error(&self) -> f64 {
         self.reflectance + self.transmittance + self.absorptance - 1.0
     }
 
-    /// Unpolarised light from s and p light of the same direction: the mean of efficiencies and totals. All amplitudes are
-    /// kept side by side, less a factor √2, so that powers are theirs.
+    /// Unpolarised light from s and p light of the same direction: the mean of efficiencies and
+    /// totals. All amplitudes are kept separately, divided by √2, so that their powers add up.
     pub fn unpolarised(s: &FarField, p: &FarField) -> FarField {
         let orders = s.orders.iter().zip(&p.orders).map(|(s, p)| Order::unpolarised(s, p)).collect();
         FarField {
@@ -112,7 +115,7 @@ impl FarField {
 }
 
 impl Order {
-    /// All amplitudes \[reflected, transmitted\], those that do not interfere beside each other.
+    /// All amplitudes \[reflected, transmitted\], mutually incoherent ones separately.
     pub fn amplitudes(&self) -> impl Iterator<Item = [Complex64; 2]> + use<> {
         std::iter::once([self.reflected, self.transmitted]).chain(self.further)
     }
@@ -131,10 +134,12 @@ impl Order {
     }
 }
 
-/// Evanescent orders are listed up to this lateral wavenumber, in units of the densest half-space's.
+/// Largest lateral wavenumber of listed evanescent orders, in units of that of the denser
+/// half-space.
 const EVANESCENT_REACH: f64 = 3.0;
 
-/// Compact indices of the harmonics that a far field lists, with their (m, n) counted from the `specular` one.
+/// Compact indices of the harmonics listed in a far field, with (m, n) counted from the `specular`
+/// one.
 pub(in crate::wave) fn listed_orders(
     harmonics: &[[i32; 2]],
     lateral: &[[f64; 2]],
@@ -152,7 +157,8 @@ pub(in crate::wave) fn listed_orders(
 }
 
 impl Problem {
-    /// Reads the orders off the first and last node (P2 (3.8), (3.9) with moduli) and adds the receipt.
+    /// Evaluates the orders at the first and last node (P2 (3.8), (3.9) with moduli) and the energy
+    /// balance.
     pub fn far_field(&self, u: &Field) -> FarField {
         let last = self.shape().0 - 1;
         let (entry, exit) = if self.incidence.from == Side::Incident { (0, last) } else { (last, 0) };

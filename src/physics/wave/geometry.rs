@@ -1,4 +1,4 @@
-//! A scene on a grid: what does not depend on wavelength and direction, for either wave.
+//! A scene on a grid: everything independent of wavelength and direction, for either wave.
 
 use super::contrast::coverage::Precision;
 use super::maxwell::{Averaging, NormalMoments, VectorProblem};
@@ -8,20 +8,20 @@ use super::{
 };
 use std::sync::Arc;
 
-/// A scene on a grid, for one kind of wave; made once for all wavelengths and directions.
+/// A scene on a grid for one kind of wave, computed once for all wavelengths and directions.
 #[derive(Clone)]
 pub enum Geometry {
-    /// For the scalar wave.
+    /// Geometry for the scalar wave.
     Scalar(Arc<Coverage>),
-    /// For Maxwell's equations.
+    /// Geometry for Maxwell's equations.
     Vector(Arc<NormalMoments>),
 }
 
 impl Geometry {
-    /// The geometry of a scene on a grid.
+    /// Computes the geometry of a scene on a grid.
     ///
     /// # Errors
-    /// Grids and bodies that are refused; [`WaveError::Stopped`].
+    /// Invalid grids and bodies; [`WaveError::Stopped`].
     pub fn new(
         wave: Wave,
         scene: &Scene,
@@ -34,7 +34,7 @@ impl Geometry {
         })
     }
 
-    /// The grid it was made for.
+    /// The grid of the geometry.
     pub fn grid(&self) -> &Grid {
         match self {
             Geometry::Scalar(coverage) => &coverage.grid,
@@ -42,11 +42,11 @@ impl Geometry {
         }
     }
 
-    /// The discrete problems of one wavelength and direction: the scalar wave's, or those of s and p light, which
-    /// share the contrast's tensor and the mean operator's tables.
+    /// The discrete problems of one wavelength and direction: one for the scalar wave, or those of
+    /// s and p light, which share the contrast tensor and the mean operator's tables.
     ///
     /// # Errors
-    /// Media and lights that are refused.
+    /// Invalid media and lights.
     pub fn systems(
         &self,
         media: &Media,

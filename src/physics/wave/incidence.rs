@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A side of the layer 0 ≤ z ≤ H. Where nothing else is said light comes from the incident side, z < 0.
+/// A side of the layer 0 ≤ z ≤ H. By default light comes from the incident side, z < 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
@@ -15,21 +15,21 @@ pub enum Side {
 }
 
 /// A plane wave: vacuum wavelength in µm, polar angle from the layer's normal (0° ≤ σ < 90°) and
-/// azimuth φ, both in the half-space it comes from (P2 section 2: kx = k sin σ cos φ).
+/// azimuth φ, both in the half-space of incidence (P2 section 2: kx = k sin σ cos φ).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Incidence {
     /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
-    /// σ, from the layer's normal, degrees.
+    /// Polar angle σ from the layer's normal, degrees.
     pub polar_deg: f64,
-    /// φ, from the x axis, degrees.
+    /// Azimuth φ from the x axis, degrees.
     pub azimuth_deg: f64,
-    /// The side that the light comes from.
+    /// Side of incidence.
     pub from: Side,
 }
 
 impl Incidence {
-    /// Refuses wavelengths that are not positive and angles outside 0° ≤ σ < 90°.
+    /// Rejects wavelengths that are not positive and angles outside 0° ≤ σ < 90°.
     pub fn check(&self) -> Result<(), super::WaveError> {
         let range = |field, value, allowed, remedy| super::WaveError::Range { field, value, allowed, remedy };
         if !(self.wavelength_um.is_finite() && self.wavelength_um > 0.0) {

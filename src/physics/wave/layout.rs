@@ -1,9 +1,9 @@
-//! What a scene's mean medium and Bloch vector are made from, whichever wave is solved on it.
+//! Geometry from which a scene's mean medium and Bloch vector follow, for either wave.
 
 use super::contrast::channel::Channel;
 use crate::wave::Grid;
 
-/// Geometry without fields: the same for the scalar wave and for Maxwell's equations.
+/// Geometry without fields, common to the scalar wave and Maxwell's equations.
 #[derive(Clone, Copy)]
 pub struct Layout<'a> {
     /// Points and cells.
@@ -12,6 +12,6 @@ pub struct Layout<'a> {
     pub channels: &'a [Channel],
     /// Per channel, mean of its indicator over each cell.
     pub fractions: &'a [Vec<f64>],
-    /// Along which axes nothing changes, so that there is no lattice.
+    /// Axes along which the scene is uniform, so that there is no lattice.
     pub uniform: [bool; 2],
 }

@@ -1,10 +1,10 @@
-//! Which equation is solved, and for which light.
+//! Wave equation and polarisation.
 
 use super::Scheme;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// State of linear polarisation of a plane wave: s has E along s = ẑ × p̂, p has H along it.
+/// Linear polarisation of a plane wave: s has E along s = ẑ × p̂, p has H along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Polarisation {
@@ -15,7 +15,7 @@ pub enum Polarisation {
 }
 
 impl Polarisation {
-    /// Both, s first.
+    /// Both polarisations, s first.
     pub const BOTH: [Polarisation; 2] = [Polarisation::S, Polarisation::P];
 }
 
@@ -35,10 +35,10 @@ pub enum Wave {
 }
 
 impl Wave {
-    /// Names as they are written in study files.
+    /// Names in study files.
     pub const NAMES: [&'static str; 4] = ["scalar", "s", "p", "unpolarised"];
 
-    /// The polarisations to be solved; none for the scalar wave.
+    /// Polarisations to solve; none for the scalar wave.
     pub fn polarisations(self) -> &'static [Polarisation] {
         match self {
             Wave::Scalar => &[],
@@ -48,22 +48,22 @@ impl Wave {
         }
     }
 
-    /// True for Maxwell's equations.
+    /// Whether the wave obeys Maxwell's equations.
     pub fn is_vector(self) -> bool {
         self != Wave::Scalar
     }
 
-    /// The light that paper gives back: it depolarises.
+    /// The light returned by paper: paper depolarises.
     pub fn returned(self) -> Wave {
         if self.is_vector() { Wave::Unpolarised } else { Wave::Scalar }
     }
 
-    /// The scheme that the wave needs: the vector wave has two Gauss planes a cell.
+    /// The scheme required by the wave: the vector wave has two Gauss planes per cell.
     pub fn scheme(self, scalar: Scheme) -> Scheme {
         if self.is_vector() { Scheme::Quadratic } else { scalar }
     }
 
-    /// The name as it is written in study files.
+    /// Name in study files.
     pub fn name(self) -> &'static str {
         match self {
             Wave::Scalar => "scalar",
@@ -73,7 +73,7 @@ impl Wave {
         }
     }
 
-    /// What it is, in a few words for reports.
+    /// Short description for reports.
     pub fn in_words(self) -> &'static str {
         match self {
             Wave::Scalar => "scalar wave equation",

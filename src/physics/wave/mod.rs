@@ -1,7 +1,7 @@
 //! The wave equation: scene, grid, contrast field, mean operator, incident wave, discrete problem.
 //!
-//! Lengths are in µm, angles in degrees, time factor e^{−iωt}; the layer is 0 ≤ z ≤ H and light from the incident side
-//! travels towards +z.
+//! Lengths are in µm, angles in degrees, time factor e^{−iωt}; the layer is 0 ≤ z ≤ H and light
+//! from the incident side travels towards +z.
 
 pub mod bloch;
 pub mod contrast;

@@ -1,18 +1,19 @@
-//! The check that bodies do not overlap: where they did, their contrasts would count twice.
+//! Check that bodies do not overlap: their contrasts would be counted twice.
 //!
-//! Bodies of every kind are entered one after the other into a grid of cells as large as a body's share of the layer,
-//! and compared with those that have reached the same cells before. Bodies that do not overlap cannot crowd a cell, so
-//! the work grows like their number. Nothing here is shared with the packing methods.
+//! Bodies of every kind are inserted one by one into a grid of cells whose volume is a body's share
+//! of the layer, and compared with those already in the same cells. Bodies that do not overlap
+//! cannot crowd a cell, so the work is proportional to their number. Nothing here is shared with
+//! the packing methods.
 
 use super::{Ball, Body, BodyShape, Scene, WaveError};
 use std::collections::HashMap;
 
-/// Overlap of touching bodies by the rounding of their coordinates, in periods along x.
+/// Tolerance for touching bodies due to the rounding of their coordinates, in periods along x.
 const ROUNDING: f64 = 1e-9;
 
 impl Scene {
-    /// Refuses bodies that overlap each other or their own periodic images. Vacuum over a relief is left out: it is cut
-    /// around the grains.
+    /// Rejects bodies that overlap each other or their own periodic images. The vacuum above a
+    /// relief is exempt: it is cut around the grains.
     ///
     /// # Errors
     /// [`WaveError::Overlap`] and [`WaveError::OverlapsImage`], for the first pair found.
@@ -67,7 +68,7 @@ fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece> {
 }
 
 impl Form {
-    /// Smallest and largest x, y and z; all of the period where nothing depends on a coordinate.
+    /// Smallest and largest x, y and z; the whole period along uniform axes.
     fn extent(&self, [lx, ly]: [f64; 2]) -> [[f64; 2]; 3] {
         match *self {
             Form::Ball(Ball { center_um, radius_um }) => center_um.map(|c| [c - radius_um, c + radius_um]),
@@ -77,7 +78,7 @@ impl Form {
         }
     }
 
-    /// Centre and radius in the plane of x and z, for what is round there.
+    /// Centre and radius in the x–z plane of forms that are round there.
     fn disc(&self) -> Option<(f64, f64, f64)> {
         match *self {
             Form::Ball(Ball { center_um: [x, _, z], radius_um }) => Some((x, z, radius_um)),
@@ -86,7 +87,7 @@ impl Form {
         }
     }
 
-    /// Depth by which two forms reach into each other's nearest image, µm; below 0 when they are apart.
+    /// Depth by which two forms overlap in their nearest images, µm; negative if they are apart.
     fn overlap_um(&self, other: &Form, period: [f64; 2]) -> f64 {
         match (*self, *other) {
             (Form::Ball(a), Form::Ball(b)) => ball_overlap_um(&a, &b, period),
@@ -114,7 +115,7 @@ impl Form {
 /// Pieces by the cells they reach.
 struct Cells<'a> {
     period: [f64; 2],
-    /// Cells along x, y and z, and the lengths they divide.
+    /// Number of cells along x, y and z, and the lengths they divide.
     count: [i64; 3],
     length: [f64; 3],
     held: HashMap<[i64; 3], Vec<&'a Piece>>,
@@ -136,7 +137,7 @@ impl<'a> Cells<'a> {
         Cells { period: scene.period_um, count, length, held: HashMap::new() }
     }
 
-    /// Compares a piece with those of other bodies in its cells, and puts it there.
+    /// Compares a piece with those of other bodies in its cells, and inserts it.
     fn enter(&mut self, piece: &'a Piece, slack: f64) -> Result<(), WaveError> {
         for cell in self.cells_of(piece) {
             let held = self.held.entry(cell).or_default();
@@ -161,7 +162,8 @@ impl<'a> Cells<'a> {
         z.iter().flat_map(of_plane).collect()
     }
 
-    /// Cells along one axis that a stretch reaches: around the period along x and y, from wall to wall along z.
+    /// Cells along one axis that an interval intersects: periodic along x and y, from wall to wall
+    /// along z.
     fn reach(&self, axis: usize, [low, high]: [f64; 2]) -> Vec<i64> {
         let count = self.count[axis];
         let place = |x: f64| (x / self.length[axis] * count as f64).floor() as i64;
@@ -178,7 +180,8 @@ fn ball_overlap_um(a: &Ball, b: &Ball, [lx, ly]: [f64; 2]) -> f64 {
     a.radius_um + b.radius_um - nearest(x, lx).hypot(nearest(y, ly)).hypot(z)
 }
 
-/// Depth by which a body reaches into its own images: its parts may overlap each other, but not their copies.
+/// Depth by which a body overlaps its own images: its parts may overlap each other, but not their
+/// copies.
 fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
     match &body.shape {
         BodyShape::Balls(balls) => {
@@ -206,7 +209,7 @@ fn width([low, high]: [f64; 2]) -> f64 {
     high - low
 }
 
-/// Length that two stretches share.
+/// Length of the intersection of two intervals.
 fn common(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[1].min(b[1]) - a[0].max(b[0])
 }

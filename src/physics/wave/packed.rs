@@ -1,14 +1,14 @@
-//! From a packing to the scene that the wave sees.
+//! Conversion of a packing to a scene.
 
 use super::scene::HeightField;
 use super::{Ball, Body, BodyShape, Material, Scene};
 use crate::ink::{Grain, Packing, Relief};
 
 impl Scene {
-    /// One stratum of binder (background 0) with one body per grain; pigment i is inclusion i, and what a
-    /// relief leaves open is filled by the medium of the incident side.
+    /// One stratum of binder (background 0) with one body per grain; pigment i is inclusion i, and
+    /// the space above a relief is filled by the medium of the incident side.
     ///
-    /// The packing has proven that no grains overlap, so the quadratic check of pairs is not repeated.
+    /// The packing has been checked for overlap, so the check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {
         let mut bodies: Vec<Body> = packing.grains().iter().map(body).collect();
         if let Some(relief) = packing.relief() {
@@ -26,7 +26,7 @@ fn body(grain: &Grain) -> Body {
     Body::new(BodyShape::Balls(balls(grain)), grain.pigment)
 }
 
-/// What lies over the surface, which is taken at the relief's own points as z = H − height.
+/// The space above the surface, which is sampled at the relief's own points as z = H − height.
 fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let (period_um, count) = (packing.period_um(), relief.count());
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;

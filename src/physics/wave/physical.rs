@@ -1,26 +1,29 @@
-//! The gate that every far field passes before it becomes a result.
+//! Physical checks that every far field must pass before it becomes a result.
 //!
-//! Of any passive layer R, T and A = 1 − R − T lie between 0 and 1. A discretisation that is too coarse for its contrast
-//! breaks this: the band-limited contrast rings, and where it rings below zero it amplifies light.
+//! For any passive layer R, T and A = 1 − R − T lie between 0 and 1. A discretisation too coarse
+//! for its contrast violates this: the band-limited contrast rings, and where it rings below zero
+//! it amplifies light.
 
 use super::FarField;
 use std::ops::Deref;
 use thiserror::Error;
 
-/// Error of a total beyond which it is no reflectance, whatever its error estimate says.
+/// Largest error of a total that is accepted, whatever the error estimate.
 const LARGEST: f64 = 0.02;
-/// Errors of totals for an error of one in every amplitude: R = Σ |r|² changes by 2 |r| δ an order, whose signs are
-/// independent; this is three standard deviations of the sum.
+/// Ratio of the error of totals to that of every amplitude: R = Σ |r|² changes by 2 |r| δ per
+/// order, with independent signs; this is three standard deviations of the sum.
 const TOTAL_OF_AMPLITUDE: f64 = 6.0;
-/// Errors of totals for a relative residual of one: trapped waves amplify it some ten times.
+/// Ratio of the error of totals to the relative residual: trapped waves amplify it about tenfold.
 const TOTAL_OF_RESIDUAL: f64 = 30.0;
-/// Share of the errors of R and T that their sum with A may be off by: metals amplify a small residual more, by 32 and above, and
-/// what is nothing beside the grid's error refuses no result.
+/// Tolerated error of R + T + A as a fraction of the errors of R and T: metals amplify a small
+/// residual more, by 32 and above, and a deviation negligible beside the grid's error must not
+/// reject a result.
 const BALANCE_SHARE: f64 = 0.05;
-/// Rounding of sums over orders and nodes.
+/// Rounding error of sums over orders and nodes.
 const ROUNDING: f64 = 1e-9;
 
-/// A far field whose numbers are all finite, with R, T and A from 0 to 1 and their sum 1, all within their errors.
+/// A far field with finite numbers only, with R, T and A from 0 to 1 and their sum 1, all within
+/// their errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Physical(FarField);
 
@@ -32,28 +35,29 @@ impl Deref for Physical {
     }
 }
 
-/// How wrong totals may be.
+/// Tolerated errors of the totals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TotalErrors {
-    /// Of R.
+    /// Error of R.
     pub reflectance: f64,
-    /// Of T.
+    /// Error of T.
     pub transmittance: f64,
-    /// Of their sum with A: the solver's, since the discrete system keeps the balance, or a small share of the others.
+    /// Error of R + T + A: the solver's, since the discrete system conserves energy, or a small
+    /// fraction of the others.
     pub balance: f64,
 }
 
 impl TotalErrors {
-    /// From the estimated error of every complex amplitude, and the relative residual.
+    /// Errors from the estimated error of every complex amplitude, and the relative residual.
     pub fn of_amplitudes(error: f64, residual: f64) -> Self {
         Self::of_totals([TOTAL_OF_AMPLITUDE * error; 2], residual)
     }
 
-    /// From estimated errors of R and T, and the relative residual.
+    /// Errors from estimated errors of R and T, and the relative residual.
     pub fn of_totals([reflectance, transmittance]: [f64; 2], residual: f64) -> Self {
         let solver = ROUNDING + TOTAL_OF_RESIDUAL * residual;
         let balance = solver + BALANCE_SHARE * (reflectance + transmittance);
-        // Not `min`, which drops NaN.
+        // Not `min`, which ignores NaN.
         let bounded = |error: f64| if error > LARGEST { LARGEST } else { error };
         let [reflectance, transmittance] = [reflectance, transmittance].map(|error| bounded(error + solver));
         Self { reflectance, transmittance, balance: bounded(balance) }
@@ -64,7 +68,7 @@ impl TotalErrors {
     }
 }
 
-/// Why a far field is no result.
+/// Why a far field is not a valid result.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Unphysical {
     /// A number is NaN or infinite: lengths and indices too far apart for double precision.
@@ -73,12 +77,12 @@ pub enum Unphysical {
          wavelength and lengths in µm and refractive indices of matter"
     )]
     NotFinite {
-        /// What it is.
+        /// Name of the quantity.
         quantity: &'static str,
         /// NaN or an infinity.
         value: f64,
     },
-    /// A total that no passive layer has.
+    /// A total that no passive layer can have.
     #[error(
         "{quantity} is {value:.4}; allowed is 0 … 1 within {error:.1e}: no result. The grid is too coarse for these \
          indices; take more points and cells, or give an accuracy instead of a grid"
@@ -88,27 +92,27 @@ pub enum Unphysical {
         quantity: &'static str,
         /// Its value.
         value: f64,
-        /// Its tolerated error.
+        /// Tolerated error of the total.
         error: f64,
     },
-    /// Energy is not kept.
+    /// Energy is not conserved.
     #[error(
         "R + T + A is {sum:.6}; allowed is 1 within {error:.1e}: no result. Ask for a smaller residual (tolerance), \
          or take more points and cells"
     )]
     OutOfBalance {
-        /// The sum.
+        /// Value of R + T + A.
         sum: f64,
-        /// Its tolerated error.
+        /// Tolerated error of the sum.
         error: f64,
     },
 }
 
 impl Physical {
-    /// Judges a far field whose totals may be wrong by `errors`.
+    /// Checks a far field whose totals may be in error by `errors`.
     ///
     /// # Errors
-    /// [`Unphysical`]: what is wrong with it.
+    /// [`Unphysical`]: the law that is violated.
     pub fn judge(far: FarField, errors: TotalErrors) -> Result<Physical, Unphysical> {
         finite(&far, &errors)?;
         let TotalErrors { reflectance, transmittance, balance } = errors;
@@ -129,7 +133,7 @@ impl Physical {
         Ok(Physical(far))
     }
 
-    /// The far field itself.
+    /// The checked far field.
     pub fn into_inner(self) -> FarField {
         self.0
     }
@@ -156,7 +160,7 @@ fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
     }
 }
 
-/// The largest of some numbers, NaN if any of them is none; 0 without any.
+/// The largest of some numbers, NaN if any of them is NaN; 0 if there are none.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
     values.into_iter().fold(0.0, larger)

@@ -1,9 +1,10 @@
-//! What the wave sees: strata of constant index with bodies inside them, and the media's indices.
+//! Scene of the wave problem: strata of constant index with bodies inside them, and the media's
+//! indices.
 
 use super::WaveError;
 use num_complex::Complex64;
 
-/// A ball in µm; `center_um` may lie outside the cell, it is wrapped periodically in x and y.
+/// A ball in µm; `center_um` may lie outside the cell and is wrapped periodically in x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// Centre (x, y, z), µm.
@@ -15,7 +16,7 @@ pub struct Ball {
 /// A body's shape, lengths in µm. Bodies along y serve the two-dimensional references.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyShape {
-    /// Union of balls of one grain; where they overlap the volume counts once.
+    /// Union of the balls of one grain; overlapping volume counts once.
     Balls(Vec<Ball>),
     /// Infinite circular cylinder along y.
     CylinderY {
@@ -28,21 +29,21 @@ pub enum BodyShape {
     },
     /// Infinite rectangular bar along y.
     BarY {
-        /// From and to along x, µm.
+        /// Range along x, µm.
         x_um: [f64; 2],
-        /// From and to along z, µm.
+        /// Range along z, µm.
         z_um: [f64; 2],
     },
-    /// Everything above a rough surface except the given balls: vacuum over a relief.
+    /// Everything above a rough surface except the given balls: vacuum above a relief.
     Above {
         /// The surface.
         surface: HeightField,
-        /// Grains that stand out of it.
+        /// Grains that protrude from it.
         balls: Vec<Ball>,
     },
-    /// Whole sheet between two heights (a stratum that the grid need not resolve).
+    /// Homogeneous sheet between two heights (a stratum that the grid need not resolve).
     Sheet {
-        /// From and to, µm.
+        /// Range along z, µm.
         z_um: [f64; 2],
     },
 }
@@ -58,25 +59,27 @@ pub struct HeightField {
     pub period_um: [f64; 2],
 }
 
-/// What a body consists of.
+/// Material of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Material {
     /// The medium of this index in [`Media::inclusions`], such as a pigment.
     Inclusion(usize),
-    /// The medium of the incident side (vacuum unless the study says otherwise), which fills what a relief leaves open.
+    /// The medium of the incident side (vacuum unless the study says otherwise), which fills the
+    /// space above a relief.
     Incident,
 }
 
 /// One body of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Where it is, µm.
+    /// Shape and position, µm.
     pub shape: BodyShape,
-    /// What it consists of.
+    /// Material of the body.
     pub material: Material,
 }
 
-/// One stratum of constant background, counted from z = 0; `background` indexes [`Media::backgrounds`].
+/// One stratum of constant background, counted from z = 0; `background` indexes
+/// [`Media::backgrounds`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stratum {
     /// Thickness, µm.
@@ -101,7 +104,7 @@ pub struct Stratum {
 /// scene.check(&media)?;
 /// assert_eq!(scene.thickness_um(), 0.3);
 ///
-/// // A body that leaves the layer is refused, with its place and the remedy.
+/// // A body that leaves the layer is rejected, with its position and a remedy.
 /// let high = Ball { center_um: [0.1, 0.2, 0.05], radius_um: 0.1 };
 /// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![high]), 0)]);
 /// assert!(scene.check(&media).unwrap_err().to_string().contains("move it or make the layer thicker"));
@@ -111,7 +114,7 @@ pub struct Stratum {
 pub struct Scene {
     /// Lateral periods (Lx, Ly), µm.
     pub period_um: [f64; 2],
-    /// Strata from z = 0 on.
+    /// Strata, starting at z = 0.
     pub strata: Vec<Stratum>,
     /// Bodies in them, without overlap.
     pub bodies: Vec<Body>,
@@ -131,27 +134,28 @@ pub struct Media {
 }
 
 impl Scene {
-    /// A single stratum holding `bodies`.
+    /// A single stratum that contains `bodies`.
     pub fn layer(period_um: [f64; 2], thickness_um: f64, bodies: Vec<Body>) -> Scene {
         Scene { period_um, strata: vec![Stratum { thickness_um, background: 0 }], bodies }
     }
 
-    /// H, the sum of the strata.
+    /// Thickness H, the sum over the strata, µm.
     pub fn thickness_um(&self) -> f64 {
         self.strata.iter().map(|s| s.thickness_um).sum()
     }
 
-    /// True when nothing depends on y, so that only orders n = 0 exist.
+    /// Whether the scene is uniform along y, so that only orders n = 0 exist.
     pub fn uniform_in_y(&self) -> bool {
         !self.bodies.iter().any(|b| matches!(b.shape, BodyShape::Balls(_) | BodyShape::Above { .. }))
     }
 
-    /// True when nothing depends on x either: a stack of homogeneous films.
+    /// Whether the scene is uniform along x and y: a stack of homogeneous films.
     pub fn uniform_in_plane(&self) -> bool {
         self.bodies.iter().all(|b| matches!(b.shape, BodyShape::Sheet { .. }))
     }
 
-    /// Numbers of the strata that some body reaches into: elsewhere the wave is the film's, which every grid has exactly.
+    /// Indices of the strata that contain part of a body: elsewhere the wave is that of a film,
+    /// exact on every grid.
     pub fn patterned_strata(&self) -> Vec<usize> {
         let mut bottom = 0.0;
         let slack = 1e-9 * self.thickness_um();
@@ -164,7 +168,8 @@ impl Scene {
         (0..reached.len()).filter(|&i| reached[i]).collect()
     }
 
-    /// Refuses lengths that are not finite and positive, bodies that leave the layer, and unknown media.
+    /// Rejects lengths that are not finite and positive, bodies that extend beyond the layer, and
+    /// unknown media.
     pub fn check(&self, media: &Media) -> Result<(), WaveError> {
         for (axis, &period) in ["x", "y"].iter().zip(&self.period_um) {
             positive(&format!("period in {axis} (µm)"), period)?;
@@ -181,7 +186,7 @@ impl Scene {
 }
 
 impl Body {
-    /// A body of the medium `inclusion` of [`Media::inclusions`].
+    /// A body made of the medium `inclusion` of [`Media::inclusions`].
     pub fn new(shape: BodyShape, inclusion: usize) -> Body {
         Body { shape, material: Material::Inclusion(inclusion) }
     }
@@ -205,7 +210,7 @@ impl Body {
         let size = hi - lo;
         self.check_lateral(index, period)?;
         positive(&format!("height of body {index} (µm)"), size)?;
-        // A grain that touches a wall may stand out of it by the rounding of its coordinates.
+        // A grain touching a wall may protrude by the rounding of its coordinates.
         let slack = 1e-9 * height;
         if lo < -slack || hi > height + slack {
             return Err(WaveError::OutsideLayer {
@@ -220,8 +225,9 @@ impl Body {
 }
 
 impl Body {
-    /// Refuses lateral positions that are no numbers, which would only show as NaN in every amplitude, and those so far
-    /// out that wrapping them into the period leaves too few digits.
+    /// Rejects lateral positions that are not finite, which would otherwise show only as NaN in
+    /// every amplitude, and those so far out that wrapping them into the period leaves too few
+    /// digits.
     fn check_lateral(&self, index: usize, period: f64) -> Result<(), WaveError> {
         let lateral: Vec<f64> = match &self.shape {
             BodyShape::Balls(balls) | BodyShape::Above { balls, .. } => {
@@ -241,7 +247,8 @@ impl Body {
 }
 
 impl Media {
-    /// Refractive index of a body's material; [`Scene::check`] has seen to it that the material is known.
+    /// Refractive index of a body's material; [`Scene::check`] guarantees that the material is
+    /// known.
     pub fn index_of(&self, material: Material) -> Complex64 {
         match material {
             Material::Inclusion(index) => self.inclusions[index],
@@ -286,10 +293,11 @@ fn check_index(name: &str, eta: Complex64) -> Result<(), WaveError> {
     Err(WaveError::Index { medium: name.to_string(), real: eta.re, imaginary: eta.im })
 }
 
-/// Most periods that a body may be away from the origin: ten digits of its place in the period are left.
+/// Largest distance of a body from the origin in periods: ten digits of its position in the period
+/// remain.
 const FARTHEST: f64 = 1e6;
 
-/// Thinnest stratum, µm: rounding of its mean operator is about 1e-16/(k h), here 1e-11.
+/// Thinnest stratum, µm: the rounding error of its mean operator is about 1e-16/(k h), here 1e-11.
 pub const THINNEST_UM: f64 = 1e-6;
 
 fn check_thickness(stratum: usize, thickness_um: f64) -> Result<(), WaveError> {

@@ -1,31 +1,34 @@
-//! Incidence along a vector of the lattice, for comparison with programs that solve no other direction.
+//! Incidence along a vector of the lattice, for comparison with programs limited to such
+//! directions.
 //!
-//! P2 (the remark after (3.13)) lights its cell along the Fourier directions, whose lateral wavevectors are multiples of
-//! 2π/L. Here every direction is solved through its Bloch vector ([`super::bloch`]), and none needs to be moved.
+//! P2 (the remark after (3.13)) illuminates its cell along the Fourier directions, whose lateral
+//! wavevectors are multiples of 2π/L. Here every direction is solved through its Bloch vector
+//! ([`super::bloch`]), and none needs to be moved.
 
 use super::bloch::{TIE, nearest_order};
 use super::{Incidence, Media, Side, WaveError};
 use std::f64::consts::TAU;
 
-/// Longest lateral wavevector of a snapped direction, in units of k: 89.9° from the normal. Beyond it lies grazing light,
-/// which no solve accepts.
+/// Longest lateral wavevector of a snapped direction, in units of k: 89.9° from the normal. Solves
+/// reject light closer to grazing.
 const REACH: f64 = 1.0 - 1e-6;
-/// Periods that can be snapped to, in wavelengths: the vector's numbers stay exact.
+/// Range of periods for snapping, in wavelengths: the vector's integers remain exact.
 const PERIODS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 /// A direction moved onto the lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snapped {
-    /// The light as it is solved.
+    /// The light with its new direction.
     pub incidence: Incidence,
-    /// (m, n): its lateral wavevector is 2π (m/Lx, n/Ly).
+    /// Integers (m, n) of the lateral wavevector 2π (m/Lx, n/Ly).
     pub vector: [i32; 2],
 }
 
 impl Incidence {
-    /// The light whose lateral wavevector is the vector of the lattice 2π (m/Lx, n/Ly) nearest to this one's, among those
-    /// that propagate in the half-space it comes from (P2, after (3.13)). Of equally near ones it is the one closest to the
-    /// normal; the azimuth of light along the normal stays. `period_um` are the periods \[Lx, Ly\], µm.
+    /// The light whose lateral wavevector is the lattice vector 2π (m/Lx, n/Ly) nearest to this
+    /// one's, among those that propagate in the half-space of incidence (P2, after (3.13)). Of
+    /// equally near ones the closest to the normal is taken; the azimuth of light along the normal
+    /// is kept. `period_um` are the periods \[Lx, Ly\], µm.
     ///
     /// ```
     /// use inkwave_physics::wave::{Incidence, Media, Side};
@@ -41,7 +44,8 @@ impl Incidence {
     /// ```
     ///
     /// # Errors
-    /// What [`Incidence::check`] refuses; light that comes through an absorber; periods outside of 1e-6 to 1e6 wavelengths.
+    /// Lights that [`Incidence::check`] rejects; light incident through an absorber; periods
+    /// outside 1e-6 to 1e6 wavelengths.
     pub fn snapped(&self, period_um: [f64; 2], media: &Media) -> Result<Snapped, WaveError> {
         self.check()?;
         let refused = |l: &&f64| !PERIODS.contains(&(**l / self.wavelength_um));
@@ -57,7 +61,8 @@ impl Incidence {
         Ok(Snapped { incidence: self.along(lateral(vector, step), k), vector })
     }
 
-    /// The same light with another lateral wavevector, 1/µm; the azimuth in the turn that it was given in.
+    /// The light with another lateral wavevector, 1/µm; the azimuth stays within the same multiple
+    /// of 360°.
     fn along(&self, [x, y]: [f64; 2], k: f64) -> Incidence {
         if [x, y] == [0.0; 2] {
             return Incidence { polar_deg: 0.0, ..*self };
@@ -73,10 +78,11 @@ fn lateral(vector: [i32; 2], step: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| step[i] * f64::from(vector[i]))
 }
 
-/// The vector of the lattice nearest to `whole` among those no longer than `reach`.
+/// The lattice vector nearest to `whole` among those no longer than `reach`.
 fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
-    // Rounding both numbers towards zero stays within reach, so the nearest vector is less than a diagonal away: at most
-    // √2 rows along the axis of the wider step. In each row it is the nearest that the circle lets in.
+    // Rounding both integers towards zero stays within reach, so the nearest vector is less than a
+    // diagonal away: at most √2 rows along the axis of the wider step. In each row it is the
+    // nearest one inside the circle.
     let wide = usize::from(step[1] > step[0]);
     let in_row = |row: i32| nearest_in_row([wide, 1 - wide], row, whole, step, reach);
     let length = |v: [i32; 2]| lateral(v, step)[0].hypot(lateral(v, step)[1]);
@@ -90,7 +96,8 @@ fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
     found.into_iter().reduce(nearer).unwrap_or_default()
 }
 
-/// The vector nearest to `whole` among those with `row` along the axis `wide` that are no longer than `reach`, if any is.
+/// The vector nearest to `whole` among those with `row` along the axis `wide` that are no longer
+/// than `reach`, if any.
 fn nearest_in_row(
     [wide, other]: [usize; 2],
     row: i32,

@@ -54,7 +54,8 @@ fn light_along_the_normal_stays_as_it_is() {
     assert_eq!(snapped, Snapped { incidence: normal, vector: [0, 0] });
 }
 
-/// Directions lie 0.5 apart; the nearest to 80° is the grazing one (2, 0), to be passed over, also by light between two.
+/// Directions lie 0.5 apart; the nearest to 80° is the grazing one (2, 0), to be passed over, also
+/// by light between two.
 #[test]
 fn grazing_vectors_are_passed_over_and_ties_go_to_the_normal() {
     let vector = |polar, azimuth| {

@@ -1,9 +1,9 @@
-//! The seam between the waves and all that solves them: the linear system (1 + A⁻¹V) u = u₀ of one wavelength,
-//! direction and polarisation, its yardstick, and the orders that a solution sends out of the layer.
+//! Interface between the waves and the solvers: the linear system (1 + A⁻¹V) u = u₀ of one
+//! wavelength, direction and polarisation, its residual, and the far field of a solution.
 //!
-//! The scalar wave's [`Problem`] is one such system; Maxwell's equations give one for each polarisation, with the same
-//! shape of unknowns. Strategies that only apply the operator work on every system; those that take it apart ask
-//! for [`System::split`].
+//! The scalar wave's [`Problem`] is one such system; Maxwell's equations give one for each
+//! polarisation, with unknowns of the same shape. Strategies that only apply the operator work on
+//! every system; those that treat A and V separately use [`System::split`].
 
 use super::operator::mean_medium::cells_needed;
 use super::operator::scattering::Scatter;
@@ -13,10 +13,10 @@ use num_complex::Complex64;
 
 /// A discrete wave problem: immutable and shared between threads.
 pub trait System: Send + Sync {
-    /// The grid it was made for.
+    /// The grid of the problem.
     fn grid(&self) -> &Grid;
 
-    /// The polarisation of the incident light; none of the scalar wave.
+    /// Polarisation of the incident light; `None` for the scalar wave.
     fn polarisation(&self) -> Option<Polarisation> {
         None
     }
@@ -24,34 +24,34 @@ pub trait System: Send + Sync {
     /// Rows and columns of a field of unknowns.
     fn shape(&self) -> (usize, usize);
 
-    /// False where u₀ solves the problem already: nothing is left to iterate on.
+    /// Whether there is contrast; without it u₀ is the solution, and nothing is left to iterate on.
     fn has_contrast(&self) -> bool;
 
-    /// u₀ = A⁻¹ b, the wave in the mean medium.
+    /// Background wave u₀ = A⁻¹ b in the mean medium.
     fn background_wave(&self) -> Field;
 
-    /// out ← A⁻¹ V u: one operator application, written over whatever `out` held.
+    /// Applies out ← A⁻¹ V u, overwriting `out`: one operator application.
     fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field);
 
-    /// The same operator in single precision, where the system has it: its roundings are for strategies that measure
-    /// the true residual afterwards.
+    /// The operator in single precision, if the system has it: its rounding errors suit strategies
+    /// that measure the true residual afterwards.
     fn single(&self) -> Option<&dyn Scatter<f32>> {
         None
     }
 
-    /// A and V apart, in values at points: for strategies that treat them in turn, or A's guided modes. None where the
-    /// unknowns are moments.
+    /// A and V separately, in values at points: for strategies that alternate between them, or use
+    /// guided modes of A. `None` if the unknowns are moments.
     fn split(&self) -> Option<&Problem> {
         None
     }
 
-    /// k̄² of each cell, 1/µm².
+    /// Mean k̄² of each cell, 1/µm².
     fn mean_k2(&self) -> &[Complex64];
 
-    /// The orders that a solution sends out of the layer, with their receipt.
+    /// The far field of a solution, with its energy balance.
     fn far_field(&self, u: &Field) -> FarField;
 
-    /// Bytes held, without solver vectors; systems of s and p light hold them together.
+    /// Memory held without solver vectors, bytes; systems of s and p light share it.
     fn bytes(&self) -> usize;
 
     /// Number of complex unknowns.
@@ -59,19 +59,21 @@ pub trait System: Send + Sync {
         self.shape().0 * self.shape().1
     }
 
-    /// out ← u₀ − (1 + A⁻¹V) u; the yardstick of all strategies is its norm over that of u₀.
+    /// Residual out ← u₀ − (1 + A⁻¹V) u; all strategies measure its norm relative to that of u₀.
     fn residual(&self, background: &Field, u: &Field, out: &mut Field) {
         self.scatter(u.view(), out);
         ndarray::Zip::from(out).and(background).and(u).par_for_each(|r, &b, &x| *r = b - x - *r);
     }
 
-    /// Cells of another grid that a problem of this light would be accepted on: its own, or as many as the wave needs.
-    /// Judged by this problem's mean, before a geometry is computed for that grid.
+    /// Number of cells with which another grid would be accepted for this light: its own, or as
+    /// many as the wave needs. Estimated from the mean of this problem, before a geometry is
+    /// computed for that grid.
     fn cells_needed(&self, other: &Grid) -> usize {
         cells_needed(self.grid(), self.mean_k2(), other)
     }
 
-    /// A solution of this problem as a first guess on another grid; none where the unknowns do not interpolate.
+    /// A solution of this problem as an initial guess on another grid; `None` if the unknowns
+    /// cannot be interpolated.
     fn transferred(&self, field: &Field, other: &dyn System) -> Option<Field> {
         Some(self.split()?.transferred(field, other.split()?))
     }

@@ -1,4 +1,5 @@
-//! Coordinates of the grains as CSV (one row per sphere) and JSON (with the account of the packing).
+//! Coordinates of the grains as CSV (one row per sphere) and JSON (with the account of the
+//! packing).
 
 use crate::draw::OutputError;
 use crate::ink::{Grain, Packing, Relief};
@@ -19,7 +20,8 @@ struct CoordinateRow {
     axis_z: f64,
 }
 
-/// One row per sphere: grain, pigment, agglomerate (empty if none), centre, radius, axis of the grain.
+/// One row per sphere: grain, pigment, agglomerate (empty if none), centre, radius, axis of the
+/// grain.
 pub fn grains_csv(packing: &Packing) -> csv::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (number, grain) in packing.grains().iter().enumerate() {
@@ -45,7 +47,7 @@ pub fn grains_csv(packing: &Packing) -> csv::Result<Vec<u8>> {
     writer.into_inner().map_err(|error| error.into_error().into())
 }
 
-/// Cell, conventions, account, shares, relief and all grains; numbers carry every digit of the f64.
+/// Cell, conventions, account, shares, relief and all grains; numbers have every digit of the f64.
 pub fn packing_json(packing: &Packing) -> Vec<u8> {
     let value = json!({
         "conventions": {
@@ -86,7 +88,8 @@ struct Read {
     grains: Vec<Grain>,
 }
 
-/// The grains of a JSON file, proven again to be free of overlap (the account and the relief are not read back).
+/// Reads the grains of a JSON file and checks again that they do not overlap (the account and the
+/// relief are not read back).
 pub fn read_packing_json(path: &std::path::Path) -> Result<Packing, OutputError> {
     let fail = |reason: String| OutputError::Read { path: path.into(), reason };
     let text = std::fs::read(path).map_err(|e| fail(e.to_string()))?;

@@ -1,4 +1,4 @@
-//! What a packing leaves on disk: coordinates, volumes for ParaView, pictures, statistics.
+//! Files of a packing: coordinates, volumes for ParaView, pictures, statistics.
 
 mod coordinates;
 mod report;

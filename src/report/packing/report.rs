@@ -10,7 +10,8 @@ use crate::report::cell;
 use crate::store::safely;
 use std::path::{Path, PathBuf};
 
-/// Writes everything about the realisations of one study into `folder`; every file is whole or absent.
+/// Writes everything about the realisations of one study into `folder`; every file is written
+/// completely or not at all.
 ///
 /// `pigments` gives the name and the shape of each. Returns the statistics and the page's path.
 pub fn write_report(
@@ -41,7 +42,7 @@ pub fn write_report(
     Ok((statistics, folder.join("index.html")))
 }
 
-/// Writes one file whole.
+/// Writes one file, completely or not at all.
 fn save(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
     let path = folder.join(name);
     safely::write(&path, bytes).map_err(|source| OutputError::Write { path, source })
@@ -97,7 +98,7 @@ fn html(title: &str, pigments: &[(String, Shape)], packings: &[Packing], statist
     page
 }
 
-/// Files of pictures, and what they show in words.
+/// Picture files and their descriptions.
 const PICTURES: [(&str, &str); 4] = [
     ("shapes.png", "The shape of every pigment's grains"),
     ("top.png", "The grains of realisation 1 seen from the incident side"),
@@ -105,7 +106,7 @@ const PICTURES: [(&str, &str); 4] = [
     ("perspective.png", "Realisation 1 in perspective, its free face up"),
 ];
 
-/// How every realisation was made.
+/// Table of how every realisation was packed.
 fn accounts(packings: &[Packing]) -> String {
     let count = packings.len();
     let mut table = format!(
@@ -139,7 +140,7 @@ fn figures(pigments: &[(String, Shape)], statistics: &Statistics) -> String {
     table + "</table></div>\n"
 }
 
-/// Names of tables that speak of heights, and what people call the sides.
+/// Terms for heights in the tables, and their wording on the page.
 const SIDES: [(&str, &str); 4] = [
     ("the wall z = 0", "the free face, z = 0"),
     ("the wall z = H", "the paper side, z = H"),
@@ -151,7 +152,7 @@ fn sided(quantity: &str) -> String {
     SIDES.iter().fold(quantity.to_owned(), |name, (heights, sides)| name.replace(heights, sides))
 }
 
-/// A chart of one curve, whose axis calls the pigment by name.
+/// Chart of one curve, with the name of the pigment on its axis.
 fn chart_of(curve: &StatisticCurve, pigments: &[(String, Shape)]) -> Chart {
     let points = curve.x.iter().copied().zip(curve.y.iter().copied());
     let curves = vec![chart::Curve::measured("", points)];
@@ -159,24 +160,25 @@ fn chart_of(curve: &StatisticCurve, pigments: &[(String, Shape)]) -> Chart {
     Chart { from_zero: true, ..Chart::linear("", &curve.x_label, &y_label, curves) }
 }
 
-/// Numbers of pigments are for tables; people know their names.
+/// Replaces the number of a pigment by its name.
 fn named(quantity: &str, pigments: &[(String, Shape)]) -> String {
     let name = |(of, k): (&str, &str)| Some(format!("{of} of {}", pigments.get(k.parse::<usize>().ok()?)?.0));
     quantity.split_once(" of pigment ").and_then(name).unwrap_or_else(|| quantity.to_owned())
 }
 
-/// Spreads below this share of the mean are rounding of the arithmetic, not chance.
+/// Spreads below this share of the mean are rounding, not statistics.
 const ROUNDING: f64 = 1e-9;
 
 /// Means below this are written with a power of ten.
 const SMALL: f64 = 1e-4;
 
-/// As far as the error lets it speak; where there is none, four digits without zeros that say nothing.
+/// Rounds a value to the digits that its error justifies; without an error, to four digits without
+/// trailing zeros.
 fn rounded(Estimate { value, standard_error }: Estimate) -> String {
     let digits = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     let standard_error = standard_error.filter(|error| *error > ROUNDING * value.abs());
     if value != 0.0 && value.abs() < SMALL {
-        // What would be rounded to 10.000 is 1.000 of the next power.
+        // 10.000 after rounding is 1.000 of the next power.
         let digits =
             if (1e3 * value.abs() / 10f64.powf(digits)).round() >= 1e4 { digits + 1.0 } else { digits };
         let unit = 10f64.powf(digits);

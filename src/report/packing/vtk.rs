@@ -3,7 +3,8 @@
 use crate::ink::Packing;
 use std::fmt::Write;
 
-/// XML PolyData in plain text (.vtp). In ParaView: Glyph, type Sphere, scale array `diameter_um`, factor 1.
+/// XML PolyData in plain text (.vtp). In ParaView: Glyph, type Sphere, scale array `diameter_um`,
+/// factor 1.
 ///
 /// Arrays: `diameter_um`, `grain`, `pigment`, `agglomerate` (−1 for none), `axis`.
 pub fn spheres_vtp(packing: &Packing) -> String {

@@ -11,11 +11,11 @@ use crate::numerics::estimate::Estimate;
 use crate::report::page::{Figure, svg_data};
 use std::f64::consts::PI;
 
-/// Wavelengths of the curves of the BRDF, nm: the nearest ones of the study are shown.
+/// Wavelengths of the BRDF curves, nm: the nearest ones of the study are shown.
 const SHOWN_NM: [f64; 3] = [450.0, 550.0, 650.0];
-/// Viewing angles of those curves.
+/// Viewing angles of the BRDF curves.
 const BRDF_STEP_DEG: f64 = 5.0;
-/// Light of those curves.
+/// Light of the BRDF curves.
 const LIGHT_DEG: f64 = 45.0;
 
 /// All plots that the finished solves allow.
@@ -62,8 +62,8 @@ fn seen_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         spectrum((study, rows), LIT_AT_45, |row| row.lit_at_45),
     ];
     let caption = format!(
-        "What the eye receives from the ink on its paper, as a share of what a perfect white would send: under {NATURAL_LIGHT} \
-         and at {LIT_AT_45} (π × BRDF). Bars are standard errors: chance over realisations, and the grid."
+        "Light that the ink on its paper sends to the eye, as a share of that of a perfect white: under {NATURAL_LIGHT} and at \
+         {LIT_AT_45} (π × BRDF). Error bars are standard errors: the spread over realisations, and the grid."
     );
     Some(("The ink on its paper", against_wavelength("share of a perfect white", curves)?, caption))
 }
@@ -85,7 +85,7 @@ fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     Some(("The layer alone", against_wavelength("share of the light", curves)?, caption))
 }
 
-/// Curves of one kind that a plot of every angle takes.
+/// Most curves of one kind in the plot of every angle.
 const MOST_CURVES: usize = 6;
 
 /// R and T at all angles solved: against wavelength for a few of them, against the angle for many.
@@ -95,7 +95,8 @@ fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     if angles.len() < 2 {
         return None;
     }
-    let caption = "The layer alone at every angle that was solved for: shares of the light reflected (R) and transmitted (T).";
+    let caption =
+        "The layer alone at every angle solved: shares of the light reflected (R) and transmitted (T).";
     let plot = if angles.len() <= MOST_CURVES {
         let of = |&deg: &f64| {
             let rows = at_angle(rows, deg);
@@ -148,7 +149,7 @@ fn brdf(study: &Study, seen: &Seen) -> Drawing {
     Some(("How it changes with the viewing angle", plot, caption))
 }
 
-/// Places of the study's wavelengths nearest to the shown ones, without repeats.
+/// Indices of the study's wavelengths nearest to the shown ones, without repeats.
 fn shown(wavelengths_nm: &[f64]) -> Vec<usize> {
     let distance = |w: usize, nm: f64| (wavelengths_nm[w] - nm).abs();
     let nearest =

@@ -53,7 +53,7 @@ fn lab(swatch: &Swatch) -> String {
     [0, 1, 2].map(|i| part(i).in_words(2)).join(", ")
 }
 
-/// K and S, and a measurement with its residuals.
+/// Plots of K and S, and of a measurement with its residuals.
 pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, OutputError> {
     let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
     let mut figures = Vec::new();
@@ -95,8 +95,8 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
     };
     let caption = format!(
         "Kubelka–Munk coefficients of the layer without its faces, from its diffuse reflectance and transmittance, at the \
-         wavelengths at which hardly any light goes straight through: the reflections at both plane faces are taken off \
-         (Saunderson 1942). Bars are {bars}; K, which is never below 0, is not told from 0 where its bar reaches there."
+         wavelengths at which hardly any light goes straight through: the reflections at both plane faces are removed \
+         (Saunderson 1942). Error bars are {bars}; where that of K, which is never negative, reaches 0, K is compatible with 0."
     );
     figure("Kubelka–Munk coefficients", "1/µm", series, caption)
 }
@@ -119,7 +119,7 @@ fn compared(measured: &MeasuredComparison) -> Result<Vec<Figure>, OutputError> {
             "Residual",
             "measured less predicted",
             residual,
-            format!("{caption} Bars are those of the prediction."),
+            format!("{caption} Error bars are those of the prediction."),
         )?,
     ])
 }

@@ -1,4 +1,4 @@
-//! The page's tables: how sure, what was asked, packings, limits, provenance.
+//! The page's tables: uncertainty, settings, packings, limits, provenance.
 
 use super::percent;
 use crate::appearance::paper::{Coupling, MirroredSky};
@@ -19,7 +19,7 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
     let certainty = &manifest.certainty;
     let several = seen.realisations.len() > 1;
     let ensemble =
-        if several { "independent packings averaged" } else { "one packing: its chance is unknown" };
+        if several { "independent packings averaged" } else { "one packing: the spread is unknown" };
     let mut rows = vec![Meant::new("realisations", seen.realisations.len().to_string(), ensemble)];
     if let Some(noise) = manifest.colours.first().and_then(|c| c.lab_standard_error) {
         let length = noise.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -45,7 +45,7 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
     rows
 }
 
-/// How exactly the solves themselves stand for their packings.
+/// Numerical errors of the solves.
 fn exactness(certainty: &Certainty) -> [Meant; 4] {
     [
         Meant::new(
@@ -63,7 +63,7 @@ fn exactness(certainty: &Certainty) -> [Meant; 4] {
         Meant::new(
             "energy",
             format!("{:.1e}", certainty.largest_energy_error),
-            "largest |R + T + A − 1| of all solves: nothing is lost or invented",
+            "largest |R + T + A − 1| of all solves: the energy balance",
         ),
         Meant::new(
             "residual",
@@ -73,7 +73,7 @@ fn exactness(certainty: &Certainty) -> [Meant; 4] {
     ]
 }
 
-/// Which part of the first colour's error is how large: what dominates tells what to buy.
+/// Parts of the first colour's error: the largest one shows what to improve.
 fn budget(note: &ColourNote) -> Vec<Meant> {
     let Budget { chance_and_cell, angles, wavelengths, grid, residual, missing_cells, beyond_range } =
         note.budget;
@@ -81,19 +81,19 @@ fn budget(note: &ColourNote) -> Vec<Meant> {
         (
             "… chance and cell",
             chance_and_cell,
-            "random packings in cells of their own: more realisations lessen it",
+            "random packings in cells of their own: more realisations reduce it",
         ),
         (
             "… angles",
             angles,
-            "directions over the hemisphere: more of them (angles.count) or more realisations lessen it",
+            "directions over the hemisphere: more of them (angles.count) or more realisations reduce it",
         ),
-        ("… grid", Some(grid), "resolution.accuracy lessens it"),
-        ("… residual", Some(residual), "solver.tolerance lessens it"),
+        ("… grid", Some(grid), "a smaller resolution.accuracy reduces it"),
+        ("… residual", Some(residual), "a smaller solver.tolerance reduces it"),
         (
             "… missing cells",
             Some(missing_cells).filter(|&part| part > 0.0),
-            "packings without room: what their cells could change at most, if chance and room went together",
+            "packings without room: the largest change that their cells could cause, if they were the most extreme ones",
         ),
         (
             "… beyond the range",
@@ -104,7 +104,7 @@ fn budget(note: &ColourNote) -> Vec<Meant> {
         (
             "… wavelengths",
             Some(wavelengths),
-            "what their spacing would cost; the colour is corrected for it, and chance holds the rest",
+            "effect of their spacing; the colour is corrected for it, and the spread over realisations includes the rest",
         ),
     ];
     let row = |(name, part, meaning): (&str, Option<f64>, &str)| {
@@ -122,9 +122,9 @@ pub(crate) fn asked(study: &Study) -> Vec<Named> {
     let layer = &study.layer;
     let [x, y] = layer.period_um;
     let cell = match study.variation.cell {
-        CellRule::Fixed => format!("{x} × {y} µm, repeated sideways"),
+        CellRule::Fixed => format!("{x} × {y} µm, periodic laterally"),
         CellRule::Varied => format!(
-            "about {x:.1} × {y:.1} µm, repeated sideways; another size, shape and azimuth in every realisation"
+            "about {x:.1} × {y:.1} µm, periodic laterally; another size, shape and azimuth in every realisation"
         ),
     };
     let uneven = match study.variation.thickness_std_um {
@@ -165,20 +165,20 @@ fn without_grains(pigment: &Dissolved) -> Named {
     Named::new(format!("pigment {}", pigment.name), value)
 }
 
-/// What the bars hold.
+/// What the error bars include.
 fn held(study: &Study) -> &'static str {
     match (study.variation.cell, study.variation.light) {
         (CellRule::Varied, LightRule::Shifted { .. }) => {
-            "Error bars hold chance, cell, directions and wavelengths (every realisation has its own, by the jackknife over \
-             realisations), the grid and the solver's residual."
+            "Error bars include the spread over packings, cells, directions and wavelengths (every realisation has its own; \
+             jackknife over realisations), the grid and the solver's residual."
         }
         (CellRule::Varied, LightRule::Listed) => {
-            "Error bars hold chance, cell and directions (every realisation has its own, by the jackknife over realisations), the grid \
-             and the solver's residual. The wavelengths were listed: what lies between them is not held."
+            "Error bars include the spread over packings, cells and directions (every realisation has its own; jackknife over \
+             realisations), the grid and the solver's residual. The wavelengths were listed: what lies between them is not included."
         }
         (CellRule::Fixed, _) => {
-            "The cell is fixed: error bars hold chance and directions (by the jackknife over realisations), the grid and the solver's \
-             residual, but not what the period does, which can be many times as much. cell = \"varied\" holds it."
+            "The cell is fixed: error bars include the spread over packings and directions (jackknife over realisations), the grid and \
+             the solver's residual, but not the effect of the period, which can be many times as large. cell = \"varied\" includes it."
         }
     }
 }
@@ -223,7 +223,7 @@ pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<Packin
     rows.collect()
 }
 
-/// A pigment's volume fractions, asked and reached, in one packing.
+/// A pigment's volume fractions, requested and reached, in one packing.
 fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> PackingRow {
     PackingRow {
         realisation: packing.realisation + 1,
@@ -236,7 +236,7 @@ fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> P
     }
 }
 
-/// How the grains came to their places, with the steps that it took.
+/// How the grains were packed, with the number of steps.
 fn method(packing: &PackingRecord) -> String {
     let (words, steps) = (packing.method.in_words(), packing.steps);
     match packing.method {
@@ -263,18 +263,18 @@ fn failure_row(note: &FailureNote) -> FailureRow {
 pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> {
     let mut lines = vec![
         wave_in_words(study.wave).to_owned(),
-        "Every grain is there: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell repeats \
-         sideways, so light leaves in discrete orders, and averages over more cells and larger cells are smoother."
+        "Every grain is resolved: no ray tracing, no radiative transfer, no fitted scattering parameters. The cell is periodic \
+         laterally, so light leaves in discrete orders; averages over more or larger cells are smoother."
             .to_owned(),
     ];
     lines.splice(1..1, scalar_error::line(study));
     if let Some(reason) = &study.angles.no_paper {
-        lines.insert(0, format!("There are no paper, colour and picture here: {reason}."));
+        lines.insert(0, format!("There is no paper, colour or picture: {reason}."));
     }
     lines.splice(0..0, missing(study, manifest));
     if study.variation.thickness_std_um == 0.0 {
         let line = "The layer is flat and equally thick everywhere, so it shows the colours of a thin film; in a print of uneven \
-                    thickness they wash out: thickness_um = { mean = …, std = … } draws one.";
+                    thickness they wash out: thickness_um = { mean = …, std = … } models one.";
         lines.push(line.to_owned());
     }
     lines.push(held(study).to_owned());
@@ -286,7 +286,7 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
     lines.extend(few_wavelengths(study, manifest));
     lines.extend(air_gap(study));
     if study.variation.light == LightRule::Listed && study.angles.strata > 0 {
-        let line = "The wavelengths are a list, the same in every cell: the bars of colours do not hold what their spacing costs. A \
+        let line = "The wavelengths are a list, the same in every cell: the error bars of colours do not include the effect of their spacing. A \
                     range (from_nm, to_nm, step_nm) is sampled at shifted wavelengths, and has no such error.";
         lines.push(line.to_owned());
     }
@@ -297,13 +297,13 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
         let viewing = study.judgement.viewing.name();
         lines.insert(
             0,
-            format!("There are no swatches, hiding power and comparisons under {viewing}: {reason}."),
+            format!("There are no swatches, hiding power or comparisons under {viewing}: {reason}."),
         );
     }
     lines
 }
 
-/// Colours and numbers that are not there, and why.
+/// Colours and numbers that are missing, and why.
 fn missing(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> {
     let reason = manifest.no_colour.iter().filter(|_| study.angles.no_paper.is_none());
     let colour = reason.map(|reason| format!("There is no colour: {reason}."));
@@ -319,26 +319,27 @@ fn missing_cells(manifest: &Manifest<&Study>) -> Option<String> {
         return None;
     }
     Some(format!(
-        "{refused} of {} packings have no room: the means are those of the others, and all error bars hold what the missing cells \
-         could change at most.",
+        "{refused} of {} packings have no room: the means are those of the others, and all error bars include the largest change \
+         that the missing cells could cause.",
         packed + refused
     ))
 }
 
-/// Visible light that the colours have not seen.
+/// Visible light outside the spectra of the colours.
 fn beyond_range(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
     let part = manifest.colours.first().map(|note| note.budget.beyond_range).filter(|&part| part > 0.0)?;
     let (first, last) = (study.wavelengths_nm.first()?, study.wavelengths_nm.last()?);
     Some(format!(
-        "Colours need 400 to 700 nm, and the spectra reach from {first} to {last} nm: their ends stand for the rest, and the bars of \
-         colours hold what it could be (ΔE {part:.2} of one standard error). light.from_nm = 400 and to_nm = 700 leave none."
+        "Colours need 400 to 700 nm, and the spectra reach from {first} to {last} nm: their ends stand for the rest, and the error bars of \
+         colours include what it could be (ΔE {part:.2} of one standard error). light.from_nm = 400 and to_nm = 700 leave none."
     ))
 }
 
 /// Wavelengths that a colour needs.
 const ENOUGH_WAVELENGTHS: usize = 8;
 
-/// Says when a colour rests on few wavelengths, as they were solved: over all realisations where each has its own.
+/// Warns of a colour from few wavelengths: those solved over all realisations where each has its
+/// own.
 fn few_wavelengths(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
     let solved = match study.variation.light {
         LightRule::Shifted { strata, .. } => strata * manifest.realisations.finished,
@@ -354,7 +355,7 @@ fn few_wavelengths(study: &Study, manifest: &Manifest<&Study>) -> Option<String>
     })
 }
 
-/// What an air gap before the paper leaves out.
+/// Limits of the assumption of an air gap before the paper.
 const AIR_GAP: &str = "A thin air gap between layer and paper is assumed. Printed layers are mostly in optical contact with their \
     paper: [paper] coupling = \"optical_contact\", with the paper's index as [layer] index_out, makes them darker (the ink of \
     examples/yellow.toml with index_out = 1.5, under natural light: L* 89 → 83, a* −13 → −8, b* 83 → 82).";
@@ -364,18 +365,18 @@ fn air_gap(study: &Study) -> Option<String> {
     assumed.then(|| AIR_GAP.to_owned())
 }
 
-/// A wanted bar that was not reached.
+/// A `run.target_delta_e` that was not reached.
 fn missed_target(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
     let target = study.target_delta_e?;
     let bars = aimed_at(study, manifest).filter_map(|note| note.delta_e_2000_95);
     let widest = bars.reduce(f64::max).filter(|&bar| bar > target)?;
     let cells = manifest.realisations.finished;
     Some(format!(
-        "The 95 % interval of ΔE00 {target} that was asked for (run.target_delta_e) is not reached with {cells} cells: the widest is {widest:.2}."
+        "The 95 % interval of ΔE00 {target} wanted (run.target_delta_e) is not reached with {cells} cells: the widest is {widest:.2}."
     ))
 }
 
-/// Of a clock on the wall for the solves, of the processors for the whole process.
+/// Wall time of the solves, and processor time of the whole process.
 fn time_of(manifest: &Manifest<&Study>) -> String {
     let process = manifest
         .process_seconds
@@ -387,15 +388,15 @@ fn wave_in_words(wave: Wave) -> &'static str {
     match wave {
         Wave::Scalar => {
             "The wave equation is solved as a scalar one: the field and its slope are continuous everywhere. That is exact for \
-             s-polarised light on plane layers; unpolarised light, and p-polarised light above all at slanting angles, is \
-             approximated."
+             s-polarised light on plane layers; for unpolarised light, and above all for p-polarised light at oblique angles, it is \
+             an approximation."
         }
         Wave::Unpolarised => {
-            "Maxwell's equations are solved in s and p light, and efficiencies averaged: unpolarised light. The paper depolarises."
+            "Maxwell's equations are solved for s and p polarisation, and the efficiencies averaged: unpolarised light. The paper depolarises."
         }
         Wave::S | Wave::P => {
-            "Maxwell's equations are solved for light of one polarisation, and all light that leaves is seen. The paper \
-             depolarises, so what it gives back through the layer is unpolarised."
+            "Maxwell's equations are solved for light of one polarisation, and outgoing light is summed over both polarisations. The \
+             paper depolarises, so what it reflects back through the layer is unpolarised."
         }
     }
 }

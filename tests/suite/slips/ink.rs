@@ -107,7 +107,12 @@ pub const INK: &[Slip] = &[
     slip(
         K,
         "index = { csv = \"micrometres.csv\", n = 1.4 }",
-        ["pigment[0].index.csv", "0.7: these look like µm", "the column wants nm", "multiply it by 1000"],
+        [
+            "pigment[0].index.csv",
+            "0.7: these look like µm",
+            "the column must be in nm",
+            "multiply it by 1000",
+        ],
     ),
     slip(
         K,

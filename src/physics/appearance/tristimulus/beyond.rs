@@ -1,36 +1,39 @@
-//! Visible light outside a grid of wavelengths: the ends of the grid stand for it, with an error that holds what it could be.
+//! Visible light outside a wavelength grid: represented by the ends of the grid, with an error
+//! estimate.
 
 use super::{Colorimeter, light_times_observer};
 use crate::appearance::viewing::Viewing;
 
-/// What a colour needs, nm. Plain sums over 400–700 nm are the usual convention of print measurement: light beyond is
-/// left out of the sample and of white alike.
+/// Range that a colour needs, nm. Plain sums over 400–700 nm are the usual convention of print
+/// measurement: light beyond is excluded for sample and white alike.
 pub const COLOUR_RANGE_NM: [f64; 2] = [400.0, 700.0];
 
-/// Largest share of X, Y or Z of white that may lie outside the grid: up to about 441 nm or from about 609 nm on under D65.
+/// Largest fraction of white's X, Y or Z that may lie outside the grid: under D65, the range below
+/// about 441 nm or above about 609 nm.
 pub const MOST_OUTSIDE: f64 = 0.25;
 
-/// How far a spectrum strays from its value at the end of the grid, a standard error: this much a nm, and once more what
-/// its slope there would make of the distance, …
+/// Standard error per nm of a spectrum beyond the end of the grid; the drift predicted by the slope
+/// at the end counts once more, …
 const DRIFT_PER_NM: f64 = 0.003;
-/// … but hardly more than this. *Measured* on 200 smooth random spectra like those of prints: test `cut_spectra_keep_their_colour`.
+/// … up to this limit. *Measured* on 200 smooth random spectra like those of prints: test
+/// `cut_spectra_keep_their_colour`.
 const MOST_DRIFT: f64 = 0.4;
-/// Distance over which the slope at the end is taken, nm.
+/// Distance over which the slope at the end is estimated, nm.
 const SLOPE_OVER_NM: f64 = 10.0;
 
-/// One end of a grid, and the light beyond it.
+/// One end of a grid and the spectral range beyond it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SpectrumEnd {
-    /// Places in the grid: of the end, and of a wavelength inside that tells the slope.
+    /// Grid indices of the end, and of an inner wavelength from which the slope is estimated.
     nodes: [usize; 2],
-    /// Between these two, nm.
+    /// Distance between these two, nm.
     run_nm: f64,
     /// Distance from the end, nm, and weight of X, Y, Z there.
     beyond: Vec<(f64, [f64; 3])>,
 }
 
 impl SpectrumEnd {
-    /// Both ends of a grid that is summed in steps of `step_nm`.
+    /// Both ends of a grid that is summed with step `step_nm`.
     pub(super) fn both(grid: &[f64], step_nm: f64, viewing: &Viewing) -> [Self; 2] {
         let last = grid.len() - 1;
         let far = |a: usize, b: usize| (grid[a] - grid[b]).abs() >= SLOPE_OVER_NM;
@@ -48,13 +51,13 @@ impl SpectrumEnd {
         ]
     }
 
-    /// Weights times a factor.
+    /// Scales all weights by a factor.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.beyond.iter_mut().for_each(|(_, weight)| *weight = weight.map(|w| factor * w));
         self
     }
 
-    /// Place of the end in the grid.
+    /// Grid index of the end.
     pub(super) fn node(&self) -> usize {
         self.nodes[0]
     }
@@ -68,8 +71,8 @@ impl SpectrumEnd {
         std::array::from_fn(|c| self.beyond.iter().map(|(nm, weight)| of(*nm) * weight[c]).sum())
     }
 
-    /// By how much more (`up`) or less light beyond the end may move X, Y, Z, a standard error each: a reflectance factor
-    /// stays between 0 and 1.
+    /// Upper (`up`) or lower standard error of X, Y, Z due to light beyond the end: a reflectance
+    /// factor stays between 0 and 1.
     fn drift(&self, values: &[f64], up: bool) -> [f64; 3] {
         let [end, inner] = self.nodes.map(|j| values[j]);
         let slope = (end - inner).abs() / self.run_nm;
@@ -80,7 +83,7 @@ impl SpectrumEnd {
     }
 }
 
-/// Equal steps of at most `step_nm` across a gap, with the weight that each has in a sum with such steps.
+/// Equal steps of at most `step_nm` across a gap, each with its weight in a sum with such steps.
 fn steps(gap_nm: f64, step_nm: f64, weight: impl Fn(f64) -> [f64; 3]) -> Vec<(f64, [f64; 3])> {
     let count = (gap_nm / step_nm - 1e-9).ceil().max(0.0) as usize;
     let width = gap_nm / count.max(1) as f64;
@@ -89,7 +92,7 @@ fn steps(gap_nm: f64, step_nm: f64, weight: impl Fn(f64) -> [f64; 3]) -> Vec<(f6
 }
 
 impl Colorimeter {
-    /// What the light beyond each end of the grid may move Lab by, a standard error each; zero where the grid covers
+    /// Standard errors of Lab due to light beyond each end of the grid; zero where the grid covers
     /// [`COLOUR_RANGE_NM`]. `values` are the spectrum on the grid, `xyz` its tristimulus values.
     pub fn beyond(&self, values: &[f64], xyz: [f64; 3]) -> [[f64; 3]; 2] {
         let moved = |end: &SpectrumEnd, up: bool| self.lab_moved(xyz, end.drift(values, up));
@@ -102,7 +105,7 @@ impl Colorimeter {
         std::array::from_fn(|i| there[i] - here[i])
     }
 
-    /// What it may move Y by, a standard error of both ends together.
+    /// Standard error of Y due to light beyond both ends.
     pub fn beyond_luminance(&self, values: &[f64]) -> f64 {
         let of = |end: &SpectrumEnd| end.drift(values, true)[1].max(-end.drift(values, false)[1]);
         self.ends.iter().map(of).fold(0.0, f64::hypot)

@@ -8,8 +8,9 @@ fn grid(from: f64, to: f64) -> Vec<f64> {
     (0..=((to - from) / STEP_NM) as usize).map(|i| from + STEP_NM * i as f64).collect()
 }
 
-/// Smooth spectra as prints have them, made without any of the formulas under test: a level, one to three edges and up to
-/// three bands, squeezed between a dark and a bright level where they leave 0.02–0.95.
+/// Smooth spectra as prints have them, made without any of the formulas under test: a level, one to
+/// three edges and up to three bands, squeezed between a dark and a bright level where they leave
+/// 0.02–0.95.
 fn printed(draws: &mut Draws, grid: &[f64]) -> Vec<f64> {
     let mut uniform = |from: f64, to: f64| draws.between(from, to);
     let mut values = vec![uniform(0.02, 0.9); grid.len()];
@@ -32,7 +33,8 @@ fn printed(draws: &mut Draws, grid: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Of 200 spectra cut at 380–460 and 600–700 nm the 95 % intervals hold the Lab of the whole, or there is no colour.
+/// Of 200 spectra cut at 380–460 and 600–700 nm the 95 % intervals hold the Lab of the whole, or
+/// there is no colour.
 #[test]
 fn cut_spectra_keep_their_colour() {
     let whole = grid(400.0, 700.0);
@@ -67,7 +69,8 @@ fn cut_spectra_keep_their_colour() {
     assert!(published > 100 && refused > 50, "{published} {refused}");
 }
 
-/// The rule for what lies outside is that of steps inside: a flat spectrum is what it is on the whole range.
+/// The rule for what lies outside is that of steps inside: a flat spectrum is what it is on the
+/// whole range.
 #[test]
 fn the_ends_stand_for_what_lies_beyond_them() {
     let viewings = ["D65", "A", "F11"].map(|light| Viewing::new(light, "10", Summation::Plain).unwrap());

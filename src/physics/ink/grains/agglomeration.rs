@@ -7,9 +7,9 @@ use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Share of grains that stick together.
+/// Fraction of grains in agglomerates.
 const DEGREE: Allowed = Allowed::between(0.0, 1.0, "");
-/// Grains of one agglomerate.
+/// Grains per agglomerate.
 const GRAINS: Whole = Whole::between(2, 500);
 
 /// Which grains stick together.
@@ -24,7 +24,8 @@ pub struct Agglomeration {
     pub grains: GrainCount,
 }
 
-/// Number of grains in one agglomerate. A last, incomplete agglomerate keeps the grains that are left.
+/// Number of grains in one agglomerate. A last, incomplete agglomerate keeps the grains that are
+/// left.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
@@ -59,13 +60,13 @@ pub struct CountList {
     /// Numbers of grains, 2 to 500 each.
     #[schemars(transform = Each { entry: GRAINS, most: 500 }, example = (2, 3, 8))]
     pub values: Vec<usize>,
-    /// Frequency of each number, at least 0; any common factor will do.
+    /// Frequency of each number, at least 0; the weights are normalised.
     #[schemars(inner(range(min = 0)), example = (5, 3, 1))]
     pub weights: Vec<f64>,
 }
 
 impl Agglomeration {
-    /// What is wrong with the numbers, if anything: field, value found, allowed range.
+    /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         if !DEGREE.holds(self.degree) {
             return Some(("agglomeration.degree", self.degree.to_string(), "0 to 1"));
@@ -109,12 +110,12 @@ pub(crate) struct PlacedGrain {
     pub axis: V3,
 }
 
-/// Surfaces of glued grains stay this share of the smaller radius apart, so that rounding cannot make them
-/// overlap after a rotation.
+/// Surfaces of glued grains stay this fraction of the smaller radius apart, so that rounding after
+/// a rotation cannot make them overlap.
 const GLUE_GAP: f64 = 1e-6;
 
-/// Ballistic aggregation: each grain, turned at random, flies in from a random side along a line through
-/// the bounding sphere of what is there until it touches.
+/// Ballistic aggregation: each grain, randomly rotated, flies in from a random direction along a
+/// line through the bounding sphere of the aggregate until it touches.
 pub(crate) fn glue(grains: &[Vec<Sphere>], draws: &mut Draws) -> Vec<PlacedGrain> {
     let mut placed: Vec<PlacedGrain> = Vec::with_capacity(grains.len());
     for grain in grains {
@@ -132,14 +133,14 @@ fn turned(grain: &[Sphere], turn: Rotation) -> Vec<Sphere> {
     grain.iter().map(|s| Sphere { center_um: turn.turn(s.center_um), ..*s }).collect()
 }
 
-/// The displacement that brings the incoming grain into first contact.
+/// Displacement that brings the incoming grain into first contact.
 fn landing(placed: &[PlacedGrain], incoming: &[Sphere], draws: &mut Draws) -> V3 {
     let there: Vec<Sphere> = placed.iter().flat_map(|p| p.spheres.iter().copied()).collect();
     let centre = centre_of(&there);
     loop {
         let target = there[draws.below(there.len())];
         let from = draws.direction();
-        // Aimed at the centre of a sphere that is there.
+        // The flight is directed at the centre of a sphere of the aggregate.
         let aim = sub(target.center_um, centre_of(incoming));
         let start =
             add(aim, scale(from, 2.0 * span(&there, centre) + 2.0 * span(incoming, centre_of(incoming))));
@@ -176,7 +177,7 @@ fn first_contact(there: &[Sphere], incoming: &[Sphere], start: V3, from: V3) -> 
     shortest
 }
 
-/// The error for agglomerates that no draw makes small enough.
+/// The error for agglomerates that are too large in every draw.
 pub(crate) fn too_large(pigment: usize, grains: usize, extent_um: f64, limit_um: f64) -> PackError {
     PackError::input(
         format!("pigment[{pigment}].agglomeration.grains"),
@@ -202,7 +203,8 @@ mod tests {
                     .iter()
                     .flat_map(|b| a.spheres.iter().flat_map(|s| b.spheres.iter().map(move |t| s.gap_to(t))));
                 let closest = gaps.fold(f64::MAX, f64::min);
-                // Identity: the glue gap of unit radii, with the rounding of a root of numbers below 100.
+                // Identity: the glue gap of unit radii, with the rounding of a root of numbers
+                // below 100.
                 assert!((closest - GLUE_GAP).abs() < 1e-9, "{closest}");
             }
         }

@@ -1,4 +1,4 @@
-//! One grain: its shape as a rigid union of balls, its size, volume, orientation, and grains glued together.
+//! Grains: shape as a rigid union of balls, size, volume, orientation, and agglomerates.
 
 pub mod agglomeration;
 mod log_normal;

@@ -1,4 +1,4 @@
-//! How the axes of elongated grains are aligned.
+//! Alignment of the axes of elongated grains.
 
 use super::name_or_table;
 use crate::numerics::Draws;
@@ -8,16 +8,18 @@ use crate::numerics::written::also_by_name;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// κ of the Watson distribution.
+/// Concentration parameter κ of the Watson distribution.
 const STRENGTH: Allowed = Allowed::between(0.0, f64::MAX, "");
 
-/// The aligning field on the axes u of a pigment's grains. A finite `strength` κ asks for the Watson
-/// distribution exp(± κ (u·n)²) (+ along a direction, − in a plane); without it the start is perfectly aligned.
+/// Alignment of the axes u of a pigment's grains by a field. A finite `strength` κ gives the Watson
+/// distribution exp(± κ (u·n)²) (+ along a direction, − in a plane); without it the initial
+/// alignment is perfect.
 ///
-/// The same field gives the torque ± (u·n)(u × n) of the relaxation (P1 section 3: the "magnetic" field) and
-/// the Boltzmann weight of the Monte Carlo moves. The torque acts only while the pigment's order falls short of
-/// the distribution's, and ramps down, so that it does not prevent convergence. Contacts turn grains away again, so the packing reports the
-/// tensor that was achieved.
+/// The same field gives the torque ± (u·n)(u × n) of the relaxation (P1 section 3: the "magnetic"
+/// field) and the Boltzmann weight of the Monte Carlo moves. The torque acts only while the
+/// pigment's order is below that of the distribution, and ramps down, so that it does not prevent
+/// convergence. Contacts rotate grains out of alignment, so the packing reports the tensor
+/// achieved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[schemars(deny_unknown_fields, transform = also_by_name)]
@@ -39,7 +41,8 @@ pub enum Orientation {
     },
     /// Axes along any direction.
     Along {
-        /// Direction of alignment, of any length above 0; z points from the incident to the exit side.
+        /// Direction of alignment, of any length above 0; z points from the incident to the exit
+        /// side.
         #[schemars(example = (0.0, 0.0, 1.0))]
         direction: [f64; 3],
         /// κ of the Watson distribution, at least 0; perfect alignment without it.
@@ -68,17 +71,18 @@ impl<'de> Deserialize<'de> for Orientation {
     }
 }
 
-/// The field in numbers: weight exp(κ (u·n)²), κ < 0 for a plane, ± ∞ for perfect alignment.
+/// The aligning field as numbers: weight exp(κ (u·n)²), κ < 0 for a plane, ± ∞ for perfect
+/// alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisField {
-    /// n, a unit vector.
+    /// Unit vector n of the field.
     pub axis: V3,
-    /// κ; its sign tells a direction (> 0) from a plane (< 0).
+    /// Concentration κ: positive along a direction, negative in a plane.
     pub kappa: f64,
 }
 
 impl Orientation {
-    /// What is wrong with the numbers, if anything: field, value found, allowed range.
+    /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         let (strength, direction) = match *self {
             Self::Random => (None, [0.0, 0.0, 1.0]),
@@ -127,7 +131,7 @@ impl AxisField {
         sign * if self.kappa > 0.0 { near_pole(self.kappa, draws) } else { near_plane(-self.kappa, draws) }
     }
 
-    /// ⟨(u·n)²⟩ of the distribution: the order that a finite strength asks for (midpoint rule, 1e-6).
+    /// ⟨(u·n)²⟩ of the distribution: the order of a finite strength (midpoint rule, 1e-6).
     pub fn mean_square(&self) -> f64 {
         if self.kappa.is_infinite() {
             return if self.kappa > 0.0 { 1.0 } else { 0.0 };
@@ -135,7 +139,7 @@ impl AxisField {
         let (mut top, mut bottom) = (0.0, 0.0);
         for i in 0..10_000 {
             let square = ((f64::from(i) + 0.5) * 1e-4).powi(2);
-            // Referred to the maximum of the exponent, so that a strong field cannot overflow.
+            // Relative to the maximum of the exponent, so that a strong field cannot overflow.
             let weight = (self.kappa * square - self.kappa.max(0.0)).exp();
             top += weight * square;
             bottom += weight;
@@ -143,24 +147,25 @@ impl AxisField {
         top / bottom
     }
 
-    /// True when axes of mean (u·n)² `found` are less ordered than the field asks.
+    /// Whether axes of mean (u·n)² `found` are less ordered than the distribution.
     pub fn wants_more(&self, found: f64) -> bool {
         if self.kappa > 0.0 { found < self.mean_square() } else { found > self.mean_square() }
     }
 
-    /// Torque per unit field strength, Σ over the axes: towards n for κ > 0, away for κ < 0.
+    /// Torque per unit field strength, summed over the axes: towards n for κ > 0, away for κ < 0.
     pub fn torque(&self, axes: impl Iterator<Item = V3>) -> V3 {
         let sign = self.kappa.signum();
         axes.fold([0.0; 3], |sum, u| add(sum, scale(cross(u, self.axis), sign * dot(u, self.axis))))
     }
 
-    /// κ Σ (u·n)²: the exponent of the Boltzmann weight.
+    /// Exponent of the Boltzmann weight, κ Σ (u·n)².
     pub fn exponent(&self, axes: impl Iterator<Item = V3>) -> f64 {
         axes.map(|u| dot(u, self.axis).powi(2)).sum::<f64>() * self.kappa
     }
 }
 
-/// |cos θ| from exp(κ c²) on [0, 1]: inversion of the steeper exp(κ c) and acceptance exp(κ (c² − c)).
+/// Draws |cos θ| from exp(κ c²) on [0, 1]: inversion of the steeper exp(κ c), acceptance exp(κ (c²
+/// − c)).
 fn near_pole(kappa: f64, draws: &mut Draws) -> f64 {
     loop {
         let c = if kappa > 1e-9 {
@@ -175,7 +180,8 @@ fn near_pole(kappa: f64, draws: &mut Draws) -> f64 {
     }
 }
 
-/// |cos θ| from exp(−κ c²) on [0, 1]: plain rejection while κ is small, a cut normal otherwise.
+/// Draws |cos θ| from exp(−κ c²) on [0, 1]: plain rejection for small κ, a truncated normal
+/// otherwise.
 fn near_plane(kappa: f64, draws: &mut Draws) -> f64 {
     loop {
         let c = if kappa > 1.0 { draws.normal().abs() / (2.0 * kappa).sqrt() } else { draws.uniform() };
@@ -201,7 +207,8 @@ mod tests {
     #[test]
     fn the_order_of_the_watson_distribution_has_its_limits() {
         let order = |kappa: f64| AxisField { axis: [0.0, 0.0, 1.0], kappa }.mean_square();
-        // Orders: 1/3 + 4κ/45 for weak fields, 1/(2|κ|) in a strong plane, 1 − 1/κ along a strong axis.
+        // Orders: 1/3 + 4κ/45 for weak fields, 1/(2|κ|) in a strong plane, 1 − 1/κ along a strong
+        // axis.
         assert!((order(1e-3) - 1.0 / 3.0 - 4e-3 / 45.0).abs() < 1e-7);
         assert!((order(-200.0) - 1.0 / 400.0).abs() < 1e-6);
         assert!((order(500.0) - (1.0 - 1.0 / 500.0)).abs() < 1e-5);

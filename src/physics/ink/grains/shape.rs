@@ -1,4 +1,4 @@
-//! Grain shapes: rigid clusters of spheres, most of them strung on an axis (P1 section 3, "Форма").
+//! Grain shapes: rigid clusters of spheres, most of them along an axis (P1 section 3, "Форма").
 
 use super::volume::{Volume, union_volume};
 use crate::ink::Sphere;
@@ -18,8 +18,9 @@ const ASPECT_RATIO: Allowed = Allowed::above(1.0, 20.0, "");
 /// Spheres on the axis of a grain.
 const SPHERES: Whole = Whole::between(2, 200);
 
-/// The shape of a grain; lengths are in radii R of its thickest sphere. In a file either the bare name
-/// (`shape = "cylinder"`) or a table (`shape = { kind = "cylinder", length_in_radii = 8.0, spheres = 7 }`).
+/// The shape of a grain; lengths are in radii R of its thickest sphere. A file gives either the
+/// bare name (`shape = "cylinder"`) or a table (`shape = { kind = "cylinder", length_in_radii =
+/// 8.0, spheres = 7 }`).
 #[derive(Clone, Debug, PartialEq, Serialize, Default, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[schemars(deny_unknown_fields, transform = also_by_name)]
@@ -27,7 +28,8 @@ pub enum Shape {
     /// One sphere.
     #[default]
     Sphere,
-    /// Equal spheres at equal spacing; `length_in_radii` counts the round ends. P1 section 5: length 6 R.
+    /// Equal spheres at equal spacing; `length_in_radii` includes the round ends. P1 section 5:
+    /// length 6 R.
     Cylinder {
         /// Tip-to-tip length over R, above 2.
         #[schemars(transform = LENGTH_IN_RADII.mark(), default = "six")]
@@ -36,7 +38,8 @@ pub enum Shape {
         #[schemars(transform = SPHERES.mark(), default = "five")]
         spheres: usize,
     },
-    /// P1 Fig. 1: radii fall from R in the middle to `tip_in_radii` R at the ends along a parabola.
+    /// P1 Fig. 1: radii decrease parabolically from R in the middle to `tip_in_radii` R at the
+    /// ends.
     RiceGrain {
         /// Tip-to-tip length over R, above 2.
         #[schemars(transform = LENGTH_IN_RADII.mark(), default = "six")]
@@ -65,7 +68,7 @@ pub enum Shape {
     },
 }
 
-/// The shape as it is written, with every default filled in.
+/// The shape as written in a file, with all defaults filled in.
 #[derive(Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 enum ShapeWritten {
@@ -136,24 +139,25 @@ impl<'de> Deserialize<'de> for Shape {
     }
 }
 
-/// Spheres in the body frame (centre of mass at the origin, symmetry axis along z), thickest radius 1.
+/// Spheres in the body frame (centre of mass at the origin, symmetry axis along z), thickest radius
+/// 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
-    /// Places and radii in units of the thickest radius, whatever the fields' names say.
+    /// Positions and radii in units of the thickest radius (not in µm, as the fields' names say).
     pub spheres: Vec<Sphere>,
-    /// Volume of their union, in cubes of the thickest radius.
+    /// Volume of their union, in units of the thickest radius cubed.
     pub volume: Volume,
     /// Tip-to-tip length along the axis.
     pub length: f64,
 }
 
 impl Shape {
-    /// The cylinder of P1 section 5: length 6 R, of five spheres.
+    /// The cylinder of P1 section 5: length 6 R, five spheres.
     pub const CYLINDER: Self = Self::Cylinder { length_in_radii: 6.0, spheres: 5 };
-    /// The rice grain of P1 Fig. 1: length 6 R, of seven spheres.
+    /// The rice grain of P1 Fig. 1: length 6 R, seven spheres.
     pub const RICE_GRAIN: Self = Self::RiceGrain { length_in_radii: 6.0, tip_in_radii: 0.5, spheres: 7 };
 
-    /// Name for people, such as "rice grain".
+    /// Display name, such as "rice grain".
     pub fn name(&self) -> &'static str {
         match self {
             Self::Sphere => "sphere",
@@ -164,7 +168,7 @@ impl Shape {
         }
     }
 
-    /// What is wrong with the numbers, if anything: field, value found, allowed range.
+    /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         let bad = |field, value: f64, allowed| Some((field, value.to_string(), allowed));
         let count =
@@ -189,7 +193,8 @@ impl Shape {
         }
     }
 
-    /// The cluster of spheres with its union volume. The numbers must be sound (see [`Shape::defect`]).
+    /// The cluster of spheres with its union volume. The numbers must be valid (see
+    /// [`Shape::defect`]).
     pub fn template(&self) -> Template {
         let spheres = match self {
             Self::Sphere => vec![bead(0.0, 1.0)],
@@ -210,7 +215,7 @@ impl Shape {
 }
 
 impl Template {
-    /// Diameter of the sphere of equal union volume, in thickest radii.
+    /// Diameter of the sphere of equal union volume, in units of the thickest radius.
     pub fn effective_diameter(&self) -> f64 {
         (6.0 * self.volume.um3 / PI).cbrt()
     }
@@ -230,7 +235,8 @@ fn bead(z: f64, radius: f64) -> Sphere {
     Sphere { center_um: [0.0, 0.0, z], radius_um: radius }
 }
 
-/// `n` beads between −reach and reach; `radius` takes the position from −1 to 1.
+/// A chain of `n` spheres between −reach and reach; `radius` is a function of the position from −1
+/// to 1.
 fn chain(n: usize, reach: f64, radius: impl Fn(f64) -> f64) -> Vec<Sphere> {
     let at = |i: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
     let beads: Vec<Sphere> = (0..n).map(|i| bead(reach * at(i), radius(at(i)))).collect();
@@ -238,14 +244,15 @@ fn chain(n: usize, reach: f64, radius: impl Fn(f64) -> f64) -> Vec<Sphere> {
     beads.iter().map(|s| bead(s.center_um[2] / thickest, s.radius_um / thickest)).collect()
 }
 
-/// The largest sphere centred at z on the axis inside the ellipsoid (1, 1, a) has r² = 1 − z²/(a² − 1), up to
-/// the sphere that osculates the tip at z = (a² − 1)/a.
+/// The largest sphere centred at z on the axis inside the ellipsoid (1, 1, a) has r² = 1 − z²/(a² −
+/// 1), up to the sphere that osculates the tip at z = (a² − 1)/a.
 fn inscribed(a: f64, n: usize) -> Vec<Sphere> {
     let squared = a * a - 1.0;
     chain(n, squared / a, |t| (1.0 - t * t * squared / (a * a)).sqrt())
 }
 
-/// Moves the cluster to its centre of mass, turns its longest principal axis to z, scales to thickest radius 1.
+/// Moves the cluster's centre of mass to the origin, rotates its longest principal axis to z,
+/// scales it to thickest radius 1.
 fn centred(rows: &[[f64; 4]]) -> Vec<Sphere> {
     let thickest = rows.iter().map(|s| s[3]).fold(0.0, f64::max);
     let weight = |s: &[f64; 4]| (s[3] / thickest).powi(3);
@@ -259,7 +266,7 @@ fn centred(rows: &[[f64; 4]]) -> Vec<Sphere> {
     arms.iter().zip(rows).map(sphere).collect()
 }
 
-/// Σ w a (a · v): the arms' second moment times v.
+/// Second moment of the arms applied to v: Σ w a (a · v).
 fn spread(arms: &[V3], weights: &[f64], v: V3) -> V3 {
     arms.iter().zip(weights).fold([0.0; 3], |sum, (a, w)| {
         let along = w * crate::numerics::vector::dot(*a, v);
@@ -267,7 +274,7 @@ fn spread(arms: &[V3], weights: &[f64], v: V3) -> V3 {
     })
 }
 
-/// Direction of largest spread by power iteration on Σ w a aᵀ; z when there is no spread.
+/// Direction of largest second moment by power iteration on Σ w a aᵀ; z if the moment vanishes.
 fn long_axis(arms: &[V3], weights: &[f64]) -> V3 {
     let start = arms.iter().copied().max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or([0.0; 3]);
     (0..200).fold(unit(start), |v, _| unit(spread(arms, weights, v)))
@@ -293,7 +300,8 @@ mod tests {
         let exact = 4.0 * PI / 3.0 * 2.0;
         let volume = |spheres| Shape::Ellipsoid { aspect_ratio: 2.0, spheres }.template().volume.um3;
         let (coarse, fine) = (exact - volume(11), exact - volume(21));
-        // Order: the gap between an envelope and its n members shrinks as 1/n²: a factor 4 from 10 to 20 gaps.
+        // Order: the gap between an envelope and its n members shrinks as 1/n²: a factor 4 from 10
+        // to 20 gaps.
         assert!(fine > 0.0 && coarse / fine > 3.5 && coarse / fine < 4.5, "{coarse} {fine}");
         let tips = Shape::Ellipsoid { aspect_ratio: 2.0, spheres: 9 }.template().length;
         assert!((tips - 4.0).abs() < 1e-14);

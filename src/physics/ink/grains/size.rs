@@ -1,4 +1,4 @@
-//! Size distributions of grains, truncated so that the largest grain is known in advance.
+//! Size distributions of grains, truncated so that the size of the largest grain is known.
 
 pub use super::log_normal::By;
 use super::log_normal::{CUT_AT, LogNormalLaw, TENTH};
@@ -12,21 +12,22 @@ use serde::{Deserialize, Serialize};
 const SIZE_NM: Allowed = Allowed::above(0.0, f64::MAX, "nm");
 /// Sizes of grains.
 const SIZES_NM: Each<Allowed> = Each { entry: SIZE_NM, most: usize::MAX >> 12 };
-/// Deviation of sizes.
+/// Standard deviation of sizes.
 const SPREAD_NM: Allowed = Allowed::between(0.0, f64::MAX, "nm");
-/// Deviation of ln(size).
+/// Standard deviation of ln(size).
 const SIGMA: Allowed = Allowed::between(0.0, 2.0, "");
-/// Cut of a law in its deviations.
+/// Truncation in standard deviations.
 const CUT: Allowed = Allowed::above(0.0, 10.0, "");
 
-/// d10 and d90 may be so far off a log-normal law through d50: sizers differ by as much.
+/// Tolerated deviation of d10 and d90 from a log-normal distribution through d50: particle sizers differ by as much.
 const SKEW: f64 = 0.05;
 
-/// Which length of the grain a size means.
+/// Length of the grain that a size specifies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// Diameter of the sphere of equal **union** volume (P1 section 5 calls it the effective diameter).
+    /// Diameter of the sphere of equal **union** volume (P1 section 5 calls it the effective
+    /// diameter).
     #[default]
     EffectiveDiameter,
     /// Radius of the thickest sphere.
@@ -35,7 +36,7 @@ pub enum Measure {
     Length,
 }
 
-/// How the sizes of a pigment's grains are distributed, by number unless `by` says otherwise. `of` says which length is meant.
+/// Distribution of a pigment's grain sizes, by number unless `by` says otherwise. `of` selects the length.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SizeDistribution {
@@ -44,73 +45,73 @@ pub enum SizeDistribution {
         /// The size, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 250)]
         value_nm: f64,
-        /// The length that is meant.
+        /// Length that the size specifies.
         #[serde(default)]
         of: Measure,
     },
-    /// Normal, cut at ± `cut_at_sigmas` (3 unless told) standard deviations.
+    /// Normal distribution truncated at ± `cut_at_sigmas` (default 3) standard deviations.
     Normal {
         /// Mean size, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 250)]
         mean_nm: f64,
-        /// Standard deviation before the cut, nm.
+        /// Standard deviation before truncation, nm.
         #[schemars(transform = SPREAD_NM.mark(), example = 30)]
         standard_deviation_nm: f64,
-        /// Cut in standard deviations, above 0 up to 10.
+        /// Truncation in standard deviations, above 0 up to 10.
         #[serde(default = "three")]
         #[schemars(transform = CUT.mark())]
         cut_at_sigmas: f64,
-        /// The length that is meant.
+        /// Length that the size specifies.
         #[serde(default)]
         of: Measure,
     },
-    /// ln(size) normal around ln(median) with deviation `sigma`, cut at ± `cut_at_sigmas` (3 unless told), by number or by volume.
+    /// Log-normal distribution: ln(size) is normal around ln(median) with deviation `sigma`, truncated at ± `cut_at_sigmas` (default 3), by number or by volume.
     LogNormal {
         /// Median size, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 250)]
         median_nm: f64,
-        /// Whether median and cut are those of the number of grains or of their volume.
+        /// Whether median and truncation refer to the number of grains or to their volume.
         #[schemars(example = By::Volume)]
         by: By,
-        /// Standard deviation of ln(size) before the cut, 0 to 2.
+        /// Standard deviation of ln(size) before truncation, 0 to 2.
         #[schemars(transform = SIGMA.mark(), example = 0.2)]
         sigma: f64,
-        /// Cut in standard deviations of ln(size), above 0 up to 10.
+        /// Truncation in standard deviations of ln(size), above 0 up to 10.
         #[serde(default = "three")]
         #[schemars(transform = CUT.mark())]
         cut_at_sigmas: f64,
-        /// The length that is meant.
+        /// Length that the size specifies.
         #[serde(default)]
         of: Measure,
     },
-    /// The log-normal law through these percentiles, as sizers print them, cut at ± 3 deviations.
+    /// The log-normal distribution through these percentiles, as particle sizers report them, truncated at ± 3 standard deviations.
     Percentiles {
-        /// Size that a tenth stays below, nm.
+        /// 10th percentile of the sizes, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 150)]
         d10_nm: f64,
-        /// Size that half stays below, nm.
+        /// Median of the sizes, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 200)]
         d50_nm: f64,
-        /// Size that nine tenths stay below, nm.
+        /// 90th percentile of the sizes, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 266)]
         d90_nm: f64,
-        /// Whether these are tenths of the grains' volume, as sizers print, or of their number.
+        /// Whether the percentiles refer to the grains' volume, as particle sizers report, or to their number.
         #[serde(default = "volume")]
         by: By,
-        /// The length that is meant.
+        /// Length that the size specifies.
         #[serde(default)]
         of: Measure,
     },
-    /// The listed sizes, drawn with the given weights (equal unless told).
+    /// Listed sizes, drawn with the given weights (equal by default).
     List {
         /// The sizes, nm.
         #[schemars(transform = SIZES_NM.mark(), example = (200, 300))]
         values_nm: Vec<f64>,
-        /// Frequency of each size by number, at least 0; any common factor will do.
+        /// Frequency of each size by number, at least 0; the weights are normalised.
         #[serde(default)]
         #[schemars(inner(range(min = 0)), example = (1, 2))]
         weights: Vec<f64>,
-        /// The length that is meant.
+        /// Length that the size specifies.
         #[serde(default)]
         of: Measure,
     },
@@ -125,12 +126,12 @@ fn volume() -> By {
 }
 
 impl SizeDistribution {
-    /// All grains of one effective diameter.
+    /// Grains of one effective diameter.
     pub fn diameter_nm(value_nm: f64) -> Self {
         Self::Constant { value_nm, of: Measure::EffectiveDiameter }
     }
 
-    /// The length that the sizes mean.
+    /// The length that the sizes specify.
     pub fn measure(&self) -> Measure {
         match self {
             Self::Constant { of, .. }
@@ -141,7 +142,7 @@ impl SizeDistribution {
         }
     }
 
-    /// What is wrong with the numbers, if anything: field, value found, allowed range.
+    /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         let positive = |x: f64| SIZE_NM.holds(x);
         match self {
@@ -171,7 +172,7 @@ impl SizeDistribution {
         }
     }
 
-    /// The law of log-normal sizes; of others one that has no size.
+    /// The underlying log-normal distribution; NaN sizes for all other distributions.
     pub(super) fn log_normal(&self) -> LogNormalLaw {
         match *self {
             Self::LogNormal { median_nm, sigma, by, cut_at_sigmas, .. } => {
@@ -184,7 +185,7 @@ impl SizeDistribution {
         }
     }
 
-    /// The largest size the distribution can give, nm.
+    /// Largest size of the distribution, nm.
     pub fn largest_nm(&self) -> f64 {
         match self {
             Self::Constant { value_nm, .. } => *value_nm,
@@ -196,7 +197,7 @@ impl SizeDistribution {
         }
     }
 
-    /// One size, nm.
+    /// Draws one size, nm.
     pub fn draw_nm(&self, draws: &mut Draws) -> f64 {
         match self {
             Self::Constant { value_nm, .. } => *value_nm,
@@ -213,7 +214,7 @@ impl SizeDistribution {
         }
     }
 
-    /// Thickest radius in µm of a grain of this template whose size is `size_nm`.
+    /// Thickest radius in µm of a grain of size `size_nm` with this template.
     pub fn radius_um(&self, size_nm: f64, template: &Template) -> f64 {
         let per_radius = match self.measure() {
             Measure::EffectiveDiameter => template.effective_diameter(),
@@ -263,7 +264,7 @@ fn cut_normal(draws: &mut Draws, cut: f64) -> f64 {
     }
 }
 
-/// The value that a share of all stays below, in the order of the list.
+/// Weighted quantile of the values, in the order of the list.
 pub(super) fn weighted(values: &[f64], weights: &[f64], share: f64) -> f64 {
     if weights.is_empty() {
         return values[((share * values.len() as f64) as usize).min(values.len() - 1)];

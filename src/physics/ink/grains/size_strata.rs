@@ -1,11 +1,11 @@
-//! Samples of a size law that hold it as faithfully as their number allows: one size from each of so many equal shares of it.
+//! Stratified samples of a size distribution: one size from each of n equal fractions of it.
 
 use super::size::{SizeDistribution, weighted};
 use crate::numerics::Draws;
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 impl SizeDistribution {
-    /// True where not all grains have one size.
+    /// Whether grain sizes vary.
     pub fn has_spread(&self) -> bool {
         match self {
             Self::Constant { .. } => false,
@@ -20,12 +20,12 @@ impl SizeDistribution {
         }
     }
 
-    /// Mean over the grains, by number, of the cube of the size, nm³: a volume but for the shape's factor.
+    /// Number mean of the cubed size, nm³: proportional to the mean volume of a shape.
     pub fn mean_cube_nm3(&self) -> f64 {
         match self {
             Self::Constant { value_nm, .. } => value_nm.powi(3),
             Self::Normal { mean_nm, standard_deviation_nm: s, cut_at_sigmas: c, .. } => {
-                // E z² of a normal law cut at ±c; odd powers vanish
+                // E z² of a normal distribution truncated at ±c; odd powers vanish
                 let square = 1.0 - 2.0 * c * Normal::standard().pdf(*c) / kept(*c);
                 mean_nm.powi(3) + 3.0 * mean_nm * s * s * square
             }
@@ -40,7 +40,7 @@ impl SizeDistribution {
         }
     }
 
-    /// The size that a share (0–1) of all grains stays below, nm; of a list, in its order.
+    /// Quantile of the sizes at a fraction (0–1) of all grains, nm; for a list, in its order.
     pub fn quantile_nm(&self, share: f64) -> f64 {
         match self {
             Self::Constant { value_nm, .. } => *value_nm,
@@ -52,23 +52,25 @@ impl SizeDistribution {
         }
     }
 
-    /// So many sizes in random order, nm: one from each of so many equal shares of the law. The mean of any function of them is that
-    /// of the law, with less chance than independent draws leave.
+    /// A stratified sample of `count` sizes in random order, nm: one from each of `count` equal
+    /// fractions of the distribution. The mean of any function of them is unbiased, with a smaller
+    /// variance than for independent draws.
     pub fn strata_nm(&self, count: usize, draws: &mut Draws) -> Vec<f64> {
         let size = |i: usize| self.quantile_nm((i as f64 + draws.uniform()) / count as f64);
         let mut sizes: Vec<f64> = (0..count).map(size).collect();
-        // Agglomerates take grains in their order.
+        // Random order, because agglomerates take grains in sequence.
         draws.shuffle(&mut sizes);
         sizes
     }
 }
 
-/// Share of a normal law within ± `cut` deviations.
+/// Fraction of a normal distribution within ± `cut` standard deviations.
 fn kept(cut: f64) -> f64 {
     1.0 - 2.0 * Normal::standard().cdf(-cut)
 }
 
-/// Quantile of the normal law cut at ± `cut`, from the nearer tail: the far one has no digits left.
+/// Quantile of the normal distribution truncated at ± `cut`, computed in the nearer tail to avoid
+/// cancellation.
 fn cut_quantile(share: f64, cut: f64) -> f64 {
     let below = |share: f64| Normal::standard().inverse_cdf(Normal::standard().cdf(-cut) + share * kept(cut));
     let z = if share < 0.5 { below(share) } else { -below(1.0 - share) };
@@ -150,7 +152,8 @@ mod tests {
                 assert!((from..=to).contains(size), "{law:?}: {size} {from} {to}");
             }
             let end = law.quantile_nm(1.0) / law.largest_nm();
-            // order: the digits of the inverse in a tail of 1e-23, where the law is cut at ten deviations
+            // order: the digits of the inverse in a tail of 1e-23, where the law is cut at ten
+            // deviations
             assert!((end - 1.0).abs() < 1e-4, "{law:?}: {end}");
         }
     }

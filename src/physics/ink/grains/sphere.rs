@@ -1,4 +1,4 @@
-//! The sphere that all grains are made of.
+//! The sphere, building block of all grains.
 
 use crate::numerics::vector::{norm, sub};
 use serde::{Deserialize, Serialize};
@@ -13,12 +13,12 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// 4πR³/3.
+    /// Volume 4πR³/3, µm³.
     pub fn volume_um3(&self) -> f64 {
         4.0 / 3.0 * std::f64::consts::PI * self.radius_um.powi(3)
     }
 
-    /// Distance of the surfaces without any wrap; negative when they overlap.
+    /// Distance between the surfaces without periodic wrapping; negative if they overlap.
     pub fn gap_to(&self, other: &Self) -> f64 {
         norm(sub(self.center_um, other.center_um)) - self.radius_um - other.radius_um
     }

@@ -1,11 +1,12 @@
-//! The volume of a union of spheres, exact on an axis and integrated with an error bar elsewhere.
+//! The volume of a union of spheres, exact for centres on a line and integrated with a standard
+//! error otherwise.
 
 use crate::ink::Sphere;
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, cross, dot, norm, scale, sub};
 use std::f64::consts::PI;
 
-/// A volume in µm³ with the standard error of its integration (zero when the closed form holds).
+/// A volume in µm³ with the standard error of its integration (zero for the closed form).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
     /// The volume, µm³.
@@ -16,9 +17,9 @@ pub struct Volume {
 
 /// The volume of the union of `spheres`.
 ///
-/// Centres on one line: closed form (see [`axial`]). Disjoint or touching spheres: the plain sum. Otherwise
-/// chords along z are integrated over the plane by a rank-1 lattice with eight random shifts, whose scatter
-/// is the error bar.
+/// Centres on one line: closed form (see [`axial`]). Disjoint or touching spheres: the sum of their
+/// volumes. Otherwise, chords along z are integrated over the plane by a rank-1 lattice with eight
+/// random shifts, whose scatter gives the standard error.
 pub fn union_volume(spheres: &[Sphere]) -> Volume {
     if let Some(chain) = on_one_line(spheres) {
         return Volume { um3: axial(&chain), error_um3: 0.0 };
@@ -30,7 +31,7 @@ pub fn union_volume(spheres: &[Sphere]) -> Volume {
     integrated(spheres)
 }
 
-/// Positions along the common line and radii, when the centres lie on one line.
+/// Positions along the common line and radii, if the centres lie on one line.
 fn on_one_line(spheres: &[Sphere]) -> Option<Vec<(f64, f64)>> {
     let origin = spheres.first()?.center_um;
     let arm = |s: &Sphere| sub(s.center_um, origin);
@@ -41,15 +42,15 @@ fn on_one_line(spheres: &[Sphere]) -> Option<Vec<(f64, f64)>> {
         return Some(spheres.iter().map(|s| (0.0, s.radius_um)).collect());
     }
     let axis = scale(farthest, 1.0 / length);
-    // Rounding budget of a rotated chain.
+    // Tolerance for the rounding of a rotated chain.
     let straight = spheres.iter().all(|s| norm(cross(arm(s), axis)) <= 1e-12 * length);
     straight.then(|| spheres.iter().map(|s| (dot(arm(s), axis), s.radius_um)).collect())
 }
 
 /// Union of spheres centred at x_i on a line: V = π ∫ max_i (R_i² − (x − x_i)²)₊ dx.
 ///
-/// Adding x² turns every parabola into the straight line 2x x_i + R_i² − x_i², so the maximum is an upper
-/// envelope of lines and each of its pieces integrates to a cubic.
+/// Adding x² turns every parabola into the straight line 2x x_i + R_i² − x_i², so the maximum is an
+/// upper envelope of lines and each of its pieces integrates to a cubic.
 pub fn axial(chain: &[(f64, f64)]) -> f64 {
     let mut cuts: Vec<f64> = chain.iter().flat_map(|&(x, r)| [x - r, x + r]).collect();
     for (i, &(xa, ra)) in chain.iter().enumerate() {
@@ -63,7 +64,7 @@ pub fn axial(chain: &[(f64, f64)]) -> f64 {
     PI * cuts.windows(2).map(|w| piece(chain, w[0], w[1])).sum::<f64>()
 }
 
-/// ∫ of the highest parabola between two cuts, where no other one crosses it.
+/// ∫ of the uppermost parabola between two breakpoints, where no other one crosses it.
 fn piece(chain: &[(f64, f64)], low: f64, high: f64) -> f64 {
     let middle = 0.5 * (low + high);
     let height = |&(x, r): &(f64, f64)| r * r - (middle - x) * (middle - x);
@@ -98,7 +99,7 @@ fn integrated(spheres: &[Sphere]) -> Volume {
     Volume { um3: mean, error_um3: (scatter / (SHIFTS * (SHIFTS - 1)) as f64).sqrt() }
 }
 
-/// Mean of a function of the unit square over the rank-1 lattice moved by `shift`.
+/// Mean of a function over the unit square by the rank-1 lattice shifted by `shift`.
 #[inline]
 fn lattice_mean(shift: [f64; 2], mut f: impl FnMut([f64; 2]) -> f64) -> f64 {
     let value = |k: usize| {
@@ -123,7 +124,7 @@ fn chord_length(spheres: &[Sphere], at: [f64; 2], chords: &mut Vec<[f64; 2]>) ->
     chords.iter().map(|c| c[1] - c[0]).sum()
 }
 
-/// Sorts intervals and joins those that overlap or touch.
+/// Sorts intervals and merges those that overlap or touch.
 pub fn merge(intervals: &mut Vec<[f64; 2]>) {
     intervals.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut kept = 0;
@@ -167,13 +168,13 @@ mod tests {
 
     #[test]
     fn a_bent_cluster_is_integrated_within_its_error_bar() {
-        // A right angle of three unit spheres at spacing 1.6: the end spheres are 2.26 apart, so no point is
-        // in all three and inclusion–exclusion with two lenses is exact.
+        // A right angle of three unit spheres at spacing 1.6: the end spheres are 2.26 apart, so no
+        // point is in all three and inclusion–exclusion with two lenses is exact.
         let at = |x: f64, y: f64| Sphere { center_um: [x, y, 0.0], radius_um: 1.0 };
         let got = union_volume(&[at(0.0, 0.0), at(1.6, 0.0), at(0.0, 1.6)]);
         let lens = 4.0 * PI / 3.0 - (PI * 1.6 - PI * 1.6f64.powi(3) / 12.0);
         let expected = 4.0 * PI - 2.0 * lens;
-        // Significance: five standard errors; the bar itself must be small enough to be of use.
+        // Significance: five standard errors; the error itself must be small enough to be useful.
         assert!((got.um3 - expected).abs() < 5.0 * got.error_um3, "{} {expected}", got.um3);
         assert!(got.error_um3 > 0.0 && got.error_um3 < 1e-4 * expected, "{}", got.error_um3);
     }

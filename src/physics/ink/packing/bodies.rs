@@ -5,7 +5,8 @@ use super::plan::GrainSpheres;
 use crate::ink::grains::sphere::Sphere;
 use crate::numerics::vector::{Rotation, V3, add};
 
-/// The cell: lengths, and the distance after which an image is nearer (infinite across walls).
+/// The cell: side lengths, and the distance beyond which a periodic image is nearer (infinite
+/// across walls).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellBox {
     pub size: V3,
@@ -28,7 +29,7 @@ impl CellBox {
         for (a, (x, size)) in p.iter_mut().zip(&self.size).enumerate() {
             if self.periodic(a) && !(*x >= 0.0 && *x < *size) {
                 *x -= size * (*x / size).floor();
-                // A tiny negative number rounds up to the period itself.
+                // A tiny negative number rounds up to the period.
                 if *x >= *size {
                     *x = 0.0;
                 }
@@ -37,7 +38,7 @@ impl CellBox {
         p
     }
 
-    /// From wrapped a to the nearest image of wrapped b.
+    /// Vector from wrapped a to the nearest image of wrapped b.
     #[inline(always)]
     pub fn delta(&self, a: V3, b: V3) -> V3 {
         let mut d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
@@ -52,7 +53,8 @@ impl CellBox {
     }
 }
 
-/// Positions of the first `placed` bodies. Sphere arrays are flat; `first[b]..first[b + 1]` belong to body b.
+/// Positions of the first `placed` bodies. Arrays over spheres are flat; `first[b]..first[b + 1]`
+/// belong to body b.
 pub(crate) struct Bodies<'a> {
     pub cell: CellBox,
     pub bodies: &'a [GrainSpheres],
@@ -62,7 +64,7 @@ pub(crate) struct Bodies<'a> {
     pub first: Vec<usize>,
     pub owner: Vec<u32>,
     pub radius: Vec<f64>,
-    /// Arms from the body's centre to its spheres, turned.
+    /// Rotated vectors from the body's centre to its spheres.
     pub arm: Vec<V3>,
     /// Wrapped centres of the spheres.
     pub at: Vec<V3>,
@@ -83,7 +85,7 @@ impl<'a> Bodies<'a> {
         Self { cell, bodies, placed: 0, centre, rotation, first, owner, radius, arm, at }
     }
 
-    /// Sets body b in place and carries its spheres along.
+    /// Places body b and updates its spheres.
     pub fn put(&mut self, b: usize, centre: V3, rotation: Rotation) {
         self.rotation[b] = rotation;
         let range = self.first[b]..self.first[b + 1];
@@ -93,7 +95,7 @@ impl<'a> Bodies<'a> {
         self.shift(b, centre);
     }
 
-    /// Moves body b without turning it.
+    /// Translates body b.
     pub fn shift(&mut self, b: usize, centre: V3) {
         let centre = self.cell.wrap(centre);
         self.centre[b] = centre;
@@ -102,31 +104,31 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    /// Number of spheres of the bodies in place.
+    /// Number of spheres of the placed bodies.
     pub fn spheres(&self) -> usize {
         self.first[self.placed]
     }
 
-    /// Lowest and highest point of body b across the layer, relative to its centre.
+    /// Lowest and highest z of body b, relative to its centre.
     pub fn span_z(&self, b: usize) -> [f64; 2] {
         let range = self.first[b]..self.first[b + 1];
         let ends = range.map(|s| [self.arm[s][2] - self.radius[s], self.arm[s][2] + self.radius[s]]);
         ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
     }
 
-    /// Axes of the grains of body b, turned.
+    /// Rotated axes of the grains of body b.
     pub fn axes(&self, b: usize) -> impl Iterator<Item = V3> + '_ {
         self.bodies[b].parts.iter().map(move |p| self.rotation[b].turn(p.axis))
     }
 
-    /// Sphere s of body b in the image of the cell that takes `lead` to `inside`.
+    /// Sphere s of body b in the periodic image that takes `lead` to `inside`.
     fn image(&self, b: usize, s: usize, lead: V3, inside: V3) -> Sphere {
         let p = add(self.centre[b], self.arm[s]);
         let shifted = |a: usize| if inside[a] == lead[a] { p[a] } else { p[a] + (inside[a] - lead[a]) };
         Sphere { center_um: std::array::from_fn(shifted), radius_um: self.radius[s] }
     }
 
-    /// The grains of the bodies in `keep`, coordinates contiguous.
+    /// The grains of the placed bodies, with contiguous coordinates.
     pub fn grains(&self) -> Vec<Grain> {
         let mut agglomerates = 0;
         let mut grains = Vec::new();

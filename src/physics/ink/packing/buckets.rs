@@ -1,19 +1,21 @@
-//! A cell grid over the layer that follows single insertions and moves (sequential addition, Monte Carlo).
+//! A grid of spheres over the layer, updated at single insertions and moves (sequential addition,
+//! Monte Carlo).
 
 use super::bodies::CellBox;
 use crate::numerics::vector::V3;
 
-/// Spheres by grid cell; a sphere can reach only spheres of the neighbouring cells.
+/// Spheres by grid cell; a sphere can touch only spheres of the neighbouring cells.
 pub(crate) struct Buckets {
     count: [usize; 3],
     scale: V3,
     members: Vec<Vec<u32>>,
-    /// Neighbouring cells (own one included), each once even when the grid is narrower than three cells.
+    /// Neighbouring cells (including the cell itself), each once even if the grid is narrower than
+    /// three cells.
     near: Vec<Vec<u32>>,
 }
 
 impl Buckets {
-    /// A grid for so many points whose cells are at least `reach` wide.
+    /// A grid for `points` spheres whose cells are at least `reach` wide.
     pub fn new(cell: &CellBox, reach: f64, points: usize) -> Self {
         let count = grid_count(cell, reach, points);
         let scale = std::array::from_fn(|a| count[a] as f64 / cell.size[a]);
@@ -46,8 +48,8 @@ impl Buckets {
     }
 }
 
-/// Cells per side, at least `reach` wide, and no more of them than a few per point: small grains in a wide layer
-/// would fill the memory with empty cells.
+/// Grid cells per side, at least `reach` wide and at most a few per point: small grains in a wide
+/// layer would otherwise fill the memory with empty cells.
 pub(crate) fn grid_count(cell: &CellBox, reach: f64, points: usize) -> [usize; 3] {
     let most = (4 * points + 64) as f64;
     let volume: f64 = cell.size.iter().product();
@@ -55,7 +57,8 @@ pub(crate) fn grid_count(cell: &CellBox, reach: f64, points: usize) -> [usize; 3
     std::array::from_fn(|a| (cell.size[a] / wide).floor().clamp(1.0, most) as usize)
 }
 
-/// Indices next to `place` along an axis of `count` cells, itself included, ascending and without repetition.
+/// Indices adjacent to `place` along an axis of `count` cells, including itself, ascending and
+/// without repetition.
 fn along(place: usize, count: usize, periodic: bool) -> Vec<usize> {
     let n = count as isize;
     let near = (-1..=1).map(|step| place as isize + step).filter(|i| periodic || (0..n).contains(i));
@@ -65,7 +68,7 @@ fn along(place: usize, count: usize, periodic: bool) -> Vec<usize> {
     found
 }
 
-/// The cells that touch cell `c`, itself included, without repetition, in a fixed order.
+/// Cells adjacent to cell `c`, including itself, without repetition, in a fixed order.
 pub(crate) fn neighbours(c: usize, count: [usize; 3], cell: &CellBox) -> Vec<u32> {
     let place = [c % count[0], c / count[0] % count[1], c / (count[0] * count[1])];
     let [xs, ys, zs] = [0, 1, 2].map(|a| along(place[a], count[a], cell.periodic(a)));

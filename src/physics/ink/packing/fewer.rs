@@ -1,4 +1,4 @@
-//! The highest concentration of a packing that was not reached: fewer of the same grains.
+//! The highest volume fraction attainable when a packing fails: fewer of the same grains.
 
 use super::bodies::Bodies;
 use super::plan::PackingPlan;
@@ -10,15 +10,15 @@ use crate::ink::error::{PackError, Reached};
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3};
 
-/// Steps of each round.
+/// Relaxation steps of each round.
 const STEPS: u64 = 400;
-/// Part of the bodies taken out at a time, and how often.
+/// Fraction of the bodies removed per round.
 const TAKEN_OUT: f64 = 0.01;
 const ROUNDS: usize = 60;
 
-/// The highest concentration these grains reach from where they are stuck: the bodies that overlap most are
-/// taken out, a hundredth at a time, and the rest relaxes again, until nothing overlaps. `None` when that does not happen
-/// within [`ROUNDS`].
+/// The highest volume fraction reached from a stuck arrangement: the bodies with the largest
+/// overlap are removed, a hundredth at a time, and the rest relaxes again until nothing overlaps.
+/// `None` if that takes more than [`ROUNDS`].
 pub(crate) fn fit_fewer(
     stuck: &Bodies,
     plan: &PackingPlan,

@@ -1,28 +1,28 @@
-//! A grain in its place.
+//! A placed grain.
 
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::grains::volume::union_volume;
 use crate::numerics::vector::{V3, sub, unit};
 use serde::{Deserialize, Serialize};
 
-/// A rigid union of spheres. The coordinates of one grain are contiguous (never wrapped apart) and its first
-/// centre lies in the cell.
+/// A rigid union of spheres. The coordinates of a grain are contiguous (not wrapped individually),
+/// and its first centre lies in the cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grain {
-    /// The spheres whose union the grain is, µm.
+    /// Spheres of the union, µm.
     pub spheres: Vec<Sphere>,
     /// Index into the request's pigments.
     pub pigment: usize,
     /// Unit vector along the symmetry axis (z for a sphere).
     pub axis: V3,
-    /// Number of the agglomerate the grain is glued into, if any.
+    /// Number of the grain's agglomerate, if any.
     pub agglomerate: Option<usize>,
     /// Volume of the union of the spheres, µm³.
     pub volume_um3: f64,
 }
 
 impl Grain {
-    /// A grain on its own; the axis runs from the first to the last centre.
+    /// A grain outside any agglomerate; its axis runs from the first to the last centre.
     pub fn new(spheres: Vec<Sphere>, pigment: usize) -> Self {
         let ends = spheres.first().zip(spheres.last());
         let axis = ends.map_or([0.0, 0.0, 1.0], |(a, b)| unit(sub(b.center_um, a.center_um)));

@@ -1,8 +1,9 @@
-//! Forces and torques on the bodies of a packing, and what was found while they were summed.
+//! Forces and torques on the bodies of a packing, with overlap statistics collected during their
+//! summation.
 
 use crate::numerics::vector::{V3, add, cross};
 
-/// What one evaluation of the forces found.
+/// Overlap statistics of one evaluation of the forces.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FoundLoads {
     pub energy: f64,
@@ -10,13 +11,13 @@ pub(crate) struct FoundLoads {
     pub relative: f64,
 }
 
-/// Forces and torques of one step, and the bodies that feel any.
+/// Forces and torques of one step, and the bodies on which they act.
 pub(crate) struct OverlapLoads {
     pub force: Vec<V3>,
     pub torque: Vec<V3>,
     pub touched: Vec<bool>,
     pub joined: Vec<u32>,
-    /// The squared arm that stands for J/μ; zero for single spheres.
+    /// Squared lever arm that represents J/μ; zero for single spheres.
     pub inertia: Vec<f64>,
 }
 
@@ -27,7 +28,7 @@ impl OverlapLoads {
         Self { force, torque, touched: vec![false; n], joined: Vec::new(), inertia }
     }
 
-    /// Adds a force at an arm from the centre of body b.
+    /// Applies a force at a point relative to the centre of body b.
     #[inline(always)]
     pub fn act(&mut self, b: usize, arm: V3, force: V3) {
         self.force[b] = add(self.force[b], force);

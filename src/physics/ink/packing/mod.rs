@@ -1,8 +1,9 @@
-//! How grains come to their places.
+//! Placement of grains.
 //!
-//! A [`request`] is drawn into bodies (`plan`), which [`pack`](mod@pack) places by random sequential addition
-//! (`sequential`) or relaxation of overlaps (`relaxation`) and, if asked, equilibrates (`monte_carlo`). The check of
-//! `overlap` shares no code with them; only what passes it becomes a [`placed::Packing`].
+//! A [`request`] is turned into bodies (`plan`), which [`pack`](mod@pack) places by random
+//! sequential addition (`sequential`) or relaxation of overlaps (`relaxation`) and, if requested,
+//! equilibrates (`monte_carlo`). The check in `overlap` shares no code with them; only a result
+//! that passes it becomes a [`placed::Packing`].
 
 pub(crate) mod bodies;
 pub(crate) mod buckets;

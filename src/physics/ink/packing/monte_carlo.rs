@@ -1,7 +1,8 @@
 //! Equilibration: Metropolis moves of grains as hard bodies, in the aligning field if there is one.
 //!
-//! A relaxed packing is neither random addition nor a fluid in equilibrium; after enough sweeps its statistics are
-//! those of hard bodies in equilibrium, for which analytic truths exist (Percus–Yevick, Verlet–Weis).
+//! A relaxed packing is neither a random sequential addition nor an equilibrium fluid. After enough
+//! sweeps its statistics are those of hard bodies in equilibrium, for which analytic results exist
+//! (Percus–Yevick, Verlet–Weis).
 
 use super::bodies::Bodies;
 use super::buckets::Buckets;
@@ -13,12 +14,12 @@ use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3, add, scale};
 use std::ops::ControlFlow;
 
-/// Acceptance at which the step length is aimed; anything between 0.2 and 0.6 mixes about as fast.
-const AIM: f64 = 0.4;
-/// Part of the sweeps during which the step is tuned; detailed balance holds exactly in the rest.
+/// Target acceptance rate of the step length; values between 0.2 and 0.6 mix about equally fast.
+const TARGET_ACCEPTANCE: f64 = 0.4;
+/// Fraction of the sweeps used to tune the step; detailed balance holds exactly in the rest.
 const TUNING: f64 = 0.2;
 
-/// Runs `sweeps` sweeps of one trial move per body; returns the share of moves accepted after tuning.
+/// Runs `sweeps` sweeps of one trial move per body; returns the acceptance rate after tuning.
 pub(crate) fn equilibrate(
     bodies: &mut Bodies,
     plan: &PackingPlan,
@@ -37,7 +38,7 @@ pub(crate) fn equilibrate(
         let hits = (0..n).filter(|_| walk.trial(draws)).count();
         if sweep < tuned {
             let rate = hits as f64 / n.max(1) as f64;
-            walk.step = (walk.step * (1.0 + 0.5 * (rate - AIM))).clamp(1e-4, 1.0);
+            walk.step = (walk.step * (1.0 + 0.5 * (rate - TARGET_ACCEPTANCE))).clamp(1e-4, 1.0);
         } else {
             accepted += hits;
             tried += n;
@@ -53,13 +54,14 @@ struct Walk<'w, 'a> {
     bodies: &'w mut Bodies<'a>,
     plan: &'w PackingPlan,
     grid: Buckets,
-    /// Half the side of the cube of displacements, in radii of the body's first sphere.
+    /// Half the side of the cube of trial displacements, in radii of the body's first sphere.
     step: f64,
     old_cells: Vec<usize>,
 }
 
 impl Walk<'_, '_> {
-    /// One move of a random body: a displacement and, for bodies of several spheres, a turn. True if accepted.
+    /// One trial move of a random body: a displacement and, for bodies of several spheres, a
+    /// rotation. Returns whether it was accepted.
     fn trial(&mut self, draws: &mut Draws) -> bool {
         let b = draws.below(self.bodies.placed);
         let body = &self.plan.bodies[b];
@@ -93,14 +95,14 @@ impl Walk<'_, '_> {
         self.bodies.first[b]..self.bodies.first[b + 1]
     }
 
-    /// Single spheres need no turning; perfectly aligned grains must not turn.
+    /// Whether rotations are tried: single spheres need none, perfectly aligned grains allow none.
     fn may_turn(&self, b: usize) -> bool {
         let body = &self.plan.bodies[b];
         let frozen = self.plan.fields[body.pigment].is_some_and(|f| f.kappa.is_infinite());
         !body.single_sphere() && !frozen
     }
 
-    /// The exponent of the Boltzmann weight in the aligning field.
+    /// Exponent of the Boltzmann weight in the aligning field.
     fn exponent(&self, b: usize) -> f64 {
         match &self.plan.fields[self.plan.bodies[b].pigment] {
             Some(field) if field.kappa.is_finite() => field.exponent(self.bodies.axes(b)),
@@ -108,7 +110,7 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Carries the grid along after an accepted move.
+    /// Updates the grid after an accepted move.
     fn follow(&mut self, b: usize) {
         for (k, s) in self.spheres(b).enumerate() {
             let (old, new) = (self.old_cells[k], self.grid.cell_of(self.bodies.at[s]));

@@ -1,14 +1,15 @@
-//! Neighbour lists of spheres with a skin, so that they serve many small steps (Verlet's lists).
+//! Verlet neighbour lists of spheres, with a skin that keeps them valid over many small steps.
 
 use super::bodies::{Bodies, CellBox};
 use super::buckets::{grid_count, neighbours};
 use crate::numerics::vector::{V3, dot};
 
-/// For each sphere the spheres of other bodies within reach × (1 + inflation) + skin when the list was made.
+/// For each sphere, the spheres of other bodies within reach × (1 + inflation) + skin when the list
+/// was built.
 pub(crate) struct Neighbours {
     start: Vec<u32>,
     list: Vec<u32>,
-    /// Positions when the list was made.
+    /// Positions when the list was built.
     origin: Vec<V3>,
     skin: f64,
     sorted: Sorted,
@@ -27,14 +28,15 @@ impl Neighbours {
         &self.list[self.start[sphere] as usize..self.start[sphere + 1] as usize]
     }
 
-    /// True when the sphere has used up its part of the skin.
+    /// Whether the sphere has moved by more than its part of the skin.
     #[inline(always)]
     pub fn outrun(&self, cell: &CellBox, sphere: usize, at: V3) -> bool {
         let d = cell.delta(self.origin[sphere], at);
         dot(d, d) > 0.25 * self.skin * self.skin
     }
 
-    /// Shorter lists when they last long, wider ones when they do not (`steps` since they were made).
+    /// Narrows the skin if lists stay valid for long, widens it otherwise (`steps` since the last
+    /// build).
     pub fn adapt(&mut self, steps: u64, mean_radius: f64) {
         let factor = match steps {
             0..=4 => 1.3,

@@ -1,23 +1,26 @@
-//! The independent proof of zero overlap: every pair of spheres that could touch, found by sorting along x.
+//! Independent check of zero overlap: every pair of spheres that could touch, found by sorting
+//! along x.
 //!
-//! Nothing here is shared with the packing methods: no grid, no neighbour list, no wrapped copy of positions.
+//! Shares nothing with the packing methods: no grid, no neighbour list, no wrapped copy of
+//! positions.
 
 use super::grain::Grain;
 use crate::ink::error::PackError;
 use crate::ink::grains::sphere::Sphere;
 
 struct GridEntry {
-    /// Place along x and y within the period.
+    /// Position along x and y within the period.
     x: f64,
     y: f64,
     grain: usize,
     sphere: Sphere,
 }
 
-/// The smallest gap between spheres of different grains and to the walls, if any is below one largest radius.
+/// The smallest gap between spheres of different grains and to the walls, if it is below the
+/// largest radius.
 ///
-/// Fails with [`PackError::Overlap`] on the worst overlap and with [`PackError::BadInput`] on numbers that are
-/// not finite or grains wider than the period.
+/// Fails with [`PackError::Overlap`] on the worst overlap, and with [`PackError::BadInput`] on
+/// non-finite numbers or grains wider than the period.
 pub fn smallest_gap(
     period: [f64; 2],
     thickness: f64,
@@ -40,7 +43,7 @@ pub fn smallest_gap(
             if b.x + if wrapped { period[0] } else { 0.0 } - a.x > window {
                 break;
             }
-            // Too far in y or z to be nearer than the nearest pair so far.
+            // Too far apart in y or z to be closer than the closest pair found.
             let reach = a.sphere.radius_um + b.sphere.radius_um + worst.gap;
             let dy = (a.y - b.y).abs();
             let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
@@ -76,7 +79,7 @@ impl Worst {
     }
 }
 
-/// Gap of the nearest images.
+/// Gap between the nearest periodic images.
 fn image_gap(a: &Sphere, b: &Sphere, period: [f64; 2], thickness: f64, walls: bool) -> f64 {
     let nearest = |d: f64, l: f64| d - l * (d / l).round();
     let dx = nearest(a.center_um[0] - b.center_um[0], period[0]);

@@ -1,4 +1,4 @@
-//! From a request to a proven packing.
+//! Packing of a request, with the final check for overlap.
 
 use super::bodies::{Bodies, CellBox};
 use super::placed::{Method, Packing, PackingAccount};
@@ -9,12 +9,13 @@ use super::{fewer, monte_carlo, relaxation, sequential, settle};
 use crate::ink::error::PackError;
 use crate::numerics::draws::Draws;
 
-/// Packs the grains of the request; the same request gives the same packing bit for bit, whatever the number of
-/// threads. (Spheres use +, −, ×, ÷ and √ only; turned grains also sines, whose last bit may depend on the
-/// platform's mathematical library.)
+/// Packs the grains of a request. Equal requests give packings that agree bit for bit, for any
+/// number of threads. (Spheres use only +, −, ×, ÷ and √; rotated grains also sines, whose last bit
+/// may depend on the platform's mathematical library.)
 ///
-/// Errors: [`PackError::BadInput`] before any work, [`PackError::Blocked`] or [`PackError::NotReached`] when the grains
-/// do not fit, [`PackError::Stopped`] when the watch says so. Source: P1 section 3.
+/// Errors: [`PackError::BadInput`] before any work, [`PackError::Blocked`] or
+/// [`PackError::NotReached`] if the grains do not fit, [`PackError::Stopped`] if the watch requests
+/// it. Source: P1 section 3.
 ///
 /// ```
 /// use inkwave_physics::ink::{PackingRequest, PigmentGrains, pack};
@@ -47,7 +48,7 @@ pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packi
     Ok(packing.with_notes(notes))
 }
 
-/// One run from the seed with a method, or with the one that suits the concentration.
+/// One attempt from the seed with a given method, or with the one suited to the volume fraction.
 fn attempt(
     request: &PackingRequest,
     method: Option<Method>,
@@ -78,7 +79,8 @@ fn attempt(
     finish(request, &plan, &bodies, account)
 }
 
-/// Relaxes all grains; returns the number of steps. When they do not fit, the error says how many of them would.
+/// Relaxes all grains; returns the number of steps. If they do not fit, the error states how many
+/// would.
 fn relax(
     bodies: &mut Bodies,
     plan: &PackingPlan,
@@ -99,7 +101,7 @@ fn relax(
     })
 }
 
-/// The proof, and the binder's surface if one is asked for.
+/// Checks for overlap, and computes the binder's surface if requested.
 fn finish(
     request: &PackingRequest,
     plan: &PackingPlan,
@@ -117,7 +119,8 @@ fn finish(
     })
 }
 
-/// The automatic choice looks at the fraction of the volume that centres can use: walls crowd thick grains.
+/// Automatic choice of the method by the volume fraction accessible to centres: walls exclude part
+/// of the layer for large grains.
 fn suited(request: &PackingRequest, plan: &PackingPlan) -> Method {
     if crowding(request, plan) <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
 }
@@ -129,8 +132,8 @@ fn crowding(request: &PackingRequest, plan: &PackingPlan) -> f64 {
     plan.fraction() / (1.0 - lost)
 }
 
-/// Sequential addition places large bodies first (the order of equal ones does not matter); relaxation takes
-/// them shuffled, so that every batch holds the same mixture.
+/// Order of placement. Sequential addition places large bodies first (the order of equal ones is
+/// irrelevant); relaxation shuffles them so that every batch holds the same mixture.
 fn arrange(plan: &mut PackingPlan, method: Method, draws: &mut Draws) {
     match method {
         Method::SequentialAddition => plan.bodies.sort_by(|a, b| b.reach.total_cmp(&a.reach)),

@@ -1,4 +1,4 @@
-//! Grains in place: a packing exists only when an independent pass has found no overlap in it.
+//! Placed grains: a packing exists only if an independent check has found no overlap in it.
 
 use super::grain::Grain;
 use super::overlap;
@@ -6,7 +6,7 @@ use crate::ink::error::PackError;
 use crate::ink::relief::Relief;
 use serde::{Deserialize, Serialize};
 
-/// The way the grains came to their places.
+/// Method of placement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -19,7 +19,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// The way as people write it.
+    /// Display name of the method.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::SequentialAddition => "sequential addition",
@@ -29,23 +29,23 @@ impl Method {
     }
 }
 
-/// The share of one pigment: what was asked and what whole grains give.
+/// Volume fraction of one pigment: as requested and as achieved with whole grains.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Volume fraction asked for.
+    /// Requested volume fraction.
     pub requested_fraction: f64,
-    /// Volume fraction of the grains in place.
+    /// Volume fraction of the placed grains.
     pub achieved_fraction: f64,
-    /// Standard error of the achieved fraction from the union volume (zero with a closed form).
+    /// Standard error of the achieved fraction due to the union volume (zero with a closed form).
     pub fraction_error: f64,
     /// Number of grains.
     pub grains: usize,
-    /// Factor applied to the drawn sizes (1 unless the share is met by scaling).
+    /// Factor applied to the drawn sizes (1 unless sizes are scaled to meet the fraction).
     pub size_factor: f64,
 }
 
 impl Share {
-    /// The share that given grains have: what they fill counts as asked for.
+    /// Volume fraction of given grains; it also counts as the requested one.
     fn of_given(grains: &[Grain], pigment: usize, box_um3: f64) -> Self {
         let own = grains.iter().filter(|g| g.pigment == pigment);
         let fraction = own.clone().map(|g| g.volume_um3).sum::<f64>() / box_um3;
@@ -55,10 +55,10 @@ impl Share {
     }
 }
 
-/// How a packing was made.
+/// Record of how a packing was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PackingAccount {
-    /// How the grains came to their places.
+    /// Method of placement.
     pub method: Method,
     /// Seed of the request.
     pub seed: u64,
@@ -68,11 +68,11 @@ pub struct PackingAccount {
     pub steps: u64,
     /// Monte Carlo sweeps after that.
     pub sweeps: u64,
-    /// Share of Monte Carlo moves accepted after tuning.
+    /// Acceptance rate of Monte Carlo moves after tuning.
     pub acceptance: Option<f64>,
-    /// Smallest distance between two surfaces (or to a wall), looked for up to one largest radius.
+    /// Smallest distance between two surfaces (or to a wall) if it is below the largest radius.
     pub smallest_gap_um: Option<f64>,
-    /// Notes for the reader, such as a fallback of the automatic method.
+    /// Notes to the user, such as a fallback of the automatic method.
     pub notes: Vec<String>,
 }
 
@@ -83,9 +83,11 @@ impl PackingAccount {
     }
 }
 
-/// Grains in a cell that is periodic in x and y, with hard walls at z = 0 and z = H or periodic in z too.
+/// Grains in a cell that is periodic in x and y, with hard walls at z = 0 and z = H or periodic in
+/// z too.
 ///
-/// It can be built only through an all-pairs check that shares no code with the packing methods.
+/// A packing can be constructed only through an all-pairs check that shares no code with the
+/// packing methods.
 ///
 /// ```
 /// use inkwave_physics::ink::{Grain, PackError, Packing, Sphere};
@@ -112,7 +114,7 @@ pub struct Packing {
 }
 
 impl Packing {
-    /// A packing of given grains; fails when two of them, or a grain and a wall, overlap.
+    /// A packing of given grains; fails if two of them, or a grain and a wall, overlap.
     pub fn from_grains(
         period_um: [f64; 2],
         thickness_um: f64,
@@ -126,7 +128,7 @@ impl Packing {
         Self::proven(period_um, thickness_um, walls, grains, (shares, account))
     }
 
-    /// The only way in: every pair is checked here.
+    /// The only constructor: checks every pair.
     pub(crate) fn proven(
         period_um: [f64; 2],
         thickness_um: f64,
@@ -157,32 +159,33 @@ impl Packing {
         self.thickness_um
     }
 
-    /// False when the cell is periodic in z too.
+    /// Whether there are walls at z = 0 and z = H; false if the cell is periodic in z too.
     pub fn walls(&self) -> bool {
         self.walls
     }
 
-    /// All grains; each names its pigment.
+    /// All grains, each with the index of its pigment.
     pub fn grains(&self) -> &[Grain] {
         &self.grains
     }
 
-    /// Per pigment: the volume fraction asked for and achieved.
+    /// Requested and achieved volume fraction of each pigment.
     pub fn shares(&self) -> &[Share] {
         &self.shares
     }
 
-    /// Volume share asked of this pigment (0 for an unknown one); see [`crate::ink::Relief`] for what it refers to.
+    /// Requested volume fraction of a pigment (0 for an unknown one); see [`crate::ink::Relief`]
+    /// for its reference volume.
     pub fn requested_fraction(&self, pigment: usize) -> f64 {
         self.shares.get(pigment).map_or(0.0, |s| s.requested_fraction)
     }
 
-    /// Volume share that whole grains of this pigment give; the remainder is the difference of the two.
+    /// Volume fraction achieved with whole grains of a pigment.
     pub fn achieved_fraction(&self, pigment: usize) -> f64 {
         self.shares.get(pigment).map_or(0.0, |s| s.achieved_fraction)
     }
 
-    /// How the grains came to their places.
+    /// Method of placement.
     pub fn method(&self) -> Method {
         self.account.method
     }
@@ -192,18 +195,19 @@ impl Packing {
         &self.account
     }
 
-    /// The binder's surface, if the grains stand out of it.
+    /// The binder's surface, if grains protrude from it.
     pub fn relief(&self) -> Option<&Relief> {
         self.relief.as_ref()
     }
 
     /// Height of the binder's surface above the paper (the face z = H) at (x, y): the binder fills
-    /// H − height ≤ z ≤ H between the grains, and vacuum the rest. Without relief it is H everywhere.
+    /// H − height ≤ z ≤ H between the grains, and vacuum the rest. Without relief it is H
+    /// everywhere.
     pub fn surface_height_um(&self, x_um: f64, y_um: f64) -> f64 {
         self.relief.as_ref().map_or(self.thickness_um, |r| r.height_um(x_um, y_um))
     }
 
-    /// The same surface as a coordinate: z = H − height.
+    /// Coordinate of the binder's surface at (x, y): z = H − height.
     pub fn surface_z_um(&self, x_um: f64, y_um: f64) -> f64 {
         self.thickness_um - self.surface_height_um(x_um, y_um)
     }

@@ -1,4 +1,4 @@
-//! The list of rigid bodies to be placed: how many grains, how large, glued to which.
+//! The list of rigid bodies to place: number, sizes and agglomerates of the grains.
 
 use super::placed::Share;
 use super::request::{PackingRequest, PigmentGrains};
@@ -20,7 +20,7 @@ pub(crate) struct GrainSpheres {
     pub pigment: usize,
     pub spheres: Vec<Sphere>,
     pub parts: Vec<Part>,
-    /// Radius of the sphere about the origin that holds the body.
+    /// Radius of the sphere about the origin that encloses the body.
     pub reach: f64,
 }
 
@@ -32,12 +32,12 @@ pub(crate) struct Part {
     pub volume_um3: f64,
 }
 
-/// Everything the packing methods need to know about the request.
+/// Bodies, cell and settings, as the packing methods need them.
 pub(crate) struct PackingPlan {
     pub bodies: Vec<GrainSpheres>,
     pub fields: Vec<Option<AxisField>>,
     pub shares: Vec<Share>,
-    /// For the reader: what the cell is too small for.
+    /// Notes to the user about a cell that is too small.
     pub notes: Vec<String>,
     /// Cell volume, µm³.
     pub box_um3: f64,
@@ -69,7 +69,7 @@ impl PackingPlan {
         Ok(Self { bodies, fields, shares, notes, box_um3: lx * ly * request.thickness_um })
     }
 
-    /// The same cell with fewer bodies.
+    /// The plan with fewer bodies in the same cell.
     pub fn subset(&self, kept: &[usize]) -> Self {
         let bodies = kept.iter().map(|b| self.bodies[*b].clone()).collect();
         let (fields, shares) = (self.fields.clone(), self.shares.clone());
@@ -80,7 +80,7 @@ impl PackingPlan {
         self.bodies.iter().map(|b| b.parts.len()).sum()
     }
 
-    /// Pigment volume over cell volume when every grain is in place.
+    /// Total pigment volume over cell volume.
     pub fn fraction(&self) -> f64 {
         self.bodies.iter().map(GrainSpheres::volume_um3).sum::<f64>() / self.box_um3
     }
@@ -96,7 +96,7 @@ impl GrainSpheres {
     }
 }
 
-/// The widest body the cell can hold: half of the shortest period.
+/// Largest allowed extent of a body: half of the shortest period.
 fn widest(request: &PackingRequest) -> f64 {
     let lateral = 0.5 * request.period_um[0].min(request.period_um[1]);
     if request.walls { lateral } else { lateral.min(0.5 * request.thickness_um) }
@@ -123,17 +123,18 @@ fn reach(spheres: &[Sphere]) -> f64 {
     spheres.iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
 }
 
-/// Directions that are tried for the smallest extent.
+/// Number of directions sampled for the smallest extent.
 const DIRECTIONS: usize = 400;
 
-/// The smallest extent among the directions of a fine half sphere: what a wall can ask for.
+/// Smallest extent over a fine sampling of the half sphere: the least thickness of layer that can
+/// hold the grain.
 fn thinnest(spheres: &[Sphere]) -> f64 {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let directions = (0..DIRECTIONS).map(direction).chain(axes);
     directions.map(|n| extent(spheres, n)).fold(f64::MAX, f64::min)
 }
 
-/// Unit vector i of a golden spiral over the half sphere z > 0.
+/// Unit vector i of a golden spiral on the half sphere z > 0.
 #[inline]
 fn direction(i: usize) -> V3 {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
@@ -161,7 +162,7 @@ fn grain(template: &Template, radius: f64) -> GrainSpheres {
     GrainSpheres { pigment: 0, reach: reach(&spheres), spheres, parts: vec![part] }
 }
 
-/// Glues the stated share of the grains into agglomerates, in the order in which they were drawn.
+/// Glues the requested fraction of the grains into agglomerates, in the order of drawing.
 fn group(
     k: usize,
     request: &PackingRequest,
@@ -182,7 +183,7 @@ fn group(
     Ok(bodies)
 }
 
-/// Draws of one agglomerate before it counts as too large.
+/// Number of draws after which an agglomerate counts as too large.
 const DRAWS_OF_AGGLOMERATE: usize = 200;
 
 fn agglomerate(

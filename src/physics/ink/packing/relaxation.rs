@@ -1,8 +1,9 @@
-//! Relaxation of overlaps (P1 section 3): elastic repulsion, motion without inertia, Euler steps.
+//! Relaxation of overlaps (P1 section 3): elastic repulsion, overdamped motion, Euler steps.
 //!
-//! Overlapping spheres push each other apart with F = L, L = (1 + ε)(R₁ + R₂) − distance; a wall acts like the
-//! mirror image of the sphere. Bodies follow μ v = F, J ω = M = Σ rᵢ × Fᵢ. Only bodies on the moving list are
-//! looked at; whoever is pushed joins it. A batch ends when the true overlap (ε = 0) is gone.
+//! Overlapping spheres repel each other with F = L, L = (1 + ε)(R₁ + R₂) − distance; a wall acts
+//! like the mirror image of the sphere. Bodies follow μ v = F, J ω = M = Σ rᵢ × Fᵢ. Only bodies on
+//! the moving list are evaluated; bodies pushed by them join it. A batch ends when the true overlap
+//! (ε = 0) vanishes.
 
 mod forces;
 mod steps;
@@ -20,27 +21,30 @@ use crate::numerics::Draws;
 use crate::numerics::vector::{V3, dot};
 use std::ops::ControlFlow;
 
-/// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed length (the
-/// time of 10 × 10 × 1 µm cases is flat between 0.7 and 1.0).
+/// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed
+/// length (the time of 10 × 10 × 1 µm cases is constant between 0.7 and 1.0).
 const SKIN_RADII: f64 = 0.9;
-/// Steps between two looks at whether the energy still falls.
+/// Steps between checks that the energy still decreases.
 const PATIENCE: u64 = 400;
-/// Inflation below which a stalled relaxation is given up.
+/// Inflation below which a stalled relaxation is abandoned.
 const LEAST_INFLATION: f64 = 2e-4;
-/// Steps after which hooked clusters are looked for, the part of the bodies that counts as few, and how often.
+/// Steps before interlocked clusters are reinserted, the fraction of bodies that counts as few, and
+/// the number of trials.
 const TANGLE_PATIENCE: u64 = 50;
 const FEW: f64 = 0.02;
 const MOST_THROWS: u64 = 100;
 const REPORT: u64 = 20;
 
-/// How a relaxation ended.
+/// Result of a relaxation.
 pub(crate) struct RelaxationOutcome {
     pub steps: u64,
-    /// The overlaps of a relaxation that stalled or met its limit of steps; `None` when all bodies came free.
+    /// Overlaps left if the relaxation stalled or reached its limit of steps; `None` if no body
+    /// overlaps.
     pub left: Option<FoundLoads>,
 }
 
-/// Places every body of the plan, batch by batch; ends early with the first batch that does not come free.
+/// Places all bodies of the plan in batches; stops at the first batch whose overlaps cannot be
+/// removed.
 pub(crate) fn relax_all(
     bodies: &mut Bodies,
     plan: &PackingPlan,
@@ -79,7 +83,7 @@ pub(crate) struct OverlapRelaxation<'r, 'a> {
     /// Whether any body has more than one sphere.
     clusters: bool,
     thrown_again: u64,
-    /// Step at which the neighbour lists were made last.
+    /// Step at which the neighbour lists were last built.
     listed: u64,
     mean_radius: f64,
 }
@@ -115,7 +119,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         }
     }
 
-    /// Throws bodies in at random until `upto` of them are in the cell; all of them move.
+    /// Inserts bodies at random until the cell holds `upto` of them; all of them move.
     fn insert(&mut self, upto: usize, draws: &mut Draws) {
         self.rest();
         let places = scattered(self.bodies, upto - self.bodies.placed, draws);
@@ -132,7 +136,8 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         self.list.remake(self.bodies, self.inflation);
     }
 
-    /// Forgets the forces of the last look; bodies still in (inflated) contact stay on the moving list.
+    /// Clears the forces of the last evaluation; bodies still in (inflated) contact stay on the
+    /// moving list.
     fn rest(&mut self) {
         self.moves.fill(false);
         for b in self.loads.joined.iter().map(|b| *b as usize) {
@@ -142,7 +147,8 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         self.moving = std::mem::take(&mut self.loads.joined);
     }
 
-    /// Steps until no overlap is left (`None`) or until it stalls or the limit is met (what is left).
+    /// Steps until no overlap is left (`None`), or until it stalls or reaches the limit (returns
+    /// the overlaps left).
     pub fn settle(
         &mut self,
         limit: u64,
@@ -182,8 +188,8 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         }
     }
 
-    /// Clusters can hook into each other, and no push parts them: when only a few bodies still overlap and do not
-    /// come free, they are thrown in anew.
+    /// Reinserts interlocked clusters at random: repulsion cannot separate them, so this applies
+    /// when only a few bodies still overlap and do not come free.
     fn untangle(&mut self, draws: &mut Draws) {
         let strain = strain(self.bodies);
         let hooked: Vec<usize> = (0..strain.len()).filter(|b| strain[*b] > 0.0).collect();
@@ -203,7 +209,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
                 self.moving.push(b as u32);
             }
         }
-        // Forces found for the old places must not move the bodies in their new ones.
+        // Forces at the old positions must not move the bodies at their new ones.
         for k in 0..self.loads.joined.len() {
             let b = self.loads.joined[k] as usize;
             (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
@@ -211,7 +217,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         self.list.remake(self.bodies, self.inflation);
     }
 
-    /// Halves the inflation of a stalled relaxation; false when that has been tried to the end.
+    /// Halves the inflation of a stalled relaxation; false if it is already at its minimum.
     fn deflate(&mut self) -> bool {
         self.inflation *= 0.5;
         self.inflation >= LEAST_INFLATION
@@ -234,7 +240,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         }
     }
 
-    /// Bodies in place, all of them moving.
+    /// Puts all placed bodies on the moving list.
     pub fn start_all(&mut self) {
         self.moving = (0..self.bodies.placed as u32).collect();
         self.moves.fill(true);
@@ -243,8 +249,8 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
     }
 }
 
-/// Uniform places in the cell, sorted by region so that neighbours in space are neighbours in memory. (The
-/// bodies are shuffled, hence each still gets a uniform place.)
+/// Uniform positions in the cell, sorted by region so that neighbours in space are neighbours in
+/// memory. (The bodies are shuffled, hence the position of each is still uniform.)
 fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
     let size = bodies.cell.size;
     let mut places: Vec<V3> = (0..n).map(|_| std::array::from_fn(|a| draws.between(0.0, size[a]))).collect();

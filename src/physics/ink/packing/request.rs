@@ -1,4 +1,4 @@
-//! What is asked of a packing: the cell, the pigments and the way to pack them.
+//! The request for a packing: cell, pigments and method.
 
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration::Agglomeration;
@@ -10,7 +10,7 @@ use crate::numerics::allowed::Allowed;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A packing to be made; see [`super::pack`]. All lengths as their names say.
+/// Request for a packing; see [`super::pack`]. Units are in the field names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PackingRequest {
@@ -18,13 +18,13 @@ pub struct PackingRequest {
     pub period_um: [f64; 2],
     /// Thickness H, µm.
     pub thickness_um: f64,
-    /// The pigments' grains; their order numbers the pigments.
+    /// Grains of each pigment; the order numbers the pigments.
     pub pigments: Vec<PigmentGrains>,
     /// How to pack.
     pub method: MethodChoice,
     /// Hard walls at z = 0 and z = H; false makes the cell periodic in z too.
     pub walls: bool,
-    /// Seed of all random draws: the same request packs the same grains.
+    /// Seed of all random draws: equal requests give equal packings.
     pub seed: u64,
     /// Number of the realisation: an independent stream of the same seed.
     pub stream: u64,
@@ -32,9 +32,9 @@ pub struct PackingRequest {
     pub sequential: SequentialSettings,
     /// Settings of the relaxation of overlaps.
     pub relaxation: RelaxationSettings,
-    /// Hard-body Monte Carlo after the packing, if asked.
+    /// Hard-body Monte Carlo after the packing, if requested.
     pub equilibration: Option<EquilibrationSettings>,
-    /// A binder surface below the tops of the grains, if asked.
+    /// A binder surface below the tops of the grains, if requested.
     pub relief: Option<ReliefRequest>,
 }
 
@@ -65,20 +65,22 @@ pub struct PigmentGrains {
     pub shape: Shape,
     /// Distribution of their sizes.
     pub size: SizeDistribution,
-    /// Union volume of the grains over the volume of the layer (with relief: over the dry volume, see
-    /// [`crate::ink::Relief`]).
+    /// Union volume of the grains over the volume of the layer (with relief: over the dry volume,
+    /// see [`crate::ink::Relief`]).
     pub volume_fraction: f64,
     /// Alignment of their axes.
     #[serde(default)]
     pub orientation: Orientation,
-    /// Which of them stick together, if any.
+    /// Agglomeration of the grains, if any.
     #[serde(default)]
     pub agglomeration: Option<Agglomeration>,
-    /// How whole grains meet the volume fraction.
+    /// Rule by which a number of whole grains meets the volume fraction.
     ///
-    /// Grains of one size are as many as come nearest. Where sizes spread, a cell holds as many as have the share's volume in the
-    /// mean of their law, a fraction of a grain by chance, and one size from each of so many equal shares of the law: over many
-    /// cells numbers, sizes and volume are those asked, without bias, though a small cell may hold more or less (stated).
+    /// Grains of one size: the nearest number. With a spread of sizes, the number is the requested
+    /// volume over the mean grain volume of the distribution, its fractional part rounded at
+    /// random, with one size drawn from each of as many equal fractions of the distribution. Over
+    /// many cells, number, sizes and volume are unbiased, though a small cell may hold more or less
+    /// (reported).
     #[serde(default)]
     pub share: ShareRule,
 }
@@ -102,22 +104,23 @@ impl PigmentGrains {
     }
 }
 
-/// How whole grains meet a volume share.
+/// Rule by which a number of whole grains meets a volume fraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ShareRule {
-    /// The number of grains whose volume comes nearest, in the mean of their sizes; the remainder is stated.
+    /// The number of grains whose expected volume is nearest; the remainder is reported.
     #[default]
     NearestGrain,
-    /// The same number, and all sizes multiplied by the factor that makes the share exact (stated too).
+    /// The nearest number, with all sizes multiplied by the factor that makes the fraction exact
+    /// (also reported).
     ScaleSizes,
 }
 
-/// The method to use.
+/// Choice of the packing method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MethodChoice {
-    /// Sequential addition up to [`AUTO_LIMIT`] of the volume open to grains, relaxation above.
+    /// Sequential addition up to [`AUTO_LIMIT`] of the accessible volume, relaxation above.
     #[default]
     Auto,
     /// Random sequential addition only (P1 section 3, the dilute case).
@@ -126,7 +129,7 @@ pub enum MethodChoice {
     Relaxation,
 }
 
-/// P1 section 3 calls < 30 % dilute for spheres; elongated grains block earlier, hence the margin.
+/// P1 section 3 calls < 30 % dilute for spheres; elongated grains jam earlier, hence the margin.
 pub const AUTO_LIMIT: f64 = 0.22;
 
 /// Limits of random sequential addition.
@@ -143,38 +146,39 @@ impl Default for SequentialSettings {
     }
 }
 
-/// Part of an overlap that a sphere gives way.
+/// Fraction of an overlap that a sphere moves per step.
 const STEP: Allowed = Allowed::between(0.01, 1.0, "");
-/// Largest displacement in a step.
+/// Largest displacement per step.
 const STEP_LIMIT_RADII: Allowed = Allowed::between(0.001, 1.0, "");
 /// Distance before contact at which forces act.
 const INFLATION: Allowed = Allowed::between(1e-6, 0.05, "");
-/// Batches of grains.
+/// Number of batches of grains.
 const BATCHES: Allowed = Allowed::between(1.0, 1000.0, "");
-/// Steps of a relaxation.
+/// Number of relaxation steps.
 const MAX_STEPS: Allowed = Allowed::between(1.0, 1e9, "");
-/// Viscosities.
+/// Relative viscosity.
 const VISCOSITY: Allowed = Allowed::between(0.1, 100.0, "");
-/// Turn in a step.
+/// Rotation per step.
 const ALIGNING_DEG: Allowed = Allowed::between(0.0, 20.0, "°");
 
 /// Relaxation of overlaps (P1 section 3), first-order dynamics μ v = F, J ω = M with Euler steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RelaxationSettings {
-    /// Part of an overlap that each of two free spheres gives way in one step: time step × stiffness / μ.
+    /// Fraction of an overlap by which each of two free spheres moves in one step: time step ×
+    /// stiffness / μ.
     #[schemars(transform = STEP.mark())]
     pub step: f64,
     /// Largest displacement of a sphere in one step, in radii (P1: 0.2).
     #[schemars(transform = STEP_LIMIT_RADII.mark())]
     pub step_limit_radii: f64,
-    /// Forces already act at this relative distance before contact.
+    /// Relative distance before contact at which forces start to act.
     #[schemars(transform = INFLATION.mark())]
     pub inflation: f64,
-    /// Grains are added in this many equal batches, each relaxed before the next.
+    /// Number of equal batches in which grains are added, each relaxed before the next.
     #[schemars(transform = BATCHES.mark())]
     pub batches: usize,
-    /// Most steps before the relaxation is given up.
+    /// Largest number of steps before the relaxation is abandoned.
     #[schemars(transform = MAX_STEPS.mark())]
     pub max_steps: u64,
     /// Viscosity of translation, μ, relative to the time scale of `step`.
@@ -183,10 +187,11 @@ pub struct RelaxationSettings {
     /// Viscosity of rotation, J, relative to μ times the square of the grain's longest arm.
     #[schemars(transform = VISCOSITY.mark())]
     pub rotational_viscosity: f64,
-    /// Aligning torque at the start of a batch: degrees per step of a freely turning grain at 45° to the field.
+    /// Aligning torque at the start of a batch: degrees per step of a freely rotating grain at 45°
+    /// to the field.
     #[schemars(transform = ALIGNING_DEG.mark())]
     pub aligning_deg_per_step: f64,
-    /// Steps over which that torque ramps down to zero.
+    /// Steps over which the aligning torque ramps down to zero.
     pub aligning_steps: u64,
 }
 
@@ -216,7 +221,7 @@ pub struct EquilibrationSettings {
 }
 
 impl PackingRequest {
-    /// Checks every number that can be judged before a grain is drawn.
+    /// Checks every number that can be checked before grains are drawn.
     pub fn check(&self) -> Result<(), PackError> {
         let lengths = [self.period_um[0], self.period_um[1], self.thickness_um];
         if lengths.iter().any(|l| !(l.is_finite() && *l > 0.0)) {
@@ -241,7 +246,7 @@ impl PackingRequest {
     }
 }
 
-/// π/√18.
+/// Volume fraction of the densest sphere packing, π/√18.
 const FCC: f64 = 0.740_480_489_693_061;
 
 fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
@@ -252,7 +257,7 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
             field,
             share,
             "0 to 1",
-            "give the share of the layer's volume, not percent",
+            "give a fraction of the layer's volume, not a percentage",
         ));
     }
     let agglomeration = pigment.agglomeration.as_ref().and_then(Agglomeration::defect);

@@ -1,4 +1,5 @@
-//! Random sequential addition (P1 section 3, the dilute case): a grain that overlaps is thrown again.
+//! Random sequential addition (P1 section 3, the dilute case): positions with an overlap are
+//! redrawn.
 
 use super::bodies::{Bodies, CellBox};
 use super::buckets::Buckets;
@@ -9,13 +10,14 @@ use crate::ink::grains::orientation::{AxisField, draw_rotation};
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3, dot};
 
-/// Gaps below this share of the radii's sum count as overlap, so that rounding cannot spoil the final proof.
+/// Gaps below this fraction of the sum of radii count as overlap, so that rounding cannot fail the
+/// final check.
 pub(crate) const MARGIN: f64 = 1e-10;
 
 /// Attempts between two reports to the watch.
 const REPORT: u64 = 100_000;
 
-/// Places every body of the plan, in its order; returns the number of attempts.
+/// Places all bodies of the plan in order; returns the number of attempts.
 pub(crate) fn add_all(
     bodies: &mut Bodies,
     plan: &PackingPlan,
@@ -49,7 +51,8 @@ pub(crate) fn add_all(
     Ok(attempts)
 }
 
-/// One attempt: a uniform place between the walls and a fresh orientation; true when nothing is in the way.
+/// One attempt: a uniform position between the walls and a random orientation; returns whether it
+/// is free.
 fn throw(
     bodies: &mut Bodies,
     grid: &Buckets,
@@ -64,7 +67,7 @@ fn throw(
     is_free(bodies, grid, b)
 }
 
-/// True when body b overlaps neither a wall nor a body in the grid (itself apart).
+/// Whether body b overlaps neither a wall nor another body in the grid.
 pub(crate) fn is_free(bodies: &Bodies, grid: &Buckets, b: usize) -> bool {
     let range = bodies.first[b]..bodies.first[b + 1];
     if bodies.cell.walls && !between_walls(&bodies.cell, bodies.centre[b], bodies.span_z(b)) {
@@ -73,7 +76,7 @@ pub(crate) fn is_free(bodies: &Bodies, grid: &Buckets, b: usize) -> bool {
     range.into_iter().all(|s| is_free_sphere(bodies, grid, b, s))
 }
 
-/// True when sphere s of body b overlaps no sphere of another body in the grid.
+/// Whether sphere s of body b overlaps no sphere of another body in the grid.
 #[inline]
 fn is_free_sphere(bodies: &Bodies, grid: &Buckets, b: usize, s: usize) -> bool {
     let (p, r) = (bodies.at[s], bodies.radius[s]);
@@ -123,8 +126,8 @@ fn blocked(bodies: &Bodies, plan: &PackingPlan, attempts: u64, volume: f64) -> P
     }
 }
 
-/// A random start that may overlap, for the relaxation: at `place`, or between the walls at the same share of
-/// the height that the turned grain can use.
+/// A random start for the relaxation, overlaps allowed: at `place`, with z rescaled to the range
+/// accessible to the rotated grain between the walls.
 pub(crate) fn scatter(
     bodies: &mut Bodies,
     b: usize,
@@ -139,7 +142,8 @@ pub(crate) fn scatter(
         let [low, high] = bodies.span_z(b);
         let height = bodies.cell.size[2];
         let room = height - (high - low);
-        // A grain too long for the layer as it is turned starts in the middle; the walls will turn it.
+        // A grain too long for the layer in its orientation starts in the middle; the walls will
+        // rotate it.
         let z = if room > 0.0 { place[2] / height * room - low } else { 0.5 * (height - high - low) };
         bodies.shift(b, [place[0], place[1], z]);
     }

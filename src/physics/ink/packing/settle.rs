@@ -1,10 +1,10 @@
-//! The level that the binder sinks to between grains in their places.
+//! The level to which the binder sinks between placed grains.
 
 use super::placed::Packing;
 use crate::ink::grains::volume::merge;
 use crate::ink::relief::{Relief, ReliefRequest, ReliefRule, dry_height_um, mean};
 
-/// Columns per thinnest radius, and the largest grid.
+/// Columns per smallest radius.
 const PER_RADIUS: f64 = 8.0;
 const MOST: usize = 1024;
 
@@ -48,7 +48,7 @@ impl HeightColumns {
         self.pigment.iter().map(|c| c.last().map_or(0.0, |top| top[1])).collect()
     }
 
-    /// Mean over columns of the length of pigment below each column's surface.
+    /// Mean over columns of the pigment's length below the surface.
     fn pigment_below(&self, surface: impl Fn(usize) -> f64) -> f64 {
         let below = |(k, column): (usize, &Vec<[f64; 2]>)| {
             let top = surface(k);
@@ -99,7 +99,7 @@ fn bisect(f: impl Fn(f64) -> f64, target: f64, mut low: f64, mut high: f64) -> f
     0.5 * (low + high)
 }
 
-/// What the rule adds to the level at each column.
+/// Deviation from the level at each column, by the rule.
 fn deviation(tops: &[f64], columns: &HeightColumns, period: [f64; 2], rule: ReliefRule) -> Vec<f64> {
     let ReliefRule::Following { follow, smoothing_um } = rule else { return vec![0.0; tops.len()] };
     let [nx, ny] = columns.count;
@@ -109,7 +109,8 @@ fn deviation(tops: &[f64], columns: &HeightColumns, period: [f64; 2], rule: Reli
     smooth.iter().map(|t| follow * (t - centre)).collect()
 }
 
-/// Periodic Gaussian filter along one axis of `n` points with stride `along`, for `lines` lines `across` apart.
+/// Periodic Gaussian filter along one axis of `n` points with stride `along`, for `lines` lines
+/// `across` apart.
 fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, across]: [usize; 2], sigma: f64) -> Vec<f64> {
     let reach = ((4.0 * sigma).ceil() as usize).min(n / 2);
     let weight = |k: usize| if k == 0 { 1.0 } else { (-0.5 * (k as f64 / sigma).powi(2)).exp() };

@@ -1,4 +1,4 @@
-//! How many grains of a pigment the cell holds, and how large they are.
+//! Number and sizes of a pigment's grains in the cell.
 
 use super::placed::Share;
 use super::request::{PigmentGrains, ShareRule};
@@ -6,22 +6,23 @@ use crate::ink::error::PackError;
 use crate::ink::grains::shape::Template;
 use crate::numerics::Draws;
 
-/// More grains than this are a slip in the units.
+/// Larger numbers of grains suggest a mistake in the units.
 pub const MOST_GRAINS: usize = 5_000_000;
 
-/// Fewer grains than this are none.
+/// Expected numbers of grains below this round to none.
 const LEAST_GRAINS: f64 = 0.5;
 
-/// Drawn volumes that miss the share by more are worth a note.
+/// Relative deviation of the drawn volume that is worth a note.
 const UNLIKE: f64 = 0.1;
 
 impl PigmentGrains {
-    /// Grains that hold the share of a layer's volume, µm³, in the mean of their sizes.
+    /// Number of grains that hold the fraction of a layer's volume (µm³) in the mean of their
+    /// sizes.
     pub fn expected(&self, volume_um3: f64) -> f64 {
         self.volume_fraction * volume_um3 / mean_um3(self, &self.shape.template())
     }
 
-    /// The smallest share of a volume, µm³, that is rounded to a grain rather than to none.
+    /// The smallest fraction of a volume (µm³) that rounds to one grain rather than none.
     pub fn least_share(&self, volume_um3: f64) -> f64 {
         LEAST_GRAINS * mean_um3(self, &self.shape.template()) / volume_um3
     }
@@ -33,7 +34,7 @@ fn mean_um3(pigment: &PigmentGrains, template: &Template) -> f64 {
     template.volume.um3 * size.radius_um(1.0, template).powi(3) * size.mean_cube_nm3()
 }
 
-/// Thickest radii of the grains that hold the share of `volume`, µm, by [`ShareRule`].
+/// Thickest radii (µm) of the grains that hold the fraction of `volume`, by [`ShareRule`].
 pub(super) fn draw_sizes(
     pigment: &PigmentGrains,
     template: &Template,
@@ -54,7 +55,7 @@ pub(super) fn draw_sizes(
     Ok((radii, Share { requested_fraction, achieved_fraction, fraction_error, grains, size_factor }))
 }
 
-/// Grains of one size: as many as come nearest to the volume.
+/// Grains of one size: the number nearest to the volume.
 fn alike(
     pigment: &PigmentGrains,
     template: &Template,
@@ -78,8 +79,9 @@ fn alike(
     Ok(radii)
 }
 
-/// Grains whose sizes spread: as many as have the volume in the mean of their law. To stop where the next grain overshoots would
-/// turn large grains away: with a log-normal law of σ = 0.5 the mean volume of 5 grains to a cell is then 0.69 of the law's.
+/// Grains with a spread of sizes: the number follows from the mean volume of the distribution.
+/// Stopping at the grain that overshoots would reject large grains: for a log-normal distribution
+/// with σ = 0.5, the mean volume at 5 grains per cell would be 0.69 of the distribution's.
 fn of_a_law(
     pigment: &PigmentGrains,
     template: &Template,
@@ -91,7 +93,8 @@ fn of_a_law(
     if wanted.is_nan() || wanted > MOST_GRAINS as f64 {
         return Err(too_many(format!("{wanted:.1e} grains")));
     }
-    // The share is met in the mean over cells; only less than one grain is rounded, as for grains of one size.
+    // The fraction is met in the mean over cells; only a fraction of one grain is rounded, as for
+    // grains of one size.
     let count = match wanted {
         w if w < LEAST_GRAINS => 0,
         w if w < 1.0 => 1,
@@ -106,15 +109,15 @@ fn too_many(found: String) -> PackError {
     PackError::input("pigment.size", found, allowed, "check the units of size and period")
 }
 
-/// What to try where a share is less than a grain.
+/// Remedy if the volume fraction is less than a grain.
 pub const MORE_ROOM: &str = "widen period_um, take smaller grains, or let the cells vary (layer.cell)";
 
-/// What is allowed where a share is less than a grain.
+/// Allowed range if the volume fraction is less than a grain.
 pub fn too_few_grains(least_share: f64, cell: &str) -> String {
     format!("from {least_share:.1e}, which is half a grain in {cell}")
 }
 
-/// A pigment that was asked for does not vanish by rounding to whole grains.
+/// Rejects pigments that rounding to whole grains would remove.
 pub(super) fn check_presence(
     k: usize,
     pigment: &PigmentGrains,
@@ -129,7 +132,8 @@ pub(super) fn check_presence(
     Err(PackError::input(field, found, allowed, MORE_ROOM))
 }
 
-/// What to tell of a cell that is too small for its law: the sizes drawn hold far more or less than the share.
+/// Note on a cell too small for its size distribution: the drawn sizes hold far more or less than
+/// the fraction.
 pub(super) fn unlike(k: usize, pigment: &PigmentGrains, share: &Share) -> Option<String> {
     let Share { requested_fraction, achieved_fraction, grains, size_factor, .. } = share;
     let drawn = achieved_fraction / requested_fraction / size_factor.powi(3);
@@ -137,11 +141,11 @@ pub(super) fn unlike(k: usize, pigment: &PigmentGrains, share: &Share) -> Option
         return None;
     }
     let effect = match pigment.share {
-        ShareRule::NearestGrain => format!("{drawn:.2} of the volume asked is in this cell"),
+        ShareRule::NearestGrain => format!("{drawn:.2} of the requested volume is in this cell"),
         ShareRule::ScaleSizes => format!("all sizes are multiplied by {size_factor:.2}"),
     };
     Some(format!(
-        "pigment[{k}]: {grains} grains cannot show their size law, {effect}; the mean over many cells is right, \
+        "pigment[{k}]: {grains} grains cannot represent their size distribution, {effect}; the mean over many cells is right, \
          and a larger period_um brings every cell near it"
     ))
 }
@@ -159,7 +163,8 @@ mod tests {
         SizeDistribution::LogNormal { median_nm: 200.0, sigma, by: By::Number, cut_at_sigmas: 3.0, of }
     }
 
-    /// Per cell: the volume over that asked, less 1, and the sums over grains of v/v̄ − 1, of d/d̄ − 1 and of (v/v̄)² over its mean, less 1.
+    /// Per cell: the volume over that asked, less 1, and the sums over grains of v/v̄ − 1, of d/d̄
+    /// − 1 and of (v/v̄)² over its mean, less 1.
     fn deviations(draw: impl Fn(&PigmentGrains, f64, &mut Draws) -> Vec<f64>, grains: f64) -> [Estimate; 4] {
         let pigment = PigmentGrains { size: law(0.5), ..PigmentGrains::spheres(200.0, 0.3) };
         // moments of the law by its quantiles, which the strata do not share a sum with
@@ -182,8 +187,8 @@ mod tests {
         std::array::from_fn(|i| Estimate::of_mean(&cells.iter().map(|c| c[i]).collect::<Vec<_>>()))
     }
 
-    /// Over many small cells the share is met, and number, volume and diameter of the grains are those of the law. *Planted*: the
-    /// rule for grains of one size turns large grains away.
+    /// Over many small cells the share is met, and number, volume and diameter of the grains are
+    /// those of the law. *Planted*: the rule for grains of one size turns large grains away.
     #[test]
     fn sizes_that_spread_follow_their_law_in_small_cells() {
         let template = crate::ink::grains::shape::Shape::Sphere.template();
@@ -204,7 +209,8 @@ mod tests {
 
     type Rule = fn(&PigmentGrains, &Template, f64, &mut Draws) -> Result<Vec<f64>, PackError>;
 
-    /// A law without spread draws what it always drew; a cell that holds half a grain and more is never empty.
+    /// Without a spread of sizes the number of grains is fixed; a cell that holds half a grain or
+    /// more is never empty.
     #[test]
     fn grains_of_one_size_are_counted_and_no_cell_is_empty() {
         let template = crate::ink::grains::shape::Shape::Sphere.template();

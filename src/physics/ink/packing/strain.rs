@@ -1,4 +1,4 @@
-//! Which bodies overlap most.
+//! Bodies with the largest overlap.
 
 use super::bodies::Bodies;
 use super::neighbours::Neighbours;

@@ -1,8 +1,8 @@
-//! Progress and cancellation of a packing in the making.
+//! Progress and cancellation of packing.
 
 use std::ops::ControlFlow;
 
-/// What a packing is doing.
+/// Progress of a packing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PackProgress {
     /// "sequential addition", "relaxation" or "equilibration".
@@ -21,13 +21,13 @@ pub struct PackProgress {
     pub largest_overlap_um: f64,
 }
 
-/// Hears of progress and may stop the packing by returning `Break`.
+/// Receives progress reports and may stop the packing by returning `Break`.
 pub trait PackWatch {
-    /// Called now and then; `Break` stops the packing with [`crate::ink::PackError::Stopped`].
+    /// Called at intervals; `Break` stops the packing with [`crate::ink::PackError::Stopped`].
     fn progress(&mut self, progress: &PackProgress) -> ControlFlow<()>;
 }
 
-/// Watches nothing and never stops.
+/// Ignores progress and never stops.
 impl PackWatch for () {
     fn progress(&mut self, _: &PackProgress) -> ControlFlow<()> {
         ControlFlow::Continue(())

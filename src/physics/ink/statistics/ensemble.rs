@@ -9,7 +9,7 @@ use crate::numerics::estimate::Estimate;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// A function with error bars.
+/// A function with standard errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StatisticCurve {
     /// File stem, e.g. "pair_correlation".
@@ -35,14 +35,15 @@ pub struct Statistics {
     pub scalars: Vec<(String, String, Estimate)>,
 }
 
-/// Statistics of realisations of one request; empty without any.
+/// Statistics over realisations of one request; empty without realisations.
 pub fn gather(packings: &[Packing]) -> Statistics {
     let mut all = Statistics { realisations: packings.len(), curves: Vec::new(), scalars: Vec::new() };
     let Some(first) = packings.first().filter(|p| !p.grains().is_empty()) else { return all };
     let d = mean_diameter_um(first);
     let pairs: Vec<PairStatistics> =
         packings.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
-    // Grains line up with the walls, so the planes must be close; in the plane lines sample at random.
+    // Grains align with the walls, so the planes must be close together; in the plane, lines sample
+    // at random.
     let planes = ((24.0 * first.thickness_um() / d).round() as usize).clamp(20, 400);
     let section = |p: &Packing| section_statistics(p, planes, d / 6.0, d / 20.0, 3.0 * d);
     let sections: Vec<SectionStatistics> = packings.par_iter().map(section).collect();
@@ -54,14 +55,14 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     all
 }
 
-/// Mean and error of the i-th entry of each realisation.
+/// Mean and standard error of the i-th entry over realisations.
 fn pointwise<T>(of: &[T], n: usize, entry: impl Fn(&T, usize) -> f64) -> Vec<Estimate> {
     let at = |i| Estimate::of_mean(&of.iter().map(|p| entry(p, i)).collect::<Vec<_>>());
     (0..n).map(at).collect()
 }
 
-/// g(r): the error is the scatter of the realisations, at least the counting error; shells in which an ideal gas
-/// would have fewer than ten pairs are left out.
+/// Pair correlation g(r). Its error is the scatter of the realisations, at least the counting
+/// error; shells in which an ideal gas would have fewer than ten pairs are omitted.
 fn pair_correlation(pairs: &[PairStatistics]) -> StatisticCurve {
     let n = pairs.iter().map(|p| p.counts.len()).min().unwrap_or(0);
     let gs: Vec<Vec<f64>> = pairs.iter().map(PairStatistics::g).collect();
@@ -80,7 +81,8 @@ fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>
     StatisticCurve { name, x_label, y_label, x, y }
 }
 
-/// Density of the distance to the nearest centre, in 40 classes from the smallest to the largest distance.
+/// Density of the distance to the nearest centre, in 40 classes from the smallest to the largest
+/// distance.
 fn nearest(pairs: &[PairStatistics]) -> StatisticCurve {
     const CLASSES: usize = 40;
     let all = || pairs.iter().flat_map(|p| &p.nearest_um).copied().filter(|r| r.is_finite());
@@ -96,7 +98,7 @@ fn nearest(pairs: &[PairStatistics]) -> StatisticCurve {
 }
 
 fn two_point(sections: &[SectionStatistics]) -> [StatisticCurve; 3] {
-    // Cells of varied size have separations of their own, in the same steps.
+    // Cells of varied size have their own separations, with a common step.
     let r = sections.iter().map(|s| &s.r_um).min_by_key(|r| r.len()).map_or(&[][..], Vec::as_slice);
     let named = |name: &str, label: &str, entry: &dyn Fn(&SectionStatistics, usize) -> f64| {
         curve(name, "separation in the plane r, µm", label, r.to_vec(), pointwise(sections, r.len(), entry))
@@ -186,7 +188,8 @@ fn tensors(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
     }
 }
 
-/// Grains per µm² with a sphere nearer than a hundredth of its radius to the wall z = 0 (`top`) or z = H.
+/// Grains per µm² with a sphere closer than a hundredth of its radius to the wall z = 0 (`top`) or
+/// z = H.
 fn touching(packing: &Packing, top: bool) -> f64 {
     let near = |s: &crate::ink::Sphere| {
         let z = if top { s.center_um[2] } else { packing.thickness_um() - s.center_um[2] };
@@ -223,7 +226,8 @@ mod tests {
     use super::*;
     use crate::ink::{Grain, Sphere};
 
-    /// Cells of varied size: the curves reach as far as the smallest cell lets them, whichever comes first.
+    /// Cells of varied size: the curves reach as far as the smallest cell lets them, whichever
+    /// comes first.
     #[test]
     fn curves_of_varied_cells_end_with_the_smallest() {
         let packing = |period: f64| {

@@ -1,4 +1,4 @@
-//! Statistics of packings (G9), each with a standard error over realisations.
+//! Statistics of packings, each with a standard error over realisations.
 
 mod ensemble;
 mod orientation;

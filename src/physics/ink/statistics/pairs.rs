@@ -6,49 +6,51 @@ use crate::ink::packing::buckets::Buckets;
 use crate::numerics::vector::{V3, norm};
 use std::f64::consts::PI;
 
-/// Pair counts of one packing in shells of equal width, with what an ideal gas would give.
+/// Pair counts of one packing in shells of equal width, with those of an ideal gas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairStatistics {
     /// Shell edges, µm.
     pub edges_um: Vec<f64>,
-    /// Pairs of centres found in each shell.
+    /// Number of pairs of centres in each shell.
     pub counts: Vec<f64>,
-    /// Expected counts of the same number of points spread uniformly (between the walls if there are any).
+    /// Expected counts for the same number of uniformly distributed points (between the walls, if
+    /// any).
     pub ideal: Vec<f64>,
-    /// Distance from each centre to the nearest other one, µm.
+    /// Distance from each centre to its nearest neighbour, µm.
     pub nearest_um: Vec<f64>,
 }
 
 impl PairStatistics {
-    /// g in each shell, averaged over the shell's volume.
+    /// Pair correlation g in each shell, averaged over the shell's volume.
     pub fn g(&self) -> Vec<f64> {
         self.counts.iter().zip(&self.ideal).map(|(c, i)| if *i > 0.0 { c / i } else { 0.0 }).collect()
     }
 
-    /// Mean distance from a centre to the nearest other one, µm.
+    /// Mean distance from a centre to its nearest neighbour, µm.
     pub fn mean_nearest_um(&self) -> f64 {
         self.nearest_um.iter().sum::<f64>() / self.nearest_um.len().max(1) as f64
     }
 }
 
-/// Mean diameter of the spheres of equal volume: the unit of length of the shells.
+/// Mean diameter of the spheres of equal volume, µm: the length unit of the shells.
 pub fn mean_diameter_um(packing: &Packing) -> f64 {
     let diameter = |v: f64| (6.0 * v / PI).cbrt();
     let n = packing.grains().len().max(1) as f64;
     packing.grains().iter().map(|g| diameter(g.volume_um3)).sum::<f64>() / n
 }
 
-/// Shells of `width` up to `furthest`, both in mean diameters, or up to half the period if that is less.
+/// Pair statistics in shells of `width` up to `furthest`, both in mean diameters, at most half the
+/// period.
 pub fn pair_statistics_to(packing: &Packing, width: f64, furthest: f64) -> PairStatistics {
     let d = mean_diameter_um(packing);
     pair_statistics(packing, width * d, furthest * d)
 }
 
-/// The same with shells in µm, so that realisations of different grains share them.
+/// Pair statistics in shells given in µm, comparable between realisations of different grains.
 pub fn pair_statistics(packing: &Packing, width_um: f64, furthest_um: f64) -> PairStatistics {
     let cell = CellBox::new(packing.period_um(), packing.thickness_um(), packing.walls());
     let half = (0..3).filter(|a| cell.periodic(*a)).map(|a| 0.5 * cell.size[a]).fold(f64::MAX, f64::min);
-    // The small addition keeps 3.0 / 0.02 from losing its last shell to rounding.
+    // The small addition keeps rounding from losing the last shell of 3.0 / 0.02.
     let shells = (half.min(furthest_um) / width_um + 1e-9).floor() as usize;
     let edges_um: Vec<f64> = (0..=shells).map(|i| i as f64 * width_um).collect();
     let centres: Vec<V3> = packing.grains().iter().map(|g| cell.wrap(g.centre_um())).collect();
@@ -87,8 +89,9 @@ fn count(cell: &CellBox, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>
 
 /// Probability that two independent uniform points are closer than each edge.
 ///
-/// Between walls w apart (for centres: H less twice the smallest thickest radius) their distance across the layer
-/// has density 2(w − u)/w², and ∫₀^min(r,w) 2(w − u)/w² · π(r² − u²)/A du is a polynomial.
+/// Between walls w apart (for centres: H less twice the smallest thickest radius) their distance
+/// across the layer has density 2(w − u)/w², and ∫₀^min(r,w) 2(w − u)/w² · π(r² − u²)/A du is a
+/// polynomial.
 fn ideal_share(packing: &Packing, edges: &[f64]) -> Vec<f64> {
     let area = packing.period_um()[0] * packing.period_um()[1];
     if !packing.walls() {
@@ -117,7 +120,7 @@ mod tests {
     use crate::ink::{Grain, Sphere};
     use crate::numerics::Draws;
 
-    /// Points thrown uniformly between walls must have g = 1: the normalisation itself is on trial.
+    /// Uniform random points between walls have g = 1: a test of the normalisation.
     #[test]
     fn an_ideal_gas_between_walls_has_no_correlation() {
         let mut draws = Draws::new(2, 0);

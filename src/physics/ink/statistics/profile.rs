@@ -3,13 +3,14 @@
 use crate::ink::{Packing, Sphere};
 use std::f64::consts::PI;
 
-/// Columns along each side in which the air above a relief is measured.
+/// Columns per side for the air above a relief.
 const COLUMNS: usize = 24;
 
-/// Volume fractions in `slices` equal slices from z = 0: each pigment's, and last the share above a relief's surface, where there is one.
+/// Volume fractions in `slices` equal slices from z = 0: one profile per pigment, and last the
+/// fraction above a relief's surface, if any.
 ///
-/// Spheres of one grain that overlap are counted singly and scaled to the volume of their union, so that every pigment's mean is its
-/// achieved fraction.
+/// Overlapping spheres of one grain are counted individually and scaled to the volume of their
+/// union, so that the mean for every pigment is its achieved fraction.
 pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     let pigments = packing.shares().len();
     let height = packing.thickness_um() / slices as f64;
@@ -43,7 +44,7 @@ fn between(sphere: &Sphere, from: f64, to: f64) -> f64 {
     PI * (r * r * (high - low) - (high.powi(3) - low.powi(3)) / 3.0)
 }
 
-/// Share of each slice that lies above the surface, grains left aside.
+/// Fraction of each slice above the binder's surface, without regard to grains.
 fn above_surface(packing: &Packing, slices: usize, height: f64) -> Vec<f64> {
     let period = packing.period_um();
     let column = |k: usize| {

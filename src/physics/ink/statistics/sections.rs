@@ -1,22 +1,23 @@
-//! Plane sections of the grains and exact chords on lines in them: fraction, profile, two-point probability.
+//! Plane sections of the grains and exact chords on lines in them: fraction, profile, two-point
+//! probability.
 
 use crate::ink::Packing;
 use crate::ink::grains::volume::merge;
 
-/// What lines parallel to x and y in equally spaced planes z = const see of the pigment.
+/// Statistics of the pigment on lines parallel to x and y in equally spaced planes z = const.
 ///
-/// Chords are exact; only the choice of the lines is a sample.
+/// Chords are exact; only the lines are sampled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionStatistics {
     /// Heights of the planes, µm.
     pub z_um: Vec<f64>,
-    /// Covered share of each plane, for each pigment.
+    /// Covered fraction of each plane, for each pigment.
     pub profile: Vec<Vec<f64>>,
     /// Separations of S2, µm, from 0.
     pub r_um: Vec<f64>,
-    /// Probability that two points r apart, along x and along y, both lie in pigment.
+    /// Probability that two points r apart along x both lie in pigment.
     pub s2_x: Vec<f64>,
-    /// The same along y.
+    /// Probability that two points r apart along y both lie in pigment.
     pub s2_y: Vec<f64>,
     /// Chords per µm of line along x and along y: a quarter of the surface per volume, and −S2′(0).
     pub chords_per_um: [f64; 2],
@@ -25,19 +26,20 @@ pub struct SectionStatistics {
 }
 
 impl SectionStatistics {
-    /// φ(z) of all pigments together.
+    /// Profile φ(z) of all pigments together.
     pub fn total_profile(&self) -> Vec<f64> {
         let planes = 0..self.z_um.len();
         planes.map(|k| self.profile.iter().map(|p| p[k]).sum()).collect()
     }
 
-    /// Mean over planes and lines: the volume fraction as the lines see it.
+    /// Mean over planes and lines: the volume fraction as sampled.
     pub fn fraction(&self) -> f64 {
         self.total_profile().iter().sum::<f64>() / self.z_um.len().max(1) as f64
     }
 }
 
-/// Sections at `planes` heights, lines `spacing_um` apart, S2 at multiples of `step_um` up to `furthest_um`.
+/// Sections at `planes` heights, lines `spacing_um` apart, S2 at multiples of `step_um` up to
+/// `furthest_um`.
 pub fn section_statistics(
     packing: &Packing,
     planes: usize,
@@ -104,7 +106,7 @@ pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc> {
     discs
 }
 
-/// Merged chords on parallel lines of one plane.
+/// Merged chords on parallel lines in one plane.
 struct Lines {
     length: f64,
     chords: Vec<Vec<[f64; 2]>>,
@@ -147,7 +149,7 @@ impl Lines {
         self.chords.iter().map(count).sum::<usize>() as f64 / (self.length * self.chords.len() as f64)
     }
 
-    /// Share of the points x for which x and x + r are both covered.
+    /// Fraction of the points x for which x and x + r are both covered.
     fn both_ends(&self, r: f64) -> f64 {
         let sum: f64 = self.chords.iter().map(|line| shifted_overlap(line, r, self.length)).sum();
         sum / (self.length * self.chords.len() as f64)
@@ -192,7 +194,8 @@ mod tests {
         let volume = sphere.volume_um3();
         // Order: midpoint sums of a disc over 120 lines and 120 planes are exact to a few 1e-4.
         assert!((found.fraction() - volume).abs() < 5e-4 * volume);
-        // The volume common to two spheres r apart: v_int = V (1 − r/2R)² (1 + r/4R); L = 1 and A = 1.
+        // The volume common to two spheres r apart: v_int = V (1 − r/2R)² (1 + r/4R); L = 1 and A =
+        // 1.
         for (r, s2) in found.r_um.iter().zip(&found.s2_x) {
             let t = r / 0.6;
             let common = volume * (1.0 - t).powi(2) * (1.0 + 0.5 * t);

@@ -1,4 +1,4 @@
-//! Why a table cannot be used.
+//! Errors of numerical tables.
 
 use std::path::PathBuf;
 use thiserror::Error;
@@ -11,15 +11,15 @@ pub enum ColumnsError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The file is no table.
+    /// The file is not a table.
     #[error("{}: {source}", path.display())]
     Broken {
         /// The file.
         path: PathBuf,
-        /// What the reader found.
+        /// The reader's error.
         source: csv::Error,
     },
     /// The file has no header line.
@@ -29,14 +29,14 @@ pub enum ColumnsError {
         path: PathBuf,
     },
     /// Two columns have the same name.
-    #[error("{}: column {column} is there twice; keep one of them", path.display())]
+    #[error("{}: column {column} occurs twice; keep one of them", path.display())]
     Twice {
         /// The file.
         path: PathBuf,
         /// Name of the columns.
         column: String,
     },
-    /// A line has another number of cells than the header.
+    /// A line whose number of cells differs from that of the header.
     #[error(
         "{}, line {line}: {found} cells under {} columns{}", path.display(), names.len(),
         semicolons(names, *comma)
@@ -46,14 +46,14 @@ pub enum ColumnsError {
         path: PathBuf,
         /// Number of the line, from 1.
         line: u64,
-        /// Its cells.
+        /// Number of cells in the line.
         found: usize,
-        /// Columns of the header.
+        /// Column names in the header.
         names: Vec<String>,
-        /// Commas separate the columns, so that decimal commas may be the cause.
+        /// Whether commas separate the columns, so that decimal commas may be the cause.
         comma: bool,
     },
-    /// A cell is no number.
+    /// A cell that is not a number.
     #[error("{}, line {line}, column {column}: found {found:?} where a number is needed", path.display())]
     NoNumber {
         /// The file.
@@ -62,11 +62,11 @@ pub enum ColumnsError {
         line: u64,
         /// Name of the column.
         column: String,
-        /// What the cell holds.
+        /// Content of the cell.
         found: String,
     },
-    /// A cell that must hold a number holds nothing.
-    #[error("{}, line {line}, column {column}: an empty cell; give its number, or take the line out", path.display())]
+    /// A required cell is empty.
+    #[error("{}, line {line}, column {column}: an empty cell; enter a number, or remove the line", path.display())]
     EmptyCell {
         /// The file.
         path: PathBuf,
@@ -75,9 +75,9 @@ pub enum ColumnsError {
         /// Name of the column.
         column: String,
     },
-    /// Wavelengths of some tenths.
+    /// Wavelengths that are probably in µm.
     #[error(
-        "{}, column {column}: the largest wavelength is {largest}: these look like µm; the column wants nm: \
+        "{}, column {column}: the largest wavelength is {largest}: these look like µm; the column must be in nm: \
          multiply it by 1000", path.display()
     )]
     Micrometres {
@@ -90,7 +90,7 @@ pub enum ColumnsError {
     },
 }
 
-/// What to try where decimal commas may be the cause.
+/// Remedy where decimal commas may be the cause.
 fn semicolons(names: &[String], comma: bool) -> String {
     if !comma {
         return String::new();

@@ -1,4 +1,4 @@
-//! Why there is no index.
+//! Errors of spectra.
 
 use crate::material::columns::ColumnsError;
 use crate::material::dispersion::DispersionError;
@@ -6,7 +6,7 @@ use crate::numerics::allowed::shown;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// A wavelength that a spectrum cannot answer, or a table that is not a spectrum.
+/// A wavelength outside a spectrum, or a table that is not a spectrum.
 #[derive(Debug, Error)]
 pub enum SpectrumError {
     /// A wavelength outside the table or the synthetic formula's range.
@@ -23,13 +23,13 @@ pub enum SpectrumError {
         /// Longest wavelength known, nm.
         hi: f64,
     },
-    /// A wavelength that is no positive number.
+    /// A wavelength that is not a positive number.
     #[error("wavelength_nm = {}: must be finite and greater than 0", shown(*value))]
     BadWavelength {
         /// The wavelength, nm.
         value: f64,
     },
-    /// A name that no built-in pigment has.
+    /// An unknown name of a built-in pigment.
     #[error("unknown pigment spectrum {value:?}: one of red, yellow, blue, green, or a CSV file")]
     UnknownPigment {
         /// The name found.
@@ -45,10 +45,10 @@ pub enum SpectrumError {
         /// The names of the list.
         known: String,
     },
-    /// A number of an index or a table that makes no sense.
+    /// An invalid number in an index or a table.
     #[error("{field} = {}: allowed are finite values {allowed}; {remedy}", shown(*value))]
     BadValue {
-        /// What it is, with its row.
+        /// Name of the quantity, with its row.
         field: String,
         /// The number found.
         value: f64,
@@ -65,30 +65,30 @@ pub enum SpectrumError {
         /// Rows found.
         rows: usize,
     },
-    /// Neither the file nor the study says n.
+    /// Neither the file nor the study gives n.
     #[error("{path}: no real part n; add n to the file, or give it beside the file, such as n = 1.4", path = path.display())]
     NoRealPart {
         /// The file.
         path: PathBuf,
     },
-    /// The file and the study say n.
+    /// Both the file and the study give n.
     #[error("{path}: the real part n is given twice, in the file and beside it; keep one of them", path = path.display())]
     TwoRealParts {
         /// The file.
         path: PathBuf,
     },
-    /// A file that is no table of numbers.
+    /// A file that is not a table of numbers.
     #[error(transparent)]
     Unreadable(#[from] ColumnsError),
-    /// A table that is no spectrum.
-    #[error("{path}: {reason}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k for kappa will do)", path = path.display())]
+    /// A table that is not a spectrum.
+    #[error("{path}: {reason}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k is accepted for kappa)", path = path.display())]
     Header {
         /// The file.
         path: PathBuf,
         /// What is wrong with its columns.
         reason: String,
     },
-    /// A file that is no record of refractiveindex.info.
+    /// A file that is not a record of refractiveindex.info.
     #[error(transparent)]
     Record(#[from] DispersionError),
 }

@@ -1,7 +1,8 @@
-//! How far off a result is: differences from coarser companions.
+//! Error estimates by comparison with coarser grids (companions).
 //!
-//! A result is compared with one that has a fifth fewer points in the plane and one that has a fifth fewer cells
-//! in z; the observed orders of convergence turn the differences into an estimate of the finer result's error.
+//! A result is compared with one that has a fifth fewer points in the plane and one that has a
+//! fifth fewer cells in z; the expected orders of convergence turn the differences into an estimate
+//! of the finer result's error.
 
 use super::difference::largest_of_all;
 use super::error::AccuracyError;
@@ -12,25 +13,28 @@ use crate::wave::grid::share_cells;
 use crate::wave::physical::largest;
 use crate::wave::{BodyShape, FarField, Grid, Physical, Resolution, TotalErrors, WaveError};
 
-/// Share of points or cells that a companion keeps.
+/// Ratio of the number of points or cells of a coarser companion to that of the result.
 const COMPANION: f64 = 0.8;
-/// Share of cells that a second companion keeps where nothing changes along y. Tops of such grains are whole lines: a
-/// companion with nodes on them is far more accurate than its spacing says, and its difference tells too little.
+/// Ratio of cells in a second companion for layers uniform along y. The tops of such grains are
+/// whole lines: a companion with nodes on them is far more accurate than its spacing suggests, and
+/// its difference underestimates the error.
 const SECOND: f64 = 0.7;
-/// Share of points that a second companion keeps there: a line that fills a half or a third of the period has no harmonics of
-/// that number, and a grid that adds only those tells nothing.
+/// Ratio of points in that second companion: a line that fills a half or a third of the period has
+/// no harmonics of that number, so that a grid which adds only those shows no difference.
 const SECOND_LATERAL: f64 = 0.6;
-/// A stratum gains a cell within so many times the cells of all.
+/// Upper limit of the search for a finer companion, as a factor on the number of cells.
 const MOST_TIMES: usize = 16;
-/// Points and cells per wavelength in the densest medium beyond which convergence slows down to its last order.
+/// Points and cells per wavelength in the densest medium beyond which convergence slows to its
+/// asymptotic order.
 const FINE: [f64; 2] = [8.0, 3.3];
-/// Amplitude error per unit of residual: trapped waves amplify it a little.
+/// Amplitude error per unit of residual: trapped waves amplify it slightly.
 const RESIDUAL_WEIGHT: f64 = 3.0;
-/// The two differences scatter; with this factor the estimate covers nine cases of ten.
+/// Safety factor for the scatter of the two differences; with it the estimate covers nine cases out
+/// of ten.
 const SAFETY: f64 = 1.4;
 
 impl Task<'_> {
-    /// Solves at one resolution and estimates the error from two companions.
+    /// Solves on one grid and estimates the error from two companions.
     pub fn solve_with_estimate(
         &self,
         resolution: Resolution,
@@ -58,10 +62,10 @@ impl Task<'_> {
         Ok(Estimated { solved, far_fields, error_estimate, parts, seconds_setup, seconds_estimate })
     }
 
-    /// The estimated error's parts from the plane and from z, by two companions.
+    /// Estimated errors due to the grid in the plane and along z, from two companions.
     ///
     /// # Errors
-    /// Neither a coarser nor a finer companion has a solution.
+    /// Neither a coarser nor a finer companion can be solved.
     pub fn estimate_parts(
         &self,
         known: &[Solved],
@@ -73,7 +77,7 @@ impl Task<'_> {
             return Ok([0.0; 2]);
         }
         let own = system.grid().resolution;
-        // What is held of the result meanwhile: its problem, its field, and the incident wave.
+        // Held of the result meanwhile: its problem, its field, and the incident wave.
         let size = self.size(own);
         let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
         let scene = self.coverages.scene;
@@ -95,8 +99,9 @@ impl Task<'_> {
         Ok([in_plane, in_z])
     }
 
-    /// Grids with fewer and with more cells in every stratum that holds a body: what happens elsewhere changes nothing. The
-    /// coarser one is the own grid where a stratum has no cell to lose.
+    /// Grids with fewer and with more cells in every stratum that contains a body: cells elsewhere
+    /// do not affect the error. The coarser one equals the own grid if a stratum has only its
+    /// minimum number of cells.
     fn z_companions(&self, own: Resolution, share: f64) -> [Resolution; 2] {
         let (coarse, fine) = (scaled_cells(own, share).cells, scaled_cells(own, 1.0 / share).cells);
         let cells = |n: &usize| Resolution { cells: *n, ..own };
@@ -107,7 +112,7 @@ impl Task<'_> {
         [coarser.as_ref().map_or(own, cells), cells(&finer)]
     }
 
-    /// How many times more cells a grid has than another, in the stratum with a body where that is least.
+    /// Smallest ratio of cells between two grids over the strata that contain a body.
     fn times_finer(&self, cells: usize, other: usize) -> f64 {
         let scene = self.coverages.scene;
         let shares = |cells: usize| share_cells(scene, cells).unwrap_or_default();
@@ -116,7 +121,8 @@ impl Task<'_> {
         scene.patterned_strata().into_iter().filter_map(ratio).fold(f64::INFINITY, f64::min)
     }
 
-    /// The finer result's share of the difference to the coarser companion, or to the finer one where that is refused.
+    /// Estimated error of the result: the corresponding fraction of its difference to the coarser
+    /// companion, or to the finer one if the coarser grid is rejected.
     fn compare(
         &self,
         finer: &[Solved],
@@ -138,11 +144,14 @@ impl Task<'_> {
         Ok(difference * error_share([plane, across], self.orders(own)))
     }
 
-    /// Orders of convergence, in the plane and across z, at the lower end of what is seen.
+    /// Orders of convergence in the plane and across z, conservatively at the lower end of those
+    /// observed.
     ///
-    /// For grains 4 (3 for the vector wave, which folds nothing) and 5 while the grid is coarse; one less, down to 2 and 3, for each of: a fine grid, strong contrast,
-    /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
-    /// do so in one. Tents and second differences are of order 2 across z.
+    /// For grains 4 (3 for the vector wave, which has no folding) and 5 while the grid is coarse.
+    /// Each of the following lowers them by one, down to 2 and 3: a fine grid; strong contrast;
+    /// walls or cylinders, whose edges average out in two dimensions instead of three; walls along
+    /// z, whose edges average out in one. Linear elements (tents) and second differences are of
+    /// order 2 across z.
     fn orders(&self, own: Resolution) -> [i32; 2] {
         let upright = self.coverages.scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::BarY { .. }));
         let sharp =
@@ -155,7 +164,8 @@ impl Task<'_> {
         [(plane - sharp - fine(0, own.nx)).max(2), across]
     }
 
-    /// True when an inclusion's contrast exceeds k² of a background: the folded terms' series converges slowly then.
+    /// Whether an inclusion's contrast exceeds k² of a background: the series of the folded terms
+    /// then converges slowly.
     fn is_strong(&self) -> bool {
         self.media.backgrounds.iter().any(|b| {
             let k2 = b * b;
@@ -163,7 +173,8 @@ impl Task<'_> {
         })
     }
 
-    /// Solves the coarser companion; cells too high for the wave are made only as low as they must be.
+    /// Solves the coarser companion; cells too high for the wave are refined only as far as
+    /// necessary.
     fn solve_coarser(
         &self,
         coarser: Resolution,
@@ -191,7 +202,8 @@ impl Task<'_> {
     }
 }
 
-/// Largest expected error of any amplitude, from the parts of [`Task::estimate_parts`] and the residual.
+/// Largest expected error of any amplitude, from the parts given by [`Task::estimate_parts`] and
+/// the residual.
 pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
     SAFETY * (parts[0] + parts[1]) + 1e-13 + RESIDUAL_WEIGHT * residual
 }

@@ -1,15 +1,15 @@
-//! Coverages of one scene on several grids, kept for those who try the same grid again.
+//! A cache of the coverages of one scene on several grids.
 
 use crate::wave::{Geometry, Precision, Resolution, Scene, Wave, WaveError};
 use std::sync::{Mutex, MutexGuard};
 
-/// Kept at most: a result, its two companions, and as many of the grid tried before.
+/// Capacity of the cache: a result, its two companions, and the same for the previous grid.
 const KEPT: usize = 6;
 
-/// A scene with its latest coverages. Searches try several wavelengths and angles on the same grids; coverage costs
-/// more than a solve where grains are small.
+/// A scene with its latest coverages. Searches use the same grids for several wavelengths and
+/// angles, and coverage costs more than a solve for small grains.
 pub struct Coverages<'a> {
-    /// Which equation is solved on them.
+    /// Wave equation to be solved.
     pub wave: Wave,
     /// The geometry.
     pub scene: &'a Scene,
@@ -18,25 +18,26 @@ pub struct Coverages<'a> {
 }
 
 impl<'a> Coverages<'a> {
-    /// For the scalar wave, exact for all purposes.
+    /// A cache for the scalar wave with exact coverages.
     pub fn of(scene: &'a Scene) -> Self {
         Self::new(Wave::Scalar, scene, Precision::EXACT)
     }
 
-    /// For a wave, with that precision.
+    /// A cache for the given wave and precision.
     pub fn new(wave: Wave, scene: &'a Scene, precision: Precision<'a>) -> Self {
         Self { wave, scene, precision, latest: Mutex::default() }
     }
 
-    /// The coverage on a grid, kept or new.
+    /// The coverage on a grid, from the cache or newly computed.
     ///
     /// # Errors
-    /// As [`Geometry::new`].
+    /// See [`Geometry::new`].
     pub fn at(&self, resolution: Resolution) -> Result<Geometry, WaveError> {
         if let Some(found) = self.kept(resolution) {
             return Ok(found);
         }
-        // Made without the lock: parallel loops inside may run other tasks that ask for a coverage.
+        // Computed without holding the lock: parallel loops inside may run other tasks that request
+        // a coverage.
         let new = Geometry::new(self.wave, self.scene, resolution, self.precision)?;
         let mut latest = self.lock();
         if latest.len() == KEPT {
@@ -75,7 +76,7 @@ mod tests {
         assert!(!std::ptr::eq(first.grid(), at(2).grid()), "older ones make room");
     }
 
-    /// Stopped within the only cell: what is done of it is no coverage.
+    /// A computation stopped within its only cell returns no coverage.
     #[test]
     fn a_stop_between_two_grains_is_heard() {
         use crate::ink::{PackingRequest, PigmentGrains, pack};

@@ -1,13 +1,13 @@
-//! The distance of two far fields.
+//! Differences between two far fields.
 
 use crate::wave::physical::largest;
 use crate::wave::{FarField, Order};
 
-/// Largest difference of any amplitude that leaves the layer in any polarisation, or belongs to a neighbour of the
+/// Largest difference of any propagating amplitude in any polarisation, or of a neighbour of the
 /// specular order.
 ///
-/// Amplitudes of other evanescent orders live within a fraction of a wavelength of the faces, carry no light, and
-/// converge more slowly.
+/// The amplitudes of other evanescent orders exist within a fraction of a wavelength of the faces,
+/// carry no power, and converge more slowly.
 pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
     let counts =
         |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
@@ -17,7 +17,7 @@ pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
     largest(amplitudes.flat_map(|(a, b)| [(a[0] - b[0]).norm(), (a[1] - b[1]).norm()]))
 }
 
-/// [`largest_difference`] over all polarisations.
+/// Maximum of [`largest_difference`] over all polarisations.
 pub fn largest_of_all(a: &[FarField], b: &[FarField]) -> f64 {
     largest(a.iter().zip(b).map(|(a, b)| largest_difference(a, b)))
 }

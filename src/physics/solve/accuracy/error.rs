@@ -1,4 +1,4 @@
-//! Why a search for a grid ends without a result.
+//! Errors of the search for a grid.
 
 use crate::solve::demand::{TooLarge, memory_in_words};
 use crate::solve::solver::SolveError;
@@ -6,16 +6,16 @@ use crate::wave::grid::MOST_POINTS;
 use crate::wave::{Resolution, Unphysical, WaveError};
 use thiserror::Error;
 
-/// Why no result of the asked accuracy exists.
+/// Why no result of the requested accuracy exists.
 #[derive(Debug, Error)]
 pub enum AccuracyError {
-    /// The scene does not make a problem on some grid.
+    /// The scene does not give a problem on a grid.
     #[error(transparent)]
     Wave(#[from] WaveError),
     /// A solve failed or was stopped.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// The result breaks a law it must obey.
+    /// The result violates a physical law.
     #[error(transparent)]
     Unphysical(#[from] Unphysical),
     /// A solve would not fit into memory.
@@ -29,13 +29,13 @@ pub enum AccuracyError {
         .last.nx, .last.ny, .last.cells, memory_in_words(.next.need_gb), memory_in_words(.next.allowed_gb)
     )]
     NotReached {
-        /// Amplitude error asked for.
+        /// Requested amplitude error.
         asked: f64,
         /// Estimate on the finest grid solved.
         reached: f64,
-        /// That grid.
+        /// The finest grid solved.
         last: Resolution,
-        /// Why the next one is refused.
+        /// Why the next grid is rejected.
         next: TooLarge,
         /// Every grid tried, with its estimate and time.
         tried: String,
@@ -48,42 +48,42 @@ pub enum AccuracyError {
         memory_in_words(.first.need_gb), memory_in_words(.first.allowed_gb)
     )]
     TooLarge {
-        /// Amplitude error asked for.
+        /// Requested amplitude error.
         asked: f64,
-        /// Why the coarsest grid is refused.
+        /// Why the coarsest grid is rejected.
         first: TooLarge,
     },
-    /// The error does not fall as the grid is refined.
+    /// The error does not decrease as the grid is refined.
     #[error(
-        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} after {levels} finer and finer grids; ask for \
+        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} after {levels} successively finer grids; ask for \
          less accuracy"
     )]
     GivenUp {
         /// Grids tried.
         levels: usize,
-        /// Amplitude error asked for.
+        /// Requested amplitude error.
         asked: f64,
         /// Estimate on the finest grid solved.
         reached: f64,
     },
-    /// The layer measures more wavelengths than any grid resolves.
+    /// The layer is more wavelengths thick or wide than any grid can resolve.
     #[error(
-        "accuracy {asked:.1e} is not reached: already the coarsest grid would need {need:.1e} points along an axis of at \
+        "accuracy {asked:.1e} is not reached: even the coarsest grid would need {need:.1e} points along an axis of at \
          most {MOST_POINTS}; check that the wavelength and all lengths are in µm"
     )]
     TooManyWaves {
-        /// The accuracy asked for.
+        /// Requested amplitude error.
         asked: f64,
         /// Points or cells along the longest axis.
         need: f64,
     },
-    /// An accuracy that makes no sense.
+    /// An invalid accuracy.
     #[error("accuracy is {0}; allowed is 1e-9 … 0.5: choose how large an amplitude error you accept")]
     Accuracy(f64),
 }
 
 impl AccuracyError {
-    /// True when the user stopped the search, which is no failure.
+    /// Whether the user stopped the search, which is not a failure.
     pub fn is_stop(&self) -> bool {
         let of_solve = matches!(self, AccuracyError::Solve(SolveError::Cancelled { .. }));
         of_solve || matches!(self, AccuracyError::Wave(WaveError::Stopped))

@@ -1,10 +1,11 @@
-//! What the grid may cost in R and T: differences to a coarser grid at the probes.
+//! Discretisation error of R and T: differences to a coarser grid in the test solves (probes).
 //!
 //! The error of single amplitudes (`search`) says little about sums over orders, where most of it
-//! averages out. So R and T themselves are compared with those on four fifths of the points and cells. At third order, the least
-//! that grains show, the finer grid's error is the difference, the coarser one's twice as much. The sign of a difference is chance
-//! to a large part: over several packings it averages out, and the mean with its own standard error is what an ensemble's
-//! means are uncertain by.
+//! averages out, so R and T themselves are compared with those on four fifths of the points and
+//! cells. At third order, the lowest observed for grains, the finer grid's error equals the
+//! difference and the coarser grid's is twice as large. The sign of a difference is largely random:
+//! it averages out over several packings, and the mean difference with its standard error is the
+//! uncertainty of the ensemble means.
 
 use super::error::AccuracyError;
 use super::resolution::{raised, scaled_cells, smooth_size};
@@ -15,20 +16,20 @@ use crate::wave::physical::largest;
 use crate::wave::{Geometry, Resolution, WaveError};
 use serde::{Deserialize, Serialize};
 
-/// Share of points and cells of the coarser grid.
+/// Ratio of points and cells of the coarser grid to the own grid.
 const COARSER: f64 = 0.8;
 
-/// Own error as a share of the difference to a finer grid, 1/(1 − 0.8³).
+/// Own error as a fraction of the difference to a finer grid, 1/(1 − 0.8³).
 const OF_FINER: f64 = 2.05;
 
-/// The name of this judgement, which the key of every kept grid holds: a change of the two numbers above is another judgement and
-/// needs another name, or folders go on with errors by the old one.
+/// Name of this error estimate, part of the key of every stored grid. If the two numbers above
+/// change, this name must change too, or existing folders would keep errors by the old estimate.
 pub const JUDGEMENT: &str = "scaled companions";
 
-/// Differences of this size are rounding.
+/// Differences below this are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Expected errors of the layer's R and T from the grid, over the probes.
+/// Expected discretisation errors of the layer's R and T: the largest over the probes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GridError {
     /// Error of the reflectance.
@@ -38,15 +39,17 @@ pub struct GridError {
 }
 
 impl GridError {
-    /// From the differences \[packing\]\[probe\]\[R, T\] to the other grid: each probe's mean over the packings with its own standard error,
-    /// the largest of them over the probes. A single packing counts with its difference.
+    /// Errors from the differences \[packing\]\[probe\]\[R, T\] to the other grid: for each probe
+    /// the mean over packings with its standard error, then the maximum over the probes. A single
+    /// packing counts with its difference.
     pub fn from_differences(differences: &[Vec<[f64; 2]>]) -> Self {
         let probes = differences.first().map_or(0, Vec::len);
         let of = |i: usize| largest((0..probes).map(|p| probe_error(differences, p, i)));
         Self { reflectance: of(0), transmittance: of(1) }
     }
 
-    /// Differences \[R, T\] of the probes on one packing, each polarisation for itself: at `own`, less on a coarser grid, or on a finer one where the coarser is refused.
+    /// Differences \[R, T\] of the probes on one packing, for each polarisation: the result at
+    /// `own` less that on a coarser grid, or on a finer one if the coarser grid is rejected.
     pub fn differences(
         tasks: &[Task],
         own: Resolution,
@@ -63,7 +66,8 @@ impl GridError {
                 Some(Err(stopped)) if stopped.is_stop() => return Err(stopped),
                 _ => (totals(task, &coverages.at(scaled(own, 1.0 / COARSER))?, watch)?, OF_FINER),
             };
-            // Layers without grains are exact on every grid: rounding is no error of theirs.
+            // Layers without grains are exact on every grid: rounding does not count as a
+            // discretisation error.
             let difference = |a: f64, b: f64| if (a - b).abs() > ROUNDING { share * (a - b) } else { 0.0 };
             let of_light = |(a, b): (&[f64; 2], &[f64; 2])| [difference(a[0], b[0]), difference(a[1], b[1])];
             differences.extend(one.iter().zip(&other).map(of_light));
@@ -72,15 +76,16 @@ impl GridError {
     }
 }
 
-/// Mean over the packings of one probe's difference in R (`i` = 0) or T (1), with its own standard error.
+/// Mean over packings of one probe's difference in R (`i` = 0) or T (`i` = 1), with its standard
+/// error.
 fn probe_error(differences: &[Vec<[f64; 2]>], probe: usize, i: usize) -> f64 {
     let samples: Vec<f64> = differences.iter().map(|packing| packing[probe][i]).collect();
     let Estimate { value, standard_error } = Estimate::of_mean(&samples);
     value.hypot(standard_error.unwrap_or(0.0))
 }
 
-/// R and T of one probe, for each polarisation, on this grid; on one with more cells where these are too high for the wave, as
-/// [`crate::run`] solves it then.
+/// R and T of one probe for each polarisation on a grid, with more cells if these are too high for
+/// the wave, as in [`crate::run`].
 fn totals_on(
     task: &Task,
     mut resolution: Resolution,
@@ -94,7 +99,7 @@ fn totals_on(
     }
 }
 
-/// R and T of one probe, for each polarisation.
+/// R and T of one probe for each polarisation.
 fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let admitted = task.admitted(geometry.grid().resolution).ok();
     let solver = admitted.as_ref().map_or(task.solver, |admitted| admitted.solver());
@@ -106,7 +111,8 @@ fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec
     Ok(totals)
 }
 
-/// A grid with about `factor` times the points and cells, different from `r` wherever that has several.
+/// A grid with about `factor` times the points and cells, different from `r` along every axis with
+/// several.
 fn scaled(r: Resolution, factor: f64) -> Resolution {
     let points = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor) };
     Resolution { nx: points(r.nx), ny: points(r.ny), ..scaled_cells(r, factor) }
@@ -127,7 +133,8 @@ mod tests {
 
     #[test]
     fn r_and_t_keep_their_own_errors() {
-        // Two packings, two probes: means and their standard errors by hand, the larger probe counts.
+        // Two packings, two probes: means and their standard errors by hand, the larger probe
+        // counts.
         let differences = [vec![[0.03, -0.001], [0.0, 0.0]], vec![[0.05, 0.003], [0.0, 0.004]]];
         let GridError { reflectance, transmittance } = GridError::from_differences(&differences);
         approx::assert_relative_eq!(reflectance, 0.04_f64.hypot(0.01), max_relative = 1e-12);
@@ -136,12 +143,14 @@ mod tests {
         assert_eq!((single.reflectance, single.transmittance), (0.03, 0.001));
     }
 
-    /// Grids judged by one set of numbers stayed in folders when the numbers changed, with half the error.
+    /// Grids judged by one set of numbers stayed in folders when the numbers changed, with half the
+    /// error.
     #[test]
     fn the_judgement_has_a_name_of_its_own() {
         let known = (JUDGEMENT, COARSER, OF_FINER);
         assert_eq!(known, ("scaled companions", 0.8, 2.05), "numbers and name change together");
-        // Third order, the least that grains show: what is left of a difference to a grid finer by 1/0.8.
+        // Third order, the least that grains show: what is left of a difference to a grid finer by
+        // 1/0.8.
         approx::assert_relative_eq!(OF_FINER, 1.0 / (1.0 - COARSER.powi(3)), max_relative = 1e-3);
     }
 

@@ -1,4 +1,4 @@
-//! From a wanted accuracy to a grid, and from solves on two grids to an error estimate.
+//! From a requested accuracy to a grid, and from solves on two grids to an error estimate.
 
 mod companions;
 pub mod coverages;

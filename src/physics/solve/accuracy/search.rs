@@ -1,4 +1,4 @@
-//! How fine is fine enough: from a wanted accuracy to the grid that reaches it.
+//! Search for the grid that reaches a requested accuracy.
 
 use super::error::AccuracyError;
 use super::resolution::{raised, refine, smooth_size};
@@ -8,10 +8,10 @@ use crate::solve::solver::{GridTrial, Watch};
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::{Resolution, Scheme, Unphysical};
 
-/// Error that a result without physical sense counts as when the grid is refined.
+/// Error assigned to a result that violates a physical law when the grid is refined.
 const UNPHYSICAL: f64 = 1.0;
-/// Points per wavelength in the densest medium, and planes per wavelength, from which the search starts at 1e-2: of the
-/// scalar wave and of Maxwell's equations.
+/// Points per wavelength in the densest medium, and planes per wavelength, at which the search
+/// starts for an accuracy of 1e-2: for the scalar wave and for Maxwell's equations.
 const START: [[f64; 2]; 2] = [[3.0, 5.4], [3.2, 7.0]];
 /// Resolutions tried before giving up.
 const LEVELS: usize = 24;
@@ -20,7 +20,8 @@ impl Task<'_> {
     /// Refines plane and z separately until the estimate meets `accuracy`.
     ///
     /// # Errors
-    /// An accuracy out of range, no memory for the next grid, or an error that does not fall.
+    /// An accuracy out of range, insufficient memory for the next grid, or an error that does not
+    /// decrease.
     pub fn solve_to_accuracy(
         &self,
         accuracy: f64,
@@ -44,7 +45,7 @@ impl Task<'_> {
     /// First resolution of the search.
     ///
     /// # Errors
-    /// The layer measures more wavelengths than any grid resolves.
+    /// The layer is more wavelengths thick or wide than any grid can resolve.
     fn start(&self, accuracy: f64) -> Result<Resolution, AccuracyError> {
         let finer = (1e-2 / accuracy).max(1.0);
         let waves = self.waves_per_um();
@@ -64,13 +65,13 @@ impl Task<'_> {
     }
 }
 
-/// A search under way.
+/// State of a search.
 struct Search<'a> {
     task: Task<'a>,
     accuracy: f64,
-    /// The grid to try next.
+    /// The next grid.
     resolution: Resolution,
-    /// The finest result so far.
+    /// The finest result obtained.
     last: Option<Estimated>,
     /// Why a grid gave no result.
     refused: Option<AccuracyError>,
@@ -78,7 +79,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The result on the next grid where it is accurate enough; else a finer grid is the next one.
+    /// The result on the next grid if it is accurate enough; otherwise chooses a finer grid.
     fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated>, AccuracyError> {
         let (resolution, accuracy) = (self.resolution, self.accuracy);
         self.task.admitted(resolution).map_err(|refusal| self.beyond_memory(refusal))?;
@@ -101,11 +102,11 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Goes on with a finer grid where one helps against a refusal.
+    /// Chooses a finer grid if that can resolve the rejection.
     fn raise(&mut self, refusal: AccuracyError) -> Result<(), AccuracyError> {
         let finer = match &refusal {
             AccuracyError::Wave(too_coarse) => raised(self.resolution, too_coarse),
-            // Ringing of a grid that is too coarse for its contrast: a finer one rings less.
+            // A grid too coarse for its contrast rings; refinement reduces the ringing.
             AccuracyError::Unphysical(Unphysical::OutOfRange { .. }) => {
                 Some(refine(self.resolution, [UNPHYSICAL; 2], self.accuracy))
             }
@@ -135,12 +136,12 @@ impl Search<'_> {
     }
 }
 
-/// Points to start with, in a size that transforms fast.
+/// Initial number of points, a size with a fast transform.
 fn starting_size(accuracy: f64, points: f64) -> Result<usize, AccuracyError> {
     possible(accuracy, points).map(smooth_size)
 }
 
-/// A number of points or cells along one axis, if a grid can have so many.
+/// A number of points or cells along one axis, if a grid may have that many.
 fn possible(asked: f64, need: f64) -> Result<usize, AccuracyError> {
     if need <= MOST_POINTS as f64 {
         Ok(need.ceil() as usize)
@@ -149,7 +150,8 @@ fn possible(asked: f64, need: f64) -> Result<usize, AccuracyError> {
     }
 }
 
-/// The scheme that reaches an accuracy with the fewest planes: higher cells pay once the planes are needed anyway.
+/// The scheme that reaches an accuracy with the fewest planes: higher-order cells pay off once
+/// their planes are needed anyway.
 pub fn suited_scheme(accuracy: f64) -> Scheme {
     if accuracy < 3e-3 { Scheme::Quartic } else { Scheme::Cubic }
 }

@@ -1,4 +1,4 @@
-//! One solve of a search: what it takes and what it gives.
+//! One solve of a search: inputs and results.
 
 use super::coverages::Coverages;
 use super::error::AccuracyError;
@@ -7,37 +7,37 @@ use crate::solve::solver::{Account, Goal, Solution, Solver, Watch};
 use crate::wave::{FarField, Incidence, Mean, Media, Resolution, Scheme, System, WaveError};
 use num_complex::Complex64;
 
-/// One solve to be made: everything but the resolution.
+/// Everything that defines a solve except the resolution.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The scene, and its geometry on the grids tried.
     pub coverages: &'a Coverages<'a>,
     /// Indices of all media.
     pub media: &'a Media,
-    /// The light.
+    /// The incident light.
     pub incidence: &'a Incidence,
-    /// Which mean medium the operator A has.
+    /// Mean medium of the operator A.
     pub mean: Mean,
     /// Discretisation along z.
     pub scheme: Scheme,
     /// The strategy.
     pub solver: &'a dyn Solver,
-    /// Residual to reach, and the most operator applications.
+    /// Requested residual, and the limit on operator applications.
     pub goal: Goal,
-    /// Most bytes that one solve may take, with what is held for its companions.
+    /// Memory limit of one solve in bytes, including what is held for its companions.
     pub memory: f64,
 }
 
-/// One polarisation's problem on a grid, or the scalar wave's, and its solution.
+/// One polarisation's problem on a grid, or that of the scalar wave, with its solution.
 pub struct Solved {
     /// The discrete problem.
     pub system: Box<dyn System>,
-    /// What the strategy delivered.
+    /// The strategy's result.
     pub solution: Solution,
 }
 
 impl Solved {
-    /// What leaves the layer.
+    /// Far field of the solution.
     pub fn far_field(&self) -> FarField {
         self.system.far_field(&self.solution.field)
     }
@@ -45,32 +45,35 @@ impl Solved {
 
 /// A solve with its error estimate.
 pub struct Estimated {
-    /// On the grid that was chosen: of the scalar wave, or of s and p light.
+    /// Solutions on the grid chosen: of the scalar wave, or of s and p light.
     pub solved: Vec<Solved>,
-    /// What leaves the layer, for each of them; all have passed the gate ([`Physical`](crate::wave::Physical)).
+    /// Far field of each solution; all have passed the physical checks
+    /// ([`Physical`](crate::wave::Physical)).
     pub far_fields: Vec<FarField>,
-    /// Largest expected error of any complex amplitude that [`largest_difference`](super::largest_difference) counts.
+    /// Largest expected error of any complex amplitude considered by
+    /// [`largest_difference`](super::largest_difference).
     pub error_estimate: f64,
-    /// The estimate's parts: plane, z.
+    /// Contributions of the grid to the estimate: plane, z.
     pub parts: [f64; 2],
-    /// Seconds for coverage and factors.
+    /// Time for coverage and factorisation, s.
     pub seconds_setup: f64,
-    /// Seconds for the companions.
+    /// Time for the companions, s.
     pub seconds_estimate: f64,
 }
 
 impl Estimated {
-    /// The first problem, the only one of the scalar wave.
+    /// The first problem; the scalar wave has only one.
     pub fn system(&self) -> &dyn System {
         &*self.solved[0].system
     }
 
-    /// What leaves the layer in the first polarisation, or in the scalar wave.
+    /// Far field of the first polarisation, or of the scalar wave.
     pub fn far_field(&self) -> &FarField {
         &self.far_fields[0]
     }
 
-    /// The accounts of all polarisations as one: steps, applications and seconds together, the larger residual.
+    /// Combined account of all polarisations: sums of steps, applications and seconds, the larger
+    /// residual.
     pub fn account(&self) -> Account {
         let mut joint = self.solved[0].solution.account.clone();
         for Solved { solution: Solution { account, .. }, .. } in &self.solved[1..] {
@@ -85,23 +88,24 @@ impl Estimated {
 }
 
 impl Task<'_> {
-    /// The strategy as the memory holds it on that grid, with leave to grow into the rest of it.
+    /// The strategy adapted to the memory available on a grid, with permission to grow into the
+    /// rest.
     ///
     /// # Errors
-    /// Nothing holds it.
+    /// The memory is too small for any variant of the strategy.
     pub fn admitted(&self, resolution: Resolution) -> Result<Admitted<'_>, TooLarge> {
         self.size(resolution).admit(self.solver, self.memory)
     }
 
-    /// The discrete problems on one grid.
+    /// The discrete problems on a grid.
     ///
     /// # Errors
-    /// Grids, bodies, media and lights that are refused.
+    /// Invalid grids, bodies, media or lights.
     pub fn systems(&self, resolution: Resolution) -> Result<Vec<Box<dyn System>>, WaveError> {
         self.coverages.at(resolution)?.systems(self.media, self.incidence, self.mean)
     }
 
-    /// Solves at one resolution: the solutions, and the seconds that coverage and factors took.
+    /// Solves on one grid; returns the solutions and the time for coverage and factorisation, s.
     pub fn solve(
         &self,
         resolution: Resolution,
@@ -110,7 +114,7 @@ impl Task<'_> {
         self.solve_from(None, resolution, watch)
     }
 
-    /// Solves at one resolution, with another's solutions as first guesses.
+    /// Solves on one grid, with other solutions as initial guesses.
     pub(super) fn solve_from(
         &self,
         guess: Option<&[Solved]>,
@@ -143,7 +147,7 @@ impl Task<'_> {
         self.coverages.scene.bodies.iter().map(|b| self.media.index_of(b.material))
     }
 
-    /// What a solve on that grid will take.
+    /// Size of a solve on a grid.
     pub(super) fn size(&self, resolution: Resolution) -> Size {
         let Coverages { wave, scene, .. } = *self.coverages;
         Size::new(wave, scene, self.media, self.incidence.wavelength_um, resolution)

@@ -1,7 +1,8 @@
-//! BiCGSTAB (van der Vorst 1992): short recurrences, eight vectors whatever the number of steps.
+//! BiCGSTAB (van der Vorst 1992): short recurrences, eight vectors for any number of steps.
 //!
-//! Our own: the maintained complex implementation in the linear-algebra crate used elsewhere can neither be
-//! cancelled nor watched. Erratic without absorption, where GMRES is the better choice.
+//! Implemented here because the maintained complex implementation in the linear-algebra crate can
+//! neither be cancelled nor observed. Convergence is erratic without absorption, where GMRES is the
+//! better choice.
 
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
@@ -12,11 +13,11 @@ use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// BiCGSTAB; two operator applications a step.
+/// BiCGSTAB; two operator applications per step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Bicgstab {
-    /// Restarts from the true residual when the recurrence breaks down or has drifted.
+    /// Number of restarts from the true residual when the recurrence breaks down or has drifted.
     pub most_restarts: usize,
 }
 
@@ -65,7 +66,8 @@ impl Solver for Bicgstab {
     }
 }
 
-/// Runs until the recursive residual meets the goal, breaks down, or uses up the applications.
+/// Iterates until the recursive residual meets the goal, breaks down, or the applications are used
+/// up.
 fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), SolveError> {
     let shadow = r.clone();
     let shape = r.dim();
@@ -76,7 +78,7 @@ fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), S
         apply(ledger, &p, &mut v); // v = M p
         let alpha = rho / dot(flat(&shadow), flat(&v)); // α = ⟨r̃, r⟩ / ⟨r̃, v⟩
         ndarray::Zip::from(&mut s).and(&*r).and(&v).par_for_each(|s, &r, &v| *s = r - alpha * v); // s = r − α v
-        // Half a step may end it, and exactly so without contrast: ω would be 0/0.
+        // Half a step may suffice, and does exactly so without contrast: ω would be 0/0.
         let half = norm(flat(&s)) / ledger.scale();
         if half <= 0.9 * ledger.goal.tolerance {
             ndarray::Zip::from(&mut *u).and(&p).par_for_each(|u, &p| *u += alpha * p);
@@ -109,7 +111,7 @@ fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), S
     Ok(())
 }
 
-/// out ← (1 + A⁻¹V) x.
+/// Applies the operator: out ← (1 + A⁻¹V) x.
 fn apply(ledger: &mut Ledger, x: &Field, out: &mut Field) {
     ledger.problem.scatter(x.view(), out);
     ndarray::Zip::from(out).and(x).par_for_each(|o, &x: &Complex64| *o += x);

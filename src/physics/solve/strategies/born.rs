@@ -7,7 +7,7 @@ use crate::wave::{Field, System};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Terms are added until they are small; stops early when they grow.
+/// The Born series: adds terms until they are small; fails early if they grow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Born {
@@ -38,7 +38,7 @@ impl Solver for Born {
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
         let mut term = Field::zeros(problem.shape());
         loop {
-            // The residual is the next term of the series, so one application serves both.
+            // The residual is the next term of the series, so one application serves both purposes.
             let residual = ledger.measure(&field, &mut term);
             ledger.note(residual)?;
             if ledger.reached() {
@@ -59,5 +59,5 @@ impl Solver for Born {
 }
 
 fn advice(ratio: Option<f64>) -> String {
-    format!("terms shrink by {:.4} a step; use krylov or allow more applications", ratio.unwrap_or(1.0))
+    format!("terms shrink by {:.4} per step; use krylov or allow more applications", ratio.unwrap_or(1.0))
 }

@@ -1,9 +1,11 @@
-//! The convergent Born series (Osnabrugge, Leedumrongwatthanakul, Vellekoop, J. Comput. Phys. 322 (2016) 113).
+//! The convergent Born series (Osnabrugge, Leedumrongwatthanakul, Vellekoop, J. Comput. Phys. 322
+//! (2016) 113).
 //!
-//! In plane values, with D the lumped mass: L = Ã + iεD moves absorption into the propagator and V' = V − iεD takes it
-//! back, so that (L + V')u = b is exactly the common system whatever ε is. With γ = (i/ε)·(−V'/D)
-//! at every point, u ← u − γ (u − L⁻¹(b − V'u)) contracts once |V| ≤ ε. In a two-phase medium every point would sit on
-//! the circle of convergence, so |V| is scaled below it and the step shortened (Vettenburg and Vellekoop 2022).
+//! In plane values, with D the lumped mass: L = Ã + iεD moves absorption into the propagator and V'
+//! = V − iεD compensates it, so that (L + V')u = b is exactly the original system for every ε. With
+//! γ = (i/ε)·(−V'/D) at every point, u ← u − γ (u − L⁻¹(b − V'u)) contracts if |V| ≤ ε. In a
+//! two-phase medium every point would lie on the circle of convergence, so |V| is scaled below it
+//! and the step shortened (Vettenburg and Vellekoop 2022).
 
 use super::relaxation::contrasts;
 use crate::solve::demand::Size;
@@ -16,15 +18,15 @@ use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Settings with the defaults that were fastest on packed ink cells.
+/// The convergent Born series; the defaults were fastest on packed ink cells.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ConvergentBorn {
-    /// Largest |V| over ε: below 1.
+    /// Largest |V| over ε, below 1.
     pub scale: f64,
-    /// Share of the full step.
+    /// Fraction of the full step.
     pub step: f64,
-    /// Steps between two looks at the residual.
+    /// Number of steps between evaluations of the residual.
     pub check_every: usize,
 }
 
@@ -75,7 +77,8 @@ impl Solver for ConvergentBorn {
     }
 
     fn fit(&self, size: &Size, _bytes: f64) -> Fit {
-        // Five fields of the series, three of the ledger, and the banded factors with their making.
+        // Five fields of the series, three of the ledger, and the banded factors with their work
+        // arrays.
         Fit::fixed(size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
     }
 }
@@ -103,12 +106,12 @@ struct BornSeries<'a> {
     /// V'/D and step · γ at the points.
     contrast: Array2<Complex64>,
     gamma: Array2<Complex64>,
-    /// Row of the face the light enters by, and b/D at its points.
+    /// Row of the illuminated face, and b/D at its points.
     source: (usize, Vec<Complex64>),
     u: Array2<Complex64>,
-    /// At the points, within a step: the right side b/D − V'/D u, then G of it.
+    /// Work array within a step: the right-hand side b/D − V'/D u, then G applied to it.
     points: Array2<Complex64>,
-    /// The same as harmonics of the planes.
+    /// Harmonics of `points` on every plane.
     harmonics: Field,
 }
 
@@ -133,7 +136,7 @@ impl<'a> BornSeries<'a> {
         (4 * self.u.len() + self.harmonics.len()) * size_of::<Complex64>() + self.shifted.bytes()
     }
 
-    /// u ← u − γ (u − G (b − V'u)), G the inverse of the shifted mean operator.
+    /// One step u ← u − γ (u − G (b − V'u)), with G the inverse of the shifted mean operator.
     fn step(&mut self) {
         self.right_side();
         self.apply_green();
@@ -141,7 +144,7 @@ impl<'a> BornSeries<'a> {
         update.par_for_each(|u, &next, &g| *u -= g * (*u - next)); // u − γ (u − next)
     }
 
-    /// points ← b/D − (V'/D) u; b is not zero on the face the light enters by alone.
+    /// Right-hand side points ← b/D − (V'/D) u; b vanishes except on the illuminated face.
     fn right_side(&mut self) {
         let product = ndarray::Zip::from(&mut self.points).and(&self.u).and(&self.contrast);
         product.par_for_each(|l, &u, &v| *l = -v * u); // −(V'/D) u
@@ -149,7 +152,7 @@ impl<'a> BornSeries<'a> {
         self.points.row_mut(*row).iter_mut().zip(source).for_each(|(l, b)| *l += b); // + b/D
     }
 
-    /// points ← G D points, harmonic by harmonic.
+    /// Applies points ← G D points, harmonic by harmonic.
     fn apply_green(&mut self) {
         self.shifted.solve_points(self.problem, &self.points, &mut self.harmonics); // G D ·
         self.problem.planes_to_points(&self.harmonics, &mut self.points);

@@ -1,4 +1,4 @@
-//! The referee: the assembled matrix 1 + A⁻¹V by dense LU, for tiny grids only.
+//! The dense reference: the assembled matrix 1 + A⁻¹V by LU, for tiny grids only.
 
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
@@ -8,11 +8,12 @@ use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Dense LU; refuses problems above `max_unknowns` (16 bytes times their square, and their cube in time).
+/// Dense LU; rejects problems above `max_unknowns` (memory: 16 bytes times their square; time:
+/// their cube).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Direct {
-    /// Most complex unknowns it takes.
+    /// Largest number of complex unknowns.
     pub max_unknowns: usize,
 }
 
@@ -63,13 +64,13 @@ impl Solver for Direct {
     }
 
     fn fit(&self, size: &Size, _bytes: f64) -> Fit {
-        // Larger ones it refuses itself, before it assembles anything.
+        // Larger problems are rejected before the matrix is assembled.
         let unknowns = size.unknowns().min(self.max_unknowns as f64);
         Fit::fixed(3.0 * 16.0 * unknowns * unknowns + size.fields(6.0))
     }
 }
 
-/// Columns of 1 + A⁻¹V, one after the other, by applying it to unit vectors.
+/// Columns of 1 + A⁻¹V in turn, by application to unit vectors.
 fn assemble(problem: &dyn System, ledger: &mut Ledger) -> Vec<Complex64> {
     let n = problem.unknowns();
     let (mut unit, mut column) = (Field::zeros(problem.shape()), Field::zeros(problem.shape()));
@@ -91,11 +92,11 @@ use by_lapack as dense_solve;
 #[cfg(not(feature = "lapack"))]
 use by_faer as dense_solve;
 
-/// Bytes of stack that LAPACK gets.
+/// Stack size for LAPACK, bytes.
 #[cfg(feature = "lapack")]
 const LAPACK_STACK: usize = 64 << 20;
 
-/// Solves with a column-major matrix through LAPACK.
+/// Solves a system with a column-major matrix by LAPACK.
 #[cfg(feature = "lapack")]
 fn by_lapack(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
     use ndarray::{ArrayView1, ArrayView2};
@@ -103,7 +104,8 @@ fn by_lapack(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
     let n = right.len();
     let transposed = ArrayView2::from_shape((n, n), matrix).expect("a square matrix");
     let solve = || transposed.t().to_owned().solve(&ArrayView1::from(right).to_owned());
-    // OpenBLAS keeps its work area on the stack: the 2 MB of an ordinary thread overflow now and then.
+    // OpenBLAS keeps work arrays on the stack: the 2 MB of an ordinary thread occasionally
+    // overflow.
     let solved = std::thread::scope(|scope| {
         let roomy = std::thread::Builder::new().stack_size(LAPACK_STACK).spawn_scoped(scope, solve);
         roomy.expect("a thread for LAPACK").join().expect("LAPACK does not panic")
@@ -111,7 +113,7 @@ fn by_lapack(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
     solved.map_or_else(|_| vec![Complex64::new(f64::NAN, f64::NAN); n], |x| x.to_vec())
 }
 
-/// Solves with a column-major matrix through faer.
+/// Solves a system with a column-major matrix by faer.
 #[cfg(any(test, not(feature = "lapack")))]
 fn by_faer(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
     use faer::linalg::solvers::Solve;

@@ -1,10 +1,11 @@
-//! Guided modes of the mean slab, treated exactly: what makes large transparent cells hard.
+//! Guided modes of the mean slab, treated exactly: they make large transparent cells hard to solve.
 //!
-//! Near its guided modes the mean slab is almost singular, and there are more of them the larger the cell. Let Φ
-//! collect the near-null node profiles, Q = ΦᵀAΦ and S = Φᵀ(A + V)Φ. Replacing Q by S in the mean operator's
-//! inverse multiplies it from the right by C = 1 + Φ (S⁻¹ − Q⁻¹) (AΦ)ᵀ: sparse products, one small dense solve, no
-//! operator application, and the residual that GMRES sees stays the true one (Galerkin coarse correction; V enters by
-//! its Fourier coefficients at differences of harmonics). Q couples modes of one harmonic only.
+//! Near its guided modes the mean slab is almost singular, and their number grows with the cell.
+//! Let Φ collect the near-null node profiles, Q = ΦᵀAΦ and S = Φᵀ(A + V)Φ. Replacing Q by S in the
+//! mean operator's inverse multiplies it from the right by C = 1 + Φ (S⁻¹ − Q⁻¹) (AΦ)ᵀ: sparse
+//! products, one small dense solve, no operator application, and the residual in GMRES remains the
+//! true one (Galerkin coarse correction; V enters by its Fourier coefficients at differences of
+//! harmonics). Q couples only modes of the same harmonic.
 
 use crate::numerics::fourier::{Real, narrow};
 use crate::solve::demand::Size;
@@ -19,18 +20,21 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::AddAssign;
 
-/// When and how far guided modes are treated.
+/// Selection of the guided modes to treat.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GuidedModes {
-    /// Modes with |eigenvalue| below this multiple of k0² count as near-null; 0 switches the correction off.
+    /// Modes with |eigenvalue| below this multiple of k0² count as near-null; 0 switches the
+    /// correction off.
     pub threshold: f64,
-    /// At most this many (the nearest to null): the dense block costs their cube once, and 16 bytes times their square.
+    /// Largest number of modes (those nearest to null): the dense block costs their cube once, and
+    /// 16 bytes times their square.
     pub most: usize,
-    /// Fewest harmonics with such modes for the correction to pay: in cells of 2.4 µm and less the dense blocks cost more
-    /// than the steps they save (measured at κ = 0: 20 against 13 ms; at 4.8 µm 0.75 against 1.23 s).
+    /// Smallest number of harmonics with such modes for which the correction pays off: in cells of
+    /// 2.4 µm or less the dense blocks cost more than the steps they save (measured at κ = 0: 20
+    /// against 13 ms; at 4.8 µm 0.75 against 1.23 s).
     pub least_harmonics: usize,
-    /// Mean absorption Im⟨k²⟩/k0² above which guided modes are damped and left alone.
+    /// Mean absorption Im⟨k²⟩/k0² above which guided modes are damped and need no treatment.
     pub damped: f64,
 }
 
@@ -43,13 +47,13 @@ impl Default for GuidedModes {
 /// One mode: a harmonic and values at the nodes.
 struct Mode {
     harmonic: usize,
-    /// |eigenvalue| of the mean operator, damping included.
+    /// |eigenvalue| of the mean operator, including damping.
     eigenvalue: f64,
     nodes: Vec<f64>,
 }
 
 impl Mode {
-    /// A times the mode, at the nodes.
+    /// The operator A applied to the mode, at the nodes.
     fn image(&self, problem: &Problem) -> Vec<Complex64> {
         let (diagonal, off) = problem.mean.node_matrix(self.harmonic, problem.end_conditions(self.harmonic));
         (0..diagonal.len()).map(|j| tridiagonal_row(&diagonal, &off, &self.nodes, j)).collect()
@@ -64,52 +68,53 @@ fn tridiagonal_row(diagonal: &[Complex64], off: &[Complex64], x: &[f64], j: usiz
     diagonal[j] * x[j] + previous + next
 }
 
-/// C, ready to be applied to fields.
+/// The operator C, ready to be applied to fields.
 pub(crate) struct Correction {
     modes: Vec<Mode>,
-    /// AΦ at the nodes.
+    /// Products AΦ at the nodes.
     images: Vec<Vec<Complex64>>,
-    /// S, factorised.
+    /// The Galerkin matrix S, factorised.
     galerkin: PartialPivLu<Complex64>,
-    /// Per harmonic, its first mode and its block of Q⁻¹.
+    /// First mode of each harmonic and its block of Q⁻¹.
     mean_inverses: Vec<(usize, Mat<Complex64>)>,
     harmonics: usize,
     stride: usize,
 }
 
-/// Solves that turn out to be hard treat modes up to so many times `threshold` from null: there the contrast of high indices couples
-/// them (n = 2.6: 258 applications with 5, 300 with 2, 169 with 11, which costs more in dense blocks than it saves).
+/// Factor on `threshold` in hard solves: there the contrast of high indices couples modes further
+/// from null (n = 2.6: 258 applications with 5, 300 with 2, 169 with 11, which costs more in dense
+/// blocks than it saves).
 const HARD: f64 = 5.0;
-/// At most so many then.
+/// Upper limit on the number of modes in hard solves.
 const MOST_HARD: usize = 1500;
-/// Dense blocks that are there at a time: columns, the matrix, and both factors.
+/// Dense blocks held simultaneously: columns, the matrix, and both factors.
 const BLOCKS: f64 = 4.0;
 
 impl GuidedModes {
-    /// Most bytes that the correction takes, in the making included.
+    /// Largest memory of the correction in bytes, including its construction.
     pub(super) fn most_bytes(&self, size: &Size) -> f64 {
         if self.threshold <= 0.0 || self.most == 0 {
             return 0.0;
         }
         let modes = size.near_null_modes(self.threshold).min(self.most as f64);
-        // Profiles, images and values on planes of every mode; spectra of every plane.
+        // Profiles, images and values on planes for every mode; spectra of every plane.
         let profiles = 48.0 * modes * size.planes();
         BLOCKS * 16.0 * modes * modes + profiles + size.fields(1.0)
     }
 
-    /// The same for solves that have turned out to be hard: there the correction pays in small cells too.
+    /// Settings for hard solves, where the correction pays off in small cells too.
     pub(super) fn of_hard_solves(self) -> Self {
         let most = self.most.min(MOST_HARD);
         Self { threshold: HARD * self.threshold, most, least_harmonics: 0, ..self }
     }
 
-    /// The same with a dense block of at most `bytes`.
+    /// Settings whose dense block takes at most `bytes`.
     pub(super) fn within(self, bytes: f64) -> Self {
         let most = (bytes.max(0.0) / (BLOCKS * 16.0)).sqrt() as usize;
         Self { most: self.most.min(most), ..self }
     }
 
-    /// The correction for a problem, or none where it would not pay.
+    /// The correction for a problem, or `None` if it would not pay off.
     pub(crate) fn correction(&self, problem: &Problem) -> Option<Correction> {
         let k0_squared = (TAU / problem.incidence.wavelength_um).powi(2);
         if self.threshold <= 0.0 {
@@ -133,8 +138,9 @@ impl GuidedModes {
     }
 }
 
-/// False for harmonics so evanescent that no mode is near null: rows of the node matrix over their masses add up to at
-/// most −2κ tanh(κh/2)/h with κ² = kx² + ky² − max k̄², which falls with the height of the cells.
+/// Whether a harmonic may have modes near null. Strongly evanescent ones cannot: rows of the node
+/// matrix over their masses sum to at most −2κ tanh(κh/2)/h with κ² = kx² + ky² − max k̄², which
+/// decreases with the height of the cells.
 fn may_be_near_null(problem: &Problem, harmonic: usize, limit: f64) -> bool {
     let highest = problem.mean.mean_k2().iter().map(|k2| k2.re).fold(f64::NEG_INFINITY, f64::max);
     let lateral: f64 = problem.lateral[harmonic].iter().map(|k| k * k).sum();
@@ -176,7 +182,7 @@ fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
 impl Correction {
     fn new(problem: &Problem, modes: Vec<Mode>) -> Correction {
         let images: Vec<Vec<Complex64>> = modes.iter().map(|mode| mode.image(problem)).collect();
-        // Called for modes of one harmonic only: between others A has no entries.
+        // Called for modes of one harmonic only: A does not couple different ones.
         let mean_block =
             |i: usize, j: usize| modes[i].nodes.iter().zip(&images[j]).map(|(a, b)| a * b).sum::<Complex64>();
         let mut galerkin = contrast_block(problem, &modes);
@@ -192,13 +198,13 @@ impl Correction {
         Correction { galerkin: galerkin.partial_piv_lu(), modes, images, mean_inverses, harmonics, stride }
     }
 
-    /// Bytes held.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let nodes: usize = self.images.iter().map(|image| image.len()).sum();
         (self.modes.len().pow(2) + nodes) * size_of::<Complex64>() + nodes * size_of::<f64>()
     }
 
-    /// v ← C v.
+    /// Applies v ← C v.
     pub fn apply<T: Real>(&self, v: &mut [Complex<T>]) {
         let parts = self.modes.iter().zip(&self.images);
         let projected: Vec<Complex64> = parts.map(|(mode, image)| self.product(mode, image, v)).collect();
@@ -215,13 +221,13 @@ impl Correction {
         }
     }
 
-    /// Where a field has a node's value in a harmonic.
+    /// Index of a node's value for one harmonic in a field.
     #[inline]
     fn place(&self, node: usize, harmonic: usize) -> usize {
         node * self.stride * self.harmonics + harmonic
     }
 
-    /// (Aφ)ᵀ v of one mode φ, of which `image` is Aφ.
+    /// Product (Aφ)ᵀ v for one mode φ; `image` is Aφ.
     #[inline]
     fn product<T: Real>(&self, mode: &Mode, image: &[Complex64], v: &[Complex<T>]) -> Complex64 {
         let value = |j: usize| {
@@ -238,13 +244,13 @@ fn coupling(f: &[Complex64], g: &[Complex64], w: ArrayView1<Complex64>) -> Compl
     f.iter().zip(g).zip(w).map(|((f, g), w)| w * f * g).sum()
 }
 
-/// ΦᵀVΦ: Σ_p Ŵ_p(l − l') f_i(p) f_j(p), with the mean solution's values f on the planes.
+/// The block ΦᵀVΦ: Σ_p Ŵ_p(l − l') f_i(p) f_j(p), with the mean solution's values f on the planes.
 fn contrast_block(problem: &Problem, modes: &[Mode]) -> Mat<Complex64> {
     let planes = problem.shape().0;
     let profiles: Vec<Vec<Complex64>> =
         modes.iter().map(|m| problem.mean.profile_on_planes(m.harmonic, &m.nodes)).collect();
     let [nx, ny] = [problem.coverage.grid.resolution.nx, problem.coverage.grid.resolution.ny];
-    // Planes run fastest, so that a pair of harmonics reads one stretch of memory.
+    // Planes run fastest, so that a pair of harmonics reads contiguous memory.
     let mut spectra = Array2::zeros((nx * ny, planes));
     for p in 0..planes {
         spectra.column_mut(p).iter_mut().zip(problem.contrast_spectrum(p)).for_each(|(s, w)| *s = w);

@@ -1,5 +1,5 @@
-//! GMRES with restart on (1 + A⁻¹V) u = u₀ (Saad and Schultz 1986): our own, since no maintained crate offers
-//! it for complex operators that are never assembled.
+//! GMRES with restart on (1 + A⁻¹V) u = u₀ (Saad and Schultz 1986), implemented here because no
+//! maintained crate offers it for complex matrix-free operators.
 
 use super::guided::{Correction, GuidedModes};
 use super::least_squares::LeastSquares;
@@ -16,7 +16,8 @@ use num_complex::{Complex, Complex64};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Restarted GMRES; memory: the basis (at most `restart` vectors) and 4 vectors of 16 bytes per unknown.
+/// Restarted GMRES; memory: the basis (at most `restart` vectors) and 4 vectors of 16 bytes per
+/// unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gmres {
@@ -32,26 +33,29 @@ impl Default for Gmres {
     }
 }
 
-/// Residuals from which single precision is enough for the basis: its roundings are ten times smaller and more, and the
-/// residual that counts is always measured in double precision.
+/// Residuals above which single precision suffices for the basis: its rounding errors are at least
+/// ten times smaller, and the decisive residual is always measured in double precision.
 const SINGLE: f64 = 5e-6;
-/// Most vectors of a basis in single precision: where more are needed, their loss of orthogonality costs more.
+/// Largest basis in single precision: beyond it, the loss of orthogonality costs more than it
+/// saves.
 const MOST_SINGLE: usize = 60;
-/// A basis in single precision must reduce the true residual by this factor, or double precision takes over.
+/// If a basis in single precision reduces the true residual by less than this factor, double
+/// precision takes over.
 const SINGLE_GAIN: f64 = 0.2;
-/// Vectors besides the basis: guess, field, residual, the incident wave, the work of one step.
+/// Vectors besides the basis: guess, field, residual, incident wave, and work arrays of one step.
 const OTHER_VECTORS: f64 = 9.0;
-/// Share of scarce memory that the guided modes' dense block may take.
+/// Fraction of scarce memory that the guided modes' dense block may use.
 const GUIDED_SHARE: f64 = 0.3;
-/// Fewest basis vectors that restarts still converge with.
+/// Shortest basis with which restarts still converge.
 const LEAST_RESTART: usize = 20;
-/// A cycle that leaves more than this share of the residual stalls.
+/// A cycle that leaves more than this fraction of the residual has stalled.
 const STALLS: f64 = 0.99;
-/// A solve that a first cycle has not brought to its goal may take so many times `restart` vectors, where there is room: restarts
-/// cost more applications than a longer basis does work (5 % of n = 2.6, 250 nm, κ = 0: 904 applications against 319).
+/// Growth factor on `restart` for a solve that the first cycle has not brought to its goal, memory
+/// permitting: restarts cost more applications than a longer basis costs work (5 % of n = 2.6, 250
+/// nm, κ = 0: 904 applications against 319).
 const HARD_GROWTH: usize = 4;
-/// A basis that is too short grows to so many times `restart`, at once: applications made with short ones are lost. Beyond,
-/// orthogonalisation costs more than another strategy.
+/// Upper limit on the growth of a basis that is too short, reached at once: applications with short
+/// bases are lost. Beyond it, orthogonalisation costs more than another strategy.
 const MOST_GROWTH: usize = 8;
 
 impl Solver for Gmres {
@@ -87,10 +91,10 @@ impl Solver for Gmres {
     }
 }
 
-/// GMRES with what the memory leaves for solves that stall.
+/// GMRES with the memory available to solves that stall.
 struct Growing {
     settings: Gmres,
-    /// Basis vectors that a solve which stalls may grow to; 0 where it may not.
+    /// Largest basis to which a stalled solve may grow; 0 if it may not.
     longest: usize,
 }
 
@@ -145,13 +149,13 @@ impl Gmres {
         size.fields(self.restart as f64 + OTHER_VECTORS)
     }
 
-    /// Basis vectors that `bytes` hold beside all else.
+    /// Number of basis vectors that fit into `bytes` besides everything else.
     fn most_vectors(&self, size: &Size, bytes: f64) -> usize {
         let vectors = (bytes - self.bytes_of_modes(size)) / size.fields(1.0) - OTHER_VECTORS;
         vectors.max(0.0) as usize
     }
 
-    /// Most bytes of guided modes, however hard the solve turns out to be.
+    /// Largest memory of the guided modes in bytes, for solves of any difficulty.
     fn bytes_of_modes(&self, size: &Size) -> f64 {
         let hard = self.guided_modes.of_hard_solves();
         self.guided_modes.most_bytes(size).max(hard.most_bytes(size))
@@ -159,7 +163,7 @@ impl Gmres {
 }
 
 impl Growing {
-    /// What helps a solve that stalls with so many basis vectors, and has not been tried.
+    /// Remedy for a solve that stalls with `restart` basis vectors.
     fn advice(&self, restart: usize) -> String {
         let more = 2 * restart;
         let by_hand = format!("raise restart: strategy = {{ krylov = {{ restart = {more} }} }}");
@@ -172,11 +176,11 @@ impl Growing {
             }
             _ => format!("take strategy = \"bicgstab\", a finer grid, or {by_hand}"),
         };
-        format!("a basis of {restart} vectors is too short for it; {remedy}")
+        format!("a basis of {restart} vectors is too short for this problem; {remedy}")
     }
 }
 
-/// A system's operator in double precision, for code that is written for both.
+/// A system's operator in double precision, for code generic over the precision.
 struct Double<'a>(&'a dyn System);
 
 impl Scatter<f64> for Double<'_> {
@@ -185,15 +189,15 @@ impl Scatter<f64> for Double<'_> {
     }
 }
 
-/// One solve under way; `work` holds the residual at the start of a cycle.
+/// A solve in progress; `work` holds the residual at the start of a cycle.
 struct KrylovRun<'a> {
     ledger: Ledger<'a>,
     field: Field,
     work: Field,
     correction: Option<Correction>,
-    /// The operator in single precision, as long as that serves.
+    /// The operator in single precision, as long as that suffices.
     single: Option<&'a dyn Scatter<f32>>,
-    /// Basis vectors of a cycle.
+    /// Number of basis vectors per cycle.
     restart: usize,
     first_cycle: bool,
 }
@@ -202,7 +206,7 @@ impl KrylovRun<'_> {
     /// One restart cycle: builds a basis from the residual in `work` and corrects the field.
     fn cycle<T: Real>(&mut self, operator: &dyn Scatter<T>, restart: usize) -> Result<(), SolveError> {
         let beta = norm(flat(&self.work));
-        // v_1 = r/β; M the guided modes' correction, M = 1 without one
+        // v_1 = r/β; M is the guided modes' correction, M = 1 without it
         let (mut basis, mut small) = (Basis::<T>::new(flat(&self.work), beta), LeastSquares::new(beta));
         let (mut last, mut image) = (Array2::zeros(self.field.dim()), Array2::zeros(self.field.dim()));
         let mut verdict = Ok(());
@@ -217,7 +221,7 @@ impl KrylovRun<'_> {
             self.ledger.account.steps += 1;
             self.ledger.account.operator_applications += 1;
             verdict = self.ledger.note(residual);
-            // A little below the goal, so that the true residual, measured next, meets it too.
+            // Slightly below the goal, so that the true residual, measured next, meets it too.
             let reached = residual <= 0.9 * self.ledger.goal.tolerance;
             if !grows || reached || verdict.is_err() || self.ledger.exhausted() {
                 break;
@@ -234,7 +238,8 @@ impl KrylovRun<'_> {
         verdict
     }
 
-    /// After a cycle that has left the goal, from the residual `before` it: more modes, a longer basis, double precision, or the end.
+    /// Adapts after a cycle that missed the goal, given the residual `before` it: more modes, a
+    /// longer basis, double precision, or failure.
     fn adapt(&mut self, solver: &Growing, before: f64) -> Result<(), SolveError> {
         let (after, first) = (self.ledger.account.residual, std::mem::take(&mut self.first_cycle));
         let stalls = self.single.is_none() && after > STALLS * before;
@@ -244,7 +249,7 @@ impl KrylovRun<'_> {
         }
         self.ledger.judge(&format!("allow more applications (solver.max_applications); {advice}"))?;
         if first {
-            self.take_pains(solver);
+            self.prepare_for_hard_solve(solver);
         } else if self.single.is_none() && self.too_slow(before / after) {
             self.restart = solver.longest.max(self.restart);
         }
@@ -252,8 +257,8 @@ impl KrylovRun<'_> {
         Ok(())
     }
 
-    /// For a solve that has turned out to be hard: guided modes wherever they lie, and a longer basis.
-    fn take_pains(&mut self, solver: &Growing) {
+    /// Settings for a hard solve: guided modes in cells of any size, and a longer basis.
+    fn prepare_for_hard_solve(&mut self, solver: &Growing) {
         let more = solver.settings.guided_modes.of_hard_solves();
         let correction = self.correction.take();
         let problem = self.ledger.problem.split();
@@ -261,7 +266,8 @@ impl KrylovRun<'_> {
         self.restart = self.restart.max(solver.longest.min(HARD_GROWTH * self.restart));
     }
 
-    /// True where the goal is beyond the applications left at the pace of the last cycle, which has divided the residual by `gain`.
+    /// Whether the remaining applications cannot reach the goal at the rate of the last cycle,
+    /// which divided the residual by `gain`.
     fn too_slow(&self, gain: f64) -> bool {
         let (account, goal) = (&self.ledger.account, &self.ledger.goal);
         let left = goal.max_applications.saturating_sub(account.operator_applications) as f64;

@@ -75,7 +75,8 @@ fn guided() -> Gmres {
     Gmres { guided_modes: modes, ..Gmres::default() }
 }
 
-/// Without contrast the mean operator's inverse needs no correction. *Planted*: the inverse of the mean block added, not taken off.
+/// Without contrast the mean operator's inverse needs no correction. *Planted*: the inverse of the
+/// mean block added, not taken off.
 #[test]
 fn guided_modes_change_nothing_where_there_is_no_contrast() {
     for scheme in SCHEMES {
@@ -90,8 +91,8 @@ fn guided_modes_change_nothing_where_there_is_no_contrast() {
     }
 }
 
-/// A film in its own medium at a thickness where a standing wave would fit: what it holds radiates at once, which is as far from
-/// null as its damping, 4k/H. *Planted*: damping forgotten.
+/// A film in its own medium at a thickness where a standing wave would fit: what it holds radiates
+/// at once, which is as far from null as its damping, 4k/H. *Planted*: damping forgotten.
 #[test]
 fn a_mode_that_radiates_is_no_guided_mode() {
     let (n, wavelength_um) = (1.558, 0.9);
@@ -132,7 +133,8 @@ fn single_precision_is_judged_by_the_residual_in_double_precision() {
 
 #[test]
 fn the_direct_referee_agrees_with_another_factorisation() {
-    // With the feature `lapack` this sets LAPACK against faer; without it, two assemblies of the same matrix.
+    // With the feature `lapack` this sets LAPACK against faer; without it, two assemblies of the
+    // same matrix.
     for size in awkward() {
         for scheme in SCHEMES {
             let problem = problem(size, scheme, Complex64::new(1.4, 0.2), Side::Exit);
@@ -186,7 +188,8 @@ fn a_basis_that_is_too_short_grows_within_its_leave() {
     assert!(largest(&roomy.field, &whole.field) < 1e-3);
 }
 
-/// Balls of a high index in a clear binder: what a first cycle leaves is solved with more guided modes and a longer basis.
+/// Balls of a high index in a clear binder: what a first cycle leaves is solved with more guided
+/// modes and a longer basis.
 /// *Planted*: small cells without their guided modes.
 #[test]
 fn a_hard_solve_takes_pains() {
@@ -239,7 +242,7 @@ fn operator_applications_are_pinned() {
     let goal = Goal { tolerance: 1e-6, ..Goal::default() };
     let problem = problem([7, 5, 3], Scheme::Cubic, Complex64::new(1.4, 0.2), Side::Incident);
     let solution = Gmres::default().solve(&problem, goal, &mut Silent).expect("converges");
-    // One application a step, and one for the true residual at the end.
+    // One application per step, and one for the true residual at the end.
     assert_eq!(solution.account.operator_applications, solution.account.steps + 1);
     assert_eq!(solution.account.steps, PINNED_STEPS);
     assert!(solution.account.residual <= goal.tolerance);

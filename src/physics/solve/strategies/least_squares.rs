@@ -1,8 +1,8 @@
-//! The small least-squares problem inside GMRES.
+//! The small least-squares problem of GMRES.
 
 use num_complex::Complex64;
 
-/// min ‖β e₁ − H y‖ by Givens rotations, one column at a time.
+/// Solves min ‖β e₁ − H y‖ by Givens rotations, one column at a time.
 pub(crate) struct LeastSquares {
     columns: Vec<Vec<Complex64>>,
     rotations: Vec<(f64, Complex64)>,
@@ -30,20 +30,20 @@ impl LeastSquares {
             0.0 => (0.0, Complex64::ONE),
             d => (d / length, diagonal / d * below.conj() / length),
         };
-        column[k] = c * diagonal + s * below; // the rotation that sends h_{k+1,k} to zero
+        column[k] = c * diagonal + s * below; // the rotation that eliminates h_{k+1,k}
         self.rotations.push((c, s));
         let last = self.right[k];
         self.right[k] = c * last;
         self.right.push(-s.conj() * last);
         self.columns.push(column);
-        self.right[k + 1].norm() // ‖β e₁ − H y‖: what no y reaches
+        self.right[k + 1].norm() // the minimum of ‖β e₁ − H y‖
     }
 
     pub fn solve(&self) -> Vec<Complex64> {
         let n = self.columns.len();
         let mut y = self.right[..n].to_vec();
         for i in (0..n).rev() {
-            y[i] /= self.columns[i][i]; // R y = Qᴴ β e₁ from below
+            y[i] /= self.columns[i][i]; // R y = Qᴴ β e₁ by back substitution
             let yi = y[i];
             (0..i).for_each(|r| y[r] -= self.columns[i][r] * yi);
         }

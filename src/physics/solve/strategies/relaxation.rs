@@ -1,10 +1,11 @@
-//! Relaxation to the stationary state by Crank–Nicolson splitting (P2 section 3, with (3.13)'s sign corrected).
+//! Relaxation to the stationary state by Crank–Nicolson splitting (P2 section 3, with (3.13)'s sign
+//! corrected).
 //!
 //! In plane values, with D the lumped mass and c = iτ/2, one step is
-//! (D − cV) D⁻¹ (D − cÃ) û = (D + cV) D⁻¹ (D + cÃ) u − 2c b, whose fixed point is (Ã + V) u = b for every τ. The state
-//! carried is s = D⁻¹(D − cÃ)u at the points, since (D + cÃ)u = 2Du − Ds: a step costs one inverse and one forward
-//! transform. Without absorption trapped waves circulate undamped; replacing the state by its mean over a window
-//! ("averaging restart") removes them.
+//! (D − cV) D⁻¹ (D − cÃ) û = (D + cV) D⁻¹ (D + cÃ) u − 2c b, whose fixed point is (Ã + V) u = b for
+//! every τ. The state stored is s = D⁻¹(D − cÃ)u at the points; since (D + cÃ)u = 2Du − Ds, a step
+//! costs one inverse and one forward transform. Without absorption trapped waves circulate
+//! undamped; replacing the state by its mean over a window ("averaging restart") removes them.
 
 mod march;
 mod memory;
@@ -21,21 +22,22 @@ use memory::Memory;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Settings; the defaults converge on every reference case with a real mean.
+/// Settings of the relaxation; the defaults converge on every reference case with a real mean.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Relaxation {
-    /// τ times the largest |V|.
+    /// Product of τ and the largest |V|.
     pub tau: f64,
-    /// Steps between two looks at the residual, and the window over which the state is averaged.
+    /// Number of steps between evaluations of the residual, and window over which the state is
+    /// averaged.
     pub window: usize,
-    /// Earlier restarts that the averaging may draw on; 1 averages over one window only.
+    /// Number of earlier restarts used in the averaging; 1 averages over one window only.
     pub memory: usize,
 }
 
-/// τ is halved at most down to this share of the asked one.
+/// Smallest τ reached by halving, as a fraction of the setting.
 const SHORTEST: f64 = 0.2;
-/// A window that multiplies the residual by more than this has too long a τ.
+/// If a window multiplies the residual by more than this, τ is too long.
 const GROWTH: f64 = 10.0;
 
 impl Default for Relaxation {
@@ -77,10 +79,11 @@ impl Solver for Relaxation {
             let mean = march.window(self.window, &mut ledger);
             memory.add(march.candidate_of(mean, &mut ledger));
             memory.add(march.candidate(&mut ledger));
-            // A residual that is not a number counts as grown.
+            // A NaN residual counts as grown.
             let after = ledger.account.residual;
             if (after.is_nan() || after > GROWTH * before) && 0.5 * tau >= self.tau * SHORTEST {
-                // Ringing of the band-limited contrast gives gain in spots: shorter steps split it less.
+                // Ringing of the band-limited contrast causes gain at some points: shorter steps
+                // reduce the splitting error.
                 tau *= 0.5;
                 march = anew(problem, tau, &mut memory, &mut ledger);
             } else {
@@ -92,7 +95,8 @@ impl Solver for Relaxation {
                 if ledger.measure(&memory.base.field, &mut scratch) <= goal.tolerance {
                     return Ok(ledger.finish(memory.base.field));
                 }
-                // Rounding has carried the blend's residual away from the field's: go on from the field.
+                // Rounding has separated the blend's residual from the field's: restart from the
+                // field.
                 march = anew(problem, tau, &mut memory, &mut ledger);
             }
             ledger.judge("try another tau or window, or strategy = \"krylov\"")?;
@@ -100,7 +104,8 @@ impl Solver for Relaxation {
     }
 
     fn fit(&self, size: &Size, _bytes: f64) -> Fit {
-        // Kept candidates hold four fields with their differences; two more are in the making.
+        // Stored candidates hold four fields with their differences; two more are under
+        // construction.
         let candidates = 5.0 * (self.memory.max(1) as f64 + 3.0);
         Fit::fixed(size.fields(candidates + 9.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
     }
@@ -123,12 +128,12 @@ impl Relaxation {
     }
 }
 
-/// The refusal of one setting's value.
+/// The error for an invalid setting.
 fn setting(field: &'static str, value: String, allowed: &str, remedy: &str) -> SolveError {
     SolveError::Setting { field, value, allowed: allowed.to_string(), remedy: remedy.to_string() }
 }
 
-/// A march from the best field so far, which is all that is remembered.
+/// A march from the best field so far; the memory forgets everything else.
 fn anew<'a>(problem: &'a Problem, tau: f64, memory: &mut Memory, ledger: &mut Ledger) -> March<'a> {
     let mut march = March::new(problem, tau, &memory.base.field);
     memory.start_anew(march.candidate(ledger));

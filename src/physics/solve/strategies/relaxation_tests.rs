@@ -62,8 +62,9 @@ fn largest_gain(problem: &Problem, tau: f64) -> f64 {
 
 #[test]
 fn a_step_without_absorption_is_a_contraction() {
-    // Theory: a product of Cayley transforms, that of V unitary and that of A a contraction (P2, below (3.13)), so
-    // the norm is at most 1 for every τ, and radiation makes every eigenvalue smaller than that.
+    // Theory: a product of Cayley transforms, that of V unitary and that of A a contraction (P2,
+    // below (3.13)), so the norm is at most 1 for every τ, and radiation makes every eigenvalue
+    // smaller than that.
     for grid in [[5, 3], [6, 3]] {
         for scheme in SCHEMES {
             for tau in [0.5, 6.0, 40.0] {
@@ -80,8 +81,9 @@ fn a_step_without_absorption_is_a_contraction() {
 
 #[test]
 fn with_absorption_a_step_grows_at_most_by_the_contrasts_gain() {
-    // The band-limited contrast rings: where Im V < 0 its Cayley factor exceeds 1, and the radius may too, so a plain
-    // march can grow slowly. A single point with tents has nothing to ring, and the step contracts.
+    // The band-limited contrast rings: where Im V < 0 its Cayley factor exceeds 1, and the radius
+    // may too, so a plain march can grow slowly. A single point with tents has nothing to ring, and
+    // the step contracts.
     for (grid, schemes, rings) in [([5, 3], &SCHEMES[..], true), ([1, 1], &[Scheme::Tents][..], false)] {
         for &scheme in schemes {
             for tau in [0.5, 6.0] {

@@ -1,12 +1,12 @@
-//! Which materials meet in a cell.
+//! Pairs of materials that meet in a cell.
 
 use crate::wave::Material;
 
-/// One pair of materials: a body's inside a background.
+/// A pair of materials: that of a body inside a background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Channel {
     /// Index into [`crate::wave::Media::backgrounds`].
     pub background: usize,
-    /// What the bodies consist of.
+    /// Material of the bodies.
     pub material: Material,
 }

@@ -1,8 +1,9 @@
-//! The contrast field's geometry: which share of each plane's neighbourhood each material covers.
+//! Geometry of the contrast field: the coverage of every plane's neighbourhood by each material.
 //!
-//! Computed once per scene and grid and reused for every wavelength and angle: the medium enters only through
-//! k² differences ("channels"). Coefficients in the plane are exact and band-limited to the grid's harmonics;
-//! along z they are moments against the scheme's shape functions (numerics: W_p = ∫ ψ_p V dz).
+//! Computed once per scene and grid and reused for every wavelength and angle: the medium enters
+//! only through k² differences ("channels"). Coefficients in the plane are exact and band-limited
+//! to the grid's harmonics; along z they are moments against the scheme's shape functions
+//! (numerics: W_p = ∫ ψ_p V dz).
 
 mod cell_sum;
 
@@ -20,52 +21,58 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Relative error of coefficients where nothing else is asked for.
+/// Default relative error of the coefficients.
 pub const EXACT: f64 = 1e-10;
-/// The loosest that is of use: what less work would save is nothing beside a solve.
+/// Largest error accepted: beyond it, the work saved is negligible compared with a solve.
 const LOOSEST: f64 = 1e-3;
-/// From here on single precision is far below the error allowed.
+/// Error from which single precision suffices.
 const SINGLE: f64 = 1e-6;
-/// Contrast of inks, at most.
+/// Largest contrast of inks.
 const INK_LIKE: f64 = 1.2;
-/// Harmonics beyond the grid enter in second order only: they may be off by this many times the error, and at most by 1 %.
+/// Factor on the error for harmonics beyond the grid, which enter in second order only; at most 1
+/// %.
 const OUTER: f64 = 300.0;
 
-/// Error of the coefficients that is nothing beside an error `accuracy` of the amplitudes: these move by less than a
-/// hundredth of the coefficients' error in ink. Strong contrast, resonances with it, hands on more: see [`error_among`].
+/// Error of the coefficients that is negligible beside an error `accuracy` of the amplitudes: in
+/// ink, amplitudes change by less than a hundredth of the coefficients' error. Strong contrast and
+/// its resonances amplify it: see [`error_among`].
 pub fn error_for(accuracy: f64) -> f64 {
     0.1 * accuracy
 }
 
-/// As [`error_for`], for bodies whose contrast |η_i² − η_b²| is at most `contrast`. *Measured*: bars of 2.5 in vacuum (5.25) moved
-/// by ten times the error of their coefficients, so that companions differed by that instead of by their grids.
+/// Error of the coefficients for bodies whose contrast |η_i² − η_b²| is at most `contrast`; see
+/// [`error_for`]. *Measured*: for bars of 2.5 in vacuum (5.25), amplitudes changed by ten times the
+/// error of the coefficients, so that differences between companions showed that error instead of
+/// the grids'.
 pub fn error_among(accuracy: f64, contrast: f64) -> f64 {
     error_for(accuracy) / (contrast / INK_LIKE).powi(3).max(1.0)
 }
 
-/// Asked while a geometry is put on its grid, which takes long where there are many grains: true ends it with [`WaveError::Stopped`].
+/// Polled during the computation of a coverage, which takes long for many grains: true ends it with
+/// [`WaveError::Stopped`].
 pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync + 'a);
 
-/// How precisely a geometry is put on its grid, and who may stop it.
+/// Precision of a coverage's coefficients, and cancellation of their computation.
 #[derive(Clone, Copy)]
 pub struct Precision<'a> {
-    /// Relative error of the coefficients (10⁻¹⁰ … 10⁻³; others count as the nearer end). Amplitudes move by less: they
-    /// depend on the contrast's relative error times the share of light that is scattered.
+    /// Relative error of the coefficients (10⁻¹⁰ … 10⁻³; other values are clamped). Amplitudes
+    /// change by less: by the relative error of the contrast times the fraction of light that is
+    /// scattered.
     pub error: f64,
-    /// Asked now and then: true ends it with [`WaveError::Stopped`].
+    /// Polled at intervals: true ends the computation with [`WaveError::Stopped`].
     pub stop: Stop<'a>,
 }
 
 impl Precision<'_> {
-    /// To rounding or nearly, without a stop.
+    /// Nearly exact coefficients, without cancellation.
     pub const EXACT: Precision<'static> = Precision::of(EXACT);
 
-    /// With that relative error of the coefficients, without a stop.
+    /// Coefficients of the given relative error, without cancellation.
     pub const fn of(error: f64) -> Precision<'static> {
         Precision { error, stop: &|| false }
     }
 
-    /// The error within its bounds.
+    /// The error clamped to its bounds.
     pub(in crate::wave) fn bounded_error(&self) -> f64 {
         self.error.clamp(EXACT, LOOSEST)
     }
@@ -73,27 +80,28 @@ impl Precision<'_> {
 
 /// Moments of every channel's indicator function on every plane.
 pub struct Coverage {
-    /// The grid it was computed for.
+    /// Grid of the coverage.
     pub grid: Grid,
-    /// Pairs of background and material that occur.
+    /// Pairs of background and material in the scene.
     pub channels: Vec<Channel>,
     /// Per channel, planes × points (x fastest) in µm: ∫ ψ_p χ dz, band-limited in the plane.
     pub moments: Vec<Array2<f64>>,
-    /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³), see [`super::folding`].
+    /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³),
+    /// see [`super::folding`].
     pub pairs: Vec<[usize; 2]>,
-    /// One field for each pair: planes × points.
+    /// One field per pair: planes × points.
     pub folded: Vec<Array2<f64>>,
     /// Per channel, mean of χ over each cell of the grid.
     pub fractions: Vec<Vec<f64>>,
-    /// Along which axes nothing changes, so that one point is enough.
+    /// Axes along which the scene is uniform, so that one point suffices.
     pub uniform: [bool; 2],
-    /// The harmonics in use on the grid, for all problems.
+    /// Harmonics in use on the grid, shared by all problems.
     pub harmonics: Arc<Harmonics>,
     /// Transforms of the grid's planes.
     pub fft: PlaneFft,
-    /// The same in single precision.
+    /// Transforms of the grid's planes in single precision.
     pub fft_single: PlaneFft<f32>,
-    /// Seconds spent here.
+    /// Time of the computation, s.
     pub seconds: f64,
 }
 
@@ -102,24 +110,24 @@ struct Builder<'a, T: Real> {
     grid: &'a Grid,
     channels: &'a [Channel],
     harmonics: &'a Harmonics,
-    /// Largest |m| and |n|.
+    /// Largest |m| and |n| of the harmonics.
     widest: [usize; 2],
-    /// None where no body is round in the plane.
+    /// `None` if no body is round in the plane.
     transform: Option<SourceTransform<T>>,
     sampling: Sampling,
     stop: Stop<'a>,
 }
 
 impl Coverage {
-    /// Integrates every body over every cell, to rounding or nearly. Errors: see [`Grid::new`].
+    /// Integrates every body over every cell, nearly exactly. Errors: see [`Grid::new`].
     pub fn new(scene: &Scene, resolution: Resolution) -> Result<Coverage, WaveError> {
         Coverage::with(scene, resolution, Precision::EXACT)
     }
 
-    /// Integrates every body over every cell with that precision.
+    /// Integrates every body over every cell with the given precision.
     ///
     /// # Errors
-    /// [`WaveError::Stopped`], and as [`Grid::new`].
+    /// [`WaveError::Stopped`], and the errors of [`Grid::new`].
     pub fn with(scene: &Scene, resolution: Resolution, precision: Precision) -> Result<Coverage, WaveError> {
         if precision.bounded_error() < SINGLE {
             build::<f64>(scene, resolution, precision)
@@ -128,7 +136,7 @@ impl Coverage {
         }
     }
 
-    /// What the mean medium and the Bloch vector are made from.
+    /// Data that determine the mean medium and the Bloch vector.
     pub fn layout(&self) -> Layout<'_> {
         Layout {
             grid: &self.grid,
@@ -138,7 +146,7 @@ impl Coverage {
         }
     }
 
-    /// Bytes held.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         self.moments.iter().chain(&self.folded).map(|m| m.len() * size_of::<f64>()).sum()
     }
@@ -195,7 +203,7 @@ pub(in crate::wave) fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel>
     channels
 }
 
-/// The part of a cell's height that a body reaches into.
+/// The height range of a cell that a body covers.
 pub(in crate::wave) fn overlap(body: &Body, grid: &Grid, cell: usize) -> Option<[f64; 2]> {
     let [lo, hi] = body.extent_um();
     let range = [lo.max(grid.nodes_um[cell]), hi.min(grid.nodes_um[cell + 1])];
@@ -233,7 +241,7 @@ impl<'a, T: Real> Builder<'a, T> {
         }
     }
 
-    /// Moments of every channel within one cell; None where there is nothing of it.
+    /// Moments of every channel within one cell; `None` for channels absent from it.
     fn cell(&self, cell: usize) -> Vec<Option<CellCoefficients<T>>> {
         let here = |c: &Channel| c.background == self.grid.background[cell];
         self.channels.iter().map(|c| if here(c) { self.channel_in_cell(c, cell) } else { None }).collect()
@@ -246,7 +254,7 @@ impl<'a, T: Real> Builder<'a, T> {
             return None;
         }
         let mut sum = CellSum::new(self, cell);
-        // What a stop leaves out is never seen: the whole is refused then.
+        // Cells skipped by a stop are never used: the whole computation then fails.
         let going = present.iter().take_while(|_| !(self.stop)());
         going.for_each(|(body, range)| sum.add_body(body, *range));
         Some(sum.finish())

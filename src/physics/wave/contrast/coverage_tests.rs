@@ -160,7 +160,8 @@ fn a_unions_coefficients_agree_with_a_fine_voxel_sum() {
     for (plane, sums) in sums.iter().enumerate() {
         for (sum, [m, k]) in sums.iter().zip(orders) {
             let brute = sum * HEIGHT / (n * n * n) as f64;
-            // Significance: some 3·10⁴ surface voxels of half a voxel's uncertainty: 100 voxels of 4·10⁶.
+            // Significance: some 3·10⁴ surface voxels of half a voxel's uncertainty: 100 voxels of
+            // 4·10⁶.
             let error = (coefficient(&c, plane, m, k) - brute).norm();
             assert!(error < 3e-5 * HEIGHT, "plane {plane}, ({m}, {k}): {error:e}");
         }
@@ -202,7 +203,8 @@ fn cylinders_bars_and_sheets_have_their_areas() {
 
 #[test]
 fn folded_harmonics_have_the_mean_that_partitioning_predicts() {
-    // A bar of full height: moments factor into ∫ψ and sinc, so Σ_q |M_q|²/q² over the outer set is explicit.
+    // A bar of full height: moments factor into ∫ψ and sinc, so Σ_q |M_q|²/q² over the outer set is
+    // explicit.
     let (x0, x1, nx) = (0.2, 0.55, 8);
     let c = coverage(BodyShape::BarY { x_um: [x0, x1], z_um: [0.0, HEIGHT] }, nx, 1, 1, Scheme::Tents);
     let weight = HEIGHT / 2.0;

@@ -1,10 +1,12 @@
-//! From cells to planes, with the harmonics beyond the grid folded into the contrast to second order.
+//! From cells to planes, with the harmonics beyond the grid folded into the contrast to second
+//! order.
 //!
-//! Eliminating a harmonic q outside the grid (u_q ≈ Σ V_{q−l} u_l / q², since Δ dominates there) adds
-//! Σ_q V_{l'−q} V_{q−l} / q² to the contrast between l' and l (Löwdin's partitioning, J. Chem. Phys. 19 (1951) 1396).
-//! For waves that are smooth on the grid this is a local field, the product of the outer part of V and of its
-//! inverse Laplacian. It depends on the geometry alone, costs nothing per step, keeps energy balance and
-//! reciprocity, and raises the observed order of convergence in the plane from 3 to about 5.
+//! Eliminating a harmonic q outside the grid (u_q ≈ Σ V_{q−l} u_l / q², since Δ dominates there)
+//! adds Σ_q V_{l'−q} V_{q−l} / q² to the contrast between l' and l (Löwdin's partitioning, J. Chem.
+//! Phys. 19 (1951) 1396). For waves that are smooth on the grid this is a local field, the product
+//! of the outer part of V and of its inverse Laplacian. It depends on the geometry alone, costs
+//! nothing per step, keeps energy balance and reciprocity, and raises the observed order of
+//! convergence in the plane from 3 to about 5.
 
 use super::cell::CellCoefficients;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
@@ -14,10 +16,11 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Harmonics up to this many times the grid's are folded; more change the error by a few per cent only.
+/// Ratio of the highest folded harmonic to the grid's; a larger one changes the error by a few per
+/// cent only.
 pub(super) const REACH: usize = 2;
 
-/// The grid's harmonics, the wider set around them, and both sets' transforms.
+/// The grid's harmonics, the wider set around them, and the transforms of both.
 pub struct Folding<T: Real> {
     /// All harmonics that the coverage is computed for.
     pub harmonics: Harmonics,
@@ -37,15 +40,15 @@ pub struct Planes {
     pub moments: Vec<Array2<f64>>,
     /// The channels of every folded field.
     pub pairs: Vec<[usize; 2]>,
-    /// What the outer harmonics of a pair add.
+    /// Fields contributed by the outer harmonics of each pair.
     pub folded: Vec<Array2<f64>>,
 }
 
-/// Buffers of one thread.
+/// Work arrays of one thread.
 struct Buffers<T: Real> {
     wide: PlaneScratch<T>,
     narrow: PlaneScratch<T>,
-    /// Per channel: wide spectrum, and its outer part with the same over q² on the wide points.
+    /// Per channel: wide spectrum; its outer part, plain and over q², on the wide points.
     spectra: Vec<Vec<Complex<T>>>,
     outer: Vec<Vec<Complex<T>>>,
     compact: Vec<Complex<T>>,
@@ -72,7 +75,8 @@ impl<T: Real> Folding<T> {
         Folding { harmonics, inner, kept, inverse_q2, wide, narrow, wide_points: wx * wy }
     }
 
-    /// Adds the cells' shares of each plane, transforms them to points and folds every pair of channels.
+    /// Sums the cells' contributions to each plane, transforms them to points and folds every pair
+    /// of channels.
     pub(crate) fn planes(
         &self,
         grid: &Grid,
@@ -95,7 +99,7 @@ impl<T: Real> Folding<T> {
         planes
     }
 
-    /// One plane's wide spectrum and outer fields of every channel, in `buffers`.
+    /// Computes one plane's wide spectrum and outer fields of every channel in `buffers`.
     fn spectra(
         &self,
         grid: &Grid,
@@ -109,7 +113,8 @@ impl<T: Real> Folding<T> {
         }
     }
 
-    /// One plane's moments and folded fields on the grid, from what [`Folding::spectra`] left in `buffers`.
+    /// One plane's moments and folded fields on the grid, from the result of [`Folding::spectra`]
+    /// in `buffers`.
     fn fold(
         &self,
         pairs: &[[usize; 2]],
@@ -117,7 +122,7 @@ impl<T: Real> Folding<T> {
         (mut moments, folded): FoldedRows,
         buffers: &mut Buffers<T>,
     ) {
-        // A channel's moments share a transform with a folded field: both are real.
+        // A channel's moments and a folded field are both real and share a transform.
         for (p, mut out) in folded.into_iter().enumerate() {
             self.product(pairs[p], weight, buffers);
             let own = moments.get_mut(p).map(|view| (buffers.spectra[p].as_slice(), view));
@@ -146,7 +151,8 @@ impl<T: Real> Folding<T> {
     ) {
         sum.fill(Complex::default());
         let degree = grid.element.degree;
-        // A plane belongs to the cell it starts or lies in, and a node also to the cell before.
+        // A plane belongs to the cell in which it starts or lies, and a node also to the previous
+        // cell.
         let before = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
         for cell in before.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
             if let Some(part) = &cells[cell][channel] {
@@ -155,7 +161,8 @@ impl<T: Real> Folding<T> {
         }
     }
 
-    /// Outer part of a channel's spectrum and the same over q², on the wide set's points, as real and imaginary part.
+    /// Outer part of a channel's spectrum, plain and over q², on the wide set's points, as real and
+    /// imaginary part.
     fn outer_fields(&self, channel: usize, buffers: &mut Buffers<T>) {
         for ((out, &value), &inverse) in
             buffers.compact.iter_mut().zip(&buffers.spectra[channel]).zip(&self.inverse_q2)
@@ -168,7 +175,8 @@ impl<T: Real> Folding<T> {
         buffers.outer[channel].copy_from_slice(&buffers.wide.plane);
     }
 
-    /// Symmetrised product of two channels' outer fields over `weight`, as a wide spectrum in `compact`.
+    /// Symmetrised product of two channels' outer fields over `weight`, as a wide spectrum in
+    /// `compact`.
     fn product(&self, [a, b]: [usize; 2], weight: T, buffers: &mut Buffers<T>) {
         let half = T::of(0.5) / weight;
         for ((value, a), b) in buffers.wide.plane.iter_mut().zip(&buffers.outer[a]).zip(&buffers.outer[b]) {
@@ -178,7 +186,7 @@ impl<T: Real> Folding<T> {
         self.harmonics.gather(&buffers.wide.spectrum, &mut buffers.compact);
     }
 
-    /// The part that the grid can hold of the folded spectrum in `compact`, and a channel's moments with it where
+    /// Restricts the folded spectrum in `compact` to the grid, together with a channel's moments if
     /// there are any: both fields are real and share a transform.
     fn to_grid(
         &self,
@@ -203,7 +211,7 @@ impl<T: Real> Folding<T> {
 }
 
 impl Planes {
-    /// For each plane, its row of every field.
+    /// Rows of all fields, grouped by plane.
     fn rows(&mut self, planes: usize) -> Vec<FoldedRows<'_>> {
         let mut rows: Vec<FoldedRows> = (0..planes).map(|_| (Vec::new(), Vec::new())).collect();
         for field in &mut self.moments {
@@ -216,7 +224,7 @@ impl Planes {
     }
 }
 
-/// ∫ of the plane's shape functions over the cells it touches.
+/// Integral of the plane's shape functions over the cells it touches.
 fn plane_weight(grid: &Grid, plane: usize) -> f64 {
     let degree = grid.element.degree;
     let in_cell = |j: usize| {

@@ -1,7 +1,8 @@
-//! The contrast V = k² − ⟨k²⟩ by geometry alone: which part of each plane's neighbourhood each material covers.
+//! The contrast V = k² − ⟨k²⟩ by geometry alone: the coverage of every plane's neighbourhood by
+//! each material.
 //!
-//! [`coverage`] gathers it from the cuts of bodies with planes ([`section`]), the transform of their edges ([`nufft`]), the
-//! void of a relief and the harmonics beyond the grid ([`folding`]).
+//! [`coverage`] combines the cuts of bodies with planes ([`section`]), the transform of their edges
+//! ([`nufft`]), the vacuum above a relief and the harmonics beyond the grid ([`folding`]).
 
 pub(crate) mod cell;
 pub mod channel;

@@ -1,9 +1,10 @@
 //! Fourier coefficients of point sources scattered in the plane (a type-1 non-uniform FFT).
 //!
-//! Spreading with the "exponential of semicircle" kernel on a grid finer than the harmonics need: Barnett, Magland,
-//! af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479; piecewise polynomials stand for the kernel, as there. The
-//! sources of one ball gather in a small patch that stays in cache, all planes of a cell side by side, and only the
-//! finished patch goes to the grids.
+//! Spreading with the "exponential of semicircle" kernel on a grid finer than the harmonics:
+//! Barnett, Magland, af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479; as there, the kernel is
+//! evaluated by piecewise polynomials. The sources of one ball are accumulated in a small patch
+//! that fits into the cache, for all planes of a cell together, and only the finished patch is
+//! added to the grids.
 
 use crate::numerics::fourier::{PlaneFft, PlaneScratch, Real};
 use crate::wave::grid::element::MAX_DEGREE;
@@ -14,11 +15,12 @@ use std::f64::consts::PI;
 
 /// Largest kernel width in fine-grid points.
 const MOST: usize = 12;
-/// Most fields side by side: two a plane of a cell for the scalar wave, seven a Gauss plane for the vector wave.
+/// Largest number of fields processed together: two per plane of a cell for the scalar wave, seven
+/// per Gauss plane for the vector wave.
 const MOST_FIELDS: usize = if 2 * (MAX_DEGREE + 1) > 14 { 2 * (MAX_DEGREE + 1) } else { 14 };
-/// The kernel is exp(β (√(1−t²) − 1)) with β this times its width (oversampling 2).
+/// Ratio of β to the kernel's width in the kernel exp(β (√(1−t²) − 1)) (oversampling 2).
 const SHAPE: f64 = 2.30;
-/// Degree of the polynomials above the kernel's width.
+/// Degree of the polynomials in excess of the kernel's width.
 const EXTRA_DEGREE: usize = 5;
 
 /// Transform from sources in the cell to the harmonics |m| ≤ mmax, |n| ≤ nmax.
@@ -26,42 +28,44 @@ pub struct SourceTransform<T: Real = f64> {
     fine: [usize; 2],
     fft: PlaneFft<T>,
     kernel: Kernel<T>,
-    /// 1 / transform of the kernel at m (x) and n (y).
+    /// Reciprocal transform of the kernel at m (x) and n (y).
     correction: [Vec<f64>; 2],
 }
 
-/// How finely sources are spread.
+/// Settings of the spreading: kernel width and fine grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spreading {
-    /// Kernel width in fine-grid points: relative error about 10^{1−w} of the sources' sum at an oversampling of two.
+    /// Kernel width in fine-grid points: with an oversampling of two, the error is about 10^{1−w}
+    /// relative to the sources' sum.
     pub width: usize,
-    /// Points of the fine grid for each harmonic, |m| counted once: 4 is an oversampling of two.
+    /// Fine-grid points per harmonic, |m| counted once: 4 is an oversampling of two.
     pub points_per_order: usize,
 }
 
 impl Spreading {
-    /// The narrowest kernel for a relative error of the inner half of all harmonics; the outer half may be off by
-    /// some 10⁻³ where `error` is above 10⁻⁷.
+    /// The narrowest kernel for a relative error in the inner half of all harmonics; the outer half
+    /// may have an error of some 10⁻³ if `error` is above 10⁻⁷.
     pub fn within(error: f64) -> Spreading {
         let width = (1.0 - error.log10()).ceil().clamp(4.0, 11.0) as usize;
         Spreading { width, points_per_order: if error > 1e-7 { 3 } else { 4 } }
     }
 }
 
-/// Kernel values at the `width` grid points around a source, as polynomials of its place between two of them.
+/// Kernel values at the `width` grid points around a source, as polynomials of its position between
+/// two of them.
 struct Kernel<T> {
     width: usize,
-    /// Coefficients of falling powers of 2·fraction − 1.
+    /// Coefficients of descending powers of 2·fraction − 1.
     powers: Vec<[T; MOST]>,
 }
 
-/// One source's kernel along one axis: index of the first grid point, not wrapped, and values.
+/// Kernel of one source along one axis: index of the first grid point (not wrapped), and values.
 pub struct Footprint<T> {
     first: i64,
     weight: [T; MOST],
 }
 
-/// Fine-grid points around one ball, all fields of a cell side by side: rows × columns × fields.
+/// Fine-grid points around one ball, with all fields of a cell together: rows × columns × fields.
 pub struct Patch<T> {
     origin: [i64; 2],
     size: [usize; 2],
@@ -85,12 +89,12 @@ impl<T: Real> SourceTransform<T> {
         }
     }
 
-    /// Buffers of one thread; `plane` is the fine grid.
+    /// Work arrays of one thread; `plane` is the fine grid.
     pub fn scratch(&self) -> PlaneScratch<T> {
         self.fft.scratch()
     }
 
-    /// Points of the fine grid.
+    /// Number of points of the fine grid.
     pub fn points(&self) -> usize {
         self.fine[0] * self.fine[1]
     }
@@ -100,7 +104,8 @@ impl<T: Real> SourceTransform<T> {
         self.kernel.footprint(position * self.fine[axis] as f64)
     }
 
-    /// Empties `patch` and lays it around a square of half-width `reach` (fractions of the periods).
+    /// Clears `patch` and places it around a square of half-width `reach` (fractions of the
+    /// periods).
     pub fn open(&self, patch: &mut Patch<T>, fields: usize, center: [f64; 2], reach: [f64; 2]) {
         let margin = self.kernel.width as f64 / 2.0 + 1.0;
         for axis in 0..2 {
@@ -114,7 +119,7 @@ impl<T: Real> SourceTransform<T> {
         patch.values.resize(patch.size[0] * patch.size[1] * fields, T::default());
     }
 
-    /// Adds a source to a patch that reaches as far as its kernel: strength `value` per field.
+    /// Adds a source to a patch large enough for its kernel: strength `value` per field.
     pub fn spread(&self, patch: &mut Patch<T>, x: &Footprint<T>, y: &Footprint<T>, value: &[T]) {
         let width = self.kernel.width;
         let (column, row) = ((x.first - patch.origin[0]) as usize, (y.first - patch.origin[1]) as usize);
@@ -123,7 +128,8 @@ impl<T: Real> SourceTransform<T> {
         spread_rows(&mut patch.values[from..], stride, &x.weight[..width], &y.weight[..width], value);
     }
 
-    /// Adds a patch of pairs of fields (real, imaginary) to one periodic fine grid (x fastest) a pair.
+    /// Adds a patch of pairs of fields (real, imaginary) to one periodic fine grid (x fastest) per
+    /// pair.
     pub fn close(&self, patch: &Patch<T>, grids: &mut [Vec<Complex<T>>]) {
         let start = [0, 1].map(|axis| patch.origin[axis].rem_euclid(self.fine[axis] as i64) as usize);
         for (row, line) in patch.values.chunks_exact(patch.size[0] * patch.fields).enumerate() {
@@ -144,19 +150,20 @@ impl<T: Real> SourceTransform<T> {
         self.fft.forward(scratch, std::slice::from_ref(&all));
     }
 
-    /// Coefficients of order m, the n-th of them at n mod its length, to be multiplied by [`SourceTransform::correction`].
+    /// Coefficients of order m, order n at index n mod the length, to be multiplied by
+    /// [`SourceTransform::correction`].
     pub fn row<'a>(&self, scratch: &'a PlaneScratch<T>, m: i32) -> &'a [Complex<T>] {
         let row = m.rem_euclid(self.fine[0] as i32) as usize;
         &scratch.spectrum[row * self.fine[1]..(row + 1) * self.fine[1]]
     }
 
-    /// What undoes the kernel in order (m, n).
+    /// Factor that removes the kernel from order (m, n).
     pub fn correction(&self, m: i32, n: i32) -> f64 {
         self.correction[0][m.unsigned_abs() as usize] * self.correction[1][n.unsigned_abs() as usize]
     }
 }
 
-/// values[row, column, field] += wy[row] wx[column] value[field].
+/// Adds values[row, column, field] += wy[row] wx[column] value[field].
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn spread_rows<T: Real>(values: &mut [T], stride: usize, wx: &[T], wy: &[T], value: &[T]) {
     let mut line = [T::default(); MOST * MOST_FIELDS];
@@ -171,7 +178,7 @@ fn spread_rows<T: Real>(values: &mut [T], stride: usize, wx: &[T], wy: &[T], val
 }
 
 impl<T> Patch<T> {
-    /// A patch that holds nothing yet.
+    /// An empty patch.
     pub fn empty() -> Patch<T> {
         Patch { origin: [0; 2], size: [0; 2], fields: 0, values: Vec::new() }
     }
@@ -192,7 +199,7 @@ impl<T: Real> Kernel<T> {
         Kernel { width, powers }
     }
 
-    /// Around a source at `x` in grid points.
+    /// Footprint of a source at `x` in grid points.
     fn footprint(&self, x: f64) -> Footprint<T> {
         let edge = x - self.width as f64 / 2.0;
         let first = edge.ceil();
@@ -212,7 +219,8 @@ fn horner<T: Real>(powers: &[[T; MOST]], t: T) -> [T; MOST] {
     sum
 }
 
-/// Coefficients of rising powers of s = 2t − 1 that interpolate f(t) at Chebyshev points of 0 ≤ t ≤ 1.
+/// Coefficients of ascending powers of s = 2t − 1 that interpolate f(t) at Chebyshev points of 0 ≤
+/// t ≤ 1.
 fn polynomial(degree: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
     let count = degree + 1;
     let angle = |q: usize| PI * (q as f64 + 0.5) / count as f64;
@@ -238,13 +246,14 @@ fn kernel(t: f64, width: usize) -> f64 {
     (SHAPE * width as f64 * (inside.sqrt() - 1.0)).exp()
 }
 
-/// Smallest product of 2, 3 and 5 that holds the harmonics as often as asked, and the kernel.
+/// Smallest product of 2, 3 and 5 that holds the harmonics with the requested oversampling, and the
+/// kernel.
 fn fine_size(mmax: usize, spreading: Spreading) -> usize {
     let least = (spreading.points_per_order * mmax + 2).max(2 * spreading.width);
     (least..).find(|&n| is_smooth(n)).expect("smooth numbers are unbounded")
 }
 
-/// True for products of 2, 3 and 5, the sizes with the fastest transforms.
+/// Whether a number is a product of 2, 3 and 5, a size with a fast transform.
 pub fn is_smooth(mut n: usize) -> bool {
     for p in [2, 3, 5] {
         while n.is_multiple_of(p) {

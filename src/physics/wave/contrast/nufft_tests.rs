@@ -5,7 +5,8 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
-/// Coefficients of sources that share one patch around each of them, in the middle of a range of orders.
+/// Coefficients of sources that share one patch around each of them, in the middle of a range of
+/// orders.
 fn transform(
     [mmax, nmax]: [usize; 2],
     spreading: Spreading,
@@ -38,7 +39,8 @@ fn direct(m: i32, n: i32, sources: &[([f64; 2], Complex64)]) -> Complex64 {
     sources.iter().map(term).sum()
 }
 
-/// The rule of thumb for a kernel of width 11 is 10^{1−11} of the sources' sum; 6e-10 was seen at the largest orders.
+/// The rule of thumb for a kernel of width 11 is 10^{1−11} of the sources' sum; 6e-10 is observed at
+/// the largest orders.
 const PROMISE: f64 = 1e-9;
 
 fn sources() -> impl Strategy<Value = Vec<([f64; 2], Complex64)>> {

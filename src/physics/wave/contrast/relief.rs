@@ -1,7 +1,8 @@
-//! Vacuum above a rough binder surface, between the grains that stand out of it.
+//! Vacuum above a rough binder surface, between the protruding grains.
 //!
-//! Columns of a raster finer than the grid: in each, vacuum fills 0 ≤ z < s(x, y) except where balls are. Moments
-//! along z are exact in every column, so what is sampled is continuous and the raster's aliasing decays fast.
+//! Integration over columns of a raster finer than the grid: in each, vacuum fills 0 ≤ z < s(x, y)
+//! except inside balls. Moments along z are exact in every column, so the sampled function is
+//! continuous and the raster's aliasing decays fast.
 
 use super::cell::{CellCoefficients, CellColumns};
 use crate::numerics::fourier::{PlaneFft, Real};
@@ -9,11 +10,12 @@ use crate::numerics::periodic::bilinear;
 use crate::wave::scene::{Ball, HeightField};
 use gauss_quad::GaussLegendre;
 
-/// Raster points per point of the grid's widest harmonics; doubling it changes amplitudes of rough ink by < 1e-5.
+/// Raster points per point of the grid's widest harmonics; doubling it changes amplitudes of rough
+/// ink by < 1e-5.
 const FINER: usize = 4;
 
 impl HeightField {
-    /// z of the surface at (x, y): bilinear, periodic.
+    /// Coordinate z of the surface at (x, y): bilinear, periodic.
     pub fn z_um(&self, x_um: f64, y_um: f64) -> f64 {
         bilinear(&self.z_um, self.count, self.period_um, [x_um, y_um])
     }
@@ -48,7 +50,7 @@ pub(crate) fn add_vacuum<T: Real>(
     }
 }
 
-/// ∫ ψ_p dz over the vacuum of each column within the cell: columns × planes of the cell.
+/// Moments ∫ ψ_p dz over the vacuum of each column within the cell: columns × planes of the cell.
 fn column_moments(surface: &HeightField, balls: &[Ball], cell: &CellColumns, count: [usize; 2]) -> Vec<f64> {
     let [lo, hi] = cell.range_um;
     let planes = cell.element.degree + 1;
@@ -71,13 +73,13 @@ fn column_moments(surface: &HeightField, balls: &[Ball], cell: &CellColumns, cou
     all
 }
 
-/// Where a column stands, µm.
+/// Position of a column, µm.
 fn place(column: usize, count: [usize; 2], period_um: [f64; 2]) -> [f64; 2] {
     let index = [column % count[0], column / count[0]];
     [0, 1].map(|i| index[i] as f64 / count[i] as f64 * period_um[i])
 }
 
-/// Stretches of columns inside balls that reach into the cell, by column and from the top.
+/// Intervals of the columns inside balls that reach into the cell, by column and from the top.
 fn chords(
     balls: &[Ball],
     cell: &CellColumns,
@@ -98,7 +100,7 @@ fn chords(
     chords
 }
 
-/// Indices along an axis of the columns that a ball may cross, each once.
+/// Indices along an axis of the columns that a ball may intersect, each once.
 fn crossed(ball: &Ball, axis: usize, period_um: f64, count: usize) -> impl Iterator<Item = usize> + use<> {
     let step = period_um / count as f64;
     let first = ((ball.center_um[axis] - ball.radius_um) / step).floor() as i64;
@@ -107,7 +109,7 @@ fn crossed(ball: &Ball, axis: usize, period_um: f64, count: usize) -> impl Itera
     (first..=last.min(first + n - 1)).map(move |k| k.rem_euclid(n) as usize)
 }
 
-/// The stretch of the vertical line at (x, y) inside a ball or its nearest image.
+/// Interval of the vertical line at (x, y) inside a ball or its nearest image.
 fn chord(ball: &Ball, x: f64, y: f64, period: [f64; 2]) -> Option<[f64; 2]> {
     let nearest = |d: f64, l: f64| d - l * (d / l).round();
     let dx = nearest(x - ball.center_um[0], period[0]);

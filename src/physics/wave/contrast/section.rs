@@ -1,9 +1,9 @@
-//! Where bodies begin and end: surfaces of balls as rings of points, and horizontal cuts of bodies along y.
+//! Geometry of bodies: surfaces of balls as rings of points, and horizontal cuts of bodies along y.
 //!
-//! Transforms follow from surfaces alone (divergence theorem): for a function ψ(z) of height,
-//! ∫ ψ e^{−ik·x} dV = (i/k²) ∮ k·n ψ e^{−ik·x} dS with the horizontal wavevector k; horizontal faces count for nothing.
-//! On a ball n dS is the edge's outward normal times its length times dz, ring by ring, and a union of balls has the
-//! rings' arcs outside all other balls.
+//! Transforms follow from surfaces alone (divergence theorem): for a function ψ(z) of height, ∫ ψ
+//! e^{−ik·x} dV = (i/k²) ∮ k·n ψ e^{−ik·x} dS with the horizontal wavevector k; horizontal faces do
+//! not contribute. On a ball, n dS is the edge's outward normal times its length times dz, ring by
+//! ring, and a union of balls consists of the rings' arcs outside all other balls.
 
 use crate::wave::scene::{Ball, BodyShape};
 use gauss_quad::GaussLegendre;
@@ -19,14 +19,16 @@ pub struct EdgePoint {
     pub normal: [f64; 2],
 }
 
-/// How well rings and heights must resolve e^{−ik·x}: wavenumbers, 1/µm, each with the relative error allowed there.
+/// Required resolution of e^{−ik·x} by rings and heights: wavenumbers, 1/µm, each with its relative
+/// error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demands(pub [(f64, f64); 2]);
 
 impl Demands {
-    /// Degree of the polynomial that replaces a wave over `reach` µm on either side.
+    /// Degree of the polynomial that approximates a wave over `reach` µm on either side.
     ///
-    /// Its error is the Bessel function J_n(k reach), which beyond n = x falls like Ai((n − x)(2/x)^{1/3}).
+    /// Its error is the Bessel function J_n(k reach), which beyond n = x decreases like Ai((n −
+    /// x)(2/x)^{1/3}).
     pub(in crate::wave) fn degree(&self, reach: f64) -> f64 {
         let one = |&(k, error): &(f64, f64)| {
             let x = k * reach;
@@ -36,10 +38,10 @@ impl Demands {
     }
 }
 
-/// Gauss–Legendre rules, each made when it is first asked for.
+/// Gauss–Legendre rules, each computed on first use.
 pub struct GaussRules(Vec<OnceLock<GaussLegendre>>);
 
-/// Nodes of the largest rule: it resolves some 600 wavelengths.
+/// Number of nodes of the largest rule, which resolves some 600 wavelengths.
 const MOST_NODES: usize = 2048;
 
 impl Default for GaussRules {
@@ -57,21 +59,22 @@ impl GaussRules {
     }
 }
 
-/// What surfaces are sampled with.
+/// Sampling of surfaces.
 pub struct Sampling {
-    /// What must be resolved.
+    /// Required resolution.
     pub demands: Demands,
     /// Degree of the polynomials ψ in z.
     pub degree: usize,
-    /// Shared rules.
+    /// Shared quadrature rules.
     pub rules: GaussRules,
 }
 
 impl Sampling {
-    /// Calls `ring(z, weight, points)` for rings on ball `i`, outside all others, within a range of heights.
+    /// Calls `ring(z, weight, points)` for rings on ball `i`, outside all others, within a range of
+    /// heights.
     ///
-    /// The range is divided where arcs appear and vanish. Whole rings are entire functions of z; for arcs
-    /// z = lo + (hi − lo) sin²t removes the square roots of their ends.
+    /// The range is divided where arcs appear and vanish. Whole rings are entire functions of z;
+    /// for arcs z = lo + (hi − lo) sin²t removes the square roots at their ends.
     pub fn rings(
         &self,
         balls: &[Ball],
@@ -99,16 +102,16 @@ impl Sampling {
         }
     }
 
-    /// Gauss points over a height: 2n − 1 is the degree integrated.
+    /// Number of Gauss points over a height: the degree integrated is 2n − 1.
     pub(in crate::wave) fn height_count(&self, length: f64, whole: bool) -> usize {
-        // Along sin²t the wave turns at up to π/2 times the mean rate.
+        // Along sin²t the phase changes at up to π/2 times the mean rate.
         let reach = if whole { 0.5 * length } else { 0.25 * PI * length };
         let extra = if whole { self.degree } else { 2 * self.degree + 4 };
         (0.5 * (self.demands.degree(reach) + extra as f64)).ceil() as usize + 1
     }
 
-    /// Points along an arc: the trapezoidal rule on a whole circle, Gauss–Legendre on a part; both converge
-    /// geometrically once they resolve e^{−ik·x}.
+    /// Adds points along an arc: the trapezoidal rule on a whole circle, Gauss–Legendre on a part;
+    /// both converge geometrically once they resolve e^{−ik·x}.
     pub(in crate::wave) fn push_arc(
         &self,
         ball: &Ball,
@@ -156,13 +159,13 @@ impl Sampling {
     }
 }
 
-/// s = sin²(πt/2) and ds/dt: the substitution that removes square roots at both ends of 0 ≤ s ≤ 1.
+/// Substitution s = sin²(πt/2) with ds/dt: removes square roots at both ends of 0 ≤ s ≤ 1.
 #[inline]
 fn sine_squared(t: f64) -> (f64, f64) {
     ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin())
 }
 
-/// The strip x₀ … x₁ that a body along y covers at height `z`, or all.
+/// The strip x₀ … x₁ that a body along y covers at height `z`, if it is not covered entirely.
 pub fn strip(shape: &BodyShape, z: f64) -> Option<[f64; 2]> {
     match shape {
         BodyShape::CylinderY { x_um, z_um, radius_um } => {
@@ -174,7 +177,7 @@ pub fn strip(shape: &BodyShape, z: f64) -> Option<[f64; 2]> {
     }
 }
 
-/// Heights within `range` between which the arcs of ball `i` keep their number.
+/// Heights within `range` between which the number of arcs of ball `i` is constant.
 pub(in crate::wave) fn breakpoints(balls: &[Ball], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
     let own = &balls[i];
     let (lo, hi) = (lo.max(own.center_um[2] - own.radius_um), hi.min(own.center_um[2] + own.radius_um));
@@ -187,7 +190,7 @@ pub(in crate::wave) fn breakpoints(balls: &[Ball], i: usize, [lo, hi]: [f64; 2])
     if hi > lo { breaks } else { Vec::new() }
 }
 
-/// Lowest and highest point of the circle in which two balls' surfaces meet.
+/// Lowest and highest point of the circle in which the surfaces of two balls intersect.
 fn meeting_heights(a: &Ball, b: &Ball) -> Option<[f64; 2]> {
     let delta: [f64; 3] = std::array::from_fn(|i| b.center_um[i] - a.center_um[i]);
     let distance = delta.iter().map(|d| d * d).sum::<f64>().sqrt();
@@ -196,7 +199,7 @@ fn meeting_heights(a: &Ball, b: &Ball) -> Option<[f64; 2]> {
     let tilt = delta[2] / distance;
     let reach = circle * (1.0 - tilt * tilt).max(0.0).sqrt();
     let center = a.center_um[2] + along * tilt;
-    // NaN: concentric balls, or surfaces that do not meet.
+    // NaN: concentric balls, or surfaces that do not intersect.
     reach.is_finite().then_some([center - reach, center + reach])
 }
 
@@ -216,7 +219,7 @@ fn is_whole(arcs: &[[f64; 2]]) -> bool {
     matches!(arcs, [[start, end]] if end - start >= TAU)
 }
 
-/// Stretches [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.
+/// Intervals [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.
 pub(in crate::wave) fn free_arcs(balls: &[Ball], i: usize, z: f64) -> Vec<[f64; 2]> {
     let Some(own) = disc_of(&balls[i], z) else { return Vec::new() };
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
@@ -231,7 +234,7 @@ pub(in crate::wave) fn free_arcs(balls: &[Ball], i: usize, z: f64) -> Vec<[f64; 
     uncovered(covered)
 }
 
-/// What part of a disc's edge another disc covers; angles may exceed ±π.
+/// Part of a disc's edge covered by another disc; angles may exceed ±π.
 enum Covered {
     None,
     Part([f64; 2]),
@@ -254,7 +257,7 @@ fn covered_angles(a: &SectionDisc, b: &SectionDisc, b_first: bool) -> Covered {
     Covered::None
 }
 
-/// The stretches of the circle outside the `covered` intervals.
+/// The parts of the circle outside the `covered` intervals.
 fn uncovered(covered: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if covered.is_empty() {
         return vec![[0.0, TAU]];

@@ -1,4 +1,4 @@
-//! Where the unknowns live: points in the plane, cells in z, and the discretisation between them.
+//! The grid: points in the plane, cells in z, and the discretisation along z.
 
 use super::element::Element;
 use crate::wave::{Scene, WaveError};
@@ -23,7 +23,7 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    /// Planes a cell adds.
+    /// Number of planes added per cell.
     pub fn degree(self) -> usize {
         match self {
             Scheme::Tents | Scheme::SecondDifference => 1,
@@ -34,7 +34,7 @@ impl Scheme {
     }
 }
 
-/// How finely a scene is resolved: points along x and y, cells along z.
+/// Resolution of a scene: points along x and y, cells along z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Resolution {
     /// Points along x, at least 1.
@@ -49,7 +49,7 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Planes that carry unknowns: nodes, and inner points where the scheme has them.
+    /// Number of planes with unknowns: nodes, and inner points of the scheme.
     pub fn planes(&self) -> usize {
         self.scheme.degree() * self.cells + 1
     }
@@ -58,11 +58,11 @@ impl Resolution {
 /// The cells in z: node heights and the stratum each cell lies in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Points and cells asked for.
+    /// Requested points and cells.
     pub resolution: Resolution,
     /// Lateral periods, µm.
     pub period_um: [f64; 2],
-    /// cells + 1 heights, from 0 to H.
+    /// Heights of the nodes from 0 to H, one more than cells.
     pub nodes_um: Vec<f64>,
     /// Background medium of each cell.
     pub background: Vec<usize>,
@@ -71,7 +71,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Shares the cells among the strata by thickness, so that interfaces fall on nodes.
+    /// Distributes the cells over the strata by thickness, so that interfaces coincide with nodes.
     ///
     /// Errors: zero points or cells; fewer cells than strata.
     pub fn new(scene: &Scene, resolution: Resolution) -> Result<Grid, WaveError> {
@@ -94,7 +94,7 @@ impl Grid {
         })
     }
 
-    /// Height of cell `j`.
+    /// Height of a cell, µm.
     pub fn height_um(&self, cell: usize) -> f64 {
         self.nodes_um[cell + 1] - self.nodes_um[cell]
     }
@@ -104,24 +104,24 @@ impl Grid {
         self.background.len()
     }
 
-    /// Number of planes that carry unknowns.
+    /// Number of planes with unknowns.
     pub fn planes(&self) -> usize {
         self.resolution.planes()
     }
 
-    /// Points of one plane.
+    /// Number of points of a plane.
     pub fn points(&self) -> usize {
         self.resolution.nx * self.resolution.ny
     }
 
-    /// Planes a cell touches, both nodes included.
+    /// Planes of a cell, including both nodes.
     pub fn planes_of_cell(&self, cell: usize) -> std::ops::RangeInclusive<usize> {
         let degree = self.element.degree;
         degree * cell..=degree * (cell + 1)
     }
 }
 
-/// Most points along an axis, and most cells.
+/// Largest number of points along an axis, and of cells.
 pub const MOST_POINTS: usize = 100_000;
 
 fn check_counts(resolution: &Resolution) -> Result<(), WaveError> {
@@ -132,7 +132,7 @@ fn check_counts(resolution: &Resolution) -> Result<(), WaveError> {
     Err(WaveError::Range { field, value, allowed, remedy: "choose another resolution" })
 }
 
-/// Largest-remainder shares with at least one cell a stratum.
+/// Distribution of the cells by largest remainders, with at least one cell per stratum.
 ///
 /// # Errors
 /// Fewer cells than strata.
@@ -148,7 +148,7 @@ pub(crate) fn share_cells(scene: &Scene, cells: usize) -> Result<Vec<usize>, Wav
     let height = scene.thickness_um();
     let ideal: Vec<f64> = scene.strata.iter().map(|s| s.thickness_um / height * cells as f64).collect();
     let mut shares: Vec<usize> = ideal.iter().map(|x| (x.floor() as usize).max(1)).collect();
-    // Add or remove single cells where the share is furthest from the ideal.
+    // Add or remove single cells where the share is furthest from the ideal one.
     while shares.iter().sum::<usize>() != cells {
         let short = shares.iter().sum::<usize>() < cells;
         let need = |i: &usize| ideal[*i] / shares[*i] as f64;

@@ -1,15 +1,17 @@
-//! One cell's interpolation points and bubble functions in z, for every degree of the exact scheme.
+//! Interpolation points and bubble functions of one cell in z, for every degree of the exact
+//! scheme.
 //!
-//! A field in a cell is the mean medium's exact solution through the two node values, plus `degree − 1` bubbles
-//! that vanish at the nodes. Bubbles are eigenfunctions of the mass matrix among integrated Legendre polynomials,
-//! so that the mean operator is diagonal on them: −1/h + kz² h λ. The contrast acts at the Gauss–Lobatto points
-//! (degree 1: the nodes, "tents"; degree 2: nodes and midpoints) with moments of V against their Lagrange functions.
+//! A field in a cell is the mean medium's exact solution through the two node values, plus `degree
+//! − 1` bubbles that vanish at the nodes. Bubbles are eigenfunctions of the mass matrix among
+//! integrated Legendre polynomials, so that the mean operator is diagonal on them: −1/h + kz² h λ.
+//! The contrast acts at the Gauss–Lobatto points (degree 1: the nodes, "tents"; degree 2: nodes and
+//! midpoints) with moments of V against their Lagrange functions.
 
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use gauss_quad::GaussLegendre;
 
-/// Largest degree offered.
+/// Largest degree supported.
 pub const MAX_DEGREE: usize = 4;
 
 /// Interpolation points and bubbles on the unit cell 0 ≤ t ≤ 1.
@@ -19,13 +21,13 @@ pub struct Element {
     pub degree: usize,
     /// Gauss–Lobatto points, the nodes included.
     pub points: Vec<f64>,
-    /// ∫ of each point's Lagrange function.
+    /// Integral of each point's Lagrange function.
     pub weights: Vec<f64>,
-    /// λ of each bubble: mass over stiffness on the unit cell.
+    /// Ratio λ of mass to stiffness of each bubble on the unit cell.
     pub lambda: Vec<f64>,
     /// Value of each bubble (row) at each inner point (column).
     pub bubbles: Vec<Vec<f64>>,
-    /// Inverse of that table: amplitude of each bubble (row) from the values at the inner points.
+    /// Inverse of `bubbles`: amplitude of each bubble (row) from the values at the inner points.
     pub amplitudes: Vec<Vec<f64>>,
 }
 
@@ -45,7 +47,7 @@ impl Element {
         Element { degree, points, weights, lambda, bubbles, amplitudes }
     }
 
-    /// Values at t of all Lagrange functions.
+    /// Values of all Lagrange functions at t.
     pub fn shape_functions(&self, t: f64) -> [f64; MAX_DEGREE + 1] {
         std::array::from_fn(|q| if q <= self.degree { lagrange(&self.points, q, t) } else { 0.0 })
     }

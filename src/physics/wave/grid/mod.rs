@@ -1,4 +1,4 @@
-//! Where the unknowns live: points in the plane, cells in z, and the interpolation within a cell.
+//! The grid: points in the plane, cells in z, and the interpolation within a cell.
 
 mod cells;
 pub mod element;

@@ -1,12 +1,15 @@
-//! What the mean medium absorbs: Σ Im k̄² ∫|E|² over its cells, from the exact field in each of them.
+//! Absorption in the mean medium: Σ Im k̄² ∫|E|² over its cells, from the exact field in each of
+//! them.
 //!
-//! In a cell of height h, with τ = t − ½ and a source linear in τ, every field is made of four functions (x = kz h):
+//! In a cell of height h, with τ = t − ½ and a source linear in τ, every field combines four
+//! functions (x = kz h):
 //!
-//!   C = cos xτ / cos ½x     S = sin xτ / sin ½x     (C − 1)/x²: source 1     (S − 2τ)/x²: source 2τ
+//! C = cos xτ / cos ½x     S = sin xτ / sin ½x     (C − 1)/x²: source 1     (S − 2τ)/x²: source 2τ
 //!
-//! TE gives E_s, TM gives h and by it E_p = (−i h' − J_p)/k̄², E_z = (−q h − J_z)/k̄². The integral is a quadrature at points that
-//! the moments of [`super::cell`] have nothing to do with, so that R + T + A = 1 is a check of both. The division by x²
-//! loses no more than rounding: |x²| ≥ Im k̄² h², and Im k̄² multiplies everything.
+//! TE gives E_s; TM gives h and from it E_p = (−i h' − J_p)/k̄², E_z = (−q h − J_z)/k̄². The
+//! quadrature points are unrelated to the moments of [`super::cell`], so that R + T + A = 1 checks
+//! both. The division by x² loses no more than rounding: |x²| ≥ Im k̄² h², and Im k̄² multiplies
+//! everything.
 
 use super::mean::{CELL_ROWS, Nodes, VectorMean};
 use crate::wave::Field;
@@ -26,7 +29,7 @@ struct Driven {
     source: [Complex64; 2],
 }
 
-/// One harmonic in a cell: q, E_s, h, and a + bτ of J's components s, p, z.
+/// One harmonic in a cell: q, E_s, h, and a + bτ of the components s, p, z of J.
 struct Waves {
     q: f64,
     electric: Driven,
@@ -43,7 +46,8 @@ struct AbsorbingCell<'a> {
 }
 
 impl VectorMean {
-    /// Σ Im k̄² ∫|E|² dz over cells and harmonics, 1/µm: the field has these node values and the source V E = −`y`.
+    /// Loss Σ Im k̄² ∫|E|² dz over cells and harmonics, 1/µm, of the field with these node values
+    /// and the source V E = −`y`.
     pub(super) fn loss(&self, y: &Field, nodes: &Nodes) -> f64 {
         let rules = GaussRules::default();
         let (heights, mean_k2, lateral) = self.cells();
@@ -63,7 +67,7 @@ impl AbsorbingCell<'_> {
         self.k2.im * self.height * intensity
     }
 
-    /// ∫|E|² dt of one harmonic.
+    /// Integral ∫|E|² dt of one harmonic.
     fn intensity(&self, harmonic: usize, q: f64, y: &Field, nodes: &Nodes) -> f64 {
         let x2 = (self.k2 - q * q) * (self.height * self.height);
         let x = decaying_root(x2);
@@ -79,7 +83,7 @@ impl AbsorbingCell<'_> {
         rule.map(|&(t, weight)| 0.5 * weight * self.square(&waves, &CellBasis::new(x, x2, 0.5 * t))).sum()
     }
 
-    /// |E|² at the basis' τ.
+    /// Intensity |E|² at the τ of the basis.
     fn square(&self, waves: &Waves, basis: &CellBasis) -> f64 {
         let h2 = self.height * self.height;
         let [_, p, z] = waves.sources.map(|[a, b]| a + basis.tau * b);
@@ -90,7 +94,7 @@ impl AbsorbingCell<'_> {
         e.norm_sqr() + (along.norm_sqr() + upright.norm_sqr()) / self.k2.norm_sqr()
     }
 
-    /// a and b of J = a + bτ from both Gauss planes' J = −y: ψ = ½ ∓ √3 τ.
+    /// Coefficients a and b of J = a + bτ from J = −y on both Gauss planes: ψ = ½ ∓ √3 τ.
     fn source(&self, harmonic: usize, component: usize, y: &Field) -> [Complex64; 2] {
         let row = CELL_ROWS * self.index + component;
         let [first, second] = [y[[row, harmonic]], y[[row + 3, harmonic]]];
@@ -98,12 +102,13 @@ impl AbsorbingCell<'_> {
     }
 }
 
-/// Nodes of the quadrature of |e^{ixτ}|² to rounding: its Chebyshev series reaches it at degree 16 + 8 √|x|.
+/// Number of nodes to integrate |e^{ixτ}|² to rounding: its Chebyshev series reaches it at degree
+/// 16 + 8 √|x|.
 fn points(x: Complex64) -> usize {
     (10.0 + 4.0 * x.norm().sqrt()).ceil().min(60.0) as usize
 }
 
-/// The four functions of one τ.
+/// The four functions at one τ.
 struct CellBasis {
     tau: f64,
     even: WithSlope,
@@ -113,7 +118,7 @@ struct CellBasis {
 }
 
 impl CellBasis {
-    /// From decaying exponentials, so that nothing overflows.
+    /// Computed from decaying exponentials, so that nothing overflows.
     fn new(x: Complex64, x2: Complex64, tau: f64) -> CellBasis {
         let [down, up, across] = [0.5 - tau, 0.5 + tau, 1.0].map(|t| (I * x * t).exp());
         let (sum, difference) = (up + down, up - down);
@@ -126,7 +131,7 @@ impl CellBasis {
 }
 
 impl Driven {
-    /// Value and derivative by t; `h2` is the cell's height squared.
+    /// Value and derivative with respect to t; `h2` is the cell's height squared.
     fn at(&self, basis: &CellBasis, h2: f64) -> WithSlope {
         let [first, last] = self.nodes;
         let [a, b] = self.source.map(|s| h2 * s);

@@ -29,7 +29,8 @@ fn node_moments_agree_with_quadrature() {
     }
 }
 
-/// Both sides of the switches between series and closed form agree to the cancellation that they are set for.
+/// Both sides of the switches between series and closed form agree to the cancellation that they
+/// are set for.
 #[test]
 fn series_and_closed_forms_meet() {
     for limit in [SERIES_B, SERIES_C] {

@@ -1,12 +1,15 @@
-//! The contrast as a symmetric tensor per point: V = k0² (ε_eff − ε̄) from the normal-field moments.
+//! The contrast as a symmetric tensor per point: V = k0² (ε_eff − ε̄) from the normal-field
+//! moments.
 //!
-//! F = (1 − N)E + N(ε/ε_b)E is continuous across a grain's surface, so that moments of its coefficients multiply a
-//! continuous field (Li's factorisation rules in every direction): E = W_C F, D = W_D F with
+//! F = (1 − N)E + N(ε/ε_b)E is continuous across a grain's surface, so that moments of its
+//! coefficients multiply a continuous field (Li's factorisation rules in every direction): E = W_C
+//! F, D = W_D F with
 //!
-//!   W_C = 1 + Σ_i (ε_b/ε_i − 1) m_i      W_D = ε_b + Σ_i (ε_i − ε_b)(χ_i 1 − m_i)      ε_eff = sym(W_D W_C⁻¹)
+//! W_C = 1 + Σ_i (ε_b/ε_i − 1) m_i      W_D = ε_b + Σ_i (ε_i − ε_b)(χ_i 1 − m_i)      ε_eff =
+//! sym(W_D W_C⁻¹)
 //!
-//! The symmetric part keeps reciprocity and energy balance exact. A flat horizontal face gives the harmonic mean for zz
-//! and the arithmetic one for xx and yy.
+//! The symmetric part keeps reciprocity and energy balance exact. A flat horizontal face gives the
+//! harmonic mean for zz and the arithmetic one for xx and yy.
 
 use super::moments::{ChannelFields, NormalMoments};
 use super::sources::FIELDS;
@@ -18,21 +21,24 @@ use serde::{Deserialize, Serialize};
 /// Components xx, xy, yy, xz, yz, zz of a symmetric tensor.
 pub type Symmetric = [Complex64; 6];
 
-/// Least |det W_C|: below it the band-limited moments have no inverse worth the name.
+/// Smallest |det W_C|: below it the band-limited moments are numerically singular.
 const LEAST_DETERMINANT: f64 = 1e-3;
 
-/// How the product of contrast and field is formed where a grain's surface cuts through a point's neighbourhood.
+/// Rule for the product of contrast and field where a grain's surface cuts through a point's
+/// neighbourhood.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Averaging {
-    /// By the direction of the surface's normal: observed order 2.5 and more.
+    /// Along the surface normal: observed order 2.5 or higher.
     #[default]
     Normal,
-    /// ε averaged by volume in every direction: order 1 for fields across a surface. For comparison only.
+    /// Volume-averaged ε in every direction: order 1 for fields across a surface. For comparison
+    /// only.
     Naive,
 }
 
-/// V of every Gauss plane, over the points of a plane (inverse transforms are unnormalised).
+/// Tensor V on every Gauss plane, divided by its number of points (inverse transforms are
+/// unnormalised).
 pub(super) fn tensors(
     moments: &NormalMoments,
     media: &Media,
@@ -54,16 +60,16 @@ pub(super) fn tensors(
     planes.map(|plane| plane.tensors(grid.points())).collect()
 }
 
-/// One Gauss plane, and what its tensors are made from.
+/// One Gauss plane, with the data from which its tensors follow.
 struct Plane<'a> {
     present: &'a [ChannelFields],
-    /// ε of every channel's material.
+    /// Permittivity of every channel's material.
     epsilons: &'a [Complex64],
-    /// ε of the background.
+    /// Permittivity of the background.
     background: Complex64,
-    /// k̄².
+    /// Mean k̄², 1/µm².
     mean: Complex64,
-    /// k0².
+    /// Vacuum k0², 1/µm².
     k2: Complex64,
     averaging: Averaging,
 }
@@ -72,7 +78,8 @@ impl Plane<'_> {
     fn tensors(&self, points: usize) -> Result<Vec<Symmetric>, WaveError> {
         let shift = self.background * self.k2 - self.mean;
         if self.present.is_empty() {
-            // A difference of rounding size is none: homogeneous layers then need no iteration at all.
+            // A difference of the size of rounding is set to zero: homogeneous layers then need no
+            // iteration at all.
             let exact = shift.norm() < 1e-14 * self.mean.norm();
             let own = diagonal(shift / points as f64);
             return Ok(if exact { Vec::new() } else { vec![own; points] });
@@ -80,7 +87,7 @@ impl Plane<'_> {
         (0..points).map(|point| self.tensor(point, points as f64)).collect()
     }
 
-    /// V at one of `points` points, over their number.
+    /// Tensor V at one of `points` points, divided by their number.
     fn tensor(&self, point: usize, points: f64) -> Result<Symmetric, WaveError> {
         let inclusions = self.present.iter().map(|own| (self.epsilons[own.channel], &own.fields[point]));
         let effective = effective(self.background, inclusions, self.averaging)?;
@@ -93,14 +100,14 @@ fn diagonal(value: Complex64) -> Symmetric {
     [value, zero, value, zero, zero, value]
 }
 
-/// A symmetric tensor less an isotropic one.
+/// A symmetric tensor minus an isotropic one.
 #[inline]
 fn less_mean(mut tensor: Symmetric, mean: Complex64) -> Symmetric {
     [0, 2, 5].into_iter().for_each(|i| tensor[i] -= mean);
     tensor
 }
 
-/// ε_eff of one point from the inclusions' (ε_i, fields).
+/// Effective permittivity ε_eff at one point from the inclusions' (ε_i, fields).
 fn effective<'a>(
     background: Complex64,
     inclusions: impl Iterator<Item = (Complex64, &'a [f64; FIELDS])>,
@@ -122,7 +129,7 @@ fn effective<'a>(
         return Err(WaveError::NotInVectorMode {
             what: "this contrast",
             reason: "the normal-field tensor is nearly singular at a point of the grid",
-            remedy: "raise the resolution, or take the naive averaging",
+            remedy: "raise the resolution, or use the naive averaging",
         });
     }
     Ok(symmetric_product(&d, &adjugate).map(|v| v / determinant))

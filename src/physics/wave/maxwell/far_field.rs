@@ -1,8 +1,10 @@
-//! What leaves the layer for one incident polarisation: complex amplitudes and efficiencies of both outgoing ones.
+//! Far field for one incident polarisation: complex amplitudes and efficiencies of both outgoing
+//! ones.
 //!
-//! With p̂ = k_par/q and s = ẑ × p̂ (p̂ = (cos φ, sin φ) where q = 0) in a half-space of wavenumber k:
-//! P(±) = (±κ p̂ − q ẑ)/k for light towards ±z, a_s = E·s, a_p = h/k for both directions of travel. Reflected
-//! amplitudes refer to the face the light enters by, transmitted ones to the opposite face, at x = y = 0.
+//! With p̂ = k_par/q and s = ẑ × p̂ (p̂ = (cos φ, sin φ) if q = 0) in a half-space of wavenumber k:
+//! P(±) = (±κ p̂ − q ẑ)/k for light towards ±z, a_s = E·s, a_p = h/k for both directions of
+//! propagation. Reflected amplitudes refer to the illuminated face, transmitted ones to the
+//! opposite face, at x = y = 0.
 
 use super::mean::Faces;
 use super::problem::VectorProblem;
@@ -11,12 +13,13 @@ use crate::wave::{FarField, Field, Order, Polarisation};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Amplitudes of one order that leaves by one face: s and p.
+/// Amplitudes s and p of one order that leaves through one face.
 type Amplitudes = [Complex64; 2];
 
 impl VectorProblem {
-    /// Reads the orders off both faces from the solution for one incident polarisation. The first amplitude of an order
-    /// is the one whose polarisation is unchanged, the crossed one follows; efficiencies hold both.
+    /// Evaluates the orders at both faces of the solution for one incident polarisation. The first
+    /// amplitude of an order has the incident polarisation, the crossed one follows; efficiencies
+    /// contain both.
     pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
         let (faces, absorptance) = self.leaving(field, polarisation);
         let harmonics = &self.harmonics.orders;
@@ -28,10 +31,10 @@ impl VectorProblem {
         FarField::of_orders(self.incidence, self.moments.grid.period_um, orders, absorptance)
     }
 
-    /// One order: the amplitude of the incident polarisation, and beside it that of the crossed one.
+    /// One order: the amplitude of the incident polarisation, then the crossed one.
     fn order(&self, faces: &Faces, polarisation: Polarisation, i: usize, [m, n]: [i32; 2]) -> Order {
         let own = polarisation as usize;
-        // Sides that light is reflected and transmitted to.
+        // Sides of reflected and of transmitted light.
         let [back, onward] = [self.entry_side(), 1 - self.entry_side()];
         let [mut reflected, transmitted] = [back, onward].map(|s| self.amplitudes(faces, s, i));
         if i == self.incident_harmonic() {
@@ -56,12 +59,13 @@ impl VectorProblem {
         TAU / self.incidence.wavelength_um
     }
 
-    /// Amplitudes of one harmonic on a side, the incident wave's included.
+    /// Amplitudes of one harmonic on a side, including the incident wave.
     fn amplitudes(&self, faces: &Faces, side: usize, i: usize) -> Amplitudes {
         [faces.electric[side][i], faces.magnetic[side][i] / self.k[side]]
     }
 
-    /// Flux over the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h are out of phase).
+    /// Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h are
+    /// out of phase).
     fn efficiency(&self, side: usize, harmonic: usize, [s, p]: Amplitudes) -> f64 {
         let (kappa, k) = (self.kappa[side][harmonic], self.k[side]);
         let parallel = (kappa * k.conj() / k).re;

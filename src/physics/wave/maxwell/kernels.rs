@@ -1,23 +1,25 @@
-//! The mean operator's arithmetic in one cell: plain loops over harmonics, written so that they vectorise.
+//! Arithmetic of the mean operator in one cell: plain loops over harmonics, written so that they
+//! vectorise.
 //!
-//! Sums and differences of the two Gauss planes carry b and c of [`super::cell`]; l₊ = 1 + x²b, −l₋ = (1 + x²c)/√3.
+//! Sums and differences of the two Gauss planes carry b and c of [`super::cell`]; l₊ = 1 + x²b, −l₋
+//! = (1 + x²c)/√3.
 
 use crate::numerics::fourier::{Real, narrow};
 use multiversion::multiversion;
 use num_complex::{Complex, Complex64};
 
-/// A cell's numbers that all harmonics share.
+/// Constants of a cell, common to all harmonics.
 #[derive(Clone, Copy)]
 pub(super) struct Constants<T: Real> {
     h: T,
     h2: T,
     k2: Complex<T>,
     inverse_k2: Complex<T>,
-    /// 2i/(k̄² h).
+    /// Factor 2i/(k̄² h).
     slope: Complex<T>,
-    /// −1/(4k̄²).
+    /// Factor −1/(4k̄²).
     magnetic: Complex<T>,
-    /// 1/√3.
+    /// Factor 1/√3.
     third: T,
 }
 
@@ -34,7 +36,7 @@ impl<T: Real> Constants<T> {
         }
     }
 
-    /// x²b, l₊ and −l₋ of a harmonic with lateral wavenumber q.
+    /// Node functions x²b, l₊ and −l₋ of a harmonic with lateral wavenumber q.
     #[inline(always)]
     fn node_functions(&self, q: T, b: Complex<T>, c: Complex<T>) -> [Complex<T>; 3] {
         let x2 = Complex::new(self.k2.re - q * q, self.k2.im).scale(self.h2); // x² = (k̄² − q²) h²
@@ -45,7 +47,7 @@ impl<T: Real> Constants<T> {
     }
 }
 
-/// A cell's tables over the harmonics of a block.
+/// A cell's tables over a block of harmonics.
 #[derive(Clone, Copy)]
 pub(super) struct Tables<'a, T: Real> {
     pub lateral: &'a [T],
@@ -54,20 +56,20 @@ pub(super) struct Tables<'a, T: Real> {
 }
 
 impl<'a, T: Real> Tables<'a, T> {
-    /// All three with a length that the loops know.
+    /// All three tables, cut to a length known to the loops.
     #[inline(always)]
     fn cut(&self, width: usize) -> (&'a [T], &'a [Complex<T>], &'a [Complex<T>]) {
         (&self.lateral[..width], &self.b[..width], &self.c[..width])
     }
 }
 
-/// i z.
+/// Product i z.
 #[inline(always)]
 fn turned<T: Real>(z: Complex<T>) -> Complex<T> {
     Complex::new(-z.im, z.re)
 }
 
-/// F = V E of a cell: s, p, z of the first and of the second Gauss plane.
+/// Source F = V E of a cell: components s, p, z on the first and on the second Gauss plane.
 pub(super) struct Loads<'a, T: Real> {
     pub constants: Constants<T>,
     pub tables: Tables<'a, T>,
@@ -75,7 +77,8 @@ pub(super) struct Loads<'a, T: Real> {
 }
 
 impl<T: Real> Loads<'_, T> {
-    /// Adds the right-hand sides of both nodes (J = −F): TE ±: h/4 (l₊F_s₊ ∓ …), TM: −1/(4k̄²) [q h (l₊F_z₊ …) …].
+    /// Adds the right-hand sides of both nodes (J = −F): TE ±: h/4 (l₊F_s₊ ∓ …), TM: −1/(4k̄²) [q h
+    /// (l₊F_z₊ …) …].
     pub fn add_to(
         &self,
         u0: &mut [Complex<T>],
@@ -116,7 +119,7 @@ fn add_loads<T: Real>(
         let even = (sum * (z0[i] + z1[i])).scale(qh) + turned(x2b * (p1[i] - p0[i])).scale(root12);
         // −q h l₋ F_z₋ − 2i F_p₊
         let odd = (difference * (z1[i] - z0[i])).scale(qh) - turned(p0[i] + p1[i]).scale(two);
-        w0[i] += magnetic * (even - odd); // over −4k̄²
+        w0[i] += magnetic * (even - odd); // factor of −1/(4k̄²)
         w1[i] += magnetic * (even + odd);
     }
 }
@@ -129,7 +132,7 @@ pub(super) struct Moments<'a, T: Real> {
 }
 
 impl<T: Real> Moments<'_, T> {
-    /// Moments of the field in place of F: s, p, z of the first and of the second Gauss plane.
+    /// Replaces F by the moments of the field: s, p, z on the first and on the second Gauss plane.
     pub fn write(
         &self,
         s0: &mut [Complex<T>],

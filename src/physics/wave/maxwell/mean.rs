@@ -1,13 +1,13 @@
-//! The mean medium's exact answer to a source, per harmonic: TE for E_s, TM for h = H along s.
+//! Exact response of the mean medium to a source, per harmonic: TE for E_s, TM for h = H along s.
 //!
 //! With the lateral wavevector q p̂, s = ẑ × p̂, kz² = k̄² − q² and the source J = k0²(ε − ε̄)E:
 //!
-//!   TE   E_s'' + kz² E_s = −J_s
-//!   TM   (h'/k̄²)' + (kz²/k̄²) h = q J_z/k̄² + i (J_p/k̄²)'      E_p = (−i h' − J_p)/k̄²,   E_z = (−q h − J_z)/k̄²
+//! TE   E_s'' + kz² E_s = −J_s TM   (h'/k̄²)' + (kz²/k̄²) h = q J_z/k̄² + i (J_p/k̄²)'      E_p =
+//! (−i h' − J_p)/k̄²,   E_z = (−q h − J_z)/k̄²
 //!
-//! E_s, E_s', h and E_p are continuous, E_z jumps: unknowns are two moments of E a cell (see [`super::cell`]), none on an
-//! interface. Rows of a field: component c (s, p, z) of Gauss plane q in cell j is row 6j + 3q + c; columns are
-//! harmonics. Neither kz nor q is divided by.
+//! E_s, E_s', h and E_p are continuous, E_z jumps: the unknowns are two moments of E per cell (see
+//! [`super::cell`]), none on an interface. Rows of a field: component c (s, p, z) of Gauss plane q
+//! in cell j is row 6j + 3q + c; columns are harmonics. Neither kz nor q is used as a divisor.
 
 use super::cell::cell_functions;
 use super::kernels::{Constants, Loads, Moments, Tables};
@@ -25,13 +25,14 @@ pub const CELL_ROWS: usize = 6;
 
 const I: Complex64 = Complex64::I;
 
-/// E_s (first) and h (second) at all nodes (rows) in every harmonic (columns).
+/// Fields E_s (first) and h (second) at all nodes (rows) in every harmonic (columns).
 pub(super) type Nodes = [Field; 2];
 
-/// A wave that enters through one face in one harmonic: node rows' right-hand sides of the TE and the TM problem.
+/// A wave incident through one face in one harmonic: right-hand sides of the TE and TM problem at
+/// its node.
 #[derive(Clone, Copy, Debug)]
 pub struct MeanEntry {
-    /// Index of the node that the wave enters by: first or last.
+    /// Index of the node of the illuminated face: first or last.
     pub node: usize,
     /// Compact index of the incident harmonic.
     pub harmonic: usize,
@@ -39,38 +40,40 @@ pub struct MeanEntry {
     pub source: [Complex64; 2],
 }
 
-/// E_s and h of every harmonic on the incident and the exit face.
+/// Fields E_s and h of every harmonic on the incident and the exit face.
 #[derive(Clone, Debug)]
 pub struct Faces {
-    /// E_s at z = 0 and z = H.
+    /// Component E_s at z = 0 and z = H.
     pub electric: [Vec<Complex64>; 2],
-    /// h = ωµ0 H_s at z = 0 and z = H.
+    /// Component h = ωµ0 H_s at z = 0 and z = H.
     pub magnetic: [Vec<Complex64>; 2],
 }
 
 impl Faces {
-    /// The first and the last of all nodes.
+    /// The first and the last node.
     pub(super) fn of(nodes: &Nodes) -> Faces {
         let ends = |field: &Field| [0, field.nrows() - 1].map(|node| field.row(node).to_vec());
         Faces { electric: ends(&nodes[0]), magnetic: ends(&nodes[1]) }
     }
 }
 
-/// The mean operator A, factorised; in single precision beside double for strategies that measure the true residual.
+/// The mean operator A, factorised; also in single precision for strategies that measure the true
+/// residual.
 pub struct VectorMean<T: Real = f64> {
     heights: Vec<f64>,
-    /// k̄² of each cell.
+    /// Mean k̄² of each cell, 1/µm².
     mean_k2: Vec<Complex64>,
-    /// q of each harmonic.
+    /// Lateral wavenumber q of each harmonic, 1/µm.
     lateral: Vec<T>,
     electric: NodeSystem<T>,
     magnetic: NodeSystem<T>,
-    /// b and c of every cell (rows) and harmonic.
+    /// Functions b and c of every cell (rows) and harmonic.
     functions: [Array2<Complex<T>>; 2],
 }
 
 impl VectorMean {
-    /// `kappa` are the half-spaces' normal wavenumbers and `k` their wavenumbers, incident side first.
+    /// Factorises the operator; `kappa` are the normal wavenumbers of the half-spaces and `k` their
+    /// wavenumbers, incident side first.
     pub fn new(
         grid: &Grid,
         mean_k2: Vec<Complex64>,
@@ -91,7 +94,7 @@ impl VectorMean {
         VectorMean { heights, mean_k2, lateral, electric, magnetic, functions: [b, c] }
     }
 
-    /// The same in another precision.
+    /// The operator in another precision.
     pub fn narrowed<T: Real>(&self) -> VectorMean<T> {
         VectorMean {
             heights: self.heights.clone(),
@@ -103,14 +106,14 @@ impl VectorMean {
         }
     }
 
-    /// The wave in the mean medium that enters as `entry` says.
+    /// The wave in the mean medium for the incident wave `entry`.
     pub fn background(&self, entry: MeanEntry) -> Field {
         let mut y = Field::zeros((CELL_ROWS * self.heights.len(), self.lateral.len()));
         self.sweep(&mut y, Some(entry));
         y
     }
 
-    /// E_s and h at all nodes of A⁻¹ y and of the wave that enters.
+    /// Fields E_s and h at all nodes of A⁻¹ y plus the incident wave's.
     pub(super) fn nodes(&self, y: &Field, entry: MeanEntry) -> Nodes {
         let (nodes, count) = (self.heights.len() + 1, self.lateral.len());
         let mut values = [Field::zeros((nodes, count)), Field::zeros((nodes, count))];
@@ -122,7 +125,7 @@ impl VectorMean {
         values
     }
 
-    /// [`VectorMean::nodes`] of the harmonics from `first`.
+    /// Part of [`VectorMean::nodes`] for a block of harmonics from `first`.
     fn block_nodes(
         &self,
         y: &ArrayView2<Complex64>,
@@ -136,13 +139,14 @@ impl VectorMean {
         magnetic.iter_mut().zip(w).for_each(|(to, from)| *to = from);
     }
 
-    /// Height, k̄² of every cell, and q of every harmonic.
+    /// Heights and k̄² of all cells, and q of all harmonics.
     pub(super) fn cells(&self) -> (&[f64], &[Complex64], &[f64]) {
         (&self.heights, &self.mean_k2, &self.lateral)
     }
 }
 
-/// b, c, and the nodes' couplings and diagonals of every cell (rows) and harmonic, from one exponential each.
+/// Functions b and c, and the nodes' couplings and diagonals, of every cell (rows) and harmonic,
+/// from one exponential each.
 fn cell_tables(heights: &[f64], mean_k2: &[Complex64], lateral: &[f64]) -> [Array2<Complex64>; 4] {
     let mut tables: [_; 4] = std::array::from_fn(|_| Array2::zeros((heights.len(), lateral.len())));
     let [b, c, off, own] = &mut tables;
@@ -165,12 +169,13 @@ fn cell_row(height: f64, mean_k2: Complex64, lateral: &[f64], row: [ArrayViewMut
 }
 
 impl<T: Real> VectorMean<T> {
-    /// y ← A⁻¹ y: from V E per Gauss plane to moments of the field it scatters (minus the Green function).
+    /// Applies y ← A⁻¹ y: from V E per Gauss plane to moments of the scattered field (minus the
+    /// Green function).
     pub fn solve(&self, y: &mut Array2<Complex<T>>) {
         self.sweep(y, None);
     }
 
-    /// One solve: loads, nodes, moments.
+    /// One solve: source terms, nodes, moments.
     fn sweep(&self, y: &mut Array2<Complex<T>>, entry: Option<MeanEntry>) {
         let shared = y.len() >= SHARED;
         let length = (self.heights.len() + 1) * BLOCK;
@@ -198,7 +203,7 @@ impl<T: Real> VectorMean<T> {
         self.moments(&mut y, first, u, w);
     }
 
-    /// E_s and h of a block at all nodes, one node after the other.
+    /// Fields E_s and h of a block at all nodes, node by node.
     fn node_values(
         &self,
         y: &ArrayView2<Complex<T>>,
@@ -238,7 +243,7 @@ impl<T: Real> VectorMean<T> {
         }
     }
 
-    /// Moments of the field from node values and F, in place of F.
+    /// Replaces F by the moments of the field, from node values and F.
     fn moments(&self, y: &mut ArrayViewMut2<Complex<T>>, first: usize, u: &[Complex<T>], w: &[Complex<T>]) {
         let width = y.ncols();
         for (j, (&h, &k2)) in self.heights.iter().zip(&self.mean_k2).enumerate() {
@@ -254,12 +259,12 @@ impl<T: Real> VectorMean<T> {
         }
     }
 
-    /// k̄² of each cell.
+    /// Mean k̄² of each cell, 1/µm².
     pub fn mean_k2(&self) -> &[Complex64] {
         &self.mean_k2
     }
 
-    /// Bytes held.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let functions: usize = self.functions.iter().map(|f| f.len()).sum();
         functions * size_of::<Complex<T>>() + self.electric.bytes() + self.magnetic.bytes()

@@ -1,7 +1,9 @@
-//! The geometry as Maxwell's equations see it: moments of χ and of the normal-field tensor χN on the Gauss planes.
+//! Geometry for Maxwell's equations: moments of χ and of the normal-field tensor χN on the Gauss
+//! planes.
 //!
-//! m_ab = 2∫ψ_q χN_ab dz/h and χ_q = 2∫ψ_q χ dz/h per material, exact and band-limited in the plane; real, without
-//! wavelength or angle, made once per scene and grid and shared by both polarisations.
+//! For each material, m_ab = 2∫ψ_q χN_ab dz/h and χ_q = 2∫ψ_q χ dz/h, exact and band-limited in the
+//! plane. They are real and independent of wavelength and angle, computed once per scene and grid
+//! and shared by both polarisations.
 
 use super::sources::{self, FIELDS, Slab, Source, VALUES};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
@@ -26,17 +28,17 @@ pub struct ChannelFields {
 
 /// Moments of every material's indicator and normal tensor on every Gauss plane.
 pub struct NormalMoments {
-    /// Points and cells; two Gauss planes a cell.
+    /// Points and cells; two Gauss planes per cell.
     pub grid: Grid,
     /// Pairs of materials that share a cell.
     pub channels: Vec<Channel>,
-    /// Per Gauss plane, the channels present there.
+    /// Channels present on each Gauss plane.
     pub planes: Vec<Vec<ChannelFields>>,
     /// Per channel, mean of χ over each cell of the grid.
     pub fractions: Vec<Vec<f64>>,
-    /// Along which axes nothing changes, so that one point is enough.
+    /// Axes along which the scene is uniform, so that one point suffices.
     pub uniform: [bool; 2],
-    /// Seconds spent here.
+    /// Time of the computation, s.
     pub seconds: f64,
 }
 
@@ -57,15 +59,15 @@ struct CellFields {
 }
 
 impl NormalMoments {
-    /// Integrates every body over every cell, to rounding or nearly. Errors: see [`NormalMoments::with`].
+    /// Integrates every body over every cell, nearly exactly. Errors: see [`NormalMoments::with`].
     pub fn new(scene: &Scene, resolution: Resolution) -> Result<NormalMoments, WaveError> {
         NormalMoments::with(scene, resolution, Precision::EXACT)
     }
 
-    /// Integrates every body over every cell with that precision.
+    /// Integrates every body over every cell with the given precision.
     ///
     /// # Errors
-    /// [`WaveError::Stopped`]; as [`Grid::new`], and rough surfaces.
+    /// [`WaveError::Stopped`]; errors of [`Grid::new`]; rough surfaces.
     pub fn with(
         scene: &Scene,
         resolution: Resolution,
@@ -99,7 +101,7 @@ impl NormalMoments {
         Ok(NormalMoments { grid, channels, planes, fractions, uniform, seconds })
     }
 
-    /// What the mean medium and the Bloch vector are made from.
+    /// Data that determine the mean medium and the Bloch vector.
     pub fn layout(&self) -> Layout<'_> {
         Layout {
             grid: &self.grid,
@@ -109,13 +111,13 @@ impl NormalMoments {
         }
     }
 
-    /// Bytes held.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         self.planes.iter().flatten().map(|own| size_of_val(own.fields.as_slice())).sum()
     }
 }
 
-/// Refuses what the tensor is not known for.
+/// Rejects scenes for which the tensor is not implemented.
 fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
     if resolution.scheme != Scheme::Quadratic {
         return Err(WaveError::NotInVectorMode {
@@ -127,8 +129,8 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
     if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Above { .. })) {
         return Err(WaveError::NotInVectorMode {
             what: "a rough surface (relief)",
-            reason: "its normal-field tensor is not written yet, and averaging without it errs by several per cent",
-            remedy: "take a flat surface, or the scalar wave",
+            reason: "its normal-field tensor is not implemented, and averaging without it has an error of several per cent",
+            remedy: "use a flat surface, or the scalar wave",
         });
     }
     Ok(())
@@ -140,7 +142,8 @@ impl<'a> MomentBuilder<'a> {
         let [mmax, nmax] = [nx, ny].map(|n| (n - 1) / 2);
         let k = |max: usize, period: f64| TAU * max as f64 / period;
         let kmax = k(mmax, grid.period_um[0]).hypot(k(nmax, grid.period_um[1]));
-        // All harmonics count, unlike those that the scalar scheme folds: twice as many points as orders.
+        // All harmonics count, unlike those folded by the scalar scheme: twice as many points as
+        // orders.
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
         MomentBuilder {
             scene,
@@ -162,7 +165,7 @@ impl<'a> MomentBuilder<'a> {
         self.channels.iter().map(|c| if here(c) { self.channel_in_cell(c, cell) } else { None }).collect()
     }
 
-    /// Adds the harmonics of sources on a fine grid, which is used up.
+    /// Adds the harmonics of sources on a fine grid, which is overwritten.
     fn add_sources(
         &self,
         sources: &mut Vec<Complex64>,
@@ -194,11 +197,12 @@ impl<'a> MomentBuilder<'a> {
     }
 }
 
-/// The running moments of one channel in one cell.
+/// Partial sums of the moments of one channel in one cell.
 struct MomentSum<'a> {
     builder: &'a MomentBuilder<'a>,
     slab: Slab,
-    /// Sources of each field on the fine grid, first plane + i · second plane; empty while there are none.
+    /// Sources of each field on the fine grid, first plane + i · second plane; empty until the
+    /// first is added.
     sources: Vec<Vec<Complex64>>,
     patch: Patch<f64>,
     /// Directly summed harmonics of each field, first plane + i · second plane.
@@ -261,7 +265,8 @@ impl<'a> MomentSum<'a> {
         }
     }
 
-    /// Band-limited fields at the points: both planes of a field are the parts of one complex transform.
+    /// Band-limited fields at the points: both planes of a field are the real and imaginary part of
+    /// one complex transform.
     fn finish(mut self) -> CellFields {
         let builder = self.builder;
         let mut narrow = builder.fft.scratch();
@@ -278,13 +283,13 @@ impl<'a> MomentSum<'a> {
                 (planes[0][i][f], planes[1][i][f]) = (value.re, value.im);
             }
         }
-        // Order (0, 0) comes first; each plane stands for half the cell.
+        // Order (0, 0) comes first; each plane represents half the cell.
         let mean = self.direct[0][0];
         CellFields { planes, fraction: 0.5 * (mean.re + mean.im) }
     }
 }
 
-/// (1/Lx) ∫ e^{−ikx} dx over a strip.
+/// Transform (1/Lx) ∫ e^{−ikx} dx of a strip.
 fn strip_coefficient([x0, x1]: [f64; 2], k: f64, lx: f64) -> Complex64 {
     let (middle, width) = (0.5 * (x0 + x1), x1 - x0);
     let phase = 0.5 * k * width;

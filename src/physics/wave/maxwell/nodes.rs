@@ -1,4 +1,5 @@
-//! The tridiagonal systems of all harmonics between the nodes: TE for E_s, TM for h with each cell over its k̄².
+//! Tridiagonal systems of all harmonics between the nodes: TE for E_s, TM for h with each cell
+//! divided by its k̄².
 
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::inverse::row_of;
@@ -14,13 +15,14 @@ pub(super) const BLOCK: usize = 64;
 pub(super) struct NodeSystem<T: Real> {
     /// Coupling of a cell's two nodes.
     off: Array2<Complex<T>>,
-    /// 1/pivot of each node.
+    /// Reciprocal pivot of each node.
     inverse_pivot: Array2<Complex<T>>,
 }
 
 impl NodeSystem<f64> {
-    /// Factorises the exact difference scheme of every harmonic from the cells' couplings and shares of the nodes' diagonals
-    /// (cells × harmonics); a cell's entries are multiplied by `weights`, and `ends` are added to the first and last diagonal entry.
+    /// Factorises the exact difference scheme of every harmonic from the cells' couplings and
+    /// contributions to the nodes' diagonals (cells × harmonics). A cell's entries are multiplied
+    /// by `weights`; `ends` are added to the first and last diagonal entry.
     pub fn new(
         [off, own]: [&Array2<Complex64>; 2],
         weights: &[Complex64],
@@ -44,14 +46,14 @@ impl NodeSystem<f64> {
         NodeSystem { off, inverse_pivot }
     }
 
-    /// The same in another precision.
+    /// The factors in another precision.
     pub fn narrowed<T: Real>(&self) -> NodeSystem<T> {
         NodeSystem { off: self.off.mapv(narrow), inverse_pivot: self.inverse_pivot.mapv(narrow) }
     }
 }
 
 impl<T: Real> NodeSystem<T> {
-    /// Solves in place for the harmonics from `first`; `nodes` holds `width` of them for one node after the other.
+    /// Solves in place for the harmonics from `first`; `nodes` holds `width` of them, node by node.
     pub fn solve(&self, nodes: &mut [Complex<T>], first: usize, width: usize) {
         let cells = self.off.nrows();
         let off = |cell: usize| &row_of(&self.off, cell)[first..first + width];
@@ -67,20 +69,20 @@ impl<T: Real> NodeSystem<T> {
         }
     }
 
-    /// Bytes held.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         (self.off.len() + self.inverse_pivot.len()) * size_of::<Complex<T>>()
     }
 }
 
-/// y ← (y − o b) p.
+/// Forward elimination y ← (y − o b) p.
 #[multiversion(targets("x86_64+avx2"))]
 fn forward<T: Real>(y: &mut [Complex<T>], b: &[Complex<T>], off: &[Complex<T>], pivot: &[Complex<T>]) {
     let rows = y.iter_mut().zip(b).zip(off.iter().zip(pivot));
     rows.for_each(|((y, b), (o, p))| *y = (*y - o * b) * p);
 }
 
-/// y ← y − o p a.
+/// Back substitution y ← y − o p a.
 #[multiversion(targets("x86_64+avx2"))]
 fn backward<T: Real>(y: &mut [Complex<T>], a: &[Complex<T>], off: &[Complex<T>], pivot: &[Complex<T>]) {
     let rows = y.iter_mut().zip(a).zip(off.iter().zip(pivot));

@@ -1,7 +1,8 @@
-//! Cuts through a union of balls, divided among them by power: each ball's share of a cut and its edge.
+//! Power diagrams of cuts through a union of balls: each ball's share of a cut and its edge.
 //!
-//! A point belongs to the ball of least power |x − c|² − R². At one height the shares are bounded by the discs' free arcs and
-//! by pieces of their radical lines, the same lines at which the balls' surfaces meet.
+//! A point belongs to the ball of least power |x − c|² − R². At one height the shares are bounded
+//! by the discs' free arcs and by segments of their radical lines, along which the balls' surfaces
+//! meet.
 
 use crate::wave::Ball;
 use crate::wave::contrast::section::{EdgePoint, Sampling, breakpoints, free_arcs};
@@ -27,7 +28,8 @@ pub(super) fn share_edges(
     }
 }
 
-/// Centre and squared radius of a ball's disc at a height; the square may be negative, powers remain.
+/// Centre and squared radius of a ball's disc at a height; the square may be negative, powers
+/// remain defined.
 fn disc(ball: &Ball, z: f64) -> ([f64; 2], f64) {
     let [x, y, height] = ball.center_um;
     ([x, y], ball.radius_um.powi(2) - (z - height).powi(2))
@@ -43,7 +45,8 @@ fn share_edge(balls: &[Ball], i: usize, z: f64, sampling: &Sampling, points: &mu
     }
 }
 
-/// Points along the piece of the radical line of discs `i` and `j` that bounds the share of disc `i`.
+/// Points along the segment of the radical line of discs `i` and `j` that bounds the share of disc
+/// `i`.
 fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, points: &mut Vec<EdgePoint>) {
     let ((own, own_square), (other, other_square)) = (disc(&balls[i], z), disc(&balls[j], z));
     let delta = [0, 1].map(|k| other[k] - own[k]);
@@ -61,7 +64,8 @@ fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, p
         let (third, square) = disc(&balls[k], z);
         let apart = [0, 1].map(|a| third[a] - own[a]);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-        // Power of the third ball less the own one along the line: start + slope t, to be kept above zero.
+        // Power of the third ball minus that of this one along the line: start + slope t, which
+        // must be positive.
         let to_foot = normal.map(|n| along * n);
         let start = dot(apart, apart) - 2.0 * dot(apart, to_foot) - square + own_square;
         clip(&mut stretch, start, -2.0 * dot(apart, tangent), balls[i].radius_um, k < j);
@@ -79,7 +83,8 @@ fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, p
     }
 }
 
-/// Keeps the part of a stretch where start + slope t ≥ 0; of three balls with one radical line the first two share it.
+/// Restricts an interval to start + slope t ≥ 0; of three balls with a common radical line the
+/// first two share it.
 fn clip(stretch: &mut [f64; 2], start: f64, slope: f64, radius: f64, third_first: bool) {
     if slope.abs() < 1e-12 * radius {
         let on_line = start.abs() < 1e-12 * radius * radius;

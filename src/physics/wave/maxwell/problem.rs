@@ -1,4 +1,5 @@
-//! The discrete vector problem e + A⁻¹V e = e₀: mean solve, contrast product, incident waves of both polarisations.
+//! The discrete vector problem e + A⁻¹V e = e₀: mean solve, contrast product, incident waves of
+//! both polarisations.
 
 use super::contrast::{Averaging, tensors};
 use super::mean::{CELL_ROWS, Faces, MeanEntry, VectorMean};
@@ -14,7 +15,8 @@ use ndarray::ArrayView2;
 use num_complex::Complex64;
 use std::sync::{Arc, OnceLock};
 
-/// Maxwell's equations on a scene for one wavelength and direction, both polarisations: immutable, shared by threads.
+/// Maxwell's equations on a scene for one wavelength and direction, both polarisations: immutable,
+/// shared by threads.
 pub struct VectorProblem {
     /// Geometry, shared by all wavelengths and directions.
     pub moments: Arc<NormalMoments>,
@@ -30,13 +32,13 @@ pub struct VectorProblem {
     pub k: [Complex64; 2],
     /// Lateral wavevectors of every harmonic, 1/µm.
     pub lateral: Vec<[f64; 2]>,
-    /// A⁻¹V.
+    /// The operator A⁻¹V.
     double: VectorScattering<f64>,
     single: OnceLock<VectorScattering<f32>>,
     incident: usize,
 }
 
-/// The problem for one polarisation of the incident wave: what the strategies solve.
+/// The problem for one polarisation of the incident wave, as the strategies solve it.
 #[derive(Clone)]
 pub struct Polarised {
     /// The problem that both polarisations share.
@@ -48,7 +50,7 @@ pub struct Polarised {
 impl VectorProblem {
     /// Sets up one wavelength and direction on a geometry.
     ///
-    /// Errors: as the scalar problem, and metals (Re ε < 0) beside grains.
+    /// Errors: those of the scalar problem, and metals (Re ε < 0) beside grains.
     pub fn new(
         moments: &Arc<NormalMoments>,
         media: &Media,
@@ -93,27 +95,29 @@ impl VectorProblem {
         Polarised { problem: self.clone(), polarisation }
     }
 
-    /// Compact index of the harmonic that the incident wave is, and with it the specular order.
+    /// Compact index of the incident harmonic, which is the specular order.
     pub fn incident_harmonic(&self) -> usize {
         self.incident
     }
 
-    /// κ of the incident wave.
+    /// Normal wavenumber κ of the incident wave, 1/µm.
     pub fn incident_kappa(&self) -> f64 {
         self.kappa[self.entry_side()][self.incident].re
     }
 
-    /// 0 when the light enters at z = 0, 1 when at z = H.
+    /// Illuminated side: 0 at z = 0, 1 at z = H.
     pub(super) fn entry_side(&self) -> usize {
         usize::from(self.incidence.from == Side::Exit)
     }
 
-    /// p̂ of every harmonic, the incident azimuth's where the wavevector has no lateral part.
+    /// Unit vector p̂ of every harmonic; that of the incident azimuth if the wavevector has no
+    /// lateral part.
     pub fn directions(&self) -> &[[f64; 2]] {
         self.double.directions()
     }
 
-    /// Right-hand sides of the entry face's nodes: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k, over k²).
+    /// Right-hand sides at the node of the illuminated face: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k,
+    /// over k²).
     fn entry(&self, polarisation: Polarisation) -> MeanEntry {
         let side = self.entry_side();
         let node = if side == 0 { 0 } else { self.moments.grid.cells() };
@@ -126,10 +130,12 @@ impl VectorProblem {
         MeanEntry { node, harmonic: self.incident, source }
     }
 
-    /// E_s and h of every harmonic on both faces, from a solution's moments, and the absorbed share of the incident flux.
+    /// Fields E_s and h of every harmonic on both faces, from a solution's moments, and the
+    /// absorbed fraction of the incident flux.
     ///
-    /// A is the volume integral of the loss, (1/κ) ∫ Im E†(k̄² + V)E: V's part from the moments e that were found, the mean's
-    /// from the field in the cells that V e makes. R + T + A is 1 as far as e solves the problem.
+    /// A is the volume integral of the loss, (1/κ) ∫ Im E†(k̄² + V)E: the part of V from the
+    /// moments e of the solution, that of the mean from the field in the cells due to V e. R + T +
+    /// A is 1 to the accuracy with which e solves the problem.
     pub(super) fn leaving(&self, e: &Field, polarisation: Polarisation) -> (Faces, f64) {
         let mut loads = Field::zeros(e.dim());
         let mut loss = 0.0;
@@ -144,7 +150,8 @@ impl VectorProblem {
         (Faces::of(&nodes), loss / self.incident_kappa())
     }
 
-    /// Σ h w_q Im⟨E†VE⟩ from e and V e: the loss where the index differs from the mean.
+    /// Loss Σ h w_q Im⟨E†VE⟩ from e and V e: the part due to the deviation of the index from the
+    /// mean.
     fn contrast_loss(&self, e: &Field, product: &Field) -> f64 {
         let weight = |row: usize| 0.5 * self.moments.grid.height_um(row / CELL_ROWS);
         let rows = e.outer_iter().zip(product.outer_iter()).enumerate();
@@ -197,13 +204,13 @@ impl System for Polarised {
     }
 }
 
-/// p̂, or the azimuth of incidence where there is no lateral part to speak of.
+/// Unit vector p̂, or that of the azimuth of incidence if the lateral part is negligible.
 fn direction([x, y]: [f64; 2], k0: f64, azimuth: f64) -> [f64; 2] {
     let q = x.hypot(y);
     if q < 1e-12 * k0 { [azimuth.cos(), azimuth.sin()] } else { [x / q, y / q] }
 }
 
-/// Metals may be films, whose mean is exact; beside grains their tensor may have no inverse.
+/// Metals may be films, whose mean is exact; beside grains the tensor may have no inverse.
 fn check_metals(moments: &NormalMoments, media: &Media) -> Result<(), WaveError> {
     let metal = |eta: Complex64| (eta * eta).re < 0.0;
     let found = moments

@@ -26,7 +26,8 @@ fn metals_and_other_schemes_are_refused_with_a_reason() {
     assert!(problem(1.4.into(), Scheme::Quadratic).is_ok());
 }
 
-/// Identity: A is measured, not what R and T leave, so that light lost on the way out is missed: far less than 1e-6 is missing else.
+/// Identity: A is computed independently of R and T, so that lost light shows up in the sum;
+/// otherwise far less than 1e-6 is missing.
 #[test]
 fn a_loss_of_a_millionth_is_seen() {
     let problem = problem(Complex64::new(1.4, 0.1), Scheme::Quadratic).expect("a problem");

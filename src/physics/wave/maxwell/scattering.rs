@@ -1,7 +1,9 @@
-//! One application of A⁻¹V, in double or in single precision: what every iterative strategy spends its time on.
+//! One application of A⁻¹V, in double or in single precision: the main cost of every iterative
+//! strategy.
 //!
-//! Per plane: s, p, z harmonics to x, y, z at the points, product with the tensor, and back; three inverse and three
-//! forward transforms. Then the mean solve per harmonic. Fields too small to share stay on one thread.
+//! Per plane: s, p, z harmonics to x, y, z at the points, product with the tensor, and back; three
+//! inverse and three forward transforms. Then the mean solve per harmonic. Small fields are
+//! processed by one thread.
 
 use super::contrast::Symmetric;
 use super::mean::VectorMean;
@@ -14,14 +16,14 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// V of one plane: its six components (rows) over the points; no rows where it vanishes.
+/// Tensor V of one plane: its six components (rows) at the points; no rows if it vanishes.
 type Tensors<T> = Array2<Complex<T>>;
 
-/// A⁻¹V as tables.
+/// The operator A⁻¹V as tables.
 pub struct VectorScattering<T: Real> {
     pub(super) mean: VectorMean<T>,
     harmonics: Arc<Harmonics>,
-    /// p̂ of every harmonic.
+    /// Unit vector p̂ of every harmonic.
     directions: Vec<[T; 2]>,
     fft: PlaneFft<T>,
     contrast: Vec<Tensors<T>>,
@@ -29,7 +31,8 @@ pub struct VectorScattering<T: Real> {
 }
 
 impl VectorScattering<f64> {
-    /// From the mean operator, p̂ of every harmonic, and V over the points of every Gauss plane.
+    /// Built from the mean operator, p̂ of every harmonic, and V of every Gauss plane
+    /// divided by its number of points.
     pub fn new(
         mean: VectorMean,
         harmonics: Arc<Harmonics>,
@@ -45,7 +48,7 @@ impl VectorScattering<f64> {
         VectorScattering { mean, harmonics, directions, fft, contrast, idle: Idle::default() }
     }
 
-    /// The same in single precision.
+    /// The operator in single precision.
     pub fn narrowed(&self, fft: PlaneFft<f32>) -> VectorScattering<f32> {
         VectorScattering {
             mean: self.mean.narrowed(),
@@ -57,31 +60,31 @@ impl VectorScattering<f64> {
         }
     }
 
-    /// p̂ of every harmonic.
+    /// Unit vector p̂ of every harmonic.
     pub fn directions(&self) -> &[[f64; 2]] {
         &self.directions
     }
 }
 
 impl<T: Real> VectorScattering<T> {
-    /// False for layered media whose mean is exact.
+    /// Whether there is contrast; layered media with an exact mean have none.
     pub fn has_contrast(&self) -> bool {
         self.contrast.iter().any(|plane| !plane.is_empty())
     }
 
-    /// Bytes held.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let tensors: usize = self.contrast.iter().map(|plane| plane.len()).sum();
         self.mean.bytes() + tensors * size_of::<Complex<T>>()
     }
 
-    /// out ← V e: three inverse and three forward transforms a plane.
+    /// Applies out ← V e: three inverse and three forward transforms per plane.
     pub fn contrast_product(&self, e: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>) {
         let new = || PlaneWork::new(self);
         self.idle.in_chunks(out, Axis(0), 3, new, |plane, out, work| self.plane_product(e, plane, out, work));
     }
 
-    /// out ← V e of one plane.
+    /// Applies out ← V e on one plane.
     fn plane_product(
         &self,
         e: ArrayView2<Complex<T>>,
@@ -106,7 +109,7 @@ impl<T: Real> Scatter<T> for VectorScattering<T> {
     }
 }
 
-/// Buffers of one thread: three components of one plane.
+/// Work arrays of one thread: three components of one plane.
 struct PlaneWork<T: Real> {
     scratch: [PlaneScratch<T>; 3],
     compact: [Vec<Complex<T>>; 2],
@@ -118,7 +121,7 @@ impl<T: Real> PlaneWork<T> {
         PlaneWork { scratch: [0, 1, 2].map(|_| operator.fft.scratch()), compact: [zeros(), zeros()] }
     }
 
-    /// s, p, z harmonics → x, y, z at the points.
+    /// Transforms s, p, z harmonics to x, y, z at the points.
     fn to_points(&mut self, operator: &VectorScattering<T>, [s, p, z]: [&[Complex<T>]; 3]) {
         let [x, y] = &mut self.compact;
         rotate(&operator.directions, s, p, x, y);
@@ -129,14 +132,14 @@ impl<T: Real> PlaneWork<T> {
         }
     }
 
-    /// E ← V E at every point.
+    /// Multiplies E ← V E at every point.
     fn multiply(&mut self, tensors: &Tensors<T>) {
         let [x, y, z] = &mut self.scratch;
         let tensors = tensors.as_slice().expect("tensors are contiguous");
         multiply(tensors, &mut x.plane, &mut y.plane, &mut z.plane);
     }
 
-    /// x, y, z at the points → s, p, z harmonics, one after the other in `out`.
+    /// Transforms x, y, z at the points to s, p, z harmonics, consecutively in `out`.
     fn to_harmonics(&mut self, operator: &VectorScattering<T>, out: &mut [Complex<T>]) {
         let count = operator.harmonics.len();
         let (plane, z) = out.split_at_mut(2 * count);
@@ -150,7 +153,7 @@ impl<T: Real> PlaneWork<T> {
     }
 }
 
-/// (x, y) from (s, p): s = ẑ × p̂.
+/// Components (x, y) from (s, p): s = ẑ × p̂.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn rotate<T: Real>(
     directions: &[[T; 2]],
@@ -166,7 +169,7 @@ fn rotate<T: Real>(
     }
 }
 
-/// (s, p) from (x, y).
+/// Components (s, p) from (x, y).
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn rotate_back<T: Real>(
     directions: &[[T; 2]],
@@ -182,7 +185,7 @@ fn rotate_back<T: Real>(
     }
 }
 
-/// E ← V E; the tensor's components xx, xy, yy, xz, yz, zz lie one after the other.
+/// Multiplies E ← V E; the tensor's components xx, xy, yy, xz, yz, zz are stored consecutively.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn multiply<T: Real>(
     tensors: &[Complex<T>],

@@ -1,17 +1,19 @@
-//! Point sources whose Fourier sums are the moments of a grain's indicator χ and of χN, N the normal-field tensor.
+//! Point sources whose Fourier sums are the moments of a grain's indicator χ and of χN, N the
+//! normal-field tensor.
 //!
-//! In a ball N = x xᵀ/R² about its centre: smooth inside, n nᵀ on the surface. In a union of balls N is that of the ball
-//! of least power |x − c|² − R² (the jump on inner radical planes does no harm at ink contrast). A vertical column of a
-//! ball has closed moments in z, so a ball is a rule in its plan alone; r = R sin θ removes the square root at the rim.
+//! In a ball N = x xᵀ/R² about its centre: smooth inside, n nᵀ on the surface. In a union of balls
+//! N is that of the ball of least power |x − c|² − R² (the jump on inner radical planes is harmless
+//! at ink contrast). A vertical column of a ball has closed moments in z, so a ball needs a
+//! quadrature only in its plan; r = R sin θ removes the square root at the rim.
 
 use super::power::share_edges;
 use crate::wave::Ball;
 use crate::wave::contrast::section::{EdgePoint, Sampling};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// χ, and χN's components xx, xy, yy, xz, yz, zz.
+/// Number of fields: χ, and the components xx, xy, yy, xz, yz, zz of χN.
 pub const FIELDS: usize = 7;
-/// Fields on both Gauss planes of a cell, the planes running fastest.
+/// Number of fields on both Gauss planes of a cell, planes running fastest.
 pub const VALUES: usize = 2 * FIELDS;
 
 /// Height range of a cell.
@@ -21,16 +23,16 @@ pub struct Slab {
     pub range_um: [f64; 2],
 }
 
-/// A source: lateral position in µm and its share of every field's moments, in µm².
+/// A source: lateral position in µm and its contribution to every field's moments, in µm².
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
     /// Lateral position, µm.
     pub position: [f64; 2],
-    /// Share of every field's moments, µm².
+    /// Contribution to every field's moments, µm².
     pub values: [f64; VALUES],
 }
 
-/// 2∫ψ_q ζᵏ dζ/h for both Gauss planes q and k = 0, 1, 2.
+/// Moments 2∫ψ_q ζᵏ dζ/h for both Gauss planes q and k = 0, 1, 2.
 type HeightMoments = [[f64; 3]; 2];
 
 impl Slab {
@@ -42,13 +44,13 @@ impl Slab {
         0.5 * (self.range_um[0] + self.range_um[1])
     }
 
-    /// ψ_q at z: ½ ∓ √3 (t − ½).
+    /// Shape functions ψ_q at z: ½ ∓ √3 (t − ½).
     fn shape_functions(&self, z: f64) -> [f64; 2] {
         let slope = 3f64.sqrt() * (z - self.middle()) / self.height();
         [0.5 - slope, 0.5 + slope]
     }
 
-    /// Over a stretch ζ₀ … ζ₁ of a column, heights counted from `origin`.
+    /// Moments over an interval ζ₀ … ζ₁ of a column, heights relative to `origin`.
     fn stretch(&self, [from, to]: [f64; 2], origin: f64) -> HeightMoments {
         let (h, middle) = (self.height(), self.middle() - origin);
         let power: [f64; 4] = std::array::from_fn(|k| {
@@ -61,7 +63,7 @@ impl Slab {
         [-1.0, 1.0].map(|sign| [0, 1, 2].map(|k| of(sign, k)))
     }
 
-    /// At one height z with a quadrature weight in µm.
+    /// Moments of one height z with a quadrature weight in µm.
     fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
         let zeta = z - origin;
         self.shape_functions(z)
@@ -69,7 +71,7 @@ impl Slab {
     }
 }
 
-/// All fields of a ball's column at (x, y) from its centre.
+/// All fields of a ball's column at (x, y) relative to its centre.
 fn ball_values([x, y]: [f64; 2], radius: f64, heights: &HeightMoments, weight: f64) -> [f64; VALUES] {
     let square = 1.0 / (radius * radius);
     let mut values = [0.0; VALUES];
@@ -88,7 +90,7 @@ fn ball_values([x, y]: [f64; 2], radius: f64, heights: &HeightMoments, weight: f
     values
 }
 
-/// Sources of ball `i` of one grain within a cell: its own volume, or its share of the union.
+/// Sources of ball `i` of one grain within a cell: its own volume, or its part of the union.
 pub fn of_ball(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
     match balls {
         [ball] => of_single(ball, slab, sampling, push),
@@ -113,22 +115,23 @@ fn of_single(ball: &Ball, slab: &Slab, sampling: &Sampling, push: &mut impl FnMu
     }
 }
 
-/// Points of the trapezoidal rule on a circle, a multiple of four so that quarter turns change nothing; N adds two
-/// to the degree.
+/// Points of the trapezoidal rule on a circle, a multiple of four so that quarter turns change
+/// nothing; N increases the degree by two.
 fn angles(degree: f64) -> usize {
     4 * ((degree + 3.0) / 4.0).ceil() as usize
 }
 
-/// The part of a column ±`half` about the centre's height that lies in the cell, from the centre.
+/// The part of a column ±`half` about the centre that lies in the cell, relative to the centre.
 fn chord(half: f64, center: f64, slab: &Slab) -> Option<[f64; 2]> {
     let range = [(slab.range_um[0] - center).max(-half), (slab.range_um[1] - center).min(half)];
     (range[1] > range[0]).then_some(range)
 }
 
-/// Degree that the profile's powers of sin θ and cos θ add, per radian of half-range.
+/// Degree added by the profile's powers of sin θ and cos θ, per radian of half-range.
 const PROFILE_DEGREE: f64 = 8.0;
 
-/// Nodes θ and weights for columns at R sin θ, 0 ≤ θ ≤ π/2, divided where columns begin to meet a face of the cell.
+/// Nodes θ and weights for columns at R sin θ, 0 ≤ θ ≤ π/2, divided where columns begin to
+/// intersect a face of the cell.
 fn profile_nodes(center: f64, radius: f64, slab: &Slab, sampling: &Sampling) -> Vec<(f64, f64)> {
     let mut breaks = vec![0.0, FRAC_PI_2];
     let faces = slab.range_um.map(|z| (z - center).abs() / radius);
@@ -140,7 +143,8 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab, sampling: &Sampling) -> 
         if half < 1e-12 || chord(radius * middle.cos(), center, slab).is_none() {
             continue;
         }
-        // Sines and cosines of θ up to the fifth power multiply the wave: twice their degree over the half-range.
+        // Sines and cosines of θ up to the fifth power multiply the wave: twice their degree over
+        // the half-range.
         let reach = 0.5 * radius * (pair[1].sin() - pair[0].sin());
         let degree = sampling.demands.degree(reach) + PROFILE_DEGREE * half;
         let rule = sampling.rules.of((0.5 * degree).ceil() as usize + 2);
@@ -149,7 +153,7 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab, sampling: &Sampling) -> 
     nodes
 }
 
-/// Cuts at heights; a ball's share of a cut is a fan of cones from its centre to the share's edge.
+/// Cuts at heights; a ball's part of a cut is a fan of cones from its centre to the part's edge.
 fn of_share(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
     share_edges(balls, i, slab.range_um, sampling, &mut |z, weight, edge| {
         let heights = slab.point(z, weight, balls[i].center_um[2]);
@@ -168,7 +172,7 @@ fn fan(
     for point in edge {
         let to = [0, 1].map(|i| point.position[i] - center[i]);
         let cone = to[0] * point.normal[0] + to[1] * point.normal[1];
-        // The cone's Jacobian and N add three to the degree.
+        // The cone's Jacobian and N increase the degree by three.
         let degree = sampling.demands.degree(0.5 * to[0].hypot(to[1])) + 3.0;
         for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
             let s = 0.5 * (1.0 + x);
@@ -179,7 +183,7 @@ fn fan(
     }
 }
 
-/// Lines of a cylinder along y: x from its axis with a weight in µm, and all fields.
+/// Lines of a cylinder along y: x relative to its axis with a weight in µm, and all fields.
 pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab, sampling: &Sampling) -> Vec<(f64, [f64; VALUES])> {
     let mut lines = Vec::new();
     for (theta, weight) in profile_nodes(z_um, radius_um, slab, sampling) {
@@ -193,7 +197,8 @@ pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab, sampling: &Sampling) 
     lines
 }
 
-/// χ over a height range, with N = x̂x̂ᵀ for bars and ẑẑᵀ for sheets: a bar's horizontal faces should lie on cell faces.
+/// Indicator χ over a height range, with N = x̂x̂ᵀ for bars and ẑẑᵀ for sheets: a bar's horizontal
+/// faces should lie on cell faces.
 pub fn of_block([lo, hi]: [f64; 2], slab: &Slab, upright: bool) -> [f64; VALUES] {
     let range = [lo.max(slab.range_um[0]), hi.min(slab.range_um[1])];
     let mut values = [0.0; VALUES];

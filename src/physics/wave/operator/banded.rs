@@ -1,8 +1,10 @@
-//! Shifted mean problems in plane values: (a D + b Ã) u = f with D the lumped mass and Ã = E⁻ᵀ A E⁻¹.
+//! Shifted mean problems in plane values: (a D + b Ã) u = f with D the lumped mass and Ã = E⁻ᵀ A
+//! E⁻¹.
 //!
-//! E maps nodes and bubbles to values on planes. In plane values the contrast is diagonal at every point, so that
-//! strategies which split the operator (relaxation, convergent Born) work on both factors pointwise. One banded
-//! symmetric system per harmonic, factorised without pivoting: both uses have a definite real or imaginary part.
+//! E maps nodes and bubbles to values on planes. In plane values the contrast is diagonal at every
+//! point, so that strategies which split the operator (relaxation, convergent Born) handle both
+//! factors pointwise. One banded symmetric system per harmonic, factorised without pivoting: in
+//! both uses the real or imaginary part is definite.
 
 use super::cell::NodeCoefficients;
 use crate::wave::Problem;
@@ -11,16 +13,17 @@ use ndarray::{Array2, Array3, ArrayView3, ArrayViewMut1, ArrayViewMut2, Axis, s}
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Harmonics treated together by one thread.
+/// Harmonics processed together by one thread.
 const BLOCK: usize = 96;
 const SIZE: usize = MAX_DEGREE + 1;
 
 /// Factors L D Lᵀ of a shifted mean operator.
 pub struct ShiftedMean {
-    /// Rows × (degree + 1) × harmonics: 1/pivot, then L's entries 1 … degree to the left.
+    /// Array of rows × (degree + 1) × harmonics: 1/pivot, then the entries 1 … degree of L to the
+    /// left.
     factors: Array3<Complex64>,
     degree: usize,
-    /// D of every plane.
+    /// Lumped mass D of every plane.
     pub(crate) mass: Vec<f64>,
 }
 
@@ -47,7 +50,7 @@ impl ShiftedMean {
         });
     }
 
-    /// y ← L⁻¹ y for a block of harmonics, with its columns of the factors.
+    /// Forward substitution y ← L⁻¹ y for a block of harmonics, with its columns of the factors.
     #[inline]
     fn forward_substitution(&self, factors: &ArrayView3<Complex64>, y: &mut ArrayViewMut2<Complex64>) {
         for r in 0..y.nrows() {
@@ -59,7 +62,7 @@ impl ShiftedMean {
         }
     }
 
-    /// y ← L⁻ᵀ D⁻¹ y for a block of harmonics, with its columns of the factors.
+    /// Back substitution y ← L⁻ᵀ D⁻¹ y for a block of harmonics, with its columns of the factors.
     #[inline]
     fn back_substitution(&self, factors: &ArrayView3<Complex64>, y: &mut ArrayViewMut2<Complex64>) {
         let rows = y.nrows();
@@ -73,7 +76,7 @@ impl ShiftedMean {
         }
     }
 
-    /// planes ← (a D + b Ã)⁻¹ D f of values f at the points of all planes.
+    /// Applies planes ← (a D + b Ã)⁻¹ D f to values f at the points of all planes.
     pub fn solve_points(
         &self,
         problem: &Problem,
@@ -87,13 +90,14 @@ impl ShiftedMean {
         self.solve(planes); // (a D + b Ã)⁻¹ ·
     }
 
-    /// Bytes held.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         self.factors.len() * size_of::<Complex64>()
     }
 }
 
-/// Factors L D Lᵀ of a D + b Ã in one harmonic, as a band; `mass` is D, and a and b are the two factors.
+/// Factors L D Lᵀ of a D + b Ã in one harmonic, as a band; `mass` is D, and a and b are the two
+/// factors.
 fn shifted_factors(
     problem: &Problem,
     harmonic: usize,
@@ -107,7 +111,7 @@ fn shifted_factors(
     band
 }
 
-/// In place: column 0 becomes 1/pivot, column k the factor L(r, r − k).
+/// Factorises in place: column 0 becomes 1/pivot, column k the factor L(r, r − k).
 fn factorise(band: &mut Array2<Complex64>, degree: usize) {
     for r in 0..band.nrows() {
         let reach = degree.min(r);
@@ -139,7 +143,8 @@ impl super::mean::MeanOperator {
         mass
     }
 
-    /// Ã of one harmonic as a band: rows × (degree + 1), column k the entry (r, r − k).
+    /// The operator Ã of one harmonic as a band: rows × (degree + 1), column k the entry (r, r −
+    /// k).
     pub fn plane_band(&self, harmonic: usize, ends: [Complex64; 2]) -> Array2<Complex64> {
         let degree = self.element.degree;
         let rows = degree * self.heights.len() + 1;
@@ -154,7 +159,7 @@ impl super::mean::MeanOperator {
         band
     }
 
-    /// One cell's matrix between its planes.
+    /// Matrix of one cell between its planes.
     fn plane_element(&self, cell: usize, harmonic: usize) -> [[Complex64; SIZE]; SIZE] {
         let degree = self.element.degree;
         let node = NodeCoefficients::new(self.kz2(cell, harmonic), self.heights[cell], self.scheme);
@@ -184,7 +189,7 @@ impl super::mean::MeanOperator {
         g
     }
 
-    /// Plane values → nodes and bubbles, in place (E⁻¹).
+    /// Converts plane values to nodes and bubbles, in place (E⁻¹).
     pub fn to_unknowns(&self, planes: &mut Array2<Complex64>) {
         let degree = self.element.degree;
         for cell in (0..self.heights.len()).filter(|_| degree > 1) {
@@ -195,7 +200,7 @@ impl super::mean::MeanOperator {
         }
     }
 
-    /// One cell's plane values in one harmonic → its nodes and bubbles, in place.
+    /// Converts one cell's plane values in one harmonic to its nodes and bubbles, in place.
     #[inline]
     fn cell_to_unknowns(&self, cell: usize, harmonic: usize, mut u: ArrayViewMut1<Complex64>) {
         let degree = self.element.degree;
@@ -206,7 +211,7 @@ impl super::mean::MeanOperator {
         }
     }
 
-    /// Nodes and bubbles → plane values (E).
+    /// Converts nodes and bubbles to plane values (E).
     pub fn to_planes(&self, unknowns: &Array2<Complex64>) -> Array2<Complex64> {
         let mut planes = Array2::zeros(unknowns.dim());
         planes.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, mut row)| {

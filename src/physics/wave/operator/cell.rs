@@ -1,22 +1,24 @@
 //! One cell of the mean medium for one harmonic, in closed form.
 //!
-//! In a cell of height h with kz² = k̄² − kx² − ky² the exact difference scheme (Tikhonov–Samarskii) reads
-//! o (U_{j+1} + U_{j−1}) − 2 o cos(kz h) U_j with o = kz / sin(kz h); P2 (3.5) has o = 1/h instead. Only decaying
-//! exponentials occur, so strongly evanescent harmonics cannot overflow (the slip of P2 (2.10)).
+//! In a cell of height h with kz² = k̄² − kx² − ky² the exact difference scheme
+//! (Tikhonov–Samarskii) reads o (U_{j+1} + U_{j−1}) − 2 o cos(kz h) U_j with o = kz / sin(kz h); P2
+//! (3.5) has o = 1/h instead. Only decaying exponentials occur, so strongly evanescent harmonics
+//! cannot overflow (as they do in P2 (2.10)).
 
 use crate::wave::Scheme;
 use crate::wave::grid::element::MAX_DEGREE;
 use num_complex::Complex64;
 
-/// |kz h|² below which Taylor series replace the exponentials, which would cancel.
+/// Threshold of |kz h|² below which Taylor series avoid the cancellation of exponentials.
 pub(super) const SMALL: f64 = 2.5e-3;
 
-/// Node coefficients of one cell for one harmonic: coupling, and the cell's share of each node's diagonal.
+/// Node coefficients of one cell for one harmonic: coupling, and the cell's contribution to each
+/// node's diagonal.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeCoefficients {
-    /// o, the coupling of the cell's two nodes, 1/µm.
+    /// Coupling o of the cell's two nodes, 1/µm.
     pub off: Complex64,
-    /// −o cos(k̄h), the cell's part of each node's diagonal, 1/µm.
+    /// Contribution −o cos(k̄h) of the cell to each node's diagonal, 1/µm.
     pub diagonal: Complex64,
 }
 
@@ -36,7 +38,7 @@ impl NodeCoefficients {
         NodeCoefficients::of_step(ikz, (ikz * h).exp())
     }
 
-    /// From ikz and e^{ikz h}.
+    /// The coefficients from ikz and e^{ikz h}.
     pub(crate) fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
         let square = step * step;
         let scale = ikz / (square - 1.0);
@@ -45,8 +47,9 @@ impl NodeCoefficients {
     }
 }
 
-/// One cell's coefficients for one harmonic, all from two exponentials: the nodes', and the first node's basis function
-/// at the inner `points` (see [`left_share`]), which lie symmetrically.
+/// Coefficients of one cell for one harmonic, all from two exponentials: those of the nodes, and
+/// the first node's basis function at the inner `points` (see [`left_share`]), which must be
+/// symmetric.
 pub(super) fn cell_factors(
     kz2: Complex64,
     h: f64,
@@ -79,7 +82,8 @@ pub(super) fn cell_factors(
     (NodeCoefficients::of_step(ikz, step), shares)
 }
 
-/// The left node's basis function, the mean medium's solution, at the fraction t of a cell: sin(kz h (1−t))/sin(kz h).
+/// Basis function of the left node in the mean medium at the fraction t of a cell: sin(kz h
+/// (1−t))/sin(kz h).
 pub fn left_share(kz2: Complex64, h: f64, t: f64, scheme: Scheme) -> Complex64 {
     let s = 1.0 - t;
     if scheme == Scheme::SecondDifference {
@@ -93,7 +97,7 @@ pub fn left_share(kz2: Complex64, h: f64, t: f64, scheme: Scheme) -> Complex64 {
     (ikz * (h * t)).exp() * (1.0 - (ikz * (2.0 * h * s)).exp()) / (1.0 - (ikz * (2.0 * h)).exp())
 }
 
-/// sin x / x from x²; the first term left out is below 1e-16 for |x| ≤ 0.05.
+/// Series of sin x / x in x²; the first omitted term is below 1e-16 for |x| ≤ 0.05.
 fn sinc_series(x2: Complex64) -> Complex64 {
     1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 72.0)))
 }
@@ -102,7 +106,7 @@ fn cosine_series(x2: Complex64) -> Complex64 {
     1.0 - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0 * (1.0 - x2 / 56.0)))
 }
 
-/// √z with Im ≥ 0, so that e^{i√z s} decays or stays bounded for s > 0.
+/// Root √z with Im ≥ 0, so that e^{i√z s} decays or stays bounded for s > 0.
 pub fn decaying_root(z: Complex64) -> Complex64 {
     let root = z.sqrt();
     if root.im < 0.0 { -root } else { root }

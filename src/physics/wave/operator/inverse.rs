@@ -1,7 +1,9 @@
-//! A⁻¹ as tables, in double or in single precision: values on planes from the unknowns, their transpose, and the factors
-//! L D Lᵀ of the nodes' systems. All loops run over harmonics; fields too small to share stay on one thread.
+//! The inverse A⁻¹ as tables, in double or in single precision: values on planes from the unknowns,
+//! their transpose, and the factors L D Lᵀ of the nodes' systems. All loops run over harmonics;
+//! small fields are processed by one thread.
 //!
-//! Rows of a field: node j is row `degree · j`, the cell's bubbles follow it; columns are harmonics.
+//! Rows of a field: node j is row `degree · j`, followed by the cell's bubbles; columns are
+//! harmonics.
 
 use super::sharing::in_chunks;
 use crate::numerics::fourier::{Real, narrow};
@@ -11,7 +13,8 @@ use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
 use num_complex::Complex;
 use std::ops::Range;
 
-/// Harmonics treated together by one thread: a column of some 50 planes stays in second-level cache.
+/// Harmonics processed together by one thread: a column of some 50 planes stays in the second-level
+/// cache.
 const BLOCK: usize = 192;
 
 /// The mean operator's inverse: rows of the tables are cells, nodes or bubbles, columns harmonics.
@@ -20,16 +23,16 @@ pub struct MeanInverse<T: Real = f64> {
     pub(super) bubbles: Vec<Vec<T>>,
     /// The first node's basis function at each inner point of a cell: point → cells × harmonics.
     pub(crate) left_share: Vec<Array2<Complex<T>>>,
-    /// L: coupling of each node with the next over its pivot.
+    /// Factor L: coupling of each node with the next over its pivot.
     pub(super) factor: Array2<Complex<T>>,
-    /// 1/D.
+    /// Reciprocal of D.
     pub(super) inverse_pivot: Array2<Complex<T>>,
-    /// 1/A of each bubble: (cells · bubbles) × harmonics.
+    /// Reciprocal of A for each bubble: (cells · bubbles) × harmonics.
     pub(super) inverse_bubble: Array2<Complex<T>>,
 }
 
 impl MeanInverse {
-    /// The same in another precision.
+    /// The inverse in another precision.
     pub fn narrowed<T: Real>(&self) -> MeanInverse<T> {
         MeanInverse {
             bubbles: self.bubbles.iter().map(|row| row.iter().map(|&x| T::of(x)).collect()).collect(),
@@ -46,14 +49,15 @@ impl<T: Real> MeanInverse<T> {
         self.left_share.len() + 1
     }
 
-    /// Bytes held.
+    /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let shares: usize = self.left_share.iter().map(|s| s.len()).sum();
         let tables = self.factor.len() + self.inverse_pivot.len() + self.inverse_bubble.len();
         (shares + tables) * size_of::<Complex<T>>()
     }
 
-    /// Values on a plane from the unknowns: nodes as they are; inside a cell the mean solution and the bubbles.
+    /// Values on a plane from the unknowns: nodes unchanged; inside a cell the mean solution plus
+    /// the bubbles.
     pub fn plane_values(&self, u: &ArrayView2<Complex<T>>, plane: usize, out: &mut [Complex<T>]) {
         let degree = self.degree();
         let (cell, point) = (plane / degree, plane % degree);
@@ -68,7 +72,8 @@ impl<T: Real> MeanInverse<T> {
         }
     }
 
-    /// Loads y_p on planes → right-hand sides of nodes and bubbles, in place (transpose of the plane values).
+    /// Converts loads y_p on planes to right-hand sides of nodes and bubbles, in place (transpose
+    /// of the plane values).
     pub fn load(&self, y: &mut Array2<Complex<T>>) {
         in_chunks(y, Axis(1), BLOCK, |b, mut block| {
             let columns = b * BLOCK..b * BLOCK + block.ncols();
@@ -76,18 +81,18 @@ impl<T: Real> MeanInverse<T> {
         });
     }
 
-    /// A⁻¹ applied in place to rows of nodes and bubbles.
+    /// Applies A⁻¹ in place to rows of nodes and bubbles.
     pub fn solve(&self, y: &mut Array2<Complex<T>>) {
         in_chunks(y, Axis(1), BLOCK, |b, block| self.solve_block(block, b * BLOCK, false));
     }
 
-    /// A⁻¹ applied in place to loads on planes.
+    /// Applies A⁻¹ in place to loads on planes.
     pub fn solve_loads(&self, y: &mut Array2<Complex<T>>) {
         in_chunks(y, Axis(1), BLOCK, |b, block| self.solve_block(block, b * BLOCK, true));
     }
 
-    /// x = L⁻ᵀ D⁻¹ L⁻¹ y on the nodes of a block of harmonics, l_j = o_j/d_j the coupling of node j with the next; each
-    /// bubble on its own.
+    /// Solves x = L⁻ᵀ D⁻¹ L⁻¹ y on the nodes of a block of harmonics, with l_j = o_j/d_j the
+    /// coupling of node j with the next; bubbles are decoupled.
     fn solve_block(&self, mut y: ArrayViewMut2<Complex<T>>, first: usize, of_loads: bool) {
         let columns = first..first + y.ncols();
         let (degree, cells) = (self.degree(), self.factor.nrows());
@@ -123,7 +128,7 @@ impl<T: Real> MeanInverse<T> {
         }
     }
 
-    /// Loads at a cell's inner points → right-hand sides of its nodes and bubbles.
+    /// Converts loads at a cell's inner points to right-hand sides of its nodes and bubbles.
     fn load_cell(&self, y: &mut ArrayViewMut2<Complex<T>>, cell: usize, columns: Range<usize>) {
         let degree = self.degree();
         for point in 1..degree {
@@ -165,32 +170,32 @@ fn slice<'a, T>(row: &'a mut ndarray::ArrayViewMut1<T>) -> &'a mut [T] {
     row.as_slice_mut().expect("parts of rows are contiguous")
 }
 
-/// a ← a b.
+/// Multiplies a ← a b.
 #[multiversion(targets("x86_64+avx2"))]
 pub(super) fn multiply<T: Real>(a: &mut [Complex<T>], b: &[Complex<T>]) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a *= *b);
 }
 
-/// out ← w₀ a₀ + w₁ a₁.
+/// Combines out ← w₀ a₀ + w₁ a₁.
 #[multiversion(targets("x86_64+avx2"))]
 fn between<T: Real>(out: &mut [Complex<T>], [w0, a0]: [&[Complex<T>]; 2], [w1, a1]: [&[Complex<T>]; 2]) {
     let products = w0.iter().zip(a0).zip(w1.iter().zip(a1));
     out.iter_mut().zip(products).for_each(|(out, ((w0, a0), (w1, a1)))| *out = w0 * a0 + w1 * a1);
 }
 
-/// out ← out + factor a.
+/// Adds out ← out + factor a.
 #[multiversion(targets("x86_64+avx2"))]
 fn add_scaled<T: Real>(out: &mut [Complex<T>], factor: T, a: &[Complex<T>]) {
     out.iter_mut().zip(a).for_each(|(out, a)| *out += a.scale(factor));
 }
 
-/// y ← y − w x.
+/// Subtracts y ← y − w x.
 #[multiversion(targets("x86_64+avx2"))]
 fn subtract_product<T: Real>(y: &mut [Complex<T>], w: &[Complex<T>], x: &[Complex<T>]) {
     y.iter_mut().zip(w.iter().zip(x)).for_each(|(y, (w, x))| *y -= w * x);
 }
 
-/// first ← first + left load, last ← last + right load.
+/// Adds the load to both: first ← first + left load, last ← last + right load.
 #[multiversion(targets("x86_64+avx2"))]
 fn share_load<T: Real>(
     first: &mut [Complex<T>],

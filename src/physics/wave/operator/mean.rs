@@ -1,7 +1,8 @@
-//! The mean operator A: Δ + k̄² with the half-spaces' exact conditions, one tridiagonal system per harmonic.
+//! The mean operator A: Δ + k̄² with the half-spaces' exact conditions, one tridiagonal system per
+//! harmonic.
 //!
-//! Each cell's coefficients are those of [`super::cell`].
-//! Rows of a field: node j is row `degree · j`, the cell's bubbles follow it; columns are harmonics.
+//! See [`super::cell`] for the coefficients of each cell. Rows of a field: node j is row `degree ·
+//! j`, followed by the cell's bubbles; columns are harmonics.
 
 pub use super::cell::{NodeCoefficients, decaying_root, left_share};
 
@@ -14,24 +15,25 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// A, factorised: rows of the arrays are cells or nodes, columns harmonics.
+/// The operator A, factorised: rows of the arrays are cells or nodes, columns harmonics.
 pub struct MeanOperator {
     pub(crate) scheme: Scheme,
     pub(crate) element: Element,
     pub(crate) heights: Vec<f64>,
-    /// k̄² of each cell.
+    /// Mean k̄² of each cell, 1/µm².
     mean_k2: Vec<Complex64>,
-    /// kx² + ky² of each harmonic.
+    /// Squared lateral wavenumber kx² + ky² of each harmonic, 1/µm².
     lateral_k2: Vec<f64>,
     off: Array2<Complex64>,
-    /// A cell's share of both its nodes' diagonals.
+    /// Contribution of a cell to the diagonals of both its nodes.
     diagonal: Array2<Complex64>,
-    /// A⁻¹, shared with the tables of A⁻¹V.
+    /// Inverse A⁻¹, shared with the tables of A⁻¹V.
     pub inverse: Arc<MeanInverse>,
 }
 
 impl MeanOperator {
-    /// `kappa` are the half-spaces' normal wavenumbers (incident side, exit side) of each harmonic.
+    /// Factorises the operator; `kappa` are the normal wavenumbers of the half-spaces (incident
+    /// side, exit side) for each harmonic.
     pub fn new(
         grid: &Grid,
         mean_k2: Vec<Complex64>,
@@ -63,12 +65,13 @@ impl MeanOperator {
         self.mean_k2[cell] - self.lateral_k2[harmonic]
     }
 
-    /// Diagonal of A on a bubble.
+    /// Diagonal entry of A for a bubble.
     pub(crate) fn bubble(&self, cell: usize, bubble: usize, harmonic: usize) -> Complex64 {
         bubble_entry(self.kz2(cell, harmonic), self.heights[cell], self.element.lambda[bubble])
     }
 
-    /// A u, from the coefficients themselves; `kappa` as in [`MeanOperator::new`], or zeros for the interior part.
+    /// Product A u, from the coefficients themselves; `kappa` as in [`MeanOperator::new`], or zeros
+    /// for the interior part.
     pub fn apply(&self, u: &Array2<Complex64>, kappa: [&[Complex64]; 2]) -> Array2<Complex64> {
         let mut out = Array2::zeros(u.dim());
         let columns = u.axis_iter(Axis(1)).into_par_iter().zip(out.axis_iter_mut(Axis(1)));
@@ -79,7 +82,7 @@ impl MeanOperator {
         out
     }
 
-    /// out ← out + iκ u on both faces, in one harmonic; `ends` are iκ of the half-spaces.
+    /// Adds out ← out + iκ u on both faces, in one harmonic; `ends` are iκ of the half-spaces.
     #[inline]
     fn apply_ends(
         &self,
@@ -92,7 +95,7 @@ impl MeanOperator {
         out[last] += ends[1] * u[last];
     }
 
-    /// out ← out + A u of cell j in harmonic i.
+    /// Adds out ← out + A u of cell j in harmonic i.
     #[inline]
     fn apply_cell(&self, j: usize, i: usize, u: &ArrayView1<Complex64>, out: &mut ArrayViewMut1<Complex64>) {
         let stride = self.element.degree;
@@ -106,17 +109,17 @@ impl MeanOperator {
         }
     }
 
-    /// k̄² of each cell.
+    /// Mean k̄² of each cell, 1/µm².
     pub fn mean_k2(&self) -> &[Complex64] {
         &self.mean_k2
     }
 
-    /// Largest Im k̄² of any cell.
+    /// Largest Im k̄² of any cell, 1/µm².
     pub fn mean_absorption(&self) -> f64 {
         self.mean_k2.iter().map(|k2| k2.im).fold(0.0, f64::max)
     }
 
-    /// True when k̄² is real, as relaxation needs it.
+    /// Whether k̄² is real, as relaxation requires.
     pub fn is_real(&self) -> bool {
         self.mean_absorption() == 0.0
     }
@@ -159,19 +162,19 @@ impl MeanOperator {
         left * nodes[cell] + right * nodes[cell + 1]
     }
 
-    /// Bytes held, without those of the inverse.
+    /// Memory held without the inverse, bytes.
     pub fn bytes(&self) -> usize {
         2 * self.off.len() * size_of::<Complex64>()
     }
 }
 
-/// (kz² h λ − 1/h), A's entry of a bubble.
+/// Diagonal entry kz² h λ − 1/h of A for a bubble.
 fn bubble_entry(kz2: Complex64, h: f64, lambda: f64) -> Complex64 {
     kz2 * (h * lambda) - 1.0 / h
 }
 
-/// Off-diagonal, diagonal and left shares of every cell and harmonic, a table each; `heights` of the cells, and inner
-/// `points` of one.
+/// Tables of off-diagonals, diagonals and left shares for every cell and harmonic, from the
+/// `heights` of the cells and the inner `points` of one.
 fn cell_tables(
     [heights, points]: [&[f64]; 2],
     mean_k2: &[Complex64],
@@ -189,7 +192,8 @@ fn cell_tables(
     });
 }
 
-/// L (each node's coupling with the next over its pivot) and 1/D of the nodes' system, all harmonics side by side.
+/// Factor L (each node's coupling with the next over its pivot) and 1/D of the nodes' system, for
+/// all harmonics together.
 fn factorised(
     off: &Array2<Complex64>,
     diagonal: &Array2<Complex64>,
@@ -202,7 +206,7 @@ fn factorised(
         for i in 0..harmonics {
             let (o, own) = (off[[j, i]], diagonal[[j, i]]);
             let pivot = guarded_inverse(left[i] + own, o); // 1/d_j
-            left[i] = own - o * o * pivot; // the next one's, less o²/d_j
+            left[i] = own - o * o * pivot; // diagonal of the next node minus o²/d_j
             (inverse_pivot[[j, i]], factor[[j, i]]) = (pivot, o * pivot);
         }
     }
@@ -226,7 +230,8 @@ fn tabulate(
     }
 }
 
-/// 1/pivot; a pivot that vanishes (a guided mode exactly on the grid) is moved by a part in 10¹² of its row.
+/// Reciprocal pivot; a vanishing pivot (a guided mode exactly on the grid) is shifted by a part in
+/// 10¹² of its row.
 pub(crate) fn guarded_inverse(pivot: Complex64, scale: Complex64) -> Complex64 {
     let least = 1e-12 * scale.norm().max(1e-300);
     if pivot.norm() < least { Complex64::from(1.0 / least) } else { 1.0 / pivot }

@@ -1,4 +1,5 @@
-//! The mean medium ⟨k²⟩ of every cell, what the backgrounds differ from it, and the cells it allows.
+//! The mean medium ⟨k²⟩ of every cell, the deviation of the backgrounds from it, and the cell
+//! heights it allows.
 
 use crate::wave::{Coverage, Grid, Layout, Media, WaveError};
 use num_complex::Complex64;
@@ -7,12 +8,13 @@ use serde::{Deserialize, Serialize};
 /// Largest phase k̄h of a cell with contrast: beyond it the moments no longer resolve the wave.
 const PHASE_LIMIT: f64 = 2.9;
 
-/// How ⟨k²⟩ is chosen. It belongs to the discretisation: all strategies on one problem share it.
+/// Choice of ⟨k²⟩. It belongs to the discretisation: all strategies for a problem share it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Mean {
-    /// Averages each cell over the plane instead of the whole layer (P2, below (3.12)).
+    /// Whether ⟨k²⟩ is the average of each cell instead of the whole layer (P2, below (3.12)).
     pub depends_on_z: bool,
-    /// Keeps the imaginary part; relaxation needs it left in the contrast (real ⟨k²⟩).
+    /// Whether the imaginary part is included; relaxation needs a real ⟨k²⟩, with absorption in the
+    /// contrast.
     pub absorbing: bool,
 }
 
@@ -22,7 +24,7 @@ impl Default for Mean {
     }
 }
 
-/// k̄² of every cell: the background's k² plus the covered shares of the contrasts.
+/// Mean k̄² of every cell: k² of the background plus the contrasts weighted by coverage.
 pub(super) fn mean_wavenumbers(layout: &Layout, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
     let grid = layout.grid;
     let mut values: Vec<Complex64> =
@@ -37,7 +39,7 @@ pub(super) fn mean_wavenumbers(layout: &Layout, media: &Media, k0: f64, mean: Me
     values
 }
 
-/// k̄² of one cell over the plane.
+/// Mean k̄² of one cell over the plane.
 fn mean_wavenumber(layout: &Layout, media: &Media, k0: f64, cell: usize) -> Complex64 {
     let own = layout.grid.background[cell];
     let square = |eta: Complex64| eta * eta * (k0 * k0);
@@ -47,7 +49,7 @@ fn mean_wavenumber(layout: &Layout, media: &Media, k0: f64, cell: usize) -> Comp
     background + contrasts.sum::<Complex64>()
 }
 
-/// Moments of (background − mean) k² on each plane, over the points of a plane.
+/// Moments of k²_background − ⟨k²⟩ on each plane, divided by the number of its points.
 pub(super) fn plane_offsets(
     coverage: &Coverage,
     media: &Media,
@@ -58,7 +60,8 @@ pub(super) fn plane_offsets(
     let mut offsets = vec![Complex64::default(); grid.planes()];
     for j in 0..grid.cells() {
         let eta = media.backgrounds[grid.background[j]] * k0;
-        // A difference of rounding size is none: homogeneous layers then need no iteration at all.
+        // A difference of the size of rounding is set to zero: homogeneous layers then need no
+        // iteration at all.
         let raw = eta * eta - mean_k2[j];
         let shift = if raw.norm() < 1e-14 * mean_k2[j].norm() { Complex64::default() } else { raw };
         for (plane, weight) in grid.planes_of_cell(j).zip(&grid.element.weights) {
@@ -68,7 +71,8 @@ pub(super) fn plane_offsets(
     offsets
 }
 
-/// Cells of a grid `other` that the phase limit allows, from k̄² of the cells of a grid that it has allowed.
+/// Number of cells that the phase limit requires of a grid `other`, from k̄² of the cells of an
+/// accepted grid.
 pub(in crate::wave) fn cells_needed(own: &Grid, means: &[Complex64], other: &Grid) -> usize {
     let cells = other.nodes_um.windows(2);
     let largest = cells.map(|ends| phase_between(own, means, [ends[0], ends[1]])).fold(0.0, f64::max);
@@ -83,7 +87,7 @@ fn phase_between(own: &Grid, means: &[Complex64], [lo, hi]: [f64; 2]) -> f64 {
     (sum / (hi - lo)).sqrt().re * (hi - lo)
 }
 
-/// Refuses cells that are too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
+/// Rejects cells too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
 pub(super) fn check_phase(layout: &Layout, mean_k2: &[Complex64], lateral_k2: f64) -> Result<(), WaveError> {
     let grid = layout.grid;
     let exact = layout.channels.is_empty();

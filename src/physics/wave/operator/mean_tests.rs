@@ -22,7 +22,8 @@ fn operator(grid: &Grid, kz2: Complex64, kappa: Complex64) -> MeanOperator {
     MeanOperator::new(grid, vec![kz2; grid.cells()], vec![0.0], [&[kappa], &[kappa]])
 }
 
-/// Propagating, absorbing, evanescent, and both sides of the switch between series and exponentials.
+/// Propagating, absorbing, evanescent, and both sides of the switch between series and
+/// exponentials.
 fn kz2_values() -> [Complex64; 7] {
     [(95.0, 0.0), (80.0, 12.0), (-400.0, 0.0), (1e-9, 0.0), (0.0, 0.0), (0.04, 0.03), (-0.9, 0.1)]
         .map(|(re, im)| Complex64::new(re, im))
@@ -75,7 +76,8 @@ fn values_inside_a_cell_are_the_mean_mediums_solution() {
                 let mut value = [Complex64::new(7.0, 7.0)];
                 a.inverse.plane_values(&u.view(), plane, &mut value);
                 let scale = expected.norm().max(1.0);
-                // Identity; evanescent shares are quotients of exponentials with some ten roundings.
+                // Identity; evanescent shares are quotients of exponentials with some ten
+                // roundings.
                 assert!((value[0] - expected).norm() <= 1e-13 * scale, "{scheme:?} {kz2} plane {plane}");
             }
         }

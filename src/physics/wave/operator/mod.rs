@@ -1,4 +1,5 @@
-//! The discrete problem (A + V) u = b: the mean operator A, exact in every harmonic, and the contrast V on the planes.
+//! The discrete problem (A + V) u = b: the mean operator A, exact in every harmonic, and the
+//! contrast V on the planes.
 
 pub mod banded;
 pub mod cell;

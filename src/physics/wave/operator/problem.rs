@@ -1,6 +1,7 @@
-//! The discrete problem (A + V) u = b, shared by all strategies: mean solve, contrast product, residual.
+//! The discrete problem (A + V) u = b, shared by all strategies: mean solve, contrast product,
+//! residual.
 //!
-//! Unknowns are harmonics of the nodes, and of the bubbles in each cell; see [`super::mean`].
+//! Unknowns are harmonics of the nodes and of the bubbles in each cell; see [`super::mean`].
 
 mod contrast;
 mod points;
@@ -21,10 +22,12 @@ use std::sync::{Arc, OnceLock};
 /// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
 pub type Field = Array2<Complex64>;
 
-/// One wave problem (A + V) u = b: immutable and shared between threads. A is the operator of the mean medium ⟨k²⟩ with the
-/// boundary conditions of P2 (3.4), V = k² − ⟨k²⟩ the contrast, u the field on the planes as harmonics.
+/// One wave problem (A + V) u = b: immutable and shared between threads. A is the operator of the
+/// mean medium ⟨k²⟩ with the boundary conditions of P2 (3.4), V = k² − ⟨k²⟩ the contrast, u the
+/// field on the planes as harmonics.
 ///
-/// Shapes: a field has `shape()` = (planes, harmonics) complex numbers; planes = degree · cells + 1.
+/// Shapes: a field has `shape()` = (planes, harmonics) complex numbers; planes = degree · cells +
+/// 1.
 ///
 /// ```
 /// use inkwave_physics::wave::{Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
@@ -49,22 +52,23 @@ pub type Field = Array2<Complex64>;
 pub struct Problem {
     /// The geometry, shared with all problems on the same grid.
     pub coverage: Arc<Coverage>,
-    /// The light.
+    /// The incident light.
     pub incidence: Incidence,
     /// Indices of all media.
     pub media: Media,
     /// The harmonics in use: columns of a field.
     pub harmonics: Arc<Harmonics>,
-    /// A, factorised.
+    /// The mean operator A, factorised.
     pub mean: MeanOperator,
-    /// Normal wavenumbers of every harmonic in the half-spaces above and below, 1/µm.
+    /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
     pub kappa: [Vec<Complex64>; 2],
     /// Lateral wavevectors of every harmonic, 1/µm: centred on zero, see [`crate::wave::bloch`].
     pub lateral: Vec<[f64; 2]>,
     fft: PlaneFft,
-    /// k0²(η² − η_background²) of each channel over the points of a plane (inverse transforms are unnormalised).
+    /// Contrast k0²(η² − η_background²) of each channel, divided by the number of points of a plane
+    /// (inverse transforms are unnormalised).
     contrasts: Vec<Complex64>,
-    /// Uniform part of each plane's moment, equally divided.
+    /// Uniform part of each plane's moment, divided in the same way.
     offsets: Vec<Complex64>,
     double: OnceLock<Scattering<f64>>,
     single: OnceLock<Scattering<f32>>,
@@ -75,7 +79,8 @@ pub struct Problem {
 impl Problem {
     /// Sets up one wavelength and angle on a geometry.
     ///
-    /// Errors: media or angle out of range, grid too coarse for the propagating orders or for the wavelength.
+    /// Errors: invalid media or angle, a grid too coarse for the propagating orders or for the
+    /// wavelength.
     pub fn new(
         coverage: &Arc<Coverage>,
         media: &Media,
@@ -130,19 +135,21 @@ impl Problem {
         self.shape().0 * self.shape().1
     }
 
-    /// Bytes held by the problem itself: factors of the mean operator and coverage, without solver vectors.
+    /// Memory held by the problem itself, bytes: factors of the mean operator and coverage, without
+    /// solver vectors.
     pub fn bytes(&self) -> usize {
         let tables = [self.double.get().map(|d| d.bytes()), self.single.get().map(|d| d.bytes())];
         self.mean.bytes() + self.coverage.bytes() + tables.into_iter().flatten().sum::<usize>()
     }
 
-    /// False for layered media whose mean is exact: nothing is left to iterate on.
+    /// Whether there is contrast; layered media with an exact mean have none, and nothing is left
+    /// to iterate on.
     pub fn has_contrast(&self) -> bool {
         let strength = |c: &Complex64| c.norm() > 0.0;
         self.contrasts.iter().any(strength) || self.offsets.iter().any(strength)
     }
 
-    /// b: 2iκ₀₀ in the row of the face that the light enters by, in the incident harmonic (P2 (3.4)).
+    /// Source b: 2iκ₀₀ in the row of the illuminated face, in the incident harmonic (P2 (3.4)).
     pub fn source(&self) -> Field {
         let mut b = Field::zeros(self.shape());
         b[[self.entry_row(), self.incident]] = 2.0 * Complex64::I * self.incident_kappa();
@@ -153,24 +160,24 @@ impl Problem {
         if self.incidence.from == Side::Incident { 0 } else { self.shape().0 - 1 }
     }
 
-    /// u₀ = A⁻¹ b, the wave in the mean medium.
+    /// Background wave u₀ = A⁻¹ b in the mean medium.
     pub fn background_wave(&self) -> Field {
         let mut b = self.source();
         self.mean.inverse.solve(&mut b);
         b
     }
 
-    /// out ← A⁻¹ V u: one operator application.
+    /// Applies out ← A⁻¹ V u: one operator application.
     pub fn scatter(&self, u: &Field, out: &mut Field) {
         self.double().scatter(u.view(), out);
     }
 
-    /// out ← V u as loads y_p on planes (one inverse and one forward transform a plane).
+    /// Applies out ← V u as loads y_p on planes (one inverse and one forward transform per plane).
     pub fn contrast_loads(&self, u: ArrayView2<Complex64>, out: &mut Field) {
         self.double().contrast_loads(u, out);
     }
 
-    /// A⁻¹V as tables, made when first asked for.
+    /// The operator A⁻¹V as tables, built on first use.
     pub fn double(&self) -> &Scattering<f64> {
         self.double.get_or_init(|| {
             let (mean, harmonics) = (self.mean.inverse.clone(), self.harmonics.clone());
@@ -178,7 +185,7 @@ impl Problem {
         })
     }
 
-    /// The same in single precision.
+    /// The operator A⁻¹V in single precision, built on first use.
     pub fn single(&self) -> &Scattering<f32> {
         self.single.get_or_init(|| {
             let (mean, harmonics) = (self.mean.inverse.narrowed().into(), self.harmonics.clone());
@@ -186,12 +193,12 @@ impl Problem {
         })
     }
 
-    /// iκ of both half-spaces for one harmonic.
+    /// End conditions iκ of both half-spaces for one harmonic.
     pub fn end_conditions(&self, harmonic: usize) -> [Complex64; 2] {
         [0, 1].map(|side| Complex64::I * self.kappa[side][harmonic])
     }
 
-    /// Im⟨u, (A_interior + V) u⟩/κ₀₀, the absorbed share of the incident flux.
+    /// Absorbed fraction of the incident flux, Im⟨u, (A_interior + V) u⟩/κ₀₀.
     pub fn absorptance(&self, u: &Field) -> f64 {
         let zeros = vec![Complex64::default(); self.harmonics.len()];
         let interior = self.mean.apply(u, [&zeros, &zeros]);
@@ -206,13 +213,13 @@ impl Problem {
         u.iter().zip(&loads).map(|(u, y)| (u.conj() * y).im).sum()
     }
 
-    /// κ₀₀ of the half-space that the light comes from.
+    /// Normal wavenumber κ₀₀ in the half-space of incidence, 1/µm.
     pub fn incident_kappa(&self) -> f64 {
         let side = if self.incidence.from == Side::Incident { 0 } else { 1 };
         self.kappa[side][self.incident].re
     }
 
-    /// Compact index of the harmonic that the incident wave is, and with it the specular order.
+    /// Compact index of the incident harmonic, which is the specular order.
     pub fn incident_harmonic(&self) -> usize {
         self.incident
     }

@@ -76,7 +76,8 @@ fn lossless_interior_is_hermitian_and_absorption_dissipates() {
         // Identity: the quadratic form of a Hermitian matrix is real; some 100 terms of size 1/h.
         let absorbed = problem.absorptance(&noise) / size;
         assert!(absorbed.abs() < 1e-12, "{scheme:?}: {absorbed:e}");
-        // Band-limited contrast rings, so dissipation holds for waves, not for noise on the grid's own scale.
+        // Band-limited contrast rings, so dissipation holds for waves, not for noise on the grid's
+        // own scale.
         let absorbing = self::problem(scheme, Complex64::new(1.4, 0.1), 35.0, 20.0);
         assert!(absorbing.absorptance(&absorbing.background_wave()) > 0.0, "{scheme:?}");
     }
@@ -94,7 +95,8 @@ fn residual_of_the_background_wave_is_minus_its_scattered_wave() {
 
 #[test]
 fn means_differ_but_the_layer_is_the_same() {
-    // Whatever is taken into the mean is left out of the contrast: A + V differs only by discretisation.
+    // Whatever is taken into the mean is left out of the contrast: A + V differs only by
+    // discretisation.
     let build = |mean: Mean| {
         let resolution = Resolution { nx: 5, ny: 5, cells: 2, scheme: Scheme::Cubic };
         Problem::from_scene(

@@ -1,7 +1,9 @@
-//! One application of A⁻¹V, in double or in single precision: what every iterative strategy spends its time on.
+//! One application of A⁻¹V, in double or in single precision: the main cost of every iterative
+//! strategy.
 //!
-//! Per plane: values from nodes and bubbles, inverse transform, product with the contrast, forward transform. Then per
-//! harmonic: loads to nodes and bubbles (the transpose of the values), and the mean operator's factors.
+//! Per plane: values from nodes and bubbles, inverse transform, product with the contrast, forward
+//! transform. Then per harmonic: loads to nodes and bubbles (the transpose of the values), and the
+//! mean operator's factors.
 
 use super::inverse::{MeanInverse, multiply, row};
 use super::sharing::Idle;
@@ -10,24 +12,25 @@ use ndarray::{Array2, ArrayView2, Axis};
 use num_complex::Complex;
 use std::sync::Arc;
 
-/// Something that applies A⁻¹V.
+/// Operators that apply A⁻¹V.
 pub trait Scatter<T: Real>: Sync {
-    /// out ← A⁻¹ V u, written over whatever `out` held; rows are planes, columns harmonics.
+    /// Applies out ← A⁻¹ V u, overwriting `out`; rows are planes, columns harmonics.
     fn scatter(&self, u: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>);
 }
 
-/// A⁻¹V as tables.
+/// The operator A⁻¹V as tables.
 pub struct Scattering<T: Real> {
     harmonics: Arc<Harmonics>,
     fft: PlaneFft<T>,
     mean: Arc<MeanInverse<T>>,
-    /// W_p over the points of a plane: planes × points.
+    /// Weights W_p divided by the number of points of a plane: planes × points.
     weights: Array2<Complex<T>>,
     idle: Idle<PlaneScratch<T>>,
 }
 
 impl<T: Real> Scattering<T> {
-    /// From the mean operator's inverse; `weights` are W_p over the points of a plane, planes × points.
+    /// Built from the mean operator's inverse; `weights` are W_p divided by the number of points of
+    /// a plane, planes × points.
     pub fn new(
         mean: Arc<MeanInverse<T>>,
         harmonics: Arc<Harmonics>,
@@ -37,12 +40,12 @@ impl<T: Real> Scattering<T> {
         Scattering { harmonics, fft, mean, weights, idle: Idle::default() }
     }
 
-    /// Bytes held, the mean operator's inverse included.
+    /// Memory held including the mean operator's inverse, bytes.
     pub fn bytes(&self) -> usize {
         self.mean.bytes() + self.weights.len() * size_of::<Complex<T>>()
     }
 
-    /// out ← V u as loads on planes (one inverse and one forward transform a plane).
+    /// Applies out ← V u as loads on planes (one inverse and one forward transform per plane).
     pub fn contrast_loads(&self, u: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>) {
         let scratch = || self.fft.scratch();
         self.idle.in_chunks(out, Axis(0), 1, scratch, |plane, mut row, scratch| {

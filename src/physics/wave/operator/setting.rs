@@ -1,4 +1,5 @@
-//! What every discrete problem of one wavelength and direction begins with: the scalar wave's and Maxwell's.
+//! Common setup of the discrete problems of one wavelength and direction: the scalar wave's and
+//! Maxwell's.
 
 use super::mean_medium::{Mean, check_phase, mean_wavenumbers};
 use crate::numerics::fourier::Harmonics;
@@ -9,18 +10,19 @@ use std::f64::consts::TAU;
 
 /// Wavenumbers of one wavelength and direction on a grid.
 pub(in crate::wave) struct Setting {
-    /// 2π/λ, 1/µm.
+    /// Vacuum wavenumber 2π/λ, 1/µm.
     pub k0: f64,
     /// Lateral wavevectors of every harmonic, 1/µm.
     pub lateral: Vec<[f64; 2]>,
     /// Compact index of the incident harmonic.
     pub incident: usize,
-    /// k̄² of every cell.
+    /// Mean k̄² of every cell, 1/µm².
     pub mean_k2: Vec<Complex64>,
 }
 
 impl Setting {
-    /// Errors: light that comes through an absorber, grid too coarse for the propagating orders or for the wavelength.
+    /// Errors: light incident through an absorber, a grid too coarse for the propagating orders or
+    /// for the wavelength.
     pub fn new(
         layout: &Layout,
         harmonics: &Harmonics,

@@ -1,13 +1,15 @@
-//! How the work of one application is shared among threads, in a fixed division: sums do not depend on their number.
+//! Parallel division of the work of one application: fixed, so that sums do not depend on the
+//! number of threads.
 
 use ndarray::{Array2, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Unknowns from which the work is shared among threads: below, waking them takes longer than a plane.
+/// Number of unknowns above which work is divided among threads: below, waking them takes longer
+/// than a plane.
 pub(in crate::wave) const SHARED: usize = 40_000;
 
-/// Hands `field` to `work` in numbered chunks of `size` along an axis.
+/// Passes `field` to `work` in numbered chunks of `size` along an axis.
 pub(in crate::wave) fn in_chunks<T: Send + Sync>(
     field: &mut Array2<T>,
     axis: Axis,
@@ -22,7 +24,7 @@ pub(in crate::wave) fn in_chunks<T: Send + Sync>(
     chunks.into_iter().enumerate().for_each(|(k, chunk)| work(k, chunk));
 }
 
-/// Buffers that wait for their next use.
+/// A pool of work arrays.
 pub(in crate::wave) struct Idle<B>(Mutex<Vec<B>>);
 
 impl<B> Default for Idle<B> {
@@ -32,7 +34,7 @@ impl<B> Default for Idle<B> {
 }
 
 impl<B: Send> Idle<B> {
-    /// [`in_chunks`] with a buffer for `work`.
+    /// [`in_chunks`] with a work array from the pool.
     pub fn in_chunks<T: Send + Sync>(
         &self,
         field: &mut Array2<T>,
@@ -49,7 +51,7 @@ impl<B: Send> Idle<B> {
         self.lend(new, |buffer| chunks.for_each(|(k, chunk)| work(k, chunk, buffer)));
     }
 
-    /// Lends `work` a buffer: one that waits, or a new one.
+    /// Lends `work` an array from the pool, or a new one.
     fn lend(&self, new: impl FnOnce() -> B, work: impl FnOnce(&mut B)) {
         let waiting = self.lock().pop();
         let mut buffer = waiting.unwrap_or_else(new);

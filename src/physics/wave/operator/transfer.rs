@@ -1,4 +1,4 @@
-//! A field of one grid as a first guess on another.
+//! Transfer of a field from one grid to another as an initial guess.
 
 use super::Problem;
 use crate::wave::Field;
@@ -6,10 +6,11 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 impl Problem {
-    /// `field`, a solution of this problem, on the grid of `other`, the same problem at another resolution.
+    /// The solution `field` of this problem on the grid of `other`, which is the same problem at
+    /// another resolution.
     ///
-    /// Harmonics keep their amplitudes, those that this grid lacks are zero; between planes each cell's Lagrange
-    /// functions interpolate. A guess saves about half of the applications.
+    /// Harmonics keep their amplitudes, and those missing on this grid are zero; between planes
+    /// each cell's Lagrange functions interpolate. A guess saves about half of the applications.
     pub fn transferred(&self, field: &Field, other: &Problem) -> Field {
         let planes = self.mean.to_planes(field);
         let columns = self.columns_of(other);
@@ -26,14 +27,14 @@ impl Problem {
         values
     }
 
-    /// For each harmonic of `other`, its place here.
+    /// Column in this problem of each harmonic of `other`.
     fn columns_of(&self, other: &Problem) -> Vec<Option<usize>> {
         let here: std::collections::HashMap<[i32; 2], usize> =
             self.harmonics.orders.iter().enumerate().map(|(i, &order)| (order, i)).collect();
         other.harmonics.orders.iter().map(|order| here.get(order).copied()).collect()
     }
 
-    /// Height of a plane.
+    /// Height of a plane, µm.
     fn plane_height_um(&self, plane: usize) -> f64 {
         let grid = &self.coverage.grid;
         let degree = grid.element.degree;
@@ -41,7 +42,8 @@ impl Problem {
         grid.nodes_um[cell] + grid.height_um(cell) * grid.element.points[plane - degree * cell]
     }
 
-    /// Planes that a value at a height depends on, with the values of their basis functions there.
+    /// Planes on which the value at a height depends, with the values of their basis functions
+    /// there.
     fn planes_around(&self, z_um: f64) -> Vec<(usize, f64)> {
         let grid = &self.coverage.grid;
         let degree = grid.element.degree;

@@ -1,4 +1,4 @@
-//! Repulsion of overlapping spheres, of each other and of the walls.
+//! Repulsion between overlapping spheres, and from the walls.
 
 use super::OverlapRelaxation;
 use crate::ink::packing::loads::FoundLoads;
@@ -7,7 +7,7 @@ use crate::numerics::Draws;
 use crate::numerics::vector::{dot, scale, sub};
 
 impl OverlapRelaxation<'_, '_> {
-    /// Forces and torques on the bodies of the moving list and on those they push.
+    /// Forces and torques on the bodies of the moving list and on the bodies they push.
     pub(super) fn forces(&mut self, draws: &mut Draws) -> FoundLoads {
         let mut found = FoundLoads::default();
         for k in 0..self.moving.len() {
@@ -35,11 +35,11 @@ impl OverlapRelaxation<'_, '_> {
             }
             let other = bodies.owner[t] as usize;
             if other < b && self.moves[other] {
-                continue; // met from the other side
+                continue; // the pair is handled from the other sphere
             }
             let distance = d2.sqrt();
             let depth = reach - distance; // L = (1 + ε)(R₁ + R₂) − distance
-            // Coincident centres have no line of action: any direction will do.
+            // Coincident centres define no direction: any will do.
             let away = if distance > 1e-9 * sum {
                 scale(d, depth / distance)
             } else {
@@ -55,7 +55,8 @@ impl OverlapRelaxation<'_, '_> {
         }
     }
 
-    /// A wall repels like the sphere's own image behind it: L = 2 (R (1 + ε) − distance to the wall).
+    /// Repulsion from a wall as from the sphere's mirror image: L = 2 (R (1 + ε) − distance to the
+    /// wall).
     fn wall(&mut self, b: usize, s: usize, found: &mut FoundLoads) {
         if !self.bodies.cell.walls {
             return;

@@ -1,11 +1,11 @@
-//! Euler steps of the touched bodies, and the field that aligns them on the way.
+//! Euler steps of bodies under load, with the aligning field.
 
 use super::OverlapRelaxation;
 use crate::ink::grains::orientation::AxisField;
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale};
 
 impl OverlapRelaxation<'_, '_> {
-    /// One Euler step of every touched body, which then form the new moving list.
+    /// One Euler step of all bodies under load, which then form the new moving list.
     pub(super) fn advance(&mut self) {
         let h = self.step / self.settings.translational_viscosity;
         let ramp = self.ramp();
@@ -35,17 +35,17 @@ impl OverlapRelaxation<'_, '_> {
         }
     }
 
-    /// Shift and turn of a body in one step; its forces are used up.
+    /// Translation and rotation of a body in one step; clears its forces.
     fn motion(&mut self, b: usize, h: f64, ramp: f64, aligning: &[bool]) -> [V3; 2] {
         let force = std::mem::take(&mut self.loads.force[b]);
         let torque = std::mem::take(&mut self.loads.torque[b]);
         let by = scale(force, h); // Δx = F Δt/μ
         let mut turn = [0.0; 3];
         if self.loads.inertia[b] > 0.0 {
-            // Δφ = M Δt/J, and what the aligning field adds
+            // Δφ = M Δt/J, plus the rotation by the aligning field
             turn = add(scale(torque, h / self.loads.inertia[b]), self.alignment(b, ramp, aligning));
         }
-        // No point of the body moves by more than the step's limit.
+        // No point of the body moves by more than the limit per step.
         let length = norm(by) + norm(turn) * self.plan.bodies[b].reach;
         if length > self.limit[b] {
             return [by, turn].map(|part| scale(part, self.limit[b] / length));
@@ -59,14 +59,15 @@ impl OverlapRelaxation<'_, '_> {
         if steps > 0.0 { (1.0 - (self.steps - self.batch_start) as f64 / steps).max(0.0) } else { 0.0 }
     }
 
-    /// Pigments whose order still falls short of what their field asks for.
+    /// Pigments whose order is still below that of their field.
     fn aligning(&self, ramp: f64) -> Vec<bool> {
         let active = |field: &AxisField| ramp > 0.0 && field.kappa != 0.0;
         let fields = self.plan.fields.iter().map(|field| field.filter(active)).enumerate();
         fields.map(|(k, field)| field.is_some_and(|field| self.falls_short(k, field))).collect()
     }
 
-    /// True when the mean square cosine of a pigment's axes to its field is below what the field asks for.
+    /// Whether the mean square cosine between a pigment's axes and its field is below that of the
+    /// distribution.
     fn falls_short(&self, pigment: usize, field: AxisField) -> bool {
         let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
         let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
@@ -74,13 +75,13 @@ impl OverlapRelaxation<'_, '_> {
         n > 0.0 && field.wants_more(sum / n)
     }
 
-    /// The turn that the aligning field adds to a step.
+    /// Rotation by the aligning field in one step.
     fn alignment(&self, b: usize, ramp: f64, aligning: &[bool]) -> V3 {
         let body = &self.plan.bodies[b];
         match &self.plan.fields[body.pigment] {
             Some(field) if aligning[body.pigment] => {
                 let torque = scale(field.torque(self.bodies.axes(b)), 1.0 / body.parts.len() as f64);
-                // At 45° the torque is ½.
+                // The torque is ½ at 45°.
                 scale(torque, 2.0 * ramp * self.settings.aligning_deg_per_step.to_radians())
             }
             _ => [0.0; 3],

@@ -1,4 +1,4 @@
-//! The march itself: one step of τ after the other, at the points of all planes.
+//! The march: successive steps of τ at the points of all planes.
 
 use super::memory::Candidate;
 use crate::solve::ledger::Ledger;
@@ -8,14 +8,14 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// The march at the points of all planes.
+/// State of the march at the points of all planes.
 pub(super) struct March<'a> {
     problem: &'a Problem,
-    /// D − cÃ.
+    /// Shifted mean operator D − cÃ.
     pub shifted: ShiftedMean,
     /// (1 + cV/D) and 1/(1 − cV/D) at the points.
     factors: [Array2<Complex64>; 2],
-    /// Row of the face the light enters by, and 2c b/D/(1 − cV/D) at its points.
+    /// Row of the illuminated face, and 2c b/D/(1 − cV/D) at its points.
     source: (usize, Vec<Complex64>),
     pub state: Array2<Complex64>,
     harmonics: Field,
@@ -44,20 +44,20 @@ impl<'a> March<'a> {
         points * size_of::<Complex64>() + self.shifted.bytes()
     }
 
-    /// The state whose fixed point a solution u is: s = (1 + cV/D)u − cD⁻¹b at the points, with all that V scatters
-    /// beyond the harmonics.
+    /// The state whose fixed point a solution u is: s = (1 + cV/D)u − cD⁻¹b at the points,
+    /// including what V scatters beyond the harmonics.
     fn take_up(&mut self, field: &Field) {
         let planes = self.problem.mean.to_planes(field);
         self.problem.planes_to_points(&planes, &mut self.state);
         self.state *= &self.factors[0];
         let (row, source) = &self.source;
-        // The source is kept divided by 1 − cV/D and doubled.
+        // The source is stored divided by 1 − cV/D and doubled.
         let state = self.state.row_mut(*row);
         let terms = state.into_iter().zip(source).zip(self.factors[1].row(*row));
         terms.for_each(|((s, b), f)| *s -= 0.5 * b / f);
     }
 
-    /// Nodes and bubbles of the field that belongs to a state.
+    /// Nodes and bubbles of the field of a state.
     fn unknowns(&self, state: &Array2<Complex64>) -> Field {
         let mut planes = Field::zeros(self.problem.shape());
         self.shifted.solve_points(self.problem, state, &mut planes);
@@ -78,7 +78,7 @@ impl<'a> March<'a> {
         Candidate { state, field, residual }
     }
 
-    /// s ← (1 − cV/D)⁻¹ [(1 + cV/D)(2u − s) − 2c b/D] with u = (D − cÃ)⁻¹ D s: one step of τ.
+    /// One step of τ: s ← (1 − cV/D)⁻¹ [(1 + cV/D)(2u − s) − 2c b/D] with u = (D − cÃ)⁻¹ D s.
     pub fn step(&mut self) {
         self.shifted.solve_points(self.problem, &self.state, &mut self.harmonics); // u, from (D − cÃ) u = D s
         self.problem.planes_to_points(&self.harmonics, &mut self.values);
@@ -92,7 +92,7 @@ impl<'a> March<'a> {
         self.state.row_mut(*row).iter_mut().zip(source).for_each(|(s, b)| *s -= b); // − 2c b/D / (1 − cV/D)
     }
 
-    /// Marches a window and returns the mean of its states.
+    /// Advances by a window and returns the mean of its states.
     pub fn window(&mut self, steps: usize, ledger: &mut Ledger) -> Array2<Complex64> {
         let mut mean = Array2::zeros(self.state.dim());
         for _ in 0..steps {

@@ -9,7 +9,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::VecDeque;
 
-/// A state of the march, the field that belongs to it, and that field's residual.
+/// A state of the march with its field and residual.
 #[derive(Clone)]
 pub(super) struct Candidate {
     pub state: Array2<Complex64>,
@@ -22,8 +22,8 @@ impl Candidate {
         (self.state.len() + self.field.len() + self.residual.len()) * size_of::<Complex64>()
     }
 
-    /// The affine combination last + Σ w (other − last) with the smallest residual: states, fields and residuals are
-    /// affine in each other.
+    /// The affine combination last + Σ w (other − last) with the smallest residual: states, fields
+    /// and residuals depend affinely on each other.
     fn blend(others: &[&Candidate], last: &Candidate) -> Candidate {
         let differences: Vec<Field> = others.iter().map(|c| &c.residual - &last.residual).collect();
         let weights = least_squares(&differences, &last.residual);
@@ -37,18 +37,18 @@ impl Candidate {
     }
 }
 
-/// out ← out + w (a − b).
+/// Adds out ← out + w (a − b).
 fn add_difference(out: &mut Array2<Complex64>, w: Complex64, a: &Array2<Complex64>, b: &Array2<Complex64>) {
     ndarray::Zip::from(out).and(a).and(b).par_for_each(|o, &a, &b| *o += w * (a - b));
 }
 
-/// What the averaging restart draws on: the candidate that the march goes on from, and the latest ones of its windows.
-/// Earlier bases are not kept: they are combinations of those.
+/// Candidates for the averaging restart: the base from which the march continues, and the latest
+/// candidates of its windows. Earlier bases are not kept, because they are combinations of those.
 pub(super) struct Memory {
     pub base: Candidate,
-    /// Two a window, the mean of its states and its last; the oldest first.
+    /// Two per window, the mean of its states and its last state; oldest first.
     recent: VecDeque<Candidate>,
-    /// Most candidates between two windows, the base included.
+    /// Largest number of candidates between two windows, including the base.
     most: usize,
 }
 
@@ -61,7 +61,7 @@ impl Memory {
         self.recent.push_back(candidate);
     }
 
-    /// The best combination becomes the base; the oldest candidates beyond the limit are dropped.
+    /// Makes the best combination the base and drops the oldest candidates beyond the limit.
     pub fn average(&mut self) {
         if let Some(last) = self.recent.pop_back() {
             let others: Vec<&Candidate> = [&self.base].into_iter().chain(&self.recent).collect();
@@ -72,14 +72,14 @@ impl Memory {
         self.recent.drain(..beyond);
     }
 
-    /// Forgets all candidates but this one.
+    /// Drops all candidates but this one.
     pub fn start_anew(&mut self, base: Candidate) {
         self.recent.clear();
         self.base = base;
     }
 
-    /// Bytes of all candidates, two more that a window adds, and the differences of their residuals while they are
-    /// combined.
+    /// Memory in bytes of all candidates, two more from a window, and the differences of their
+    /// residuals during a combination.
     pub fn most_bytes(&self) -> usize {
         let each = self.base.bytes() + self.base.residual.len() * size_of::<Complex64>();
         (self.most + 2) * each

@@ -1,4 +1,5 @@
-//! The moments of one channel in one cell: balls by sources on their surfaces, all else summed directly.
+//! Moments of one channel in one cell: balls by sources on their surfaces, other bodies summed
+//! directly.
 
 use super::Builder;
 use crate::numerics::fourier::{PlaneScratch, Real, narrow};
@@ -11,13 +12,14 @@ use crate::wave::{Ball, Body, BodyShape};
 use num_complex::{Complex, Complex64};
 use std::f64::consts::TAU;
 
-/// The running moments of one channel in one cell.
+/// Partial sums of the moments of one channel in one cell.
 pub(super) struct CellSum<'a, T: Real> {
     builder: &'a Builder<'a, T>,
     cell: usize,
-    /// Surface sources on the fine grid, one grid a plane: n_x dS + i n_y dS; empty until there are any.
+    /// Surface sources on the fine grid, one grid per plane: n_x dS + i n_y dS; empty until the
+    /// first is added.
     sources: Vec<Vec<Complex<T>>>,
-    /// Directly summed parts, one a plane, and the means.
+    /// Directly summed contributions, one per plane, and the means.
     direct: CellCoefficients<T>,
     patch: Patch<T>,
     points: Vec<EdgePoint>,
@@ -31,7 +33,7 @@ impl<'a, T: Real> CellSum<'a, T> {
         CellSum { builder, cell, sources: Vec::new(), direct, patch: Patch::empty(), points: Vec::new() }
     }
 
-    /// The moments of a body that reaches into the cell over `range`.
+    /// Adds the moments of a body that covers the height range `range` of the cell.
     pub(super) fn add_body(&mut self, body: &Body, range: [f64; 2]) {
         match &body.shape {
             BodyShape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
@@ -58,7 +60,7 @@ impl<'a, T: Real> CellSum<'a, T> {
         grid.element.shape_functions(t).map(|psi| psi * weight)
     }
 
-    /// The free surface of one ball of a union.
+    /// Adds the free surface of one ball of a union.
     fn add_ball(&mut self, balls: &[Ball], i: usize, range: [f64; 2]) {
         let builder = self.builder;
         let [lx, ly] = builder.grid.period_um;
@@ -80,7 +82,8 @@ impl<'a, T: Real> CellSum<'a, T> {
         self.points = points;
     }
 
-    /// Spreads the sources of a ring of points over the patch; twice the area that it encloses, taken about `origin`.
+    /// Spreads the sources of a ring of points over the patch; returns twice the enclosed area,
+    /// computed about `origin`.
     #[inline]
     fn add_ring(
         &mut self,
@@ -101,7 +104,7 @@ impl<'a, T: Real> CellSum<'a, T> {
         moment
     }
 
-    /// (1/Lx) ∫ e^{−ikx} dx over a strip; only orders n = 0.
+    /// Adds (1/Lx) ∫ e^{−ikx} dx over a strip; only orders n = 0.
     fn add_strip(&mut self, [x0, x1]: [f64; 2], shares: &[f64]) {
         let lx = self.builder.grid.period_um[0];
         add_mean(&mut self.direct.means, (x1 - x0) / lx, shares);
@@ -119,7 +122,7 @@ impl<'a, T: Real> CellSum<'a, T> {
         }
     }
 
-    /// The spectra of all that was added.
+    /// The spectra of all contributions.
     pub(super) fn finish(mut self) -> CellCoefficients<T> {
         if let Some(transform) = self.builder.transform.as_ref().filter(|_| !self.sources.is_empty()) {
             let mut scratch = transform.scratch();
@@ -136,7 +139,7 @@ impl<'a, T: Real> CellSum<'a, T> {
     }
 }
 
-/// ψ_p(z) n dS of a point: the components along x and y of every plane in turn.
+/// Source ψ_p(z) n dS of a point: components along x and y for each plane in turn.
 #[inline]
 fn source<T: Real>(normal: [f64; 2], shares: &[f64; MAX_DEGREE + 1]) -> [T; 2 * (MAX_DEGREE + 1)] {
     let mut value = [T::default(); 2 * (MAX_DEGREE + 1)];
@@ -150,15 +153,18 @@ fn add_mean(means: &mut [f64], share: f64, shares: &[f64]) {
     means.iter_mut().zip(shares).for_each(|(mean, s)| *mean += share * s);
 }
 
-/// Compact index of order (m, n) among all |m| ≤ mmax, |n| ≤ nmax, see [`crate::numerics::fourier::Harmonics::new`].
+/// Compact index of order (m, n) among all |m| ≤ mmax, |n| ≤ nmax, see
+/// [`crate::numerics::fourier::Harmonics::new`].
 fn index_of(m: i32, n: i32, [mmax, nmax]: [usize; 2]) -> usize {
     let place = |k: i32, max: usize| k.rem_euclid(2 * max as i32 + 1) as usize;
     place(m, mmax) * (2 * nmax + 1) + place(n, nmax)
 }
 
-/// (i/k²) (k_x N_x + k_y N_y)/(Lx Ly) from the packed transform Z = N_x + i N_y of two real fields.
+/// Adds (i/k²) (k_x N_x + k_y N_y)/(Lx Ly) from the packed transform Z = N_x + i N_y of two real
+/// fields.
 ///
-/// Written as i/(2 k²) (κ̄ Z(k) + κ Z̄(−k)) with κ = k_x + i k_y; the field is real, so half of the orders are enough.
+/// Written as i/(2 k²) (κ̄ Z(k) + κ Z̄(−k)) with κ = k_x + i k_y; the field is real, so half of the
+/// orders suffice.
 fn add_surfaces<T: Real>(
     builder: &Builder<T>,
     transform: &SourceTransform<T>,
@@ -176,7 +182,7 @@ fn add_surfaces<T: Real>(
             let kappa = Complex::new(T::of(kx) * scale, T::of(ky) * scale);
             let place = |k: i32| k.rem_euclid(row.len() as i32) as usize;
             let sum = kappa.conj() * row[place(n)] + kappa * mirror[place(-n)].conj();
-            let value = Complex::new(-sum.im, sum.re); // times i
+            let value = Complex::new(-sum.im, sum.re); // multiplied by i
             spectrum[index_of(m, n, builder.widest)] += value;
             spectrum[index_of(-m, -n, builder.widest)] += value.conj();
         }

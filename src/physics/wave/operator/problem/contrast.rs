@@ -1,4 +1,4 @@
-//! V as weights W_p over the points of each plane.
+//! The contrast V as weights W_p, divided by the number of points of each plane.
 
 use super::Problem;
 use crate::numerics::fourier::{Real, narrow};
@@ -7,7 +7,8 @@ use crate::wave::{Coverage, Media};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 
-/// k0²(η² − η_background²) of each channel, then the products of what each pair folds back, over the points of a plane.
+/// Contrast k0²(η² − η_background²) of each channel, then the products of each folded pair, divided
+/// by the number of points of a plane.
 pub(super) fn strengths(coverage: &Coverage, media: &Media, k0: f64) -> Vec<Complex64> {
     let points = coverage.grid.points() as f64;
     let contrast = |c: &Channel| {
@@ -20,7 +21,7 @@ pub(super) fn strengths(coverage: &Coverage, media: &Media, k0: f64) -> Vec<Comp
 }
 
 impl Problem {
-    /// W_p over the points of a plane, planes × points.
+    /// Weights W_p divided by the number of points of a plane: planes × points.
     pub(super) fn weights<T: Real>(&self) -> Array2<Complex<T>> {
         let grid = &self.coverage.grid;
         let mut weights = Array2::zeros((grid.planes(), grid.points()));
@@ -32,9 +33,10 @@ impl Problem {
         weights
     }
 
-    /// W_p of one plane over its points.
+    /// Weights W_p of one plane, divided by the number of its points.
     fn contrast_weights(&self, plane: usize, sum: &mut [Complex64]) {
-        // W_p = ∫ ψ_p (k²_background − ⟨k²⟩) dz + Σ_c (k²_c − k²_background) ∫ ψ_p χ_c dz, and what folds back
+        // W_p = ∫ ψ_p (k²_background − ⟨k²⟩) dz + Σ_c (k²_c − k²_background) ∫ ψ_p χ_c dz, plus the
+        // folded terms
         sum.fill(self.offsets[plane]);
         let fields = self.coverage.moments.iter().chain(&self.coverage.folded);
         for (moments, &contrast) in fields.zip(&self.contrasts) {
@@ -52,7 +54,7 @@ impl Problem {
         Array2::from_shape_vec((resolution.nx, resolution.ny), scratch.spectrum).expect("a full spectrum")
     }
 
-    /// V/D at every point of a plane, so that the largest modulus is a physical k² contrast.
+    /// Ratio V/D at every point of a plane, so that the largest modulus is a physical k² contrast.
     pub fn contrast_per_mass(&self, plane: usize, mass: f64) -> Vec<Complex64> {
         let points = self.coverage.grid.points();
         let mut values = vec![Complex64::from(points as f64 / mass); points];
@@ -60,7 +62,7 @@ impl Problem {
         values
     }
 
-    /// Multiplies by W_p over the points of a plane.
+    /// Multiplies by W_p, divided by the number of points of a plane.
     fn multiply_contrast(&self, plane: usize, values: &mut [Complex64]) {
         let mut weights = vec![Complex64::default(); values.len()];
         self.contrast_weights(plane, &mut weights);

@@ -1,4 +1,4 @@
-//! Fields between harmonics and the points of the planes.
+//! Conversion of fields between harmonics and the points of the planes.
 
 use super::Problem;
 use crate::numerics::fourier::PlaneScratch;
@@ -8,14 +8,14 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 impl Problem {
-    /// Row of the face that the light enters by, and b at its points.
+    /// Row of the illuminated face, and b at its points.
     pub fn source_at_points(&self) -> (usize, Vec<Complex64>) {
         let (row, mut scratch) = (self.entry_row(), self.fft.scratch());
         self.to_points(self.source().row(row).to_slice().expect("rows are contiguous"), &mut scratch);
         (row, scratch.plane)
     }
 
-    /// Harmonics of every plane → values at its points, unnormalised.
+    /// Converts harmonics of every plane to values at its points, unnormalised.
     pub fn planes_to_points(&self, harmonics: &Field, points: &mut Array2<Complex64>) {
         let rows = points.outer_iter_mut().into_par_iter().zip(harmonics.outer_iter());
         rows.for_each_init(
@@ -27,7 +27,8 @@ impl Problem {
         );
     }
 
-    /// Values at points → harmonics of every plane (inverse of [`Problem::planes_to_points`] on the harmonics in use).
+    /// Converts values at points to harmonics of every plane (inverse of
+    /// [`Problem::planes_to_points`] on the harmonics in use).
     pub fn points_to_planes(&self, points: &Array2<Complex64>, harmonics: &mut Field) {
         let scale = 1.0 / self.coverage.grid.points() as f64;
         let rows = harmonics.outer_iter_mut().into_par_iter().zip(points.outer_iter());
@@ -40,7 +41,7 @@ impl Problem {
         );
     }
 
-    /// Values at the points of `scratch.plane` → harmonics, unnormalised.
+    /// Converts values at the points of `scratch.plane` to harmonics, unnormalised.
     fn to_harmonics(&self, scratch: &mut PlaneScratch, harmonics: &mut [Complex64]) {
         self.fft.forward(scratch, &self.harmonics.rows);
         self.harmonics.gather(&scratch.spectrum, harmonics);
