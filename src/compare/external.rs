@@ -7,8 +7,8 @@ use super::error::CompareError;
 use super::row::{Row, Varied};
 use crate::solve::Watch;
 use crate::wave::FarField;
-use process::{Limits, Run};
-use protocol::{Request, judge};
+use process::{Limits, ProgramRun};
+use protocol::{ProgramRequest, judge};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value;
@@ -100,11 +100,11 @@ impl ExternalTable {
             Err(reason) => return Ok(Row { result: Err(reason.clone()), ..row }),
         };
         let Self { time_limit_s, memory_gb, .. } = *self;
-        let request = Request { inputs, wave: "scalar".into(), knob, time_limit_s, memory_gb };
+        let request = ProgramRequest { inputs, wave: "scalar".into(), knob, time_limit_s, memory_gb };
         let limits = Limits { seconds: time_limit_s, bytes: 1e9 * memory_gb };
         let mut command = Command::new(&self.command[0]);
         command.args(&self.command[1..]).current_dir(question.folder);
-        let run = match Run::of(command, request.to_string().into_bytes(), limits, watch)? {
+        let run = match ProgramRun::of(command, request.to_string().into_bytes(), limits, watch)? {
             Ok(run) => run,
             Err(reason) => {
                 let reason = format!("{} cannot be started: {reason}", self.command[0]);

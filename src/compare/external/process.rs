@@ -29,7 +29,7 @@ pub struct Limits {
 }
 
 /// A run that has ended.
-pub struct Run {
+pub struct ProgramRun {
     /// Wall time, s.
     pub seconds: f64,
     /// Processor time, s.
@@ -41,7 +41,7 @@ pub struct Run {
     complaint: Vec<u8>,
 }
 
-impl Run {
+impl ProgramRun {
     /// Runs a command; the inner error says why it cannot be started.
     ///
     /// # Errors
@@ -51,7 +51,7 @@ impl Run {
         input: Vec<u8>,
         limits: Limits,
         watch: &mut dyn Watch,
-    ) -> Result<Result<Run, std::io::Error>, CompareError> {
+    ) -> Result<Result<ProgramRun, std::io::Error>, CompareError> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
@@ -88,7 +88,7 @@ impl Run {
         child.kill();
         let status = child.0.wait().map_err(|error| error.to_string());
         let bytes = |collected: Option<PipeOutput>| collected.map_or_else(Vec::new, PipeOutput::bytes);
-        Ok(Ok(Run {
+        Ok(Ok(ProgramRun {
             seconds,
             processor_seconds: usage.tree,
             peak_bytes: usage.peak,

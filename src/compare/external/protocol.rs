@@ -11,7 +11,7 @@ use std::fmt;
 
 /// The question, on the program's standard input.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
-pub struct Request {
+pub struct ProgramRequest {
     /// The case, with the keys of a case file of `inkwave solve`: µm, degrees, time factor e^(−iωt).
     #[schemars(with = "CaseInputs")]
     pub inputs: Value,
@@ -25,7 +25,7 @@ pub struct Request {
     pub memory_gb: f64,
 }
 
-impl fmt::Display for Request {
+impl fmt::Display for ProgramRequest {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let json = serde_json::to_string(self).map_err(|_| fmt::Error)?;
         f.write_str(&json)
@@ -72,7 +72,7 @@ pub enum AnsweredSide {
 #[derive(JsonSchema)]
 #[allow(dead_code, reason = "only its schema is used")]
 pub struct Protocol {
-    request: Request,
+    request: ProgramRequest,
     answer: Answer,
 }
 
