@@ -3,8 +3,7 @@
 use inkwave::evaluate::manifest::Manifest;
 use inkwave::evaluate::seen::{Seen, see};
 use inkwave::evaluate::summary::summarise;
-use inkwave::input::check::check;
-use inkwave::input::file::StudyFile;
+use inkwave::input::load::load;
 use inkwave::input::study::Study;
 use inkwave::run::runner::{Collected, RunSettings, run};
 use inkwave::solve::accuracy::grid_error::GridError;
@@ -47,8 +46,10 @@ pub fn with_and_without_the_grid(text: &str, folder: &Path) -> [Value; 2] {
 }
 
 fn checked(text: &str) -> Study {
-    let file: StudyFile = toml::from_str(text).expect("a study file");
-    check(&file, Path::new("."), "claim").expect("a sound study")
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("study.toml");
+    std::fs::write(&path, text).expect("written");
+    load(&path).expect("a sound study")
 }
 
 fn solved(study: &Study, folder: &Path) -> Collected {

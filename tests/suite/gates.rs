@@ -189,7 +189,10 @@ fn overlap_of_unlike_bodies_and_lost_digits_are_refused() {
     let folder = Folder::new();
     let both = json!([{ "x": 0.3, "z": 0.3, "radius": 0.1, "eta": [1.4, 0] }]);
     let case = folder.file("case.json", &with("cylinders", both).to_string());
-    refuses(inkwave("solve", &case, &[]), &["spheres[0] and cylinders[0]: they overlap", "move them apart"]);
+    refuses(
+        inkwave("solve", &case, &[]),
+        &["spheres[0] and cylinders[0]: found an overlap", "move them apart"],
+    );
     let bars = json!({
         "wavelength": 0.55, "L": 0.6,
         "sublayers_from_z0": [{ "thickness": 0.4, "eta_background": [1.5, 0],
@@ -197,7 +200,7 @@ fn overlap_of_unlike_bodies_and_lost_digits_are_refused() {
         "cylinders": [{ "x": 0.35, "z": 0.2, "radius": 0.1, "eta": [1.4, 0] }]
     });
     let case = folder.file("bars.json", &bars.to_string());
-    refuses(inkwave("solve", &case, &[]), &["they overlap by 5.000e-2"]);
+    refuses(inkwave("solve", &case, &[]), &["an overlap by 5.000e-2"]);
     let far = json!([{ "center": [1e15, 0.2, 0.3], "radius": 0.15, "eta": [1.4, 0.1] }]);
     let case = folder.file("far.json", &with("spheres", far).to_string());
     refuses(inkwave("solve", &case, &[]), &["1e15", "enough digits", "within the period"]);

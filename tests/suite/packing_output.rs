@@ -10,8 +10,7 @@ use inkwave::input::load::load_packing;
 use inkwave::report::packing::{grains_csv, read_packing_json, spheres_vtp, write_report};
 
 const STUDY: &str = r#"
-seed = 2
-realisations = 2
+run = { seed = 2, realisations = 2 }
 [layer]
 cell = "fixed"
 period_um = [2.0, 1.5]

@@ -112,7 +112,7 @@ fn tight(seed: u64, run: &str) -> String {
         .replace("period_um = 0.8\nthickness_um = 0.5", "period_um = 0.6\nthickness_um = 0.4")
         .replace("diameter_nm = 200", "diameter_nm = 180")
         .replace("volume_fraction = 0.15", "volume_fraction = 0.28")
-        .replace("realisations = 2\nseed = 7", &format!("{run}\nseed = {seed}"))
+        .replace("realisations = 2\nseed = 7", &format!("{run}\nfailed_packings = 0.5\nseed = {seed}"))
         .replace("step_nm = 100", "step_nm = 150")
         .replace("points_per_um = 20", "points_per_um = 12");
     let packing = "[base.packing]\nmethod = \"sequential_addition\"\nsequential.attempts_per_grain = 7000\n";

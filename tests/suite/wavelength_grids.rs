@@ -68,13 +68,3 @@ fn longer_waves_have_coarser_grids_that_keep_the_accuracy() {
         assert!(worst < 2e-3, "{worst} at {} µm", point.incidence.wavelength_um);
     }
 }
-
-#[test]
-fn a_folder_begun_with_one_grid_goes_on_with_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let (one, before) = ran(folder.path(), "out", "accuracy = 1e-3\nper_wavelength = false");
-    let (now, after) = ran(folder.path(), "out", "accuracy = 1e-3");
-    assert_eq!(one["resolution"], now["resolution"]);
-    assert!(now.get("resolution_longest").is_none());
-    assert_eq!(before.len(), after.len(), "nothing was solved again");
-}

@@ -36,7 +36,10 @@ pub fn write_report(
     save(folder, "statistics.csv", &scalars_csv(&statistics).map_err(no_table)?)?;
     for curve in &statistics.curves {
         save(folder, &format!("{}.csv", curve.name), &curve_csv(curve).map_err(no_table)?)?;
-        save(folder, &format!("{}.svg", curve.name), chart_of(curve, pigments).svg()?.as_bytes())?;
+        if drawable(curve) {
+            let chart = chart_of(curve, pigments).svg()?;
+            save(folder, &format!("{}.svg", curve.name), chart.as_bytes())?;
+        }
     }
     save(folder, "index.html", html(title, pigments, packings, &statistics).as_bytes())?;
     Ok((statistics, folder.join("index.html")))
@@ -90,7 +93,7 @@ fn html(title: &str, pigments: &[(String, Shape)], packings: &[Packing], statist
     for (file, alt) in PICTURES {
         page += &format!("<figure><img src=\"{file}\" alt=\"{alt}\"></figure>\n");
     }
-    for curve in &statistics.curves {
+    for curve in statistics.curves.iter().filter(|curve| drawable(curve)) {
         let (y, x) = (escaped(&named(&curve.y_label, pigments)), escaped(&curve.x_label));
         let file = format!("{}.svg", curve.name);
         page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{y} against {x}\"></figure>\n");
@@ -150,6 +153,11 @@ const SIDES: [(&str, &str); 4] = [
 
 fn sided(quantity: &str) -> String {
     SIDES.iter().fold(quantity.to_owned(), |name, (heights, sides)| name.replace(heights, sides))
+}
+
+/// Whether a curve has a point: a cell of few grains is too small for some statistics.
+fn drawable(curve: &StatisticCurve) -> bool {
+    curve.x.iter().zip(&curve.y).any(|(x, y)| x.is_finite() && y.value.is_finite())
 }
 
 /// Chart of one curve, with the name of the pigment on its axis.
