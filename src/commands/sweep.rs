@@ -159,7 +159,7 @@ pub(super) fn tell(
     let help = if waiting > 0 && !stopped {
         format!("{waiting} variants are unfinished; to resume: {go_on}, or merge the missing shards")
     } else if failures > 0 && !stopped {
-        "the report lists the reasons; change the sweep, or retry with --retry-failed".to_owned()
+        "the report lists the reasons; change the sweep or use --retry-failed".to_owned()
     } else {
         format!("to resume: {go_on}")
     };
@@ -185,7 +185,7 @@ fn tell_shard(
         ));
     }
     if failed > 0 {
-        let help = "the report lists the reasons; retry with --retry-failed";
+        let help = "the report lists the reasons; use --retry-failed";
         return Err(miette!(help = help, "{failed} of {asked} solves have no result"));
     }
     Ok(())

@@ -158,6 +158,7 @@ const CHANGES: &[Change] = &[
     (&[("resolution.scheme", "'quadratic'")], Spectra),
     (&[("resolution", "{ accuracy = 0.2 }")], Spectra),
     (&[("resolution.per_wavelength", "false")], Nothing),
+    (&[("run.failed_packings", "0.5")], Nothing),
     (&[("solver.strategy", "'bicgstab'")], Published),
     (&[("solver.tolerance", "1e-7")], Published),
     (&[("solver.max_applications", "1900")], Nothing),
