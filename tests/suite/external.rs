@@ -136,7 +136,10 @@ fn tables_that_cannot_be_run_are_refused() {
         ("name = 'own'\ncommand = ['true']\nknob = [nan]", "external.knob"),
     ] {
         std::fs::write(&path, format!("case = 'film.json'\n[[external]]\n{table}\n")).expect("written");
-        let error = ComparisonFile::read(&path).and_then(|file| file.plan(&Registry::default()).map(drop));
+        let error = match ComparisonFile::read(&path) {
+            Ok(file) => file.plan(&Registry::default()).map(drop),
+            Err(error) => Err(error),
+        };
         let error = error.expect_err(table).to_string();
         assert!(error.contains(told), "{table}: {error}");
     }

@@ -86,7 +86,7 @@ fn refused(document: Document, value: &Value) -> bool {
 }
 
 fn is_planned(path: &Path) -> bool {
-    ComparisonFile::read(path).and_then(|file| file.plan(&Registry::default())).is_ok()
+    ComparisonFile::read(path).is_ok_and(|file| file.plan(&Registry::default()).is_ok())
 }
 
 /// What `judge` finds of a document in a file, beside the study that examples name.

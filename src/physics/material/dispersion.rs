@@ -375,7 +375,7 @@ mod tests {
         assert!(reason("DATA:\n  - type: formula 12\n    coefficients: 1\n").contains("formula 1 to 9"));
         assert!(
             reason("DATA:\n  - type: tabulated k\n    data: |\n        0.5 0.1\n        0.4 0.1\n")
-                .contains("rise")
+                .contains("increas")
         );
         assert!(reason("DATA:\n  - type: tabulated n\n    data: |\n        0.5 x\n").contains("\"x\""));
         assert!(reason("DATA: []\n").contains("neither"));

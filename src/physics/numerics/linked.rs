@@ -24,7 +24,7 @@ impl Linked {
     ///     estimate: Estimate { value, standard_error: Some(5.0) },
     ///     deviations: [(0, 3.0), (1, -4.0)].into(),
     /// };
-    /// two inks in the same packings: the packings cancel in their difference
+    /// // two inks in the same packings: the packings cancel in their difference
     /// let difference = Linked::sum([(1.0, &number(40.0)), (-1.0, &number(30.0))]);
     /// assert_eq!(difference.estimate, Estimate { value: 10.0, standard_error: Some(0.0) });
     /// ```

@@ -91,10 +91,10 @@ pub struct Stratum {
 /// The geometry of one periodic cell, 0 ≤ z ≤ H, independent of wavelength and angle.
 ///
 /// ```
-/// use inkwave_physics::wave::{Ball, Body, Media, Scene, Shape};
+/// use inkwave_physics::wave::{Ball, Body, Media, Scene, BodyShape};
 ///
 /// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
-/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
 /// let media = Media {
 ///     incident: 1.0.into(),
 ///     exit: 1.0.into(),
@@ -106,7 +106,7 @@ pub struct Stratum {
 ///
 /// // A body that leaves the layer is rejected, with its position and a remedy.
 /// let high = Ball { center_um: [0.1, 0.2, 0.05], radius_um: 0.1 };
-/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![high]), 0)]);
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(BodyShape::Balls(vec![high]), 0)]);
 /// assert!(scene.check(&media).unwrap_err().to_string().contains("move it or make the layer thicker"));
 /// # Ok::<(), inkwave_physics::wave::WaveError>(())
 /// ```

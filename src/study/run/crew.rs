@@ -118,7 +118,9 @@ mod tests {
         let (crew, meeting) = (Crew::new(Some(3), 3).unwrap(), std::sync::Barrier::new(3));
         let left = AtomicUsize::new(3);
         let take = || left.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |n| n.checked_sub(1)).ok();
-        crew.work_off(take, |_| drop(meeting.wait()));
+        crew.work_off(take, |_| {
+            let _ = meeting.wait();
+        });
     }
 
     #[test]

@@ -30,10 +30,10 @@ pub type Field = Array2<Complex64>;
 /// 1.
 ///
 /// ```
-/// use inkwave_physics::wave::{Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
+/// use inkwave_physics::wave::{Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, BodyShape, Side};
 ///
 /// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
-/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+/// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
 /// let media =
 ///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.558.into()], inclusions: vec![1.4.into()] };
 /// let light = Incidence { wavelength_um: 0.6, polar_deg: 20.0, azimuth_deg: 0.0, from: Side::Incident };
