@@ -64,6 +64,10 @@ pub struct Study {
     pub remarks: Vec<String>,
 }
 
+/// Realisations from which on two share a cell each. Fewer than four pairs say too little of their spread, and chance moves the mean
+/// of so few cells more than their constant share does.
+const FEWEST_PAIRED: usize = 8;
+
 /// One solve of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
@@ -116,8 +120,8 @@ impl Study {
     }
 
     /// The other realisation of the same cell, whose pigments are as far above what is asked as those of this one are below it,
-    /// as in windows of a wide layer ([`PackingRequest::fluctuating`]); `None` for cells that do not vary, without grains, and
-    /// for the last of an odd number.
+    /// as in windows of a wide layer ([`PackingRequest::fluctuating`]); `None` for cells that do not vary, without grains, for
+    /// fewer than eight realisations, and for the last of an odd number.
     pub fn partner(&self, realisation: usize) -> Option<usize> {
         let other = realisation ^ 1;
         (self.pairs_cells() && other < self.realisations).then_some(other)
@@ -125,7 +129,9 @@ impl Study {
 
     /// Whether two realisations share a cell each.
     pub(super) fn pairs_cells(&self) -> bool {
-        self.variation.cell == CellRule::Varied && !self.pigments.is_empty()
+        self.variation.cell == CellRule::Varied
+            && !self.pigments.is_empty()
+            && self.realisations >= FEWEST_PAIRED
     }
 
     /// Content hash of all that the packings of every realisation depend on. The first one is not enough: cells are drawn to hold
