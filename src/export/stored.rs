@@ -2,7 +2,7 @@
 
 use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
-use crate::run::runner::{Collected, Stores};
+use crate::run::{Collected, Stores};
 use crate::store::database::RECORDS;
 use crate::sweep::outcome::collect;
 use serde::Deserialize;

@@ -12,7 +12,6 @@ use super::seal::{SealedOutline, seal};
 use super::sound;
 use crate::input::fault::StudyError;
 use crate::run::resolve::Resolved;
-use crate::run::runner::Stores;
 use crate::store::Record;
 use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};
@@ -159,9 +158,4 @@ fn inputs(path: &Path) -> io::Result<Vec<Input>> {
     }
     found.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(found)
-}
-
-/// The store of a sweep, which remembers failures.
-pub(crate) fn stores(folder: &OutputFolder) -> io::Result<Stores> {
-    Ok(Stores::open(folder)?.with_failures())
 }

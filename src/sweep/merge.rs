@@ -3,9 +3,9 @@
 use super::Sweep;
 use super::folder;
 use super::folder::OpenError;
+use crate::run::Stores;
 use crate::run::realisation::point_keys;
 use crate::run::resolve::{Resolved, kept};
-use crate::run::runner::Stores;
 use crate::store::damage::Damage;
 use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};

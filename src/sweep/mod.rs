@@ -13,6 +13,7 @@
 //! no disk, or a network disk, take shards in folders of their own. `sweep.csv` is the table for spreadsheets, R and Python.
 
 pub mod aim;
+pub mod alone;
 pub mod axes;
 pub mod claims;
 pub mod conclusions;

@@ -11,7 +11,7 @@ use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
-use crate::run::runner::{Collected, Refused, Stores};
+use crate::run::{Collected, Refused, Stores};
 use std::collections::BTreeMap;
 
 /// The numbers of a variant that tables and conclusions use.

@@ -9,8 +9,8 @@ use super::units::{groups, units};
 use crate::input::study::{Point, Study, WantedResolution};
 use crate::run::realisation::Packings;
 use crate::run::resolve::size;
-use crate::run::runner::{RunError, RunSettings, stopped};
 use crate::run::watch::RunWatch;
+use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
 use crate::wave::Scene;
@@ -97,7 +97,7 @@ fn tried(
         part.stage(&format!("calibrating with {} in a small cell", sweep.variants[v].name));
         let study = &sweep.variants[v].study;
         let alike = trials.iter().find(|t: &&Trial| t.wanted == study.resolution);
-        match trial(v, study, alike, jobs, &part).map_err(stopped) {
+        match trial(v, study, alike, jobs, &part).map_err(RunError::stopped) {
             Ok(trial) => trials.push(trial),
             Err(RunError::Stopped) if deadline.is_called_off() => return Err(RunError::Stopped),
             Err(RunError::Stopped) => late.push(v),
@@ -229,7 +229,7 @@ fn at_full_size(
         return Ok(None);
     }
     deadline.stage(&format!("calibrating with {} at full size", variant.name));
-    match full_solve(trial, &variant.study, jobs, deadline).map_err(stopped) {
+    match full_solve(trial, &variant.study, jobs, deadline).map_err(RunError::stopped) {
         Ok(solve) => Ok(Some((variant.name.clone(), solve / trial.solve))),
         Err(RunError::Stopped) if !deadline.is_called_off() => Ok(None),
         Err(error) => Err(error),

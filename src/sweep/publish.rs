@@ -2,7 +2,6 @@
 
 use super::conclusions::{Judged, judge};
 use super::explore;
-use super::folder;
 use super::folder::VARIANTS;
 use super::load::Sweep;
 use super::outcome::{Outcome, collect};
@@ -13,15 +12,15 @@ use super::sheets::{Sheet, sheets};
 use super::stored::refused;
 use super::target;
 use crate::appearance::picture::InkPicture;
-use crate::draw::contact_sheet::ContactSheet;
 use crate::draw::OutputError;
+use crate::draw::contact_sheet::ContactSheet;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
 use crate::report::cell;
 use crate::report::publish::{PublishError, publish_seen};
-use crate::run::runner::Stores;
+use crate::run::Stores;
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 
@@ -60,7 +59,7 @@ impl<'a> Publisher<'a> {
     /// As [`publish`].
     pub fn publish(&mut self, folder: &OutputFolder) -> Result<Reported, PublishError> {
         folder.mark_partial()?;
-        let stores = folder::stores(folder)?;
+        let stores = Stores::open(folder)?;
         let (mut outcomes, mut pictures) = (Vec::new(), Vec::new());
         for (number, finished) in self.finished.iter_mut().enumerate() {
             let (outcome, picture) = match finished {

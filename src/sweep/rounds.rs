@@ -1,6 +1,6 @@
 //! How many realisations a variant asks for when it is to end at a wanted bar (`run.target_delta_e`).
 //!
-//! The bar is looked at after every [`BATCH`] realisations, as `inkwave run` does, so that a variant ends at the same
+//! The bar is looked at after every [`BATCH`] realisations, so that a variant ends at the same
 //! realisation whoever runs it. All variants go through their realisations in rounds of that many; what a round is
 //! follows from the store alone, so that every process of a folder finds the same. Without a wanted bar there is one
 //! round.
@@ -10,12 +10,14 @@ use super::stored::{collect_some, stage_key};
 use super::units::{Unit, units, units_within};
 use crate::evaluate::summary::enough;
 use crate::input::study::Study;
+use crate::run::Stores;
 use crate::run::realisation::point_keys;
 use crate::run::resolve;
 use crate::run::resolve::Resolved;
-use crate::run::runner::{BATCH, Stores};
-
 use std::ops::Range;
+
+/// Realisations between two looks at the bar: the same for everybody, so that a study ends at the same realisation again.
+const BATCH: usize = 8;
 
 /// Where a variant stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,8 +72,7 @@ impl Standing {
 }
 
 fn has_failed(study: &Study, stores: &Stores, realisation: usize) -> bool {
-    let failures = stores.failures.as_ref();
-    failures.is_some_and(|store| store.has(stage_key(study, realisation).as_str()))
+    stores.failures.has(stage_key(study, realisation).as_str())
 }
 
 /// Whether each of the first realisations has all its solves, or failed.
@@ -85,8 +86,7 @@ fn has_ended(study: &Study, stores: &Stores, realisations: usize) -> bool {
 
 /// Whether all solves of a realisation are in the store, with or without a result.
 fn has_all_solves(study: &Study, stores: &Stores, resolved: &Resolved, realisation: usize) -> bool {
-    let failed = |key: &str| stores.failures.as_ref().is_some_and(|failures| failures.has(key));
-    let is_kept = |key: &str| stores.points.has(key) || failed(key);
+    let is_kept = |key: &str| stores.points.has(key) || stores.failures.has(key);
     point_keys(study, resolved, realisation).iter().all(|(_, key)| is_kept(key.as_str()))
 }
 

@@ -10,14 +10,13 @@ mod news;
 mod room;
 mod work;
 
-use super::folder;
 use super::load::Sweep;
 use super::rounds::Rounds;
 use super::units::{Shard, Unit, units};
 use crate::run::crew::Crew;
 use crate::run::realisation::Packings;
-use crate::run::runner::{RunError, RunSettings, Stores, stopped};
 use crate::run::watch::RunWatch;
+use crate::run::{RunError, RunSettings, Stores};
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
@@ -27,8 +26,9 @@ use named::Named;
 use news::News;
 use room::Room;
 use serde::Serialize;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 use work::{Work, is_failure};
 
@@ -42,7 +42,7 @@ const ROUND: usize = 1 << 32;
 const GRIDS_FIRST: f64 = 1e30;
 
 /// What a run of a sweep has come to, over all workers of the folder.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default)]
 pub struct Tally {
     /// Solves of the shard, those that variants share counted for each of them.
     pub asked: usize,
@@ -54,6 +54,8 @@ pub struct Tally {
     pub publishes: bool,
     /// What this process found damaged in the store.
     pub damages: Vec<Damage>,
+    /// The first packing or grid that failed in this process.
+    pub failure: Option<RunError>,
     /// Time that the threads of this process waited for others.
     pub waited: Duration,
 }
@@ -88,36 +90,49 @@ pub fn run(
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
-    let stores = folder::stores(folder)?;
+    let stores = Stores::open(folder)?;
     let queue = stores.database().queue(name(sweep, shard, scope).as_str())?;
+    if settings.retry_failed && queue.standing()?.workers == 1 {
+        stores.failures.remove_all()?;
+    }
     let (mut rounds, mut waited) = (Rounds::new(sweep), Duration::ZERO);
-    let mut before = None;
+    let (mut before, mut failure) = (None, None);
     while let Some((round, units)) = rounds.next(&stores) {
         let units = &units[shard.range(units.len())];
         // A round that has not come to its end although the queue has nothing left is no work for another turn.
         let Some(turn) = Turn::new((round, units), scope).filter(|_| before != Some(round)) else { break };
-        let crew = Crew::new(settings.jobs, turn.jobs.len())?;
+        let crew = Crew::new(settings.jobs, turn.at_a_time())?;
         let room = Room::new(settings.memory, crew.workers());
         let settings = RunSettings { jobs: Some(crew.jobs_each), ..settings };
-        let worker = Worker::new(sweep, (&stores, &queue), &turn, (settings, room), watch);
+        let worker = Worker::new((sweep, folder), (&stores, &queue), &turn, (settings, room), watch);
         queue.enlist(turn.first, &turn.tasks(sweep))?;
+        // Nothing can be done beside the choice of the only grids: all threads take part in it.
+        if let (1, Some(task)) = (turn.groups(), worker.take()) {
+            worker.note(worker.go(task));
+        }
         crew.work_off(|| worker.take(), |task| worker.note(worker.go(task)));
         waited += WAIT * worker.waits.load(Ordering::Relaxed) as u32;
         before = (!worker.overtaken.load(Ordering::Relaxed)).then_some(round);
-        worker.trouble.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)?;
+        let Worker { trouble, failure: failed, .. } = worker;
+        taken(trouble).map_or(Ok(()), Err)?;
+        failure = failure.or(taken(failed));
         if watch.stop() || scope == Scope::Grids || !Rounds::wanted(sweep) {
             break;
         }
         stores.database().refresh()?;
     }
     let damages = stores.database().damages();
-    Ok(Tally { asked: solves(sweep, shard), damages, waited, ..tally(&queue, watch.stop())? })
+    Ok(Tally { asked: solves(sweep, shard), damages, failure, waited, ..tally(&queue, watch.stop())? })
 }
 
 fn tally(queue: &Queue, stopped: bool) -> Result<Tally, RunError> {
     let Standing { workers, solves, failed, .. } = queue.standing()?;
     let publishes = if stopped { workers == 1 } else { queue.publishes()? };
     Ok(Tally { finished: solves - failed, failed, publishes, ..Tally::default() })
+}
+
+fn taken<T>(mutex: Mutex<Option<T>>) -> Option<T> {
+    mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The jobs of a round, and the number of the first of their tasks.
@@ -134,6 +149,16 @@ impl Turn {
         (!jobs.is_empty()).then_some(Self { first: round * ROUND, jobs })
     }
 
+    /// Groups whose grids are chosen.
+    fn groups(&self) -> usize {
+        self.jobs.iter().filter(|job| matches!(job, Job::Grids(_))).count()
+    }
+
+    /// Most tasks that can be under way together: units wait for their grids.
+    fn at_a_time(&self) -> usize {
+        self.groups().max(self.jobs.len() - self.groups())
+    }
+
     fn tasks(&self, sweep: &Sweep) -> Vec<Task> {
         self.jobs.iter().map(|job| job.task(sweep)).collect()
     }
@@ -148,13 +173,21 @@ fn name(sweep: &Sweep, shard: Shard, scope: Scope) -> Key {
 /// What the threads of a process share.
 struct Worker<'a> {
     sweep: &'a Sweep,
+    /// What stands before the stages of each variant.
+    prefixes: Vec<String>,
+    folder: &'a OutputFolder,
+    /// Solves have begun.
+    begun: Once,
     stores: &'a Stores,
     queue: &'a Queue,
     turn: &'a Turn,
     settings: RunSettings,
     room: Room,
     watch: &'a dyn RunWatch,
+    /// The first error that ends the work.
     trouble: Mutex<Option<RunError>>,
+    /// The first error of a packing or grid, which does not.
+    failure: Mutex<Option<RunError>>,
     /// How often a thread found nothing to do.
     waits: AtomicUsize,
     /// Others are in another round already.
@@ -163,14 +196,29 @@ struct Worker<'a> {
 
 impl<'a> Worker<'a> {
     fn new(
-        sweep: &'a Sweep,
+        (sweep, folder): (&'a Sweep, &'a OutputFolder),
         (stores, queue): (&'a Stores, &'a Queue),
         turn: &'a Turn,
         (settings, room): (RunSettings, Room),
         watch: &'a dyn RunWatch,
     ) -> Self {
-        let (trouble, waits, overtaken) = (Mutex::new(None), AtomicUsize::new(0), AtomicBool::new(false));
-        Self { sweep, stores, queue, turn, settings, room, watch, trouble, waits, overtaken }
+        let prefix = |name: &str| if name.is_empty() { String::new() } else { format!("{name}: ") };
+        Self {
+            sweep,
+            prefixes: sweep.variants.iter().map(|variant| prefix(&variant.name)).collect(),
+            folder,
+            begun: Once::new(),
+            stores,
+            queue,
+            turn,
+            settings,
+            room,
+            watch,
+            trouble: Mutex::default(),
+            failure: Mutex::default(),
+            waits: AtomicUsize::new(0),
+            overtaken: AtomicBool::new(false),
+        }
     }
 
     /// The next task; `None` when there is no more, or no more shall be done.
@@ -208,6 +256,11 @@ impl<'a> Worker<'a> {
         self.waits.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// Takes the results of earlier runs away before the first solve.
+    fn begin(&self) {
+        self.begun.call_once(|| self.note(self.folder.begin().map_err(RunError::from)));
+    }
+
     fn go(&self, task: usize) -> Result<(), RunError> {
         match &self.turn.jobs[task - self.turn.first] {
             Job::Grids(variants) => self.grids(task, variants),
@@ -236,10 +289,10 @@ impl<'a> Worker<'a> {
             if work.has_failed() {
                 continue;
             }
-            match work.resolve(&mut packings).map_err(stopped) {
+            match work.resolve(&mut packings).map_err(RunError::stopped) {
                 Ok(resolved) => cost += work.cost(&resolved),
                 Err(RunError::Stopped) => return Ok(self.queue.give_back(task)?),
-                Err(error) if is_failure(&error) => work.note_failure(0..work.study.realisations, &error)?,
+                Err(error) if is_failure(&error) => self.failed(&work, 0..work.study.realisations, error)?,
                 Err(error) => return Err(error),
             }
         }
@@ -257,7 +310,17 @@ impl<'a> Worker<'a> {
             if self.watch.stop() {
                 break;
             }
-            failed += self.work(v, unit.realisation, &self.named(v, &news)).go(&mut packings)?;
+            let named = self.named(v, &news);
+            let work = self.work(v, unit.realisation, &named);
+            failed += match work.go(&mut packings).map_err(RunError::stopped) {
+                Ok(failed) => failed,
+                Err(RunError::Stopped) => break,
+                Err(error) if is_failure(&error) => {
+                    self.failed(&work, unit.realisation..unit.realisation + 1, error)?;
+                    work.drop_all()
+                }
+                Err(error) => return Err(error),
+            };
         }
         if self.watch.stop() {
             return Ok(self.queue.give_back(task)?);
@@ -265,8 +328,15 @@ impl<'a> Worker<'a> {
         Ok(self.queue.finish(task, solves_of(self.sweep, unit), failed)?)
     }
 
+    /// Records that realisations of a variant have no packing or no grid.
+    fn failed(&self, work: &Work, realisations: Range<usize>, error: RunError) -> Result<(), RunError> {
+        work.note_failure(realisations, &error)?;
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        Ok(())
+    }
+
     fn named<'b>(&'b self, variant: usize, watch: &'b dyn RunWatch) -> Named<'b> {
-        Named { name: &self.sweep.variants[variant].name, watch }
+        Named { prefix: &self.prefixes[variant], watch }
     }
 
     fn work<'b>(&'b self, variant: usize, realisation: usize, watch: &'b dyn RunWatch) -> Work<'b> {
@@ -282,12 +352,4 @@ impl<'a> Worker<'a> {
             realisation,
         }
     }
-}
-
-/// Forgets all failures, so that they are tried again.
-///
-/// # Errors
-/// The store cannot be written to.
-pub fn forget_failures(folder: &OutputFolder) -> std::io::Result<()> {
-    folder::stores(folder)?.failures.map_or(Ok(()), |failures| failures.remove_all())
 }

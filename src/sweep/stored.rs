@@ -1,11 +1,13 @@
 //! What the store has of a variant, without computing anything.
 
 use crate::input::study::Study;
+use crate::run::point::is_physical;
 use crate::run::realisation::point_keys;
 use crate::run::resolve;
 use crate::run::resolve::Resolved;
-use crate::run::runner::{Collected, Realisation, Refused, Stores};
+use crate::run::{Collected, Realisation, Refused, Stores};
 use crate::store::identity::Key;
+use crate::store::record::PointRecord;
 
 /// What the store has of the first realisations.
 pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collected> {
@@ -20,7 +22,7 @@ pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Opti
 /// Realisations that have no packing or no grid, as far as that is recorded.
 pub(super) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
     let of = |realisation: usize| {
-        let record = stores.failures.as_ref()?.get(stage_key(study, realisation).as_str())?;
+        let record = stores.failures.get(stage_key(study, realisation).as_str())?;
         Some(Refused { realisation, reason: record.reason })
     };
     (0..tried).filter_map(of).collect()
@@ -30,7 +32,9 @@ pub(super) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refus
 fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) -> Option<Realisation> {
     let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
     let keyed = point_keys(study, resolved, r);
-    let points: Vec<_> = keyed.iter().map(|(_, key)| stores.points.get(key.as_str())).collect();
+    let sound = |record: &PointRecord| is_physical(record, resolved.grid_error);
+    let points = keyed.iter().map(|(_, key)| stores.points.get(key.as_str()).filter(sound));
+    let points: Vec<_> = points.collect();
     let missing = keyed.iter().zip(&points).filter(|(_, found)| found.is_none());
     let failures = missing.filter_map(|(keyed, _)| stores.failure(keyed)).collect();
     Some(Realisation { packing, points, failures })

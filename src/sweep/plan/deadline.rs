@@ -1,6 +1,6 @@
 //! A plan answers soon: trials end at a time.
 
-use crate::run::watch::RunWatch;
+use crate::run::watch::{Event, RunWatch};
 use std::time::{Duration, Instant};
 
 /// Passes on what a trial tells, and stops it in time.
@@ -32,7 +32,7 @@ impl RunWatch for Deadline<'_> {
         Instant::now() >= self.end || self.watch.stop()
     }
 
-    fn stage(&self, what: &str) {
-        self.watch.stage(what);
+    fn hear(&self, event: Event) {
+        self.watch.hear(event);
     }
 }

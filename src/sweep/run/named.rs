@@ -1,12 +1,11 @@
 //! Stages under the name of their variant: several take turns in a sweep.
 
-use crate::input::study::{Point, Study};
-use crate::run::watch::RunWatch;
-use crate::store::queue::Standing;
+use crate::run::watch::{Event, RunWatch};
 
 /// Passes on what a variant does, its stages with its name.
 pub(super) struct Named<'a> {
-    pub name: &'a str,
+    /// Stands before every stage.
+    pub prefix: &'a str,
     pub watch: &'a dyn RunWatch,
 }
 
@@ -15,32 +14,11 @@ impl RunWatch for Named<'_> {
         self.watch.stop()
     }
 
-    fn begins(&self, study: &Study, kept: usize) {
-        self.watch.begins(study, kept);
-    }
-
-    fn stage(&self, what: &str) {
-        self.watch.stage(&format!("{}: {what}", self.name));
-    }
-
-    fn standing(&self, standing: &Standing) {
-        self.watch.standing(standing);
-    }
-
-    fn solving(&self, study: &Study, point: &Point) {
-        self.watch.solving(study, point);
-    }
-
-    fn kept(&self, study: &Study, solves: usize) {
-        self.watch.kept(study, solves);
-    }
-
-    fn ended(&self) {
-        self.watch.ended();
-    }
-
-    fn solved(&self, study: &Study, point: &Point, failure: Option<&str>) {
-        self.watch.solved(study, point, failure);
+    fn hear(&self, event: Event) {
+        match event {
+            Event::Stage(what) => self.watch.hear(Event::Stage(&format!("{}{what}", self.prefix))),
+            other => self.watch.hear(other),
+        }
     }
 }
 
@@ -53,15 +31,20 @@ mod tests {
     struct Heard(Mutex<Vec<String>>);
 
     impl RunWatch for Heard {
-        fn stage(&self, what: &str) {
-            self.0.lock().unwrap().push(what.to_owned());
+        fn hear(&self, event: Event) {
+            self.0.lock().unwrap().push(format!("{event:?}"));
         }
     }
 
     #[test]
     fn a_stage_has_the_name_of_its_variant() {
         let heard = Heard::default();
-        Named { name: "yellow-0.3", watch: &heard }.stage("packing realisation 4/6");
-        assert_eq!(heard.0.into_inner().unwrap(), ["yellow-0.3: packing realisation 4/6"]);
+        let named = Named { prefix: "yellow-0.3: ", watch: &heard };
+        named.hear(Event::Stage("packing realisation 4/6"));
+        named.hear(Event::Ended);
+        assert_eq!(
+            heard.0.into_inner().unwrap(),
+            [r#"Stage("yellow-0.3: packing realisation 4/6")"#, "Ended"]
+        );
     }
 }

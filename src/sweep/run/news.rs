@@ -1,8 +1,7 @@
 //! Progress of a unit, for the screen and for the other workers.
 
 use super::{BETWEEN_NEWS, Worker};
-use crate::input::study::{Point, Study};
-use crate::run::watch::RunWatch;
+use crate::run::watch::{Event, RunWatch};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -29,7 +28,7 @@ impl<'a> News<'a> {
         *told = Instant::now();
         let Worker { queue, watch, .. } = self.worker;
         match queue.advance(self.task, solves).and_then(|()| queue.standing()) {
-            Ok(standing) => watch.standing(&standing),
+            Ok(standing) => watch.hear(Event::Standing(&standing)),
             Err(error) => self.worker.note(Err(error.into())),
         }
     }
@@ -40,25 +39,15 @@ impl RunWatch for News<'_> {
         self.worker.watch.stop()
     }
 
-    fn stage(&self, what: &str) {
-        self.worker.watch.stage(what);
-    }
-
-    fn solving(&self, study: &Study, point: &Point) {
-        self.worker.watch.solving(study, point);
-    }
-
-    fn kept(&self, study: &Study, solves: usize) {
-        self.worker.watch.kept(study, solves);
-        self.advance(solves);
-    }
-
-    fn ended(&self) {
-        self.worker.watch.ended();
-    }
-
-    fn solved(&self, study: &Study, point: &Point, failure: Option<&str>) {
-        self.worker.watch.solved(study, point, failure);
-        self.advance(1);
+    fn hear(&self, event: Event) {
+        if matches!(event, Event::Solving(..)) {
+            self.worker.begin();
+        }
+        self.worker.watch.hear(event);
+        match event {
+            Event::Kept(solves) | Event::Dropped(solves) => self.advance(solves),
+            Event::Solved(..) => self.advance(1),
+            _ => {}
+        }
     }
 }

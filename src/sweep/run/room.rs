@@ -1,6 +1,6 @@
 //! Memory that the workers of a process share.
 
-use crate::run::runner::RunError;
+use crate::run::RunError;
 use crate::solve::accuracy::AccuracyError;
 use std::sync::{PoisonError, RwLock};
 

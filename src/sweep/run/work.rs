@@ -5,8 +5,8 @@ use super::room::Room;
 use crate::input::study::Study;
 use crate::run::realisation::{Packings, RealisationRun};
 use crate::run::resolve::{Resolved, resolve};
-use crate::run::runner::{Realisation, RunError, RunSettings, Stores, stopped};
-use crate::run::watch::RunWatch;
+use crate::run::watch::{Event, RunWatch};
+use crate::run::{RunError, RunSettings, Stores};
 use crate::store::record::FailureRecord;
 use crate::wave::Scene;
 
@@ -26,25 +26,21 @@ impl Work<'_> {
     /// Gives the number of solves without a result.
     pub fn go(&self, packings: &mut Packings) -> Result<usize, RunError> {
         if self.has_failed() {
-            self.watch.kept(self.study, self.study.solves_each());
-            return Ok(self.study.solves_each());
+            return Ok(self.drop_all());
         }
-        match self.realise(packings).map_err(stopped) {
-            Ok(realisation) => Ok(realisation.failures.len()),
-            Err(RunError::Stopped) => Ok(0),
-            Err(error) if is_failure(&error) => {
-                self.watch.kept(self.study, self.study.solves_each());
-                self.note_failure(self.realisation..self.realisation + 1, &error)?;
-                Ok(self.study.solves_each())
-            }
-            Err(error) => Err(error),
-        }
+        self.realise(packings)
+    }
+
+    /// Tells that no solve of the realisation can be made, and gives their number.
+    pub fn drop_all(&self) -> usize {
+        self.watch.hear(Event::Dropped(self.study.solves_each()));
+        self.study.solves_each()
     }
 
     /// Whether it is recorded that this realisation has no packing or no grid.
     pub fn has_failed(&self) -> bool {
         let key = stage_key(self.study, self.realisation);
-        self.stores.failures.as_ref().is_some_and(|store| store.has(key.as_str()))
+        self.stores.failures.has(key.as_str())
     }
 
     /// Records that realisations have no packing or no grid.
@@ -54,12 +50,13 @@ impl Work<'_> {
         error: &RunError,
     ) -> Result<(), RunError> {
         let (variant, reason) = (self.name.to_owned(), error.to_string());
-        self.watch.stage(&format!("no result: {reason}"));
-        let Some(failures) = &self.stores.failures else { return Ok(()) };
+        if !variant.is_empty() {
+            self.watch.stage(&format!("no result: {reason}"));
+        }
         for realisation in realisations {
             let (variant, reason) = (variant.clone(), reason.clone());
             let record = FailureRecord { variant, realisation, incidence: None, reason };
-            failures.put(stage_key(self.study, realisation).as_str(), &record)?;
+            self.stores.failures.put(stage_key(self.study, realisation).as_str(), &record)?;
         }
         Ok(())
     }
@@ -71,7 +68,7 @@ impl Work<'_> {
         })
     }
 
-    fn realise(&self, packings: &mut Packings) -> Result<Realisation, RunError> {
+    fn realise(&self, packings: &mut Packings) -> Result<usize, RunError> {
         let resolved = &self.resolve(packings)?;
         let Self { study, stores, watch, realisation, .. } = *self;
         self.room.within(|memory| {
