@@ -39,7 +39,7 @@ fn main() {
     let loads_s = median(|| problem.contrast_loads(solution.field.view(), &mut out)) * applications;
     let (fft, planes) = (PlaneFft::new(n, n), problem.shape().0);
     let floor_s = median(|| support::transforms(&fft, n, planes)) * applications;
-    let mean_s = median(|| problem.double().mean_solve(&mut out)) * applications;
+    let mean_s = median(|| problem.mean.inverse.solve_loads(&mut out)) * applications;
     let rows = [
         ("coverage (once per geometry)", coverage_s),
         ("factors (once per wavelength and angle)", factors_s),

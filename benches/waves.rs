@@ -174,7 +174,7 @@ fn vector(moments: &Arc<NormalMoments>, polarisations: &[Polarisation]) -> Cost 
     let solves = polarisations.iter().map(|&p| solve(&problem.polarised(p)));
     let joint =
         solves.fold((0, 0), |(sum, most), (applications, bytes)| (sum + applications, bytes.max(most)));
-    Cost { seconds: 0.0, applications: joint.0, bytes: joint.1 + problem.bytes() }
+    Cost { seconds: 0.0, applications: joint.0, bytes: joint.1 + problem.polarised(polarisations[0]).bytes() }
 }
 
 fn solve(system: &dyn System) -> (usize, usize) {

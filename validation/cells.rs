@@ -2,7 +2,7 @@
 
 use inkwave::solve::{Goal, Silent, Solution, SolveError, Solver};
 use inkwave::wave::{
-    Ball, Body, Incidence, Material, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side,
+    Ball, Body, BodyShape, Incidence, Material, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
 };
 use num_complex::Complex64;
 
@@ -34,7 +34,7 @@ impl Cell {
             [0.12, 0.33, 0.40, 0.08],
         ];
         let grain = |[x, y, z, radius_um]: [f64; 4]| Body {
-            shape: Shape::Balls(vec![Ball { center_um: [x, y, z], radius_um }]),
+            shape: BodyShape::Balls(vec![Ball { center_um: [x, y, z], radius_um }]),
             material: Material::Inclusion(0),
         };
         Scene::layer([0.7, 0.62], 0.55, grains.map(grain).to_vec())

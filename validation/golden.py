@@ -129,7 +129,7 @@ class Study:
         )
         period = layer.get("period_um")
         self.period_um = period if isinstance(period, list) else [period, period]
-        self.index_out = layer.get("index_out", layer.get("index_below", 1.0))
+        self.index_out = layer.get("index_out", 1.0)
         self.contact = self.file["paper"].get("coupling") == "optical_contact"
         if "wavelengths_nm" in light:
             self.wavelengths = [float(nm) for nm in light["wavelengths_nm"]]
@@ -810,18 +810,6 @@ class Ink:
             gradient = [(ciede2000(step(i, 1e-3), target) - ciede2000(step(i, -1e-3), target)) / 2e-3 for i in range(3)]
             error = mine["lab_covariance"] and math.sqrt(quadratic(mine["lab_covariance"], gradient))
             found["target"] = [ciede2000(mine["lab"], target), error]
-        if not self.study.contact:
-            found["kubelka_munk"] = []
-            factor = student(self.count - 1)
-            for nm, row in zip(self.outputs, self.spectrum(self.kubelka_munk)):
-                line = [nm]
-                for c, value in enumerate(self.kubelka_munk(self.at[0][nm], stops=True)):
-                    # signs of errors of R and T are unknown
-                    there = lambda by: self.kubelka_munk(self.at[0][nm], by)[c]
-                    worse = lambda by: max(there(by), there([by[0], -by[1]]), key=lambda x: abs(x - row[0][c]))
-                    _, error = estimate([v[c] for v in row], [worse(by) for by in shifts])
-                    line += [value, error, factor and error and factor * error]
-                found["kubelka_munk"].append(line)
         return found
 
     def widened(self, chance, moved):
@@ -829,17 +817,6 @@ class Ink:
         if chance is None and self.study.certain and any(x for by in moved for x in by):
             chance = [[0.0] * 3 for _ in range(3)]
         return chance and [[chance[i][j] + sum(by[i] * by[j] for by in moved) for j in range(3)] for i in range(3)]
-
-    def kubelka_munk(self, paper, by=(0.0, 0.0), stops=False):
-        """K and S of Kubelka's solution: a = (1 + R² − T²)/2R, b² = a² − 1, b S H = arcoth((1 − a R)/b R). K stops at 0, or
-        goes on below it where R + T exceed 1."""
-        t = paper.mean_t + by[1]
-        r = 1 - paper.mean_t - paper.mean_a + by[0]
-        a = (1 + r * r - t * t) / (2 * r)
-        a = max(1.0, a) if stops else a
-        b = cmath.sqrt(a * a - 1)
-        s = (r / t if abs(b) < 1e-6 else (cmath.atanh(b * r / (1 - a * r)) / b).real) / self.study.thickness_um
-        return s * (a - 1), s
 
     def picture(self, count=61):
         """sRGB of the strip, top to bottom, and of the square's rows: viewing angle down, illumination to the right."""
@@ -909,7 +886,7 @@ def distributions(study, layer, amplitude_error):
                     index = study.index_out if lobe == "transmitted" else 1.0
                     flux = math.sqrt(max(0.0, index**2 - direction[0] ** 2 - direction[1] ** 2)) / cosine(study.exact_deg[k])
                     rows.append(
-                        [1e3 * um, "above", study.exact_deg[k], azimuth, lobe, m, n, *direction, (m, n) == (0, 0)]
+                        [1e3 * um, "incident", study.exact_deg[k], azimuth, lobe, m, n, *direction, (m, n) == (0, 0)]
                         + [value, error, density * value, error and density * error, len(points)]
                         + [2 * math.sqrt(max(value, 0.0) * flux) * amplitude_error]
                     )

@@ -3,7 +3,7 @@
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Task, suited_scheme};
 use inkwave::solve::{Account, Coverages, Gmres, Goal, Silent, Solution, Solver};
-use inkwave::wave::{Ball, Body, FarField, Mean, Order, Problem, Resolution, Scheme, Shape};
+use inkwave::wave::{Ball, Body, BodyShape, FarField, Mean, Order, Problem, Resolution, Scheme};
 use num_complex::Complex64;
 use serde::Deserialize;
 use std::sync::OnceLock;
@@ -163,5 +163,5 @@ pub fn fitted_slope(errors: &[(f64, f64)]) -> f64 {
 
 /// A grain of one ball.
 pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
-    Body::new(Shape::Balls(vec![Ball { center_um, radius_um }]), 0)
+    Body::new(BodyShape::Balls(vec![Ball { center_um, radius_um }]), 0)
 }

@@ -1,7 +1,7 @@
 //! Tiny problems on awkward grids, and small helpers for full matrices.
 
 use inkwave::wave::{
-    Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side,
+    Ball, Body, BodyShape, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
 };
 use num_complex::Complex64;
 
@@ -22,7 +22,7 @@ pub const SETTINGS: [Setting; 6] = [
 
 /// A grain of one ball.
 pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
-    Body::new(Shape::Balls(vec![Ball { center_um, radius_um }]), 0)
+    Body::new(BodyShape::Balls(vec![Ball { center_um, radius_um }]), 0)
 }
 
 pub fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
@@ -33,9 +33,9 @@ pub fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
 pub fn problem_of(grains: Complex64, setting: Setting, scheme: Scheme, mean: Mean) -> Problem {
     let (nx, ny, cells, _, polar_deg, azimuth_deg, from) = setting;
     let bodies = match (nx, ny) {
-        (1, 1) => vec![Body::new(Shape::Sheet { z_um: [0.11, 0.27] }, 0)],
+        (1, 1) => vec![Body::new(BodyShape::Sheet { z_um: [0.11, 0.27] }, 0)],
         (_, 1) => {
-            vec![Body::new(Shape::CylinderY { x_um: 0.1, z_um: 0.2, radius_um: 0.09 }, 0)]
+            vec![Body::new(BodyShape::CylinderY { x_um: 0.1, z_um: 0.2, radius_um: 0.09 }, 0)]
         }
         _ => vec![ball([0.08, 0.12, 0.15], 0.09), ball([0.22, 0.12, 0.3], 0.09)],
     };

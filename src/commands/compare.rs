@@ -5,7 +5,7 @@ use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
-use inkwave::compare::experiment::{CompareError, ComparisonFile, Plan};
+use inkwave::compare::experiment::{CompareError, ComparisonFile, ComparisonPlan};
 use inkwave::compare::row::Row;
 use inkwave::report::publish::PublishError;
 use inkwave::solve::{Registry, Step, Watch};
@@ -15,15 +15,15 @@ use miette::Result;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-/// Compares strategies, resolutions and discretisations on one geometry.
+/// Compare strategies, resolutions and discretisations on one geometry
 #[derive(Args)]
 pub struct CompareArgs {
     /// Comparison (TOML), or a study (TOML) or a case (JSON) to compare with the default lists
     file: PathBuf,
-    /// Folder for tables, plots and the page
+    /// Output folder
     #[arg(short, long, default_value = "out/comparison")]
     output: PathBuf,
-    /// Only read and check everything, pack the layer, and say how many solves there are to do
+    /// Check the files, pack the layer, print the number of solves and exit
     #[arg(long)]
     plan: bool,
 }
@@ -34,13 +34,13 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let registry = Registry::default();
     tell_unused(&file.unused());
     if args.plan {
-        let Plan { bodies, rows } = file.plan(&registry).map_err(report)?;
+        let ComparisonPlan { bodies, rows } = file.plan(&registry).map_err(report)?;
         return say(format_args!("{}: {rows} solves on a layer of {bodies} bodies", args.file.display()));
     }
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let output = output.going_on_with(this_command());
     output.mark_partial().map_err(folder_report)?;
-    let mut stop = Stop(super::stop::StopFlag::listen());
+    let mut stop = StopWatch(super::stop::StopFlag::listen());
     let comparison = file
         .run(&registry, &mut stop, tell_row)
         .inspect_err(|_| output.discard_when_empty())
@@ -99,9 +99,9 @@ fn report(error: CompareError) -> miette::Report {
 }
 
 /// Stops a solve on Ctrl-C.
-struct Stop(super::stop::StopFlag);
+struct StopWatch(super::stop::StopFlag);
 
-impl Watch for Stop {
+impl Watch for StopWatch {
     fn step(&mut self, _: &Step) -> ControlFlow<()> {
         if self.0.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -11,15 +11,15 @@ use std::path::PathBuf;
 /// inkwave completions bash > ~/.local/share/bash-completion/completions/inkwave
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
-    /// The shell.
+    /// Shell
     #[arg(value_enum)]
     pub shell: Shell,
 }
 
-/// Write the man pages, one a command, to a folder.
+/// Write the man pages, one per command, to a folder.
 #[derive(Debug, Args)]
 pub struct ManArgs {
-    /// Folder for the pages; made when it is not there.
+    /// Output folder (created if missing)
     pub folder: PathBuf,
 }
 

@@ -44,13 +44,13 @@ pub fn study_report(error: StudyError) -> Report {
     }
 }
 
-type Source = Arc<NamedSource<String>>;
+type SourceText = Arc<NamedSource<String>>;
 
 /// Longest line that is shown, bytes; the printer's limit is 65 535 columns, a reader's is nearer.
 const LONGEST_LINE: usize = 1000;
 
 /// The text to show lines of; none where they are too long to be shown.
-fn source(path: &std::path::Path, text: String) -> Option<Source> {
+fn source(path: &std::path::Path, text: String) -> Option<SourceText> {
     let readable = text.lines().all(|line| line.len() <= LONGEST_LINE);
     let text: String = text.chars().map(harmless).collect();
     readable.then(|| Arc::new(NamedSource::new(path.display().to_string(), text).with_language("toml")))
@@ -76,12 +76,12 @@ struct Shown {
     message: String,
     help: Option<String>,
     label: Option<LabeledSpan>,
-    source: Option<Source>,
+    source: Option<SourceText>,
     others: Vec<Shown>,
 }
 
 impl Shown {
-    fn fault(fault: &Fault, source: &Option<Source>) -> Self {
+    fn fault(fault: &Fault, source: &Option<SourceText>) -> Self {
         let label = |span| LabeledSpan::new_with_span(Some(format!("found {}", fault.found)), span);
         Self {
             message: fault.to_string(),

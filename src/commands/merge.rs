@@ -15,10 +15,10 @@ use std::path::PathBuf;
 /// Join the shards of a sweep into one folder, and report on it.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
-    /// Folders of the shards.
+    /// Folders of the shards
     #[arg(required = true)]
     pub shards: Vec<PathBuf>,
-    /// Folder for the whole sweep.
+    /// Output folder for the whole sweep
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
 }

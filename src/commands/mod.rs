@@ -6,6 +6,7 @@ pub mod completions;
 pub mod diagnostics;
 pub mod export;
 mod live;
+pub mod materials;
 pub mod memory;
 pub mod merge;
 mod mixed_up;

@@ -8,6 +8,7 @@ use super::stop::StopFlag;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
+use inkwave::ink::statistics::ReachedSizes;
 use inkwave::ink::{PackProgress, PackWatch, Packing};
 use inkwave::input::Study;
 use inkwave::input::load::load_packing;
@@ -22,16 +23,16 @@ use std::time::Instant;
 /// Pack the grains of a study and report on their statistics.
 #[derive(Args, Debug)]
 pub struct PackArgs {
-    /// Study file; what only the wave needs (light, indices, paper) may be left out.
+    /// Study file (TOML); light, indices and paper may be left out
     pub study: PathBuf,
-    /// Folder for the results (default: the study's name followed by "-packing").
+    /// Output folder (default: the study's name followed by "-packing")
     #[arg(short, long)]
     pub output: Option<PathBuf>,
-    /// Number of realisations, instead of the study's.
+    /// Number of realisations, instead of the study's
     #[arg(short, long)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     pub realisations: Option<u16>,
-    /// Seed, instead of the study's.
+    /// Seed, instead of the study's
     #[arg(short, long)]
     pub seed: Option<u64>,
 }
@@ -66,7 +67,7 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     let start = Instant::now();
     let bar = ProgressBar::new(0).with_style(style());
     bar.set_prefix(format!("realisation {}/{}", realisation + 1, study.realisations));
-    let packed = pack(&study.packing_request(realisation), &mut Bar { bar: &bar, stop });
+    let packed = pack(&study.packing_request(realisation), &mut PackBar { bar: &bar, stop });
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {}", realisation + 1))?;
     say(format_args!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64())))?;
@@ -78,9 +79,12 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let fraction: f64 = packing.shares().iter().map(|s| s.achieved_fraction).sum();
     let asked: f64 = packing.shares().iter().map(|s| s.requested_fraction).sum();
     let sweeps = if account.sweeps > 0 { format!(", {} sweeps", account.sweeps) } else { String::new() };
+    let sizes =
+        |k: usize| Some(format!("; pigment {k}: d10, d50, d90 {}", ReachedSizes::of(packing, k)?.in_words()));
+    let sizes: String = (0..packing.shares().len()).filter_map(sizes).collect();
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{notes}",
+        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (asked {asked:.6}), {seconds:.2} s{sizes}{notes}",
         realisation + 1,
         packing.grains().len(),
         account.method.in_words(),
@@ -94,12 +98,12 @@ fn style() -> ProgressStyle {
 }
 
 /// Shows progress on stderr and stops when Ctrl-C was pressed.
-struct Bar<'a> {
+struct PackBar<'a> {
     bar: &'a ProgressBar,
     stop: &'a StopFlag,
 }
 
-impl PackWatch for Bar<'_> {
+impl PackWatch for PackBar<'_> {
     fn progress(&mut self, p: &PackProgress) -> ControlFlow<()> {
         self.bar.tick();
         self.bar.set_message(format!(

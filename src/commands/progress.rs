@@ -5,7 +5,7 @@ use super::stop::StopFlag;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use inkwave::input::study::{Point, Study};
 use inkwave::run::watch::{Event, RunWatch};
-use inkwave::store::queue::Standing;
+use inkwave::store::queue::QueueStanding;
 use inkwave::wave::Side;
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -178,7 +178,7 @@ impl Progress {
         }
     }
 
-    fn standing(&self, standing: &Standing) {
+    fn standing(&self, standing: &QueueStanding) {
         let (all, done) = (self.bar.length().unwrap_or(0), self.bar.position().max(standing.solves as u64));
         self.bar.set_position(done);
         self.left.store(all.saturating_sub(done) as usize, Ordering::Relaxed);

@@ -14,12 +14,12 @@ use std::path::PathBuf;
 /// Rebuild tables, contact sheets and pages of a sweep from what is finished.
 #[derive(Debug, Args)]
 pub struct ReportArgs {
-    /// Folder of the sweep.
+    /// Folder of the sweep
     pub folder: PathBuf,
-    /// Axis that runs down the contact sheets.
+    /// Axis along the rows of the contact sheets
     #[arg(long, value_name = "AXIS")]
     pub rows: Option<String>,
-    /// Axis that runs to the right.
+    /// Axis along their columns
     #[arg(long, value_name = "AXIS")]
     pub columns: Option<String>,
 }

@@ -30,21 +30,21 @@ use std::path::{Path, PathBuf};
 /// Arguments of `inkwave run`.
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// Study file (TOML); examples/every-key.toml shows all of it.
+    /// Study file (TOML); `inkwave schema --annotated` prints every key
     pub study: PathBuf,
-    /// Folder for the results; made when it is not there, continued when it holds part of this study.
+    /// Output folder (created if missing; an interrupted run is resumed)
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Solves at a time; the number of processors when left out. Fewer take less memory.
+    /// Number of parallel solves (default: number of processors); fewer need less memory
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
-    /// Only say what the study costs, after a short trial.
+    /// Print the expected cost, after a short trial, and exit
     #[arg(long)]
     pub plan: bool,
-    /// With --plan: as JSON.
+    /// Print the plan as JSON
     #[arg(long, requires = "plan")]
     pub json: bool,
-    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    /// Memory for all parallel solves, GB (default: four fifths of the free memory)
     #[arg(long, value_name = "GB", allow_negative_numbers = true)]
     pub memory_gb: Option<f64>,
 }

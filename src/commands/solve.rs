@@ -3,12 +3,11 @@
 use super::say::{note, say};
 use super::solve_light::LightArgs;
 use super::solve_report;
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use inkwave::input::case::Case;
-use inkwave::input::older;
-use inkwave::numerics::files;
 use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
-use inkwave::solve::{Coverages, Goal, GridTrial, Registry, Step, Watch};
+use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_among};
 use inkwave::wave::{Mean, Precision, Resolution, Scheme, Wave};
 use miette::{IntoDiagnostic, Result};
@@ -20,7 +19,7 @@ const USUAL_UM: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Accuracy without `--accuracy` or a grid.
 const DEFAULT_ACCURACY: f64 = 1e-3;
 
-/// Solves one explicit geometry and prints its orders as JSON.
+/// Solve one explicit geometry and print its orders as JSON
 ///
 /// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d, cylinder2d, lamellar2d)
 /// as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].
@@ -31,8 +30,8 @@ pub struct SolveArgs {
     /// Largest amplitude error accepted: chooses the resolution (default 1e-3 unless --nxy and --nz are given)
     #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"], allow_negative_numbers = true)]
     accuracy: Option<f64>,
-    /// Strategy: krylov, bicgstab, born, convergent_born, relaxation (needs --real-mean), direct
-    #[arg(long, default_value = "krylov")]
+    /// Strategy; relaxation needs --real-mean
+    #[arg(long, default_value = SolverChoice::NAMES[0], value_parser = PossibleValuesParser::new(SolverChoice::NAMES))]
     solver: String,
     /// Points along x and y of one period
     #[arg(long, value_name = "POINTS", requires = "nz")]
@@ -93,8 +92,6 @@ impl From<SchemeName> for Scheme {
 pub fn run(args: &SolveArgs) -> Result<()> {
     check(args)?;
     let mut case = Case::read(&args.case).into_diagnostic()?;
-    let text = files::read_text(&args.case, files::CASE).into_diagnostic()?;
-    older::remarks(&text).iter().for_each(super::say::note);
     if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
         miette::bail!(
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
@@ -121,7 +118,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
 
 /// Solves on the grid asked for, or searches one.
 fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<Estimated> {
-    let solver = Registry::default().build(&args.solver).into_diagnostic()?;
+    let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
         coverages,
         media: &case.media,

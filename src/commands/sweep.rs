@@ -32,33 +32,33 @@ const WORTH_TELLING: Duration = Duration::from_millis(100);
 /// Run a study of many variants; stop and continue at any time, or divide it among machines.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
-    /// Sweep file (TOML); examples/paper-study-small.toml shows all of it.
+    /// Sweep file (TOML); `inkwave schema sweep --annotated` prints every key
     pub sweep: PathBuf,
-    /// Folder for the results; made when it is not there, continued when it holds part of the sweep.
+    /// Output folder (created if missing; an interrupted sweep is resumed)
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Solves at a time; the number of processors when left out. Fewer take less memory.
+    /// Number of parallel solves (default: number of processors); fewer need less memory
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
-    /// Memory that all solves at a time may take, in GB; four fifths of what is free when left out.
+    /// Memory for all parallel solves, GB (default: four fifths of the free memory)
     #[arg(long, value_name = "GB", allow_negative_numbers = true)]
     pub memory_gb: Option<f64>,
-    /// Only say what the sweep costs, after a short trial.
+    /// Print the expected cost, after a short trial, and exit
     #[arg(long)]
     pub plan: bool,
-    /// With --plan: as JSON.
+    /// Print the plan as JSON
     #[arg(long, requires = "plan")]
     pub json: bool,
-    /// Part I of N, from 1; with N alone the part is SLURM_ARRAY_TASK_ID, PBS_ARRAYID, PBS_ARRAY_INDEX or HQ_TASK_ID.
+    /// Run part I of N, counted from 1; N alone takes I from SLURM_ARRAY_TASK_ID, PBS_ARRAYID, PBS_ARRAY_INDEX or HQ_TASK_ID
     #[arg(long, value_name = "I/N", conflicts_with = "plan")]
     pub shard: Option<String>,
-    /// Only choose the grids, so that shards need not each do it again (--grids).
+    /// Choose the grids and exit; shards then take them with --grids
     #[arg(long, conflicts_with_all = ["plan", "shard"])]
     pub grids_only: bool,
-    /// Take grids from this folder, which a run with --grids-only has written.
+    /// Take the grids from a folder written with --grids-only
     #[arg(long, value_name = "DIR", conflicts_with = "plan")]
     pub grids: Option<PathBuf>,
-    /// Try again what has failed.
+    /// Retry failed solves, packings and grids
     #[arg(long)]
     pub retry_failed: bool,
 }

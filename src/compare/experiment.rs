@@ -1,15 +1,17 @@
-//! A comparison: strategies × means × grids × discretisations on one case, or on all cases of a matrix, side by side.
+//! A comparison: strategies × means × grids × discretisations on one case, or on all cases of a
+//! matrix, side by side.
 
 mod cases;
 mod file;
+mod matrix;
 mod means;
 mod reference;
 mod rows;
 mod unused;
 
 pub use super::error::CompareError;
-pub use cases::MatrixTable;
 pub use file::{ComparisonFile, GoalWritten, Points};
+pub use matrix::MatrixTable;
 
 use super::error::kept;
 use super::page::Comparison;
@@ -22,7 +24,7 @@ use rows::Bench;
 
 /// What a comparison is about to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct ComparisonPlan {
     /// Bodies of the geometry (of the first case).
     pub bodies: usize,
     /// Solves, but for those of searches for a grid and of repetitions.
@@ -30,18 +32,18 @@ pub struct Plan {
 }
 
 /// A strategy with the name that people call it by.
-type Named = (String, Box<dyn Solver>);
+type NamedStrategy = (String, Box<dyn Solver>);
 
 impl ComparisonFile {
     /// Rows of the comparison without a solve: the geometry is packed, and everything is checked.
     ///
     /// # Errors
     /// As [`ComparisonFile::run`], but those of solves.
-    pub fn plan(&self, registry: &Registry) -> Result<Plan, CompareError> {
+    pub fn plan(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.planned(registry).map_err(|error| error.in_file(&self.origin))
     }
 
-    fn planned(&self, registry: &Registry) -> Result<Plan, CompareError> {
+    fn planned(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
         self.check()?;
         let strategies = self.strategies(registry)?;
         let subjects = self.subjects()?;
@@ -57,11 +59,11 @@ impl ComparisonFile {
             }
             bodies.get_or_insert(case.scene.bodies.len());
         }
-        Ok(Plan { bodies: bodies.unwrap_or(0), rows: self.asked(&subjects, &strategies)? })
+        Ok(ComparisonPlan { bodies: bodies.unwrap_or(0), rows: self.asked(&subjects, &strategies)? })
     }
 
     /// Rows asked for; faults of every case show on the way.
-    fn asked(&self, subjects: &[Subject], strategies: &[Named]) -> Result<usize, CompareError> {
+    fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> Result<usize, CompareError> {
         let grids = self.schemes().len() * self.listed().map_or(1, |points| points.len());
         let mut rows = 0;
         for subject in subjects {
@@ -71,11 +73,12 @@ impl ComparisonFile {
         Ok(rows * grids)
     }
 
-    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can stop the comparison: rows solved
-    /// by then are kept.
+    /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can
+    /// stop the comparison: rows solved by then are kept.
     ///
     /// # Errors
-    /// Unknown strategies, layers that cannot be packed, a case without a reference, Ctrl-C before the first row.
+    /// Unknown strategies, layers that cannot be packed, a case without a reference, Ctrl-C before
+    /// the first row.
     pub fn run(
         &self,
         registry: &Registry,
@@ -118,7 +121,7 @@ impl ComparisonFile {
     fn on(
         &self,
         subject: &Subject,
-        strategies: &[Named],
+        strategies: &[NamedStrategy],
         watch: &mut dyn Watch,
         keep: &mut dyn FnMut(Row),
     ) -> Result<(), CompareError> {

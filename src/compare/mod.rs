@@ -1,4 +1,5 @@
-//! Experiments that compare methods: strategies × grids × discretisations on one case or many, with their page.
+//! Experiments that compare methods: strategies × grids × discretisations on one case or many, with
+//! their page.
 
 pub mod error;
 pub mod experiment;

@@ -2,7 +2,7 @@
 
 use super::row::{HEADER, Row, dash, mean_name};
 use crate::report::cell::{markdown, text};
-use crate::report::page::{STYLE, svg_data};
+use crate::report::page::{STYLE, made_by, svg_data};
 use crate::report::publish::PublishError;
 use crate::report::seal::sealed;
 use crate::solve::Goal;
@@ -45,8 +45,9 @@ fn is_of_a_comparison(name: &str) -> bool {
 }
 
 impl Comparison {
-    /// Writes `comparison.csv`, the plots (SVG), `README.md` and a self-contained `comparison.html` into `folder` in place of an
-    /// earlier comparison, each of them whole or not at all; of a single case `residuals.csv` too.
+    /// Writes `comparison.csv`, the plots (SVG), `README.md` and a self-contained `comparison.html`
+    /// into `folder` in place of an earlier comparison, each of them whole or not at all; of a
+    /// single case `residuals.csv` too.
     ///
     /// # Errors
     /// A folder that cannot be written.
@@ -82,6 +83,7 @@ impl Comparison {
         let rows = self.rows.iter().map(|row| context!(failed => !row.converged(), cells => row.shown()));
         context! {
             title => if self.title.is_empty() { "Comparison of strategies" } else { &self.title },
+            made_by => made_by(),
             asked => self.asked,
             tolerance => format!("{:.0e}", self.goal.tolerance),
             max_applications => self.goal.max_applications,

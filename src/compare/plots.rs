@@ -1,4 +1,5 @@
-//! The plots of a comparison: cost against the period for each pigment of a matrix, or error against cost for a single case.
+//! The plots of a comparison: cost against the period for each pigment of a matrix, or error
+//! against cost for a single case.
 
 use super::page::Comparison;
 use super::row::{Row, Varied, mean_name, scheme_name};
@@ -6,7 +7,7 @@ use crate::draw::chart::{Chart, Curve, Style};
 use crate::wave::Scheme;
 
 /// What tells the curves of one strategy apart.
-type Variant = (Option<Scheme>, bool);
+type MeanVariant = (Option<Scheme>, bool);
 
 impl Comparison {
     /// File names and plots; none without a curve.
@@ -15,7 +16,8 @@ impl Comparison {
         plots.into_iter().filter(|(_, plot)| !plot.curves.is_empty()).collect()
     }
 
-    /// Applications against the period, one plot for each pigment; lines are broken where a strategy fails.
+    /// Applications against the period, one plot for each pigment; lines are broken where a
+    /// strategy fails.
     fn applications(&self) -> Vec<(String, Chart)> {
         let cases = || self.rows.iter().filter_map(|row| row.case);
         let mut pigments: Vec<[f64; 2]> = cases().map(|case| case.pigment).collect();
@@ -63,7 +65,8 @@ impl Comparison {
         Chart { log: [false, true], ..Chart::log_log(words[0], words[1], words[2], histories) }
     }
 
-    /// One curve for each strategy, scheme and mean; where a value is not finite, the line is broken.
+    /// One curve for each strategy, scheme and mean; where a value is not finite, the line is
+    /// broken.
     fn curves(&self, rows: &[&Row], point: impl Fn(&Row) -> [f64; 2]) -> Vec<Curve> {
         let mut curves: Vec<Curve> = Vec::new();
         for row in rows {
@@ -77,7 +80,8 @@ impl Comparison {
         curves
     }
 
-    /// One colour and one marker for a strategy over the whole page; dashes tell its schemes and means apart.
+    /// One colour and one marker for a strategy over the whole page; dashes tell its schemes and
+    /// means apart.
     fn looking(&self, curve: Curve, row: &Row, rows: &[&Row]) -> Curve {
         let place = self.registry.iter().position(|name| *name == row.strategy);
         let place = place.unwrap_or(self.registry.len());
@@ -86,13 +90,13 @@ impl Comparison {
     }
 }
 
-fn variant(row: &Row) -> Variant {
+fn variant(row: &Row) -> MeanVariant {
     (row.discrete.map(|d| d.resolution.scheme), row.discrete.is_some_and(|d| d.absorbing_mean))
 }
 
 /// Schemes and means of some rows, in their order.
-fn variants(rows: &[&Row]) -> Vec<Variant> {
-    let mut all: Vec<Variant> = Vec::new();
+fn variants(rows: &[&Row]) -> Vec<MeanVariant> {
+    let mut all: Vec<MeanVariant> = Vec::new();
     rows.iter().map(|row| variant(row)).for_each(|v| {
         if !all.contains(&v) {
             all.push(v)
@@ -119,7 +123,8 @@ fn period(case: Option<Varied>) -> f64 {
     case.map_or(f64::NAN, |case| case.period_um)
 }
 
-/// Operator applications of a row with a result; none for a homogeneous layer, which needs no iteration.
+/// Operator applications of a row with a result; none for a homogeneous layer, which needs no
+/// iteration.
 fn counted(row: &Row) -> f64 {
     if row.converged() && row.applications() > 0 { row.applications() as f64 } else { f64::NAN }
 }

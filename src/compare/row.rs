@@ -1,4 +1,5 @@
-//! One row of a comparison: what one program made of one case, what it cost, or why there is no result.
+//! One row of a comparison: what one program made of one case, what it cost, or why there is no
+//! result.
 
 use crate::solve::Account;
 use crate::wave::{Resolution, Scheme};
@@ -28,7 +29,8 @@ pub struct Discrete {
     pub absorbing_mean: bool,
 }
 
-/// One solve of one case. What belongs to inkwave's own discretisation is left out for programs that have another.
+/// One solve of one case. What belongs to inkwave's own discretisation is left out for programs
+/// that have another.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Which case of a matrix; none where there is only one.
@@ -41,7 +43,8 @@ pub struct Row {
     pub unknowns: Option<usize>,
     /// Largest amplitude error against the reference, or why there is no result.
     pub result: Result<f64, String>,
-    /// Largest expected amplitude error, as `inkwave solve` estimates it; unknown where no coarser grid could be solved.
+    /// Largest expected amplitude error, as `inkwave solve` estimates it; unknown where no coarser
+    /// grid could be solved.
     pub error_estimate: Option<f64>,
     /// Steps, operator applications and residuals of the first solve, finished or not.
     pub account: Option<Account>,
@@ -91,7 +94,8 @@ impl Row {
         self.account.as_ref().map_or(0, |account| account.operator_applications)
     }
 
-    /// Looks at the residual: applications done by then (spread evenly where a look covers several), and the residual.
+    /// Looks at the residual: applications done by then (spread evenly where a look covers
+    /// several), and the residual.
     pub(super) fn looks(&self) -> Vec<(f64, f64)> {
         let Some(account) = &self.account else { return Vec::new() };
         let per_look = account.operator_applications as f64 / (account.history.len().max(2) - 1) as f64;

@@ -1,4 +1,5 @@
-//! What strategies are compared on: a study's first packing at one wavelength and direction, or an explicit case.
+//! What strategies are compared on: a study's first packing at one wavelength and direction, or an
+//! explicit case.
 
 use super::error::CompareError;
 use crate::ink::pack;
@@ -80,7 +81,7 @@ impl Packed {
     pub fn varied(&self, period_um: f64, [n, kappa]: [f64; 2]) -> Result<Packed, CompareError> {
         let mut other = self.clone();
         other.file.layer.cell = CellRule::Fixed;
-        other.file.layer.period_um = Some(Pair([period_um; 2]));
+        other.file.layer.period_um = Some(Pair::Both(period_um));
         let Some(pigment) = other.file.pigments.first_mut() else {
             return Err(CompareError::Field {
                 field: "study.pigment".into(),

@@ -3,7 +3,7 @@
 //! The format has no slot for uncertainties: they are tags of each object. What was simulated says so in `Creator`,
 //! `Description` and in the tags.
 
-use super::print::{Geometry, Print, PrintSpectrum, xml};
+use super::print::{InstrumentGeometry, Print, PrintSpectrum, xml};
 use std::fmt::Write;
 
 /// Decimals of reflectance factors: far below any standard error.
@@ -110,11 +110,11 @@ fn specification(print: &Print, spectrum: &PrintSpectrum) -> String {
     let start = print.wavelengths_nm.first().copied().unwrap_or(0);
     let increment = print.wavelengths_nm.get(1).map_or(10, |second| second - start);
     let choice = match geometry {
-        Geometry::LitAt45 => {
+        InstrumentGeometry::LitAt45 => {
             "<cc:SingleAngle><cc:SingleAngleConfiguration>Annular</cc:SingleAngleConfiguration>\
              <cc:IlluminationAngle>45</cc:IlluminationAngle><cc:MeasurementAngle>0</cc:MeasurementAngle></cc:SingleAngle>"
         }
-        Geometry::NaturalLight => {
+        InstrumentGeometry::NaturalLight => {
             "<cc:UnknownGeometry>uniform hemisphere, seen along the normal</cc:UnknownGeometry>"
         }
     };

@@ -6,7 +6,7 @@
 //! source: (α, β) = −(ω_o,x, ω_o,y). The mirror part is a delta, which such a table cannot hold: it is left out and
 //! written to `specular.csv`.
 
-use super::tensor::{Field, tensor_file};
+use super::tensor::{TensorField, tensor_file};
 use crate::appearance::colour::Colorimeter;
 use crate::evaluate::directional::{Direction, DirectionalInk};
 use crate::evaluate::ink::InkError;
@@ -25,18 +25,18 @@ const WIDEST_STEP_DEG: f64 = 3.0;
 const GRAZING_DEG: f64 = 89.9;
 
 /// f cos θ_o of one angle of incidence: \[wavelength\]\[row φ_m\]\[column θ_m\], flat.
-type Slab = Vec<f64>;
+type TensorSlab = Vec<f64>;
 
 /// Everything that the files hold.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct MaterialTable {
     /// Angles of incidence, degrees.
     pub theta_deg: Vec<f64>,
     /// Wavelengths, nm.
     pub wavelengths_nm: Vec<f64>,
     /// Points along each axis of the half vector's grid.
     pub points: usize,
-    slabs: Vec<Slab>,
+    slabs: Vec<TensorSlab>,
 }
 
 /// The file with three channels, and how much of it lies outside the gamut.
@@ -48,7 +48,7 @@ pub struct RgbFile {
     pub clipped: f64,
 }
 
-impl Table {
+impl MaterialTable {
     /// Tabulates the ink on a grid of `points` × `points` half vectors.
     ///
     /// # Errors
@@ -65,8 +65,8 @@ impl Table {
         let values = self.slabs.iter().flatten().map(|&x| x as f32).collect();
         let wavelengths = self.wavelengths_nm.iter().map(|&nm| nm as f32).collect();
         let mut fields = self.common(description);
-        fields.push(Field::floats("wavelengths", &[waves], wavelengths));
-        fields.push(Field::floats("spectra", &[1, angles, waves, n, n], values));
+        fields.push(TensorField::floats("wavelengths", &[waves], wavelengths));
+        fields.push(TensorField::floats("spectra", &[1, angles, waves, n, n], values));
         tensor_file(&fields)
     }
 
@@ -90,24 +90,24 @@ impl Table {
             }
         }
         let mut fields = self.common(description);
-        fields.push(Field::floats("rgb", &[1, angles, 3, n, n], values));
+        fields.push(TensorField::floats("rgb", &[1, angles, 3, n, n], values));
         Ok(RgbFile { bytes: tensor_file(&fields), clipped: clipped as f64 / lit.max(1) as f64 })
     }
 
     /// Fields of both files. The microfacet tables are flat, so that the renderer's warps leave (u, v) as they are.
-    fn common(&self, description: &str) -> Vec<Field> {
+    fn common(&self, description: &str) -> Vec<TensorField> {
         let (angles, n) = (self.theta_deg.len(), self.points);
         let radians = self.theta_deg.iter().map(|deg| deg.to_radians() as f32).collect();
         let flat = |shape: &[usize]| vec![1.0_f32; shape.iter().product()];
         vec![
-            Field::bytes("description", description.as_bytes().to_vec()),
-            Field::bytes("jacobian", vec![0]),
-            Field::floats("phi_i", &[1], vec![0.0]),
-            Field::floats("theta_i", &[angles], radians),
-            Field::floats("ndf", &[2, 2], flat(&[2, 2])),
-            Field::floats("sigma", &[2, 2], flat(&[2, 2])),
-            Field::floats("vndf", &[1, angles, 2, 2], flat(&[angles, 2, 2])),
-            Field::floats("luminance", &[1, angles, n, n], self.luminance()),
+            TensorField::bytes("description", description.as_bytes().to_vec()),
+            TensorField::bytes("jacobian", vec![0]),
+            TensorField::floats("phi_i", &[1], vec![0.0]),
+            TensorField::floats("theta_i", &[angles], radians),
+            TensorField::floats("ndf", &[2, 2], flat(&[2, 2])),
+            TensorField::floats("sigma", &[2, 2], flat(&[2, 2])),
+            TensorField::floats("vndf", &[1, angles, 2, 2], flat(&[angles, 2, 2])),
+            TensorField::floats("luminance", &[1, angles, n, n], self.luminance()),
         ]
     }
 
@@ -118,7 +118,7 @@ impl Table {
     }
 }
 
-fn mean_over_waves(slab: &Slab, cells: usize) -> Vec<f32> {
+fn mean_over_waves(slab: &TensorSlab, cells: usize) -> Vec<f32> {
     let waves = (slab.len() / cells) as f64;
     let mean = |cell: usize| slab.iter().skip(cell).step_by(cells).sum::<f64>() / waves;
     let means: Vec<f64> = (0..cells).map(mean).collect();
@@ -137,7 +137,7 @@ fn incidences(nodes_deg: &[f64]) -> Vec<f64> {
 }
 
 /// One angle of incidence; rows v and 1 − v mirror each other.
-fn slab(ink: &DirectionalInk, light_deg: f64, points: usize) -> Result<Slab, InkError> {
+fn slab(ink: &DirectionalInk, light_deg: f64, points: usize) -> Result<TensorSlab, InkError> {
     let waves = ink.ink().wavelengths_nm().len();
     let cells = points * points;
     let mut slab = vec![0.0; waves * cells];

@@ -9,6 +9,7 @@
 
 pub mod cgats;
 pub mod cxf;
+pub mod error;
 pub mod mitsuba;
 pub mod near_field;
 pub mod npz;

@@ -51,7 +51,7 @@ fn plane_values(problem: &Problem, field: &Field) -> Array2<Complex64> {
     let mut harmonics = Field::zeros(problem.shape());
     for (plane, mut row) in harmonics.outer_iter_mut().enumerate() {
         if let Some(row) = row.as_slice_mut() {
-            problem.mean.plane_values(field.view(), plane, row);
+            problem.mean.inverse.plane_values(&field.view(), plane, row);
         }
     }
     let mut points = Array2::zeros((problem.shape().0, problem.coverage.grid.points()));
@@ -76,7 +76,9 @@ fn phases(problem: &Problem) -> Vec<Complex64> {
 mod tests {
     use super::*;
     use crate::wave::scene::Material;
-    use crate::wave::{Ball, Body, Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side};
+    use crate::wave::{
+        Ball, Body, BodyShape, Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Side,
+    };
     use std::f64::consts::TAU;
     use std::sync::Arc;
 
@@ -87,7 +89,7 @@ mod tests {
         let scene = Scene::layer(
             [1.0, 0.8],
             0.5,
-            vec![Body { shape: Shape::Balls(vec![ball]), material: Material::Inclusion(0) }],
+            vec![Body { shape: BodyShape::Balls(vec![ball]), material: Material::Inclusion(0) }],
         );
         let one = Complex64::ONE;
         let media = Media { incident: one, exit: one, backgrounds: vec![one], inclusions: vec![one] };

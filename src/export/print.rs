@@ -12,7 +12,7 @@ const SLACK_NM: f64 = 1e-6;
 
 /// How the print is lit and seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Geometry {
+pub enum InstrumentGeometry {
     /// Lit at 45°, seen along the normal (ISO 13655).
     LitAt45,
     /// Under a uniform sky, seen along the normal.
@@ -23,7 +23,7 @@ pub enum Geometry {
 #[derive(Clone, Debug)]
 pub struct PrintSpectrum {
     /// Light and view.
-    pub geometry: Geometry,
+    pub geometry: InstrumentGeometry,
     /// One value a wavelength, with its standard error where it is known.
     pub values: Vec<Estimate>,
     /// Colour of these values under the study's light, if they carry one.
@@ -53,7 +53,7 @@ pub struct Print {
     pub spectra: Vec<PrintSpectrum>,
 }
 
-impl Geometry {
+impl InstrumentGeometry {
     /// For people.
     pub fn name(self) -> &'static str {
         match self {

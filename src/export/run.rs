@@ -1,13 +1,12 @@
 //! `inkwave export`: from a finished study to files in the formats asked for.
 
-mod error;
 mod instrument;
 mod request;
 
-pub use error::ExportError;
 pub use request::{Format, NearField, Request};
 
-use super::mitsuba::{self, Table};
+use super::error::ExportError;
+use super::mitsuba::{self, MaterialTable};
 use super::print::Print;
 use super::provenance::{self, Described, Run, STUDY};
 use super::samples;
@@ -99,7 +98,7 @@ impl Exporter<'_> {
         }
         self.watch.stage("tabulating the material");
         let ink = DirectionalInk::new(ink)?;
-        let table = Table::new(&ink, mitsuba::POINTS)?;
+        let table = MaterialTable::new(&ink, mitsuba::POINTS)?;
         let about = self.description();
         out.add("ink-spectral.bsdf", table.spectral(&about), "material for Mitsuba 3, spectral variants");
         out.add("scene-spectral.xml", mitsuba::scene("ink-spectral.bsdf", &study.title), "a scene with it");

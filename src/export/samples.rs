@@ -1,7 +1,7 @@
 //! Tables beside the material: the BRDF at directions that anyone may check, and what the material leaves out.
 
+use super::error::ExportError;
 use crate::evaluate::directional::{Direction, DirectionalInk};
-use crate::evaluate::ink::InkError;
 
 /// Directions in `brdf-samples.csv`.
 const SAMPLES: usize = 256;
@@ -10,23 +10,12 @@ const LEAST_COSINE: f64 = 0.1;
 /// Step of `specular.csv`, degrees.
 const STEP_DEG: f64 = 5.0;
 
-/// Why a table was not made.
-#[derive(Debug, thiserror::Error)]
-pub enum SampleError {
-    /// The ink has no value there.
-    #[error(transparent)]
-    Ink(#[from] InkError),
-    /// The table cannot be written.
-    #[error("cannot write a table: {0}")]
-    Csv(#[from] csv::Error),
-}
-
 /// f(i, o) in 1/sr at directions spread over both hemispheres, for every wavelength. Azimuth 0 is forward, where the
 /// mirror image lies; the mirror part itself is left out.
 ///
 /// # Errors
 /// What [`DirectionalInk::brdf`] refuses.
-pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
+pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record([
         "wavelength_nm",
@@ -71,7 +60,7 @@ fn halton(mut k: usize, base: usize) -> f64 {
 ///
 /// # Errors
 /// What [`DirectionalInk::disagreement`] refuses.
-pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
+pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record([
@@ -94,7 +83,7 @@ pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, SampleError> {
     finish(table)
 }
 
-fn finish(table: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, SampleError> {
+fn finish(table: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, ExportError> {
     Ok(table.into_inner().map_err(|error| csv::Error::from(error.into_error()))?)
 }
 

@@ -18,7 +18,7 @@ pub enum Values {
 
 /// A named array, last axis fastest.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Field {
+pub struct TensorField {
     /// The name that the reader looks for.
     pub name: &'static str,
     /// Sizes along every axis; their product is the number of values.
@@ -32,7 +32,7 @@ const VERSION: [u8; 2] = [1, 0];
 /// Data starts at multiples of this.
 const ALIGNMENT: usize = 8;
 
-impl Field {
+impl TensorField {
     /// An array of numbers.
     pub fn floats(name: &'static str, shape: &[usize], values: Vec<f32>) -> Self {
         Self { name, shape: shape.to_vec(), values: Values::Floats(values) }
@@ -72,8 +72,8 @@ impl Field {
 }
 
 /// The whole file.
-pub fn tensor_file(fields: &[Field]) -> Vec<u8> {
-    let headers: usize = fields.iter().map(Field::header_size).sum();
+pub fn tensor_file(fields: &[TensorField]) -> Vec<u8> {
+    let headers: usize = fields.iter().map(TensorField::header_size).sum();
     let mut offset = MAGIC.len() + VERSION.len() + 4 + headers;
     let mut out = [MAGIC.as_slice(), &VERSION, &(fields.len() as u32).to_le_bytes()].concat();
     let mut offsets = Vec::new();
@@ -99,8 +99,8 @@ mod tests {
 
     #[test]
     fn a_field_is_where_its_header_says() {
-        let numbers = Field::floats("theta_i", &[3], vec![0.0, 0.5, 1.25]);
-        let file = tensor_file(&[Field::bytes("description", b"ink".to_vec()), numbers]);
+        let numbers = TensorField::floats("theta_i", &[3], vec![0.0, 0.5, 1.25]);
+        let file = tensor_file(&[TensorField::bytes("description", b"ink".to_vec()), numbers]);
         assert_eq!(&file[..12], MAGIC);
         assert_eq!(u32::from_le_bytes(file[14..18].try_into().unwrap()), 2);
         // second header: after 18 bytes and the first one (2 + 11 + 2 + 1 + 8 + 8)

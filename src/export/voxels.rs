@@ -36,7 +36,7 @@ impl Voxels {
         let edge = (size.iter().product::<f64>() / MOST_VOXELS).cbrt().max(FINEST_UM);
         let count = size.map(|s| (s / edge).ceil() as usize);
         let fine = count.map(|n| SAMPLES * n);
-        let raster = Raster { count: fine, step_um: [0, 1, 2].map(|i| size[i] / fine[i] as f64) };
+        let raster = VoxelRaster { count: fine, step_um: [0, 1, 2].map(|i| size[i] / fine[i] as f64) };
         let marks = raster.marks(packing);
         let kinds = FIRST_PIGMENT - 1 + packing.shares().len();
         let mut shares = vec![vec![0.0_f32; count.iter().product()]; kinds];
@@ -81,12 +81,12 @@ impl Voxels {
 }
 
 /// The fine raster, points at the centres of its steps.
-struct Raster {
+struct VoxelRaster {
     count: [usize; 3],
     step_um: [f64; 3],
 }
 
-impl Raster {
+impl VoxelRaster {
     fn place(&self, i: usize) -> [usize; 3] {
         let [nx, ny, _] = self.count;
         [i % nx, i / nx % ny, i / (nx * ny)]

@@ -1,4 +1,6 @@
-//! Texts of people in tables that other programs open.
+//! Texts of people, and numbers with their errors, in tables that other programs open.
+
+use crate::numerics::estimate::Estimate;
 
 /// A cell of a CSV table. What a spreadsheet would take for a formula starts with an apostrophe, which makes it text there.
 pub fn text(words: &str) -> String {
@@ -9,6 +11,27 @@ pub fn text(words: &str) -> String {
 /// Words in a line of Markdown: no cell, line or tag ends there.
 pub fn markdown(words: &str) -> String {
     words.replace('|', "\\|").replace('<', "&lt;").replace(['\n', '\r'], " ")
+}
+
+/// Value and standard error in a CSV table; empty where unknown.
+pub fn numbers(estimate: Option<Estimate>) -> [String; 2] {
+    let known = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or_else(String::new, |x| x.to_string());
+    [known(estimate.map(|e| e.value)), known(estimate.and_then(|e| e.standard_error))]
+}
+
+/// A CSV table of a header and rows.
+///
+/// # Errors
+/// Rows of different lengths.
+pub fn table<H, R>(header: H, rows: impl IntoIterator<Item = R>) -> csv::Result<Vec<u8>>
+where
+    H: IntoIterator<Item: AsRef<[u8]>>,
+    R: IntoIterator<Item: AsRef<[u8]>>,
+{
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(header)?;
+    rows.into_iter().try_for_each(|row| writer.write_record(row))?;
+    writer.into_inner().map_err(|error| error.into_error().into())
 }
 
 #[cfg(test)]

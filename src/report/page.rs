@@ -125,6 +125,8 @@ pub struct PackingRow {
     pub asked: String,
     /// Volume fraction of whole grains.
     pub reached: String,
+    /// d10, d50 and d90 of their sizes, by number and by volume.
+    pub sizes: String,
     /// How they were packed.
     pub method: String,
 }
@@ -145,6 +147,13 @@ pub struct Provenance {
     pub program: String,
     /// What else is needed to make them again.
     pub rows: Vec<Named>,
+}
+
+impl Meant {
+    /// A quantity with its value and what it means.
+    pub fn new(name: &str, value: String, meaning: impl Into<String>) -> Self {
+        Self { name: name.to_owned(), value, meaning: meaning.into() }
+    }
 }
 
 impl Named {
@@ -170,11 +179,21 @@ impl Page {
     /// # Errors
     /// The template does not fit the page's data, which is a fault of the program.
     pub fn html(&self) -> Result<String, minijinja::Error> {
-        let mut templates = Environment::new();
-        templates.add_template("style.css", STYLE)?;
-        templates.add_template("page.html", include_str!("page.html"))?;
-        templates.get_template("page.html")?.render(Serde(self))
+        rendered(include_str!("page.html"), Serde(self))
     }
+}
+
+/// A page by its layout, which may include `style.css`; all text is escaped.
+pub(crate) fn rendered(layout: &str, data: impl Into<minijinja::Value>) -> Result<String, minijinja::Error> {
+    let mut templates = Environment::new();
+    templates.add_template("style.css", STYLE)?;
+    templates.add_template("page.html", layout)?;
+    templates.get_template("page.html")?.render(data)
+}
+
+/// A colour as `#rrggbb`.
+pub(crate) fn hex([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 /// The style sheet of every page, for templates that include `style.css`.

@@ -3,17 +3,17 @@
 //! as `differences.csv`.
 
 use crate::appearance::paper::Coupling;
-use crate::input::study::{Material, Study};
+use crate::input::study::{IndexSpectrum, Study};
 use serde::Deserialize;
 
 const DATA: &str = include_str!("scalar_error.csv");
 
 /// One measured ink: what the scalar wave gives less what unpolarised light by Maxwell's equations does.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
-struct Measured {
+struct MeasuredInk {
     ink: String,
     #[serde(flatten)]
-    place: Place,
+    place: TablePlace,
     delta_e_sky: f64,
     delta_e_sky_standard_error: f64,
     delta_e_print: f64,
@@ -25,7 +25,7 @@ struct Measured {
 
 /// What decides whether two inks are alike.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
-struct Place {
+struct TablePlace {
     /// Over wavelengths and pigments.
     largest_kappa: f64,
     /// Largest |Re η − Re η of the binder| over wavelengths and pigments.
@@ -37,10 +37,10 @@ struct Place {
     thickness_um: f64,
 }
 
-impl Place {
+impl TablePlace {
     /// The study's ink; none of a layer without pigments.
-    fn of(study: &Study) -> Option<Place> {
-        let materials: Vec<&Material> = (study.pigments.iter().map(|p| &p.material))
+    fn of(study: &Study) -> Option<TablePlace> {
+        let materials: Vec<&IndexSpectrum> = (study.pigments.iter().map(|p| &p.material))
             .chain(study.dissolved.iter().map(|d| &d.material))
             .collect();
         let indices = materials.iter().flat_map(|m| study.wavelengths_nm.iter().zip(&m.index));
@@ -57,7 +57,7 @@ impl Place {
         let volume_fraction = dissolved + packed;
         let diameter_nm = sized / volume_fraction;
         let thickness_um = study.layer.thickness_um;
-        (volume_fraction > 0.0).then_some(Place {
+        (volume_fraction > 0.0).then_some(TablePlace {
             largest_kappa,
             contrast,
             volume_fraction,
@@ -67,7 +67,7 @@ impl Place {
     }
 
     /// How far two inks are apart in each respect, in units of the most by which they are still alike.
-    fn apart(&self, other: &Place) -> [f64; 5] {
+    fn apart(&self, other: &TablePlace) -> [f64; 5] {
         [
             (self.largest_kappa - other.largest_kappa) / 0.1,
             (self.contrast - other.contrast) / 0.05,
@@ -77,12 +77,12 @@ impl Place {
         ]
     }
 
-    fn distance(&self, other: &Place) -> f64 {
+    fn distance(&self, other: &TablePlace) -> f64 {
         self.apart(other).iter().map(|x| x * x).sum()
     }
 
     /// Roundings of the file's four digits never decide.
-    fn is_like(&self, other: &Place) -> bool {
+    fn is_like(&self, other: &TablePlace) -> bool {
         self.apart(other).iter().all(|x| x.abs() <= 1.0 + 1e-3)
     }
 }
@@ -99,13 +99,13 @@ pub(crate) fn line(study: &Study) -> Option<String> {
 
 /// One line for a page of many studies: the range of the errors measured on the inks nearest to its scalar ones.
 pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Option<String> {
-    let found: Vec<Option<Measured>> = studies.filter(|s| !s.wave.is_vector()).map(nearest).collect();
-    let known: Vec<&Measured> = found.iter().flatten().collect();
+    let found: Vec<Option<MeasuredInk>> = studies.filter(|s| !s.wave.is_vector()).map(nearest).collect();
+    let known: Vec<&MeasuredInk> = found.iter().flatten().collect();
     match (found.len(), known.len()) {
         (0, _) => None,
         (_, 0) => Some(UNKNOWN.to_owned()),
         (all, some) => {
-            let range = |of: fn(&Measured) -> f64| {
+            let range = |of: fn(&MeasuredInk) -> f64| {
                 let values = || known.iter().map(|m| of(m));
                 let [low, high] = [values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max)];
                 format!("{low:.1} to {high:.1}")
@@ -126,27 +126,27 @@ const UNKNOWN: &str = "The scalar wave's error: no ink like this one has been so
 const UNLIKE: &str = "nothing is known of the others";
 
 /// The measured ink that is nearest, where it is alike. All were between air and air, on paper behind a gap, flat.
-fn nearest(study: &Study) -> Option<Measured> {
+fn nearest(study: &Study) -> Option<MeasuredInk> {
     let layer = &study.layer;
     let air = layer.index_in == 1.0 && layer.index_out == 1.0 && study.paper.coupling == Coupling::Gap;
     if !air || study.packing.relief.is_some() || !layer.contrast.is_full() {
         return None;
     }
-    nearest_to(&Place::of(study)?, &measured())
+    nearest_to(&TablePlace::of(study)?, &measured())
 }
 
-fn nearest_to(place: &Place, all: &[Measured]) -> Option<Measured> {
+fn nearest_to(place: &TablePlace, all: &[MeasuredInk]) -> Option<MeasuredInk> {
     let found = all.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)))?;
     found.place.is_like(place).then(|| found.clone())
 }
 
-fn measured() -> Vec<Measured> {
+fn measured() -> Vec<MeasuredInk> {
     csv::Reader::from_reader(DATA.as_bytes()).deserialize().flatten().collect()
 }
 
-impl Measured {
+impl MeasuredInk {
     fn in_words(&self, with_paper: bool) -> String {
-        let Place { largest_kappa, volume_fraction, diameter_nm, thickness_um, .. } = self.place;
+        let TablePlace { largest_kappa, volume_fraction, diameter_nm, thickness_um, .. } = self.place;
         let grains = match diameter_nm {
             0.0 => "without grains".to_owned(),
             nm => format!("of {nm:.0} nm"),

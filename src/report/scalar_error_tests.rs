@@ -27,7 +27,7 @@ fn every_measured_ink_finds_itself() {
 fn the_row_chosen_is_the_nearest_in_every_respect() {
     let all = measured();
     let near = |kappa, fraction, diameter_nm| {
-        let place = Place {
+        let place = TablePlace {
             largest_kappa: kappa,
             contrast: 0.16,
             volume_fraction: fraction,
@@ -51,12 +51,12 @@ fn an_ink_unlike_all_measured_ones_has_no_row() {
     let like = all[4].place;
     assert!(nearest_to(&like, &all).is_some());
     let unlike = [
-        Place { largest_kappa: 0.0, ..like },
-        Place { largest_kappa: 0.6, ..like },
-        Place { contrast: 1.0, ..like },
-        Place { volume_fraction: 0.02, ..like },
-        Place { diameter_nm: 600.0, ..like },
-        Place { thickness_um: 5.0, ..like },
+        TablePlace { largest_kappa: 0.0, ..like },
+        TablePlace { largest_kappa: 0.6, ..like },
+        TablePlace { contrast: 1.0, ..like },
+        TablePlace { volume_fraction: 0.02, ..like },
+        TablePlace { diameter_nm: 600.0, ..like },
+        TablePlace { thickness_um: 5.0, ..like },
     ];
     for place in unlike {
         assert_eq!(nearest_to(&place, &all), None, "{place:?}");

@@ -4,7 +4,7 @@ mod figures;
 mod ink_maker;
 mod tables;
 
-use super::page::{ColourBlock, ColourRow, Page, Picture, png_data};
+use super::page::{ColourBlock, ColourRow, Page, Picture, hex, png_data};
 use crate::appearance::paper::{Coupling, MirroredSky};
 use crate::draw::OutputError;
 use crate::evaluate::manifest::{ColourNote, Manifest, Status};
@@ -105,7 +105,6 @@ fn picture_caption(study: &Study) -> String {
 
 fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
     let first = manifest.colours.first()?;
-    let [r, g, b] = first.colour.srgb8;
     let conditions = manifest.colours.iter().map(|note| note.conditions.clone()).collect();
     let row = |name: &str, of: &dyn Fn(&ColourNote) -> Estimate| ColourRow {
         name: name.to_owned(),
@@ -129,7 +128,7 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
         first.conditions
     );
     Some(ColourBlock {
-        hex: format!("#{r:02x}{g:02x}{b:02x}"),
+        hex: hex(first.colour.srgb8),
         conditions,
         rows,
         note: colour_note(manifest),

@@ -4,65 +4,67 @@ use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
+use crate::report::cell::{numbers, table};
 use crate::wave::Side;
 
 /// Spectra, one row a wavelength; unknown errors and unfinished values are empty.
 pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
-    let mut table = csv::Writer::from_writer(Vec::new());
     let names =
         ["reflectance", "specular_reflectance", "transmittance", "specular_transmittance", "absorptance"];
-    let seen = ["natural_light", "lit_at_45"];
-    let columns = names.into_iter().chain(seen);
-    let header = columns.flat_map(|name| [name.to_owned(), format!("{name}_standard_error")]);
-    table.write_record(["wavelength_nm".to_owned(), "polar_deg".to_owned()].into_iter().chain(header))?;
-    for row in rows {
-        let layer = [
-            row.reflectance,
-            row.specular_reflectance,
-            row.transmittance,
-            row.specular_transmittance,
-            row.absorptance,
-        ];
-        let cells = layer.map(Some).into_iter().chain([row.natural_light, row.lit_at_45]).flat_map(cells);
-        let place = [row.wavelength_nm.to_string(), row.polar_deg.to_string()];
-        table.write_record(place.into_iter().chain(cells))?;
-    }
-    finish(table)
+    let columns = names.into_iter().chain(["natural_light", "lit_at_45"]);
+    let columns = columns.flat_map(|name| [name.to_owned(), format!("{name}_standard_error")]);
+    table(
+        ["wavelength_nm".to_owned(), "polar_deg".to_owned()].into_iter().chain(columns),
+        rows.iter().map(spectrum_row),
+    )
 }
 
-/// `kubelka-munk.csv`, and `measured.csv` where there is a measurement. `factor` on a standard error gives half of a 95 % interval:
+fn spectrum_row(row: &SpectrumRow) -> impl Iterator<Item = String> {
+    let layer = [
+        row.reflectance,
+        row.specular_reflectance,
+        row.transmittance,
+        row.specular_transmittance,
+        row.absorptance,
+    ];
+    let all = layer.map(Some).into_iter().chain([row.natural_light, row.lit_at_45]);
+    let place = [row.wavelength_nm.to_string(), row.polar_deg.to_string()];
+    place.into_iter().chain(all.flat_map(numbers))
+}
+
+/// `kubelka-munk.csv` where K and S are known, and `measured.csv` where there is a measurement. `factor` on a standard error gives half of a 95 % interval:
 /// few realisations make it far more than 2.
 pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<(&'static str, Vec<u8>)>> {
     let Some(maker) = maker else { return Ok(Vec::new()) };
     let mut files = Vec::new();
     if !maker.kubelka_munk.is_empty() {
-        let mut table = csv::Writer::from_writer(Vec::new());
-        let columns = ["absorption_per_um", "scattering_per_um"];
-        let header = columns.iter().flat_map(|name| {
-            [(*name).to_owned(), format!("{name}_standard_error"), format!("{name}_half_width_95")]
+        let columns = ["absorption_per_um", "scattering_per_um"].into_iter().flat_map(|name| {
+            [name.to_owned(), format!("{name}_standard_error"), format!("{name}_half_width_95")]
         });
-        table.write_record(std::iter::once("wavelength_nm".to_owned()).chain(header))?;
-        for row in &maker.kubelka_munk {
-            let half = |e: Estimate| {
-                e.standard_error.zip(factor).map_or(String::new(), |(e, f)| (e * f).to_string())
-            };
-            let numbers = [row.absorption_per_um, row.scattering_per_um]
-                .into_iter()
-                .flat_map(|e| cells(Some(e)).into_iter().chain([half(e)]));
-            table.write_record(std::iter::once(row.wavelength_nm.to_string()).chain(numbers))?;
-        }
-        files.push(("kubelka-munk.csv", finish(table)?));
+        let rows = maker.kubelka_munk.iter().map(|row| {
+            let both = [row.absorption_per_um, row.scattering_per_um].into_iter();
+            std::iter::once(row.wavelength_nm.to_string()).chain(both.flat_map(move |e| with_half(e, factor)))
+        });
+        files.push((
+            "kubelka-munk.csv",
+            table(std::iter::once("wavelength_nm".to_owned()).chain(columns), rows)?,
+        ));
     }
     if let Some(measured) = &maker.measured {
-        let mut table = csv::Writer::from_writer(Vec::new());
-        table.write_record(["wavelength_nm", "measured", "predicted", "predicted_standard_error"])?;
-        for row in &measured.rows {
+        let header = ["wavelength_nm", "measured", "predicted", "predicted_standard_error"];
+        let rows = measured.rows.iter().map(|row| {
             let place = [row.wavelength_nm.to_string(), row.measured.to_string()];
-            table.write_record(place.into_iter().chain(cells(Some(row.predicted))))?;
-        }
-        files.push(("measured.csv", finish(table)?));
+            place.into_iter().chain(numbers(Some(row.predicted)))
+        });
+        files.push(("measured.csv", table(header, rows)?));
     }
     Ok(files)
+}
+
+/// A number with its standard error and half of its 95 % interval.
+fn with_half(e: Estimate, factor: Option<f64>) -> impl Iterator<Item = String> {
+    let half = e.standard_error.zip(factor).map_or_else(String::new, |(error, f)| (error * f).to_string());
+    numbers(Some(e)).into_iter().chain([half])
 }
 
 const BDF_HEADER: [&str; 16] = [
@@ -94,16 +96,9 @@ pub fn distributions<'a>(
     amplitude_error: f64,
     index_out: f64,
 ) -> csv::Result<Vec<u8>> {
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(BDF_HEADER)?;
-    for bdf in bdfs {
-        for lobe in [Lobe::Reflected, Lobe::Transmitted] {
-            for order in bdf.orders(lobe) {
-                table.write_record(row(bdf, lobe, order, amplitude_error, index_out))?;
-            }
-        }
-    }
-    finish(table)
+    let lobes = bdfs.flat_map(|bdf| [(bdf, Lobe::Reflected), (bdf, Lobe::Transmitted)]);
+    let orders = lobes.flat_map(|(bdf, lobe)| bdf.orders(lobe).iter().map(move |order| (bdf, lobe, order)));
+    table(BDF_HEADER, orders.map(|(bdf, lobe, order)| row(bdf, lobe, order, amplitude_error, index_out)))
 }
 
 fn row(
@@ -115,8 +110,8 @@ fn row(
 ) -> impl Iterator<Item = String> {
     let incidence = bdf.incidence();
     let (from, here, beyond) = match incidence.from {
-        Side::Incident => ("above", 1.0, index_out),
-        Side::Exit => ("below", index_out, 1.0),
+        Side::Incident => ("incident", 1.0, index_out),
+        Side::Exit => ("exit", index_out, 1.0),
     };
     let index = if lobe == Lobe::Reflected { here } else { beyond };
     let [x, y] = order.direction;
@@ -138,18 +133,8 @@ fn row(
         order.direction[1].to_string(),
         (order.m == 0 && order.n == 0).to_string(),
     ];
-    let numbers = cells(Some(order.efficiency)).into_iter().chain(cells(Some(order.bdf)));
-    place.into_iter().chain(numbers).chain([bdf.realisations().to_string(), grid_error.to_string()])
-}
-
-/// Value and standard error.
-fn cells(estimate: Option<Estimate>) -> [String; 2] {
-    let text = |number: Option<f64>| number.map_or_else(String::new, |x| x.to_string());
-    [text(estimate.map(|e| e.value)), text(estimate.and_then(|e| e.standard_error))]
-}
-
-fn finish(table: csv::Writer<Vec<u8>>) -> csv::Result<Vec<u8>> {
-    table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+    let both = [order.efficiency, order.bdf].map(Some).into_iter().flat_map(numbers);
+    place.into_iter().chain(both).chain([bdf.realisations().to_string(), grid_error.to_string()])
 }
 
 #[cfg(test)]

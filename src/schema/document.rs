@@ -5,12 +5,13 @@ use crate::compare::experiment::ComparisonFile;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
 use crate::sweep::file::SweepFile;
+use clap::ValueEnum;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, json_schema};
 use serde_json::Value;
 
 /// A kind of input file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Document {
     /// One ink: for `run`, `pack`, `sweep` (as its base) and `compare`.
     Study,
@@ -33,6 +34,16 @@ impl Document {
             Document::Sweep => "sweep",
             Document::Compare => "compare",
             Document::Case => "case",
+        }
+    }
+
+    /// A commented file of this kind with every key, its meaning, range and default.
+    pub fn every_key(self) -> &'static str {
+        match self {
+            Document::Study => include_str!("../../examples/every-key.toml"),
+            Document::Sweep => include_str!("../../examples/every-key-sweep.toml"),
+            Document::Compare => include_str!("../../examples/every-key-compare.toml"),
+            Document::Case => include_str!("../../examples/every-key-case.toml"),
         }
     }
 

@@ -1,10 +1,7 @@
-//! The language of all input files, generated from the types that read them: JSON Schemas, from which editors complete
-//! and underline, and an annotated file with every key.
+//! The language of all input files: JSON Schemas, generated from the types that read them, from which editors complete and
+//! underline, and a commented file with every key.
 
-mod annotated;
 mod document;
 mod tidy;
-mod words;
 
-pub use annotated::annotated;
 pub use document::Document;

@@ -12,12 +12,12 @@ pub struct Aim {
     /// Light, observer and rule of summation; lit at 45°, seen along the normal.
     pub conditions: String,
     /// What the variant has, once it has a colour.
-    pub found: Option<Found>,
+    pub found: Option<AimFound>,
 }
 
 /// The ink maker's numbers of a variant with an aim.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct AimFound {
     /// ΔE₀₀ to the wanted colour.
     pub delta_e_2000: Estimate,
     /// Number of each realisation and what it moves the difference by.
@@ -28,7 +28,7 @@ pub struct Found {
     pub hex: String,
 }
 
-impl Found {
+impl AimFound {
     /// The numbers of a variant that states a colour.
     fn of(maker: &InkMaker) -> Option<Self> {
         let target = maker.target.as_ref()?;
@@ -50,7 +50,7 @@ impl Aim {
 
     /// The same with what a variant has come to.
     pub fn with(self, maker: Option<&InkMaker>) -> Self {
-        Self { found: maker.and_then(Found::of), ..self }
+        Self { found: maker.and_then(AimFound::of), ..self }
     }
 
     /// `L* 70, a* 5, b* −40 (D65, 2° observer)`.

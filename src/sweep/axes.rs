@@ -17,12 +17,12 @@ pub struct Axis {
     /// Unit of its values where they are numbers of a field: "nm", "µm", "°"; empty otherwise.
     pub unit: String,
     /// Its settings, in their order.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<AxisSetting>,
 }
 
 /// One value of an axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
+pub struct AxisSetting {
     /// Label of the setting, in names and on sheets.
     pub label: String,
     /// The value in words, which conditions may name too.
@@ -39,7 +39,7 @@ impl Axis {
         let name = table.name.clone().or_else(|| table.field.as_ref().map(last));
         let settings = match (&table.field, table.case.is_empty()) {
             (Some(field), true) => values(i, field, table, faults),
-            (None, false) => table.case.iter().map(Setting::from).collect(),
+            (None, false) => table.case.iter().map(AxisSetting::from).collect(),
             _ => {
                 let allowed = "either a field with its values, or [[axis.case]] entries";
                 let remedy = "write for example field = \"pigment[0].diameter_nm\" and values = [100, 300]";
@@ -74,7 +74,7 @@ impl Axis {
             Value::Array(list) => list.iter().map(in_words).collect(),
             one => vec![in_words(one)],
         };
-        let fits = |s: &Setting| all.iter().any(|word| *word == s.label || *word == s.value);
+        let fits = |s: &AxisSetting| all.iter().any(|word| *word == s.label || *word == s.value);
         (0..self.settings.len()).filter(|&k| fits(&self.settings[k])).collect()
     }
 }
@@ -83,7 +83,7 @@ impl Axis {
 const UNITS: [(&str, &str); 3] = [("_nm", "nm"), ("_um", "µm"), ("_deg", "°")];
 
 /// The unit of a field's values, unless they have labels of their own, which may hold units.
-fn unit(field: &str, settings: &[Setting]) -> &'static str {
+fn unit(field: &str, settings: &[AxisSetting]) -> &'static str {
     let bare = settings.iter().all(|s| s.label == s.value);
     UNITS.iter().find(|(end, _)| bare && field.ends_with(end)).map_or("", |(_, unit)| unit)
 }
@@ -93,13 +93,13 @@ pub(super) fn plain(name: &str) -> &str {
     UNITS.iter().find_map(|(end, _)| name.strip_suffix(end)).unwrap_or(name)
 }
 
-impl From<&super::file::CaseTable> for Setting {
+impl From<&super::file::CaseTable> for AxisSetting {
     fn from(case: &super::file::CaseTable) -> Self {
         Self { label: case.label.clone(), value: case.label.clone(), set: case.set.clone() }
     }
 }
 
-fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<Setting> {
+fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<AxisSetting> {
     let list = match (&table.values, table.from, table.to) {
         (Some(values), None, None) if table.step.is_none() && table.count.is_none() => values.clone(),
         (None, Some(from), Some(to)) => range(i, table, from, to, faults),
@@ -114,7 +114,7 @@ fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<
         let (found, allowed) = (format!("{} labels", labels.len()), format!("{} labels", list.len()));
         faults.push(Fault::new(format!("axis[{i}].labels"), found, allowed, "one label for each value"));
     }
-    let setting = |(k, value): (usize, &Value)| Setting {
+    let setting = |(k, value): (usize, &Value)| AxisSetting {
         label: table.labels.as_ref().and_then(|l| l.get(k).cloned()).unwrap_or_else(|| in_words(value)),
         value: in_words(value),
         set: Table::from_iter([(field.to_owned(), value.clone())]),

@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, HashMap};
 /// What a variant is made of, as far as curves sort it; sizes in hundredths of a nm, shares in millionths, so that
 /// equal numbers are equal.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Make {
+struct CurveMaker {
     share: u64,
     size: u64,
     /// Pigments, shapes, orientations, agglomeration; the same for molecular mixtures of the same pigments.
@@ -35,8 +35,8 @@ enum Abscissa {
 /// All curves of a sheet; none where neither share nor size has several values.
 pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Chart> {
     let shown = sheet.variants.iter().flatten().flatten();
-    let made: Vec<(usize, Make)> =
-        shown.filter_map(|&v| Some((v, Make::of(&sweep.variants[v].study)?))).collect();
+    let made: Vec<(usize, CurveMaker)> =
+        shown.filter_map(|&v| Some((v, CurveMaker::of(&sweep.variants[v].study)?))).collect();
     let made = with_others(sweep, made);
     let Some(&(first, _)) = made.first() else { return Vec::new() };
     let nm = strongest_nm(&sweep.variants[first].study);
@@ -56,7 +56,7 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_cur
 }
 
 /// Tells apart what is made alike but stands on other papers, is seen by another wave, and so on.
-fn with_others(sweep: &Sweep, mut made: Vec<(usize, Make)>) -> Vec<(usize, Make)> {
+fn with_others(sweep: &Sweep, mut made: Vec<(usize, CurveMaker)>) -> Vec<(usize, CurveMaker)> {
     let place = |v: usize| &sweep.outline.variants[v].place;
     let axes = 0..sweep.outline.axes.len();
     let axes: Vec<usize> = axes.filter(|&a| tells_apart(sweep, &made, a)).collect();
@@ -68,9 +68,9 @@ fn with_others(sweep: &Sweep, mut made: Vec<(usize, Make)>) -> Vec<(usize, Make)
 }
 
 /// Whether an axis alone tells two variants of one make apart; grains speak for molecular mixtures.
-fn tells_apart(sweep: &Sweep, made: &[(usize, Make)], axis: usize) -> bool {
+fn tells_apart(sweep: &Sweep, made: &[(usize, CurveMaker)], axis: usize) -> bool {
     let all_dissolved = made.iter().all(|(_, make)| make.size == 0);
-    let mut seen: HashMap<(Vec<usize>, &Make), usize> = HashMap::new();
+    let mut seen: HashMap<(Vec<usize>, &CurveMaker), usize> = HashMap::new();
     made.iter().filter(|(_, make)| all_dissolved || make.size > 0).any(|(v, make)| {
         let mut elsewhere = sweep.outline.variants[*v].place.clone();
         let here = elsewhere.remove(axis);
@@ -80,7 +80,7 @@ fn tells_apart(sweep: &Sweep, made: &[(usize, Make)], axis: usize) -> bool {
 
 fn plot(
     sheet: &Sheet,
-    made: &[(usize, Make)],
+    made: &[(usize, CurveMaker)],
     x: Abscissa,
     y_label: &str,
     y: &dyn Fn(usize) -> Option<Estimate>,
@@ -118,13 +118,13 @@ fn plot(
 }
 
 /// Makes that differ in more than the abscissa, in their order of appearance; molecular mixtures belong to all sizes.
-fn names(made: &[(usize, Make)], x: Abscissa) -> Vec<Make> {
-    let mut names: Vec<Make> = Vec::new();
+fn names(made: &[(usize, CurveMaker)], x: Abscissa) -> Vec<CurveMaker> {
+    let mut names: Vec<CurveMaker> = Vec::new();
     for (_, make) in made {
         let name = match x {
-            Abscissa::Share => Make { share: 0, ..make.clone() },
+            Abscissa::Share => CurveMaker { share: 0, ..make.clone() },
             Abscissa::Size if make.size == 0 => continue,
-            Abscissa::Size => Make { size: 0, ..make.clone() },
+            Abscissa::Size => CurveMaker { size: 0, ..make.clone() },
         };
         if !names.contains(&name) {
             names.push(name);
@@ -140,7 +140,7 @@ fn in_units(k: u64, x: Abscissa) -> f64 {
     }
 }
 
-impl Make {
+impl CurveMaker {
     /// `None` for layers without pigment and for grains of several sizes.
     fn of(study: &Study) -> Option<Self> {
         let grains = || study.pigments.iter().map(|p| &p.grains);

@@ -12,6 +12,7 @@ use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
+use crate::report::page::hex;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
@@ -29,7 +30,7 @@ const TEMPLATE: &str = include_str!("explore.html");
 const STYLE: &str = crate::report::page::STYLE;
 
 #[derive(Serialize)]
-struct Page<'a> {
+struct ExplorePage<'a> {
     title: &'a str,
     program: String,
     reference: &'a str,
@@ -87,7 +88,7 @@ pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]
         |(number, (picture, place))| variant((sweep, outcomes, number), picture, place, &wavelengths_nm);
     let places = outline.variants.iter().map(|v| v.place.as_slice());
     let variants = pictures.iter().zip(places).enumerate().map(variant).collect();
-    let data = Page {
+    let data = ExplorePage {
         title: &outline.title,
         program: crate::report::page::made_by(),
         reference: &reference.name,
@@ -133,10 +134,7 @@ fn variant<'a>(
     let both = |e: Estimate| [finite(e.value), e.standard_error.and_then(finite)];
     let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], both));
     let to_target = to_target.into_iter().filter(|_| outcome.aim.is_some());
-    let hex = outcome.colour.as_ref().map(|c| {
-        let [r, g, b] = c.srgb8;
-        format!("#{r:02x}{g:02x}{b:02x}")
-    });
+    let hex = outcome.colour.as_ref().map(|c| hex(c.srgb8));
     let (finished, asked) = (outcome.solves.finished, outcome.solves.asked);
     let missing = if finished < asked { format!("{finished} of {asked} solves") } else { String::new() };
     VariantOf {
@@ -192,7 +190,7 @@ mod tests {
     use super::*;
     use crate::appearance::colour::{Colorimeter, Colour};
     use crate::evaluate::manifest::Count;
-    use crate::sweep::aim::{Aim, Found};
+    use crate::sweep::aim::{Aim, AimFound};
     use crate::sweep::load::{AxisOutline, Outline, Place};
     use ndarray::Array2;
 
@@ -219,7 +217,7 @@ mod tests {
         let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
         let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
         let colour = Colour { lab_covariance: covariance, ..colour };
-        let found = Some(Found {
+        let found = Some(AimFound {
             delta_e_2000: number(),
             deviations: Vec::new(),
             contrast_ratio: number(),

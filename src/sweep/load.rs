@@ -9,7 +9,6 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::file::StudyFile;
 use crate::input::load::read_file;
-use crate::input::older;
 use crate::input::read::read;
 use crate::input::study::Study;
 use crate::numerics::files;
@@ -66,13 +65,21 @@ pub struct AxisOutline {
 impl AxisOutline {
     /// A value's caption where it stands alone: `paper 0.9`, but `yellow` rather than `ink yellow`.
     pub fn named(&self, k: usize) -> String {
-        let label = &self.labels[k];
+        let label = self.caption(k);
         let speaks = label.chars().next().is_some_and(char::is_alphabetic);
-        match self.unit.as_str() {
-            _ if speaks => label.clone(),
-            "" => format!("{} {label}", self.name),
-            unit => format!("{} {label}\u{a0}{unit}", plain(&self.name)),
-        }
+        if speaks { label } else { format!("{} {label}", self.plain_name()) }
+    }
+
+    /// A label with its unit, where it is a number that has one.
+    pub fn caption(&self, k: usize) -> String {
+        let label = &self.labels[k];
+        let bare = self.unit.is_empty() || label.parse::<f64>().is_err();
+        if bare { label.clone() } else { format!("{label}\u{a0}{}", self.unit) }
+    }
+
+    /// The name without the unit that it ends with.
+    pub fn plain_name(&self) -> &str {
+        if self.unit.is_empty() { &self.name } else { plain(&self.name) }
     }
 
     /// The number of a label, alone or before its unit: `0.9`, `15 %`, `200 nm`.
@@ -84,7 +91,7 @@ impl AxisOutline {
 
     /// The name as it stands at an axis or over a column, with the unit: `diameter, nm`.
     pub fn heading(&self) -> String {
-        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", plain(&self.name), self.unit) }
+        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", self.plain_name(), self.unit) }
     }
 }
 
@@ -177,9 +184,6 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     for draft in &drafts {
         variants.extend(reading.variant(draft, &mut faults)?);
     }
-    if let Some(first) = variants.first_mut() {
-        first.study.remarks.extend(older::remarks(&text));
-    }
     let outline = outline(&file, title.clone(), &axes, &drafts, &mut faults);
     if faults.0.is_empty() {
         let studies: Vec<_> = variants.iter().map(|variant| &variant.study).collect();
@@ -253,8 +257,9 @@ impl Reading<'_> {
         };
         match check(&file, self.folder, &draft.name) {
             Ok(study) => {
-                self.keep_inputs(&mut table)?;
-                let text = toml::to_string(&table).unwrap_or_default();
+                let mut written = Value::Table(table);
+                self.keep_inputs(&mut written)?;
+                let text = toml::to_string(&written).unwrap_or_default();
                 Ok(Some(Variant { name: draft.name.clone(), study, text }))
             }
             Err(found) => {
@@ -286,20 +291,27 @@ impl Reading<'_> {
         }
     }
 
-    /// Copies the tables that the study names, and names the copies instead.
-    fn keep_inputs(&mut self, study: &mut Table) -> Result<(), StudyError> {
-        for file_name in table_files(study) {
-            let Value::String(name) = file_name else { continue };
-            let from = self.folder.join(name.as_str());
-            let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
-            let bytes = files::read_bytes(&from, files::TABLE).map_err(unreadable)?;
-            let file =
-                from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
-            let input = Input::new(&file, bytes);
-            *name = format!("../../{}", input.path);
-            if !self.inputs.contains(&input) {
-                self.inputs.push(input);
+    /// Copies the files that the study names, and names the copies instead.
+    fn keep_inputs(&mut self, study: &mut Value) -> Result<(), StudyError> {
+        for path in FILES {
+            for value in at_path(study, path) {
+                if let Value::String(name) = value {
+                    self.keep_input(name)?;
+                }
             }
+        }
+        Ok(())
+    }
+
+    fn keep_input(&mut self, name: &mut String) -> Result<(), StudyError> {
+        let from = self.folder.join(name.as_str());
+        let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
+        let bytes = files::read_bytes(&from, files::TABLE).map_err(unreadable)?;
+        let file = from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
+        let input = Input::new(&file, bytes);
+        *name = format!("../../{}", input.path);
+        if !self.inputs.contains(&input) {
+            self.inputs.push(input);
         }
         Ok(())
     }
@@ -322,21 +334,26 @@ fn same_field(study: &Table, one: &str, other: &str) -> bool {
     (0..one.len().min(other.len())).all(same)
 }
 
-/// Every `csv` and `yaml` of a study: the tables that it names.
-fn table_files(study: &mut Table) -> Vec<&mut Value> {
-    let mut found = Vec::new();
-    for (key, value) in study.iter_mut() {
-        match value {
-            Value::String(_) if ["csv", "yaml", "measured"].contains(&key.as_str()) => found.push(value),
-            Value::Table(table) => found.extend(table_files(table)),
-            Value::Array(items) => {
-                found.extend(items.iter_mut().filter_map(Value::as_table_mut).flat_map(table_files));
-            }
-            _ => {}
-        }
+/// Keys of a study that name files; `*` stands for every entry of a list.
+const FILES: [&[&str]; 6] = [
+    &["layer", "binder", "index", "csv"],
+    &["layer", "binder", "index", "yaml"],
+    &["pigment", "*", "index", "csv"],
+    &["pigment", "*", "index", "yaml"],
+    &["paper", "albedo", "csv"],
+    &["compare", "measured"],
+];
+
+/// The values at a path, as far as they are there.
+fn at_path<'a>(value: &'a mut Value, path: &[&str]) -> Vec<&'a mut Value> {
+    match (path, value) {
+        ([], value) => vec![value],
+        (["*", rest @ ..], Value::Array(items)) => items.iter_mut().flat_map(|v| at_path(v, rest)).collect(),
+        ([key, rest @ ..], Value::Table(table)) => table.get_mut(*key).map_or(vec![], |v| at_path(v, rest)),
+        _ => Vec::new(),
     }
-    found
 }
+
 /// Two axes of one field: the later one would decide, and the captions of the earlier one lie.
 fn check_fields(file: &SweepFile, faults: &mut Faults) {
     for (i, table) in file.axis.iter().enumerate() {

@@ -10,7 +10,7 @@ use crate::store::damage::Damage;
 use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};
 use crate::store::record::{FailureRecord, PointRecord};
-use crate::store::rows::Row;
+use crate::store::rows::StoredRow;
 use crate::store::store::Record;
 use crate::store::{PackingRecord, same};
 use std::io;
@@ -123,7 +123,7 @@ fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
 }
 
 /// The record in words: variant, realisation, wavelength and angle of a solve, kind and hash of anything else.
-fn describe(sweep: &Sweep, folder: &OutputFolder, row: &Row) -> String {
+fn describe(sweep: &Sweep, folder: &OutputFolder, row: &StoredRow) -> String {
     let hash = format!("{} {}", row.kind, row.key);
     let Ok(stores) = Stores::open(folder) else { return hash };
     for variant in sweep.variants.iter().filter(|_| row.kind == PointRecord::KIND) {

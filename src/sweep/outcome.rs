@@ -91,16 +91,6 @@ impl Outcome {
         Self { failures, reason: refused.into_iter().next().map(|r| r.reason), ..self }
     }
 
-    /// In a few words why it has no results, if something failed.
-    pub fn short_reason(&self) -> Option<String> {
-        let reason = self.reason.as_ref()?;
-        // "realisation 1: volume fraction 0.5 not reached after 6799 steps: …" → what a glance can take.
-        let told = reason.split_once(": ").filter(|(head, _)| head.starts_with("realisation"));
-        let told = told.map_or(reason.as_str(), |(_, rest)| rest);
-        let end = [":", ";", ",", " after "].iter().filter_map(|stop| told.find(stop)).min();
-        Some(told[..end.unwrap_or(told.len())].to_owned())
-    }
-
     /// One number, if it is there, with its error and what each realisation moves it by. An unfinished variant counts with its complete
     /// realisations; one in which nothing is uncertain is exact.
     pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Linked> {

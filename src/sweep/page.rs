@@ -11,8 +11,7 @@ use super::target;
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::manifest::Count;
-use crate::numerics::estimate::Estimate;
-use crate::report::page::{Picture, made_by, png_data, svg_data};
+use crate::report::page::{Picture, hex, made_by, png_data, svg_data};
 use crate::report::scalar_error;
 
 /// Most spectra in one figure: colours of the palette.
@@ -122,16 +121,6 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
         numbers: (0..6).map(|i| numbers.map_or_else(String::new, |n| n[i].in_words(2))).collect(),
         state,
     }
-}
-
-fn hex([r, g, b]: [u8; 3]) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-/// Value and standard error for a CSV file; empty where unknown.
-pub(crate) fn cells(estimate: Option<Estimate>) -> [String; 2] {
-    let text = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or_else(String::new, |x| x.to_string());
-    [text(estimate.map(|e| e.value)), text(estimate.and_then(|e| e.standard_error))]
 }
 
 /// Curves against concentration and size; then spectra of the layer's transmittance: one figure for each row of each

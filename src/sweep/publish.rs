@@ -157,35 +157,30 @@ const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
 
 /// `sweep.csv`: one row a variant; what came later stands at the end, where it was asked for.
 fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
-    let mut table = csv::Writer::from_writer(Vec::new());
     let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
     let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
     let aims = target::columns(outcomes);
     let names = NUMBERS.iter().chain(aims);
     let columns = names.flat_map(|name| [(*name).to_owned(), format!("{name}_standard_error")]);
-    table.write_record(std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns))?;
-    for outcome in outcomes {
-        let (o, all) = (outcome, outcome.solves);
-        let counts = [all.asked, all.finished, o.failures, o.realisations].map(|n| n.to_string());
-        let numbers = numbers(o, &outcomes[sweep.outline.reference]);
-        let of_aims = target::numbers(o).into_iter().take(aims.len());
-        let estimates = (0..NUMBERS.len()).map(|i| numbers.map(|n| n[i])).chain(of_aims);
-        let cells = estimates.flat_map(page::cells);
-        table.write_record(
-            std::iter::once(&o.name)
-                .chain(&o.labels)
-                .map(|words| cell::text(words))
-                .chain(counts)
-                .chain(cells),
-        )?;
-    }
-    table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+    let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
+    let reference = &outcomes[sweep.outline.reference];
+    cell::table(header, outcomes.iter().map(|outcome| outcome_row(outcome, reference, aims.len())))
+}
+
+/// A variant's names, counts and numbers, with so many of its aims.
+fn outcome_row(o: &Outcome, reference: &Outcome, aims: usize) -> impl Iterator<Item = String> {
+    let all = o.solves;
+    let counts = [all.asked, all.finished, o.failures, o.realisations].map(|n| n.to_string());
+    let numbers = numbers(o, reference);
+    let of_aims = target::numbers(o).into_iter().take(aims);
+    let estimates = (0..NUMBERS.len()).map(move |i| numbers.map(|n| n[i])).chain(of_aims);
+    let names = std::iter::once(&o.name).chain(&o.labels).map(|words| cell::text(words));
+    names.chain(counts).chain(estimates.flat_map(cell::numbers))
 }
 
 /// `conclusions.csv`.
 fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record([
+    let header = [
         "id",
         "statement",
         "inequality",
@@ -197,15 +192,16 @@ fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
         "quote",
         "translation",
         "because",
-    ])?;
-    for c in conclusions {
-        let [value, error] = page::cells(c.measured);
-        let [id, statement, inequality] = [&c.id, &c.statement, &c.inequality].map(|words| cell::text(words));
-        let verdict = c.verdict.name().to_owned();
-        let words = [&c.words.source, &c.words.quote, &c.words.translation, &c.words.because];
-        let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));
-        let judged = [id, statement, inequality, value, error, verdict, cell::text(&c.remark)];
-        table.write_record(judged.into_iter().chain(words))?;
-    }
-    table.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+    ];
+    cell::table(header, conclusions.iter().map(judged_row))
+}
+
+fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
+    let [value, error] = cell::numbers(c.measured);
+    let [id, statement, inequality] = [&c.id, &c.statement, &c.inequality].map(|words| cell::text(words));
+    let verdict = c.verdict.name().to_owned();
+    let words = [&c.words.source, &c.words.quote, &c.words.translation, &c.words.because];
+    let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));
+    let judged = [id, statement, inequality, value, error, verdict, cell::text(&c.remark)];
+    judged.into_iter().chain(words)
 }

@@ -20,9 +20,9 @@ use crate::run::{RunError, RunSettings, Stores};
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
-use crate::store::queue::{Claim, Queue, Standing, Task};
+use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
 use jobs::{Job, jobs};
-use named::Named;
+use named::NamedWatch;
 use news::News;
 use room::Room;
 use serde::Serialize;
@@ -100,7 +100,9 @@ pub fn run(
     while let Some((round, units)) = rounds.next(&stores) {
         let units = &units[shard.range(units.len())];
         // A round that has not come to its end although the queue has nothing left is no work for another turn.
-        let Some(turn) = Turn::new((round, units), scope).filter(|_| before != Some(round)) else { break };
+        let Some(turn) = WorkTurn::new((round, units), scope).filter(|_| before != Some(round)) else {
+            break;
+        };
         let crew = Crew::new(settings.jobs, turn.at_a_time())?;
         let room = Room::new(settings.memory, crew.workers());
         let settings = RunSettings { jobs: Some(crew.jobs_each), ..settings };
@@ -126,7 +128,7 @@ pub fn run(
 }
 
 fn tally(queue: &Queue, stopped: bool) -> Result<Tally, RunError> {
-    let Standing { workers, solves, failed, .. } = queue.standing()?;
+    let QueueStanding { workers, solves, failed, .. } = queue.standing()?;
     let publishes = if stopped { workers == 1 } else { queue.publishes()? };
     Ok(Tally { finished: solves - failed, failed, publishes, ..Tally::default() })
 }
@@ -136,12 +138,12 @@ fn taken<T>(mutex: Mutex<Option<T>>) -> Option<T> {
 }
 
 /// The jobs of a round, and the number of the first of their tasks.
-struct Turn {
+struct WorkTurn {
     first: usize,
     jobs: Vec<Job>,
 }
 
-impl Turn {
+impl WorkTurn {
     /// `None` without a job.
     fn new((round, units): (usize, &[Unit]), scope: Scope) -> Option<Self> {
         let mut jobs = jobs(units);
@@ -159,7 +161,7 @@ impl Turn {
         self.groups().max(self.jobs.len() - self.groups())
     }
 
-    fn tasks(&self, sweep: &Sweep) -> Vec<Task> {
+    fn tasks(&self, sweep: &Sweep) -> Vec<QueuedTask> {
         self.jobs.iter().map(|job| job.task(sweep)).collect()
     }
 }
@@ -180,7 +182,7 @@ struct Worker<'a> {
     begun: Once,
     stores: &'a Stores,
     queue: &'a Queue,
-    turn: &'a Turn,
+    turn: &'a WorkTurn,
     settings: RunSettings,
     room: Room,
     watch: &'a dyn RunWatch,
@@ -198,7 +200,7 @@ impl<'a> Worker<'a> {
     fn new(
         (sweep, folder): (&'a Sweep, &'a OutputFolder),
         (stores, queue): (&'a Stores, &'a Queue),
-        turn: &'a Turn,
+        turn: &'a WorkTurn,
         (settings, room): (RunSettings, Room),
         watch: &'a dyn RunWatch,
     ) -> Self {
@@ -234,14 +236,14 @@ impl<'a> Worker<'a> {
                 .map_err(RunError::Store)
                 .and_then(|()| Ok(self.queue.claim()?));
             match claim {
-                Ok(Claim::Task(task)) if self.is_of_this_round(task) => return Some(task),
-                Ok(Claim::Task(task)) => {
+                Ok(Assignment::Task(task)) if self.is_of_this_round(task) => return Some(task),
+                Ok(Assignment::Task(task)) => {
                     self.overtaken.store(true, Ordering::Relaxed);
                     self.note(self.queue.give_back(task).map_err(RunError::from));
                     return None;
                 }
-                Ok(Claim::Wait) => self.wait(),
-                Ok(Claim::Finished) => return None,
+                Ok(Assignment::Wait) => self.wait(),
+                Ok(Assignment::Finished) => return None,
                 Err(error) => self.note(Err(error)),
             }
         }
@@ -335,8 +337,8 @@ impl<'a> Worker<'a> {
         Ok(())
     }
 
-    fn named<'b>(&'b self, variant: usize, watch: &'b dyn RunWatch) -> Named<'b> {
-        Named { prefix: &self.prefixes[variant], watch }
+    fn named<'b>(&'b self, variant: usize, watch: &'b dyn RunWatch) -> NamedWatch<'b> {
+        NamedWatch { prefix: &self.prefixes[variant], watch }
     }
 
     fn work<'b>(&'b self, variant: usize, realisation: usize, watch: &'b dyn RunWatch) -> Work<'b> {

@@ -56,9 +56,10 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
     let (rows, columns) = (used(row), used(column));
     let find = |r: usize, c: usize| on_sheet.iter().copied().find(|&v| at(v, row) == r && at(v, column) == c);
     let names = |axis: Option<usize>, used: &[usize]| -> Vec<String> {
-        used.iter().map(|&k| axis.map_or_else(String::new, |a| outline.axes[a].labels[k].clone())).collect()
+        used.iter().map(|&k| axis.map_or_else(String::new, |a| outline.axes[a].caption(k))).collect()
     };
-    let axis_name = |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].heading());
+    let axis_name =
+        |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].plain_name().to_owned());
     let shown = |a: usize| Some(a) == row || Some(a) == column;
     let captions = (0..outline.axes.len()).filter(|&a| !shown(a)).map(|a| outline.axes[a].named(other[a]));
     Sheet {
@@ -106,9 +107,7 @@ impl Sheet {
 fn why_blank(outcome: Option<&Outcome>) -> String {
     match outcome {
         None => "left out of the sweep".into(),
-        Some(o) if o.failures > 0 && o.colour.is_none() => {
-            o.short_reason().unwrap_or_else(|| format!("{} failed", o.failures))
-        }
+        Some(o) if o.failures > 0 && o.colour.is_none() => format!("{} failed", o.failures),
         Some(o) if o.solves.finished == 0 => "not solved yet".into(),
         Some(o) if o.realisations == 0 => format!("{} of {} solves", o.solves.finished, o.solves.asked),
         Some(_) => "angles without paper".into(),

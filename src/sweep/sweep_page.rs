@@ -1,7 +1,7 @@
 //! The page of a sweep: one HTML file with its contact sheets and figures inside.
 
-use crate::report::page::Picture;
-use minijinja::{Environment, value::Serde};
+use crate::report::page::{Picture, rendered};
+use minijinja::value::Serde;
 use serde::Serialize;
 
 /// All that the page says; its layout is `sweep.html`.
@@ -114,9 +114,40 @@ impl SweepPage {
     /// # Errors
     /// The template does not fit the page's data, which is a fault of the program.
     pub fn html(&self) -> Result<String, minijinja::Error> {
-        let mut templates = Environment::new();
-        templates.add_template("style.css", crate::report::page::STYLE)?;
-        templates.add_template("sweep.html", include_str!("sweep.html"))?;
-        templates.get_template("sweep.html")?.render(Serde(self))
+        rendered(include_str!("sweep.html"), Serde(self))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// *Planted*: the reason in the last of ten columns is a sliver at 1280 pixels.
+    #[test]
+    fn the_reason_of_a_failure_has_the_whole_width() {
+        let row = |state: &str| VariantRow {
+            labels: vec!["yellow".into(), "100".into()],
+            link: None,
+            hex: None,
+            numbers: vec![String::new(); 6],
+            state: state.into(),
+        };
+        let page = SweepPage {
+            title: String::new(),
+            summary: String::new(),
+            partial: None,
+            scalar_error: None,
+            sheets: Vec::new(),
+            conclusions: Vec::new(),
+            nearest: None,
+            axes: vec!["ink".into(), "diameter, nm".into()],
+            reference: String::new(),
+            variants: vec![row("4 failed: no room for grain 7"), row("")],
+            figures: Vec::new(),
+            program: String::new(),
+        };
+        let html = page.html().unwrap();
+        assert!(html.contains("<td colspan=\"9\">4 failed: no room for grain 7</td>"), "{html}");
+        assert!(html.contains("<th>diameter, nm</th>") && html.matches("colspan").count() == 1, "{html}");
     }
 }

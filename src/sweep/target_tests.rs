@@ -1,12 +1,12 @@
 use super::*;
 use crate::evaluate::manifest::Count;
-use crate::sweep::aim::{Aim, Found};
+use crate::sweep::aim::{Aim, AimFound};
 use crate::sweep::load::AxisOutline;
 
 /// A variant of three realisations that is so far from its target.
 fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> Outcome {
     let estimate = Estimate { value, standard_error: error };
-    let found = Found {
+    let found = AimFound {
         delta_e_2000: estimate,
         deviations: deviations.into_iter().enumerate().collect(),
         contrast_ratio: Estimate { value: 0.8, standard_error: Some(0.01) },
@@ -59,6 +59,7 @@ fn the_nearest_at_the_edge_of_the_grid_is_flagged() {
     assert!(!said([0, 2, 1]).contains("edge"));
     assert_eq!(grid(1).axes[0].heading(), "diameter, nm");
     assert_eq!(grid(1).axes[0].named(0), "diameter 100\u{a0}nm");
+    assert_eq!(grid(1).axes[0].caption(0), "100\u{a0}nm");
 }
 
 /// t of 2 degrees of freedom is 4.303. *Planted*: errors added as if independent tie "same packings", too.

@@ -32,6 +32,7 @@ fn every_slip_is_told_with_field_value_range_and_remedy() {
     csv("huge.csv", "380,1e5\n780,1e5\n");
     csv("empty.csv", "400,0.1\n550,\n700,0.1\n");
     csv("micrometres.csv", "0.4,0.1\n0.7,0.1\n");
+    std::fs::write(folder.path().join("dark.csv"), "wavelength_nm,reflectance\n400,0.8\n700,2.9\n").unwrap();
     std::fs::write(folder.path().join("comma.csv"), "wavelength_nm,reflectance\n400,0,5\n").unwrap();
     let mut missed = Vec::new();
     for Slip { from, to, says } in INK.iter().chain(LIGHT) {

@@ -67,31 +67,31 @@ fn refuses(path: &Path, options: &[&str], words: &[&str]) {
 fn numbers_out_of_range_name_field_value_range_and_remedy() {
     let sphere = |x: f64, z: f64, r: f64| json!({ "center": [x, 0.2, z], "radius": r, "eta": [1.4, 0.1] });
     for (pointer, value, words) in [
-        ("/wavelength", json!(0), ["wavelength is 0", "above 0", "give it in µm"]),
-        ("/wavelength", json!(-0.5), ["wavelength is -0.5", "above 0", "give it in µm"]),
-        ("/sigma_deg", json!(90), ["sigma_deg is 90", "0 ≤ sigma_deg < 90", "use 89 or less"]),
-        ("/L", json!(0), ["L is 0", "above 0", "give it in µm"]),
-        ("/H", json!(-1), ["H is -1", "above 0", "give it in µm"]),
-        ("/spheres/0/radius", json!(-0.1), ["spheres[0].radius is -0.1", "above 0", "µm"]),
+        ("/wavelength", json!(0), ["wavelength: found 0", "greater than 0", "give it in µm"]),
+        ("/wavelength", json!(-0.5), ["wavelength: found -0.5", "greater than 0", "give it in µm"]),
+        ("/sigma_deg", json!(90), ["sigma_deg: found 90", "from 0 to below 90°", "use 89 or less"]),
+        ("/L", json!(0), ["L: found 0", "greater than 0", "give it in µm"]),
+        ("/H", json!(-1), ["H: found -1", "greater than 0", "give it in µm"]),
+        ("/spheres/0/radius", json!(-0.1), ["spheres[0].radius: found -0.1", "greater than 0", "µm"]),
         (
             "/spheres/0/eta",
             json!([1.4, -0.1]),
-            ["spheres[0].eta (absorption) is -0.1", "0 or above", "change the sign"],
+            ["spheres[0].eta (absorption): found -0.1", "from 0", "change the sign"],
         ),
-        ("/eta_binder", json!([0, 0]), ["eta_binder is 0", "other than 0", "[real part, absorption]"]),
-        ("/n_below", json!(-1), ["n_in (real part) is -1", "0 or above", "positive"]),
-        ("/spheres/0", sphere(0.2, 0.1, 0.15), ["spheres[0]", "from z = -0.05", "layer is 0 … 0.6"]),
+        ("/eta_binder", json!([0, 0]), ["eta_binder: found 0", "other than 0", "[real part, absorption]"]),
+        ("/n_in", json!(-1), ["n_in (real part): found -1", "from 0", "positive"]),
+        ("/spheres/0", sphere(0.2, 0.1, 0.15), ["spheres[0]", "from z = -0.05", "0 … 0.6 µm, the layer"]),
         ("/spheres/0", sphere(0.2, 0.3, 0.28), ["own periodic image", "6.000e-2", "period L larger"]),
         (
             "/spheres",
             json!([sphere(0.1, 0.3, 0.1), sphere(0.2, 0.3, 0.1)]),
             ["spheres[0] and spheres[1]", "1.000e-1", "apart"],
         ),
-        ("/eta_below", json!([1, 0]), ["n_in", "twice", "one of them"]),
+        ("/eta_in", json!([1, 0]), ["n_in", "and eta_in", "one of them"]),
     ] {
         let mut text = with(pointer, value);
-        if pointer == "/eta_below" {
-            text = text.replacen('{', "{\"n_below\": 1.0, ", 1);
+        if pointer == "/eta_in" {
+            text = text.replacen('{', "{\"n_in\": 1.0, ", 1);
         }
         refuses_text("case.json", &text, &[], &words);
     }
@@ -109,14 +109,14 @@ fn numbers_that_are_none_are_refused_in_json_and_toml() {
         "case.toml",
         &format!("{toml}{sphere}"),
         &[],
-        &["spheres[0].radius is NaN", "above 0 and finite"],
+        &["spheres[0].radius: found NaN", "finite and greater than 0"],
     );
     let center = sphere.replace("nan", "0.1").replace("[0.2,", "[inf,");
     refuses_text(
         "case.toml",
         &format!("{toml}{center}"),
         &[],
-        &["spheres[0].center[0] is inf", "finite number"],
+        &["spheres[0].center[0]: found inf", "finite"],
     );
 }
 
@@ -138,7 +138,7 @@ fn entries_that_do_not_fit_are_named_with_their_place() {
         (json!({ "L": 0.5 }).to_string(), vec!["wavelength: found nothing", "add wavelength"]),
         (
             json!({ "wavelength": 0.5, "eta_binder": [1.5, 0] }).to_string(),
-            vec!["H: missing", "thickness in µm"],
+            vec!["H: found nothing", "thickness in µm"],
         ),
         ("{ \"wavelength\": ".into(), vec!["is not a case", "EOF", "correct the JSON"]),
         (String::new(), vec!["is not a case", "correct the JSON"]),
@@ -152,12 +152,17 @@ fn entries_that_do_not_fit_are_named_with_their_place() {
 fn a_period_is_asked_for_where_grains_repeat_with_it() {
     let mut case = good();
     case.as_object_mut().unwrap().remove("L");
-    refuses_text("case.json", &case.to_string(), &[], &["L: missing", "period of the grains or bars in µm"]);
+    refuses_text(
+        "case.json",
+        &case.to_string(),
+        &[],
+        &["L: found nothing", "period of the grains or bars in µm"],
+    );
     let bars = json!({
         "wavelength": 0.55,
         "sublayers_from_z0": [{ "thickness": 0.3, "eta_background": [1.5, 0], "bars": [{ "x0": 0, "x1": 0.2, "eta": [1.7, 0] }] }]
     });
-    refuses_text("case.json", &bars.to_string(), &[], &["L: missing"]);
+    refuses_text("case.json", &bars.to_string(), &[], &["L: found nothing"]);
     let film = json!({ "wavelength": 0.55, "layers_from_z0": [{ "thickness": 0.3, "eta": [1.5, 0] }] });
     let [plain, wide] = [film.to_string(), film.to_string().replacen('{', "{\"L\": 3,", 1)];
     let totals = [plain, wide].map(|text| solved(&text, "film.json", &[])["R_total"].as_f64().unwrap());
@@ -190,7 +195,7 @@ fn options_out_of_range_are_told_what_to_try() {
         (&["--tolerance", "0"], &["--tolerance is 0", "try 1e-6"]),
         (&["--tolerance", "-1"], &["--tolerance is -1", "try 1e-6"]),
         (&["--memory-gb", "0"], &["--memory-gb is 0", "try 4"]),
-        (&["--solver", "magic"], &["solver is magic", "krylov", "choose one"]),
+        (&["--solver", "magic"], &["magic", "--solver", "krylov, bicgstab", "direct"]),
         (&["--nxy", "12"], &["--nz"]),
         (&["--nz", "12"], &["--nxy is missing", "--accuracy 1e-3"]),
         (&["--nxy", "0", "--nz", "9"], &["nx is 0", "1 … 100000"]),
@@ -319,7 +324,7 @@ fn light_from_below_sees_less_of_an_asymmetric_layer() {
         json!({ "wavelength": 0.55, "from": from, "layers_from_z0":
                 [{ "thickness": 0.2, "eta": [1.5, 0] }, { "thickness": 0.2, "eta": [1.5, 0.3] }] })
     };
-    let [above, below] = ["above", "below"].map(|from| solved(&case(from).to_string(), "case.json", &[]));
+    let [above, below] = ["incident", "exit"].map(|from| solved(&case(from).to_string(), "case.json", &[]));
     let number = |value: &Value| value.as_f64().expect("a number");
     // Reciprocity makes the transmittance the same; absorption makes the reflectance differ.
     assert!((number(&above["T_total"]) - number(&below["T_total"])).abs() < 1e-13);
@@ -357,7 +362,7 @@ fn a_lit_square_adds_its_lobes_and_their_totals() {
 
 #[test]
 fn what_a_lit_square_cannot_show_is_said() {
-    let absorber = json!({ "wavelength": 0.5, "n_above": [1.5, 0.1],
+    let absorber = json!({ "wavelength": 0.5, "n_out": [1.5, 0.1],
                            "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0] }] });
     let folder = Folder::new();
     let path = folder.file("case.json", &absorber.to_string());

@@ -3,8 +3,8 @@
 use inkwave::solve::accuracy::largest_difference;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::{
-    Ball, Body, FarField, HeightField, Incidence, Material, Mean, Media, Problem, Resolution, Scene, Scheme,
-    Shape, Side, Stratum,
+    Ball, Body, BodyShape, FarField, HeightField, Incidence, Material, Mean, Media, Problem, Resolution,
+    Scene, Scheme, Side, Stratum,
 };
 use num_complex::Complex64;
 
@@ -32,12 +32,12 @@ fn ball(x: f64, y: f64, z: f64, radius_um: f64) -> Ball {
 }
 
 fn grain(balls: Vec<Ball>) -> Body {
-    Body::new(Shape::Balls(balls), 0)
+    Body::new(BodyShape::Balls(balls), 0)
 }
 
 fn flat(z: f64, balls: &[Ball]) -> Body {
     let surface = HeightField { z_um: vec![z], count: [1, 1], period_um: PERIOD };
-    Body { shape: Shape::Above { surface, balls: balls.to_vec() }, material: Material::Incident }
+    Body { shape: BodyShape::Above { surface, balls: balls.to_vec() }, material: Material::Incident }
 }
 
 /// Identity of descriptions: a flat relief as columns of vacuum, or as a stratum of vacuum whose interface is a node.

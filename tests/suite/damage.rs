@@ -227,10 +227,6 @@ fn folders_of_others_are_refused_before_anything_is_computed() {
     let study = crate::run_support::study(folder.path(), crate::run_support::TINY);
     crate::run_support::succeed(&study, &folder.path().join("study"), &[]);
     refused("compare", "compare-ink.toml", &folder.path().join("study"), "holds a study");
-    let old = folder.path().join("old");
-    std::fs::create_dir_all(old.join("points")).unwrap();
-    std::fs::write(old.join("results.json"), "{}").unwrap();
-    refused("run", "yellow.toml", &old, "an older inkwave");
 }
 
 #[test]

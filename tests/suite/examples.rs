@@ -11,6 +11,7 @@ enum Kind {
     Study,
     Sweep,
     Compare,
+    Case,
 }
 
 fn folder() -> PathBuf {
@@ -33,6 +34,7 @@ fn kind(name: &str) -> Kind {
         Some("study.json") => Kind::Study,
         Some("sweep.json") => Kind::Sweep,
         Some("compare.json") => Kind::Compare,
+        Some("case.json") => Kind::Case,
         other => panic!("{name}: {other:?}"),
     }
 }
@@ -80,6 +82,7 @@ fn taken(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>)> 
         ],
         Kind::Sweep => vec![("sweep", outcome(&["sweep", "--plan"], name))],
         Kind::Compare => vec![("compare", outcome(&["compare", "--plan"], name))],
+        Kind::Case => vec![("solve", outcome(&["solve", "--nxy", "5", "--nz", "6"], name))],
     }
 }
 
@@ -92,7 +95,7 @@ fn refused(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>,
         ],
         Kind::Study => vec![("sweep", outcome(&["sweep", "--plan"], name), "inkwave run")],
         Kind::Sweep => vec![("run", outcome(&["run", "--plan"], name), "inkwave sweep")],
-        Kind::Compare => vec![("run", outcome(&["run", "--plan"], name), "layer")],
+        Kind::Compare | Kind::Case => vec![("run", outcome(&["run", "--plan"], name), "layer")],
     }
 }
 
@@ -129,7 +132,7 @@ fn every_example_goes_through_every_command_it_is_for() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// A comparison that names a study file and one that holds the same study have the same rows, and so has the short form from before.
+/// A comparison that names a study file and one that holds the same study have the same rows.
 #[test]
 fn a_study_is_the_same_wherever_it_is_written() {
     let scratch = tempfile::tempdir().expect("a folder");

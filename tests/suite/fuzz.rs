@@ -53,7 +53,7 @@ fn piece() -> impl Strategy<Value = String> {
         "layer",
         "index",
         "k",
-        "n_below",
+        "n_in",
         "csv",
         "\u{0}",
         "é",
@@ -101,7 +101,7 @@ fn studies_with_slips_are_read_or_refused_with_words() {
     });
 }
 
-const CASE: &str = r#"{ "wavelength": 0.55, "sigma_deg": 20, "phi_deg": 5, "L": 0.5, "H": 0.6, "n_below": 1.0, "n_above": 1.2,
+const CASE: &str = r#"{ "wavelength": 0.55, "sigma_deg": 20, "phi_deg": 5, "L": 0.5, "H": 0.6, "n_in": 1.0, "n_out": 1.2,
   "eta_binder": [1.558, 0.01], "spheres": [{ "center": [0.2, 0.2, 0.3], "radius": 0.15, "eta": [1.4, 0.1] }],
   "cylinders": [{ "x": 0.1, "z": 0.55, "radius": 0.01, "eta": [1.4, 0.1] }] }"#;
 
@@ -156,7 +156,7 @@ fn solves_of_wild_cases_are_physical_or_refused() {
             (gn, gk, solver, scheme, nx, cells),
         )| {
             let case = json!({
-                "wavelength": wavelength, "sigma_deg": sigma, "L": period, "H": height, "n_above": outside,
+                "wavelength": wavelength, "sigma_deg": sigma, "L": period, "H": height, "n_out": outside,
                 "eta_binder": [n, k], "spheres": [{ "center": [x, 0.1, z], "radius": radius, "eta": [gn, gk] }],
             });
             let Ok(case) = Case::parse(&case.to_string(), false) else { return Ok(()) };

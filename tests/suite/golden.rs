@@ -192,9 +192,8 @@ fn compare(name: &str, colours: [f64; 2]) {
         ledger.value("target", &results["ink_maker"]["target"]["delta_e_2000"], &maker["target"]);
     }
     ledger.tolerance = ROUNDING;
-    if let Some(rows) = maker.get("kubelka_munk") {
-        ledger.table(&out.join("kubelka-munk.csv"), rows);
-    }
+    // none of the layers scatters enough for K and S
+    assert!(!out.join("kubelka-munk.csv").exists());
     ledger.table(&out.join("spectra.csv"), &want["spectra"]);
     ledger.table(&out.join("bdf.csv"), &want["bdf"]);
     ledger.picture(&out.join("picture.png"), &want["picture"]);
@@ -255,7 +254,7 @@ fn a_sweep_has_its_golden_numbers() {
 }
 
 /// The golden numbers of every method: the version, and the digest of the files that hold them. A line is added, never changed.
-const METHODS: [(u32, &str); 1] = [(1, "f8549ee6fb120b47")];
+const METHODS: [(u32, &str); 2] = [(1, "f8549ee6fb120b47"), (2, "898f7886beb1449c")];
 
 /// Published numbers and the method's version change together, so that stored results of an older method are never taken for new ones.
 #[test]

@@ -76,6 +76,7 @@ fn mixtures_meet_each_share_to_one_grain_or_exactly_by_scaling() {
     let law = |median_nm| SizeDistribution::LogNormal {
         median_nm,
         sigma: 0.2,
+        by: inkwave::ink::By::Number,
         cut_at_sigmas: 3.0,
         of: inkwave::ink::Measure::EffectiveDiameter,
     };

@@ -134,9 +134,9 @@ fn bad_numbers_name_field_value_range_and_remedy() {
         let mut asked = request(250.0, 0.3, MethodChoice::Auto);
         spoil(&mut asked);
         match pack(&asked, &mut ()) {
-            Err(PackError::BadInput { field, found, allowed, advice }) => {
+            Err(PackError::BadInput { field, found, allowed, remedy }) => {
                 assert_eq!(field, name);
-                assert!(!found.is_empty() && !allowed.is_empty() && !advice.is_empty());
+                assert!(!found.is_empty() && !allowed.is_empty() && !remedy.is_empty());
             }
             other => panic!("{name}: {other:?}"),
         }

@@ -122,6 +122,7 @@ const CHANGES: &[Change] = &[
     (&[("pigment.0.index", "{ n = 1.41, k = 0.1 }")], Spectra),
     (&[("pigment.1.index", "1.46")], Spectra),
     (&[("pigment.0.index", "{ built_in = 'yellow' }")], Spectra),
+    (&[("pigment.0.index", "{ material = 'Fe2O3' }")], Spectra),
     (&[RICE, ("pigment.1.diameter_nm", "110")], Spectra),
     (&[("pigment.1.orientation", "'perpendicular'"), RICE, ("pigment.1.diameter_nm", "110")], Spectra),
     (
@@ -167,6 +168,7 @@ const CHANGES: &[Change] = &[
     (&[("colour.target_lab", "[80, 0, 40]")], Published),
     (&[("compare.measured", "'measured.csv'")], Published),
     (&[("compare.measured", "'measured.cgats'"), ("compare.patch", "'second'")], Published),
+    (&[("compare.measured", "'measured.csv'"), ("compare.unit", "'percent'")], Published),
 ];
 
 /// Files that studies are compared with.
@@ -179,17 +181,8 @@ const MEASURED: [(&str, &str); 2] = [
     ),
 ];
 
-/// Keys that tell where results go, or older places of others; a layer without walls has no waves.
-const ELSEWHERE: [&str; 8] = [
-    "output.folder",
-    "seed",
-    "realisations",
-    "layer.walls",
-    "layer.method",
-    "layer.sequential",
-    "layer.relaxation",
-    "layer.equilibration",
-];
+/// Where results go is no number; a layer without walls has no waves.
+const ELSEWHERE: [&str; 2] = ["output.folder", "layer.walls"];
 
 fn base() -> toml::Table {
     toml::from_str(BASE).expect("the base study is TOML")
@@ -391,4 +384,20 @@ fn every_field_is_among_the_changes() {
         .filter(|field| !changed.contains(*field) && !whole(field) && !ELSEWHERE.contains(&field.as_str()))
         .collect();
     assert!(missing.is_empty(), "no change tests {missing:?}");
+}
+
+/// A reader of the command sees every material with its range, one of them with its source.
+#[test]
+fn materials_are_listed_with_their_sources() {
+    let inkwave = |args: &[&str]| {
+        std::process::Command::new(env!("CARGO_BIN_EXE_inkwave")).args(args).output().unwrap()
+    };
+    let list = inkwave(&["materials"]);
+    let text = String::from_utf8_lossy(&list.stdout).into_owned();
+    assert!(list.status.success() && text.lines().count() >= 15, "{text}");
+    let rutile = String::from_utf8_lossy(&inkwave(&["materials", "tio2 rutile"]).stdout).into_owned();
+    for part in ["430–1530 nm", "Devore", "orientation average", "CC0"] {
+        assert!(rutile.contains(part), "{part}: {rutile}");
+    }
+    assert!(!inkwave(&["materials", "chalk"]).status.success());
 }

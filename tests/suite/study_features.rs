@@ -170,6 +170,35 @@ fn an_opaque_ink_is_published_without_what_cannot_be_known() {
     let rows = results["ink_maker"]["kubelka_munk"].as_array().unwrap();
     let known = |key: &str| rows.iter().all(|row| row[key]["value"].is_number());
     assert!(known("absorption_per_um") && known("scattering_per_um"));
+    assert!(!rows.is_empty() || results["ink_maker"]["no_kubelka_munk"].is_string());
+}
+
+/// Lab alone in a measured file is the target, under the conditions that it states and the study has; nothing is guessed.
+#[test]
+fn a_file_of_lab_alone_is_the_target_if_it_states_the_conditions_of_the_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let lab = "CGATS.17\nWEIGHTING_FUNCTION \"ILLUMINANT, D50\"\nWEIGHTING_FUNCTION \"OBSERVER, 2 degree\"\n\
+               BEGIN_DATA_FORMAT\nSAMPLE_NAME LAB_L LAB_A LAB_B\nEND_DATA_FORMAT\nBEGIN_DATA\n\"ink\" 85.5 -10 80\nEND_DATA\n";
+    std::fs::write(folder.path().join("lab.cgats"), lab).unwrap();
+    std::fs::write(
+        folder.path().join("bare.cgats"),
+        lab.replace("ILLUMINANT", "LIGHT").replace("OBSERVER", "EYE"),
+    )
+    .unwrap();
+    let loaded = |name: &str, colour: &str| {
+        let text = format!("{TINY}[compare]\nmeasured = \"{name}\"\n[colour]\n{colour}\n");
+        load(&study(folder.path(), &text))
+    };
+    let judgement = loaded("lab.cgats", "illuminant = \"D50\"").unwrap().judgement;
+    assert_eq!((judgement.target_lab, judgement.measured), (Some([85.5, -10.0, 80.0]), None));
+    let refused = |name: &str, colour: &str| loaded(name, colour).unwrap_err().to_string();
+    let other = refused("lab.cgats", "");
+    assert!(other.contains("compare.measured") && other.contains("Lab under D50, 2° observer"), "{other}");
+    assert!(other.contains("D65, 2° observer"), "{other}");
+    let bare = refused("bare.cgats", "illuminant = \"D50\"");
+    assert!(bare.contains("compare.measured") && bare.contains("not stated"), "{bare}");
+    let two = refused("lab.cgats", "illuminant = \"D50\"\ntarget_lab = [85, -10, 80]");
+    assert!(two.contains("one target"), "{two}");
 }
 
 /// Packed layers are drawn from the law of thicknesses that the film behind them is averaged over.

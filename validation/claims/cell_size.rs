@@ -86,11 +86,6 @@ fn measure(level: Level, findings: &mut Findings) {
         }
         let points = values.iter().map(|(side, v)| [*side, v.value, v.standard_error.unwrap_or(0.0)]);
         let curve = Curve::with_bars("mean ± standard error", Style::Data, points);
-        findings.plots.push(Chart::linear(
-            &format!("Cell size: {name}"),
-            "period L, µm",
-            name,
-            vec![curve],
-        ));
+        findings.plots.push(Chart::linear(&format!("Cell size: {name}"), "period L, µm", name, vec![curve]));
     }
 }

@@ -66,12 +66,7 @@ fn across(level: Level, findings: &mut Findings) {
     curves.push(Curve::guide("order 2", &curves[1], -2.0));
     curves.push(Curve::guide("order 4", &curves[2], -4.0));
     let title = "Error against cells, ink cell inka1";
-    findings.plots.push(Chart::log_log(
-        title,
-        "cells across the layer N",
-        "largest amplitude error",
-        curves,
-    ));
+    findings.plots.push(Chart::log_log(title, "cells across the layer N", "largest amplitude error", curves));
 }
 
 /// The claim behind the discretisation: with the same unknowns, a hundredth of the error and less.

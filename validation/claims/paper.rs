@@ -7,7 +7,7 @@ use inkwave::evaluate::film::Profile;
 use inkwave::evaluate::films::Films;
 use inkwave::evaluate::ink::{InkInputs, InkOnPaper};
 use inkwave::evaluate::layer::LayerEnsemble;
-use inkwave::evaluate::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use inkwave::evaluate::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use inkwave::evaluate::wavelengths::SpectralBasis;
 use inkwave::input::variation::stratified_deg;
 use inkwave::wave::Wave;
@@ -50,7 +50,7 @@ fn ink(case: &Value, index: Complex64, coupling: Coupling, solved: Option<usize>
     let film = Film { index: Complex64::new(number("n"), number("kappa")), thickness_um };
     let ensemble: Vec<SolvedRealisation> = (0..REALISATIONS).map(|r| by_formula(&film, strata, r)).collect();
     let layer = LayerEnsemble::new(&ensemble, SpectralBasis::Listed(vec![OUTPUT_NM]), &films, &[0.0, 45.0]);
-    InkOnPaper::new(layer, &ensemble, &inputs).expect("a layer")
+    InkOnPaper::new((layer, &ensemble), None, &inputs).expect("a layer")
 }
 
 /// Realisations of the interpolation's test.
@@ -62,7 +62,7 @@ const WRONG_INDEX: Complex64 = Complex64::new(0.02, 0.004);
 fn by_formula(film: &Film, strata: usize, r: usize) -> SolvedRealisation {
     let at = |&deg: &f64| {
         let [r, t] = amplitudes(1.0, &[*film], 1.0.into(), 1e-3 * OUTPUT_NM, deg).map(|a| a.norm_sqr());
-        Solved {
+        SolvedDirection {
             polar_deg: deg,
             reflectance: r,
             specular_reflectance: r,
@@ -142,7 +142,7 @@ fn curve_errors(index: Complex64, thickness_um: f64) -> [f64; 2] {
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[OUTPUT_NM] };
     let ensemble: Vec<SolvedRealisation> = (0..REALISATIONS).map(|r| by_formula(&truth, 2, r)).collect();
     let layer = LayerEnsemble::new(&ensemble, SpectralBasis::Listed(vec![OUTPUT_NM]), &films, &[0.0, 45.0]);
-    let ink = InkOnPaper::new(layer, &ensemble, &inputs).expect("a layer");
+    let ink = InkOnPaper::new((layer, &ensemble), None, &inputs).expect("a layer");
     let of = |film: &Film, deg: f64| {
         amplitudes(1.0, &[*film], 1.0.into(), 1e-3 * OUTPUT_NM, deg).map(|a| a.norm_sqr())
     };

@@ -5,69 +5,16 @@ use crate::compare::error::CompareError;
 use crate::compare::row::Varied;
 use crate::compare::subject::Packed;
 use crate::input::case::Case;
-use crate::input::limits;
-use crate::numerics::allowed::Allowed;
 use crate::numerics::files;
 use crate::wave::Media;
-use schemars::JsonSchema;
-use serde::Deserialize;
-
-/// The axes around the comparison's study: one case for each pigment and period.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MatrixTable {
-    /// Indices [n, κ] of the first pigment.
-    #[schemars(length(min = 1), example = [[1.4, 0.1]])]
-    pub pigments: Vec<[f64; 2]>,
-    /// Periods of the square cell, µm.
-    #[schemars(length(min = 1), example = [1.6])]
-    pub periods_um: Vec<f64>,
-}
-
-impl MatrixTable {
-    /// Refuses empty axes, and entries that no study could have.
-    ///
-    /// # Errors
-    /// The field, what was found and what is allowed.
-    pub fn check(&self) -> Result<(), CompareError> {
-        let axes = [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())];
-        if let Some((axis, _)) = axes.into_iter().find(|(_, empty)| *empty) {
-            let (field, allowed) = (format!("matrix.{axis}"), "at least one entry".into());
-            let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
-            return Err(CompareError::Field { field, found: "empty".into(), allowed, remedy });
-        }
-        let wrong = self.numbers().into_iter().find(|(_, value, allowed)| !allowed.holds(*value));
-        let Some((field, value, allowed)) = wrong else { return Ok(()) };
-        let remedy = "pigments are pairs [n, κ], periods some µm";
-        Err(CompareError::number(&field, value, allowed, remedy))
-    }
-
-    /// Every number with its place and what is allowed there.
-    fn numbers(&self) -> Vec<(String, f64, Allowed)> {
-        let mut all = Vec::new();
-        for (k, [n, kappa]) in self.pigments.iter().enumerate() {
-            all.push((format!("matrix.pigments[{k}][0]"), *n, limits::INDEX));
-            all.push((format!("matrix.pigments[{k}][1]"), *kappa, limits::ABSORPTION));
-        }
-        let period = |(k, um): (usize, &f64)| (format!("matrix.periods_um[{k}]"), *um, limits::PERIOD_UM);
-        all.extend(self.periods_um.iter().enumerate().map(period));
-        all
-    }
-
-    /// All cases, period by period.
-    fn cases(&self) -> impl Iterator<Item = Varied> {
-        let with = |&period_um| self.pigments.iter().map(move |&pigment| Varied { pigment, period_um });
-        self.periods_um.iter().flat_map(with)
-    }
-}
 
 /// A case before it is packed.
 pub(super) struct Subject {
     pub varied: Option<Varied>,
-    geometry: Geometry,
+    geometry: CaseGeometry,
 }
 
-enum Geometry {
+enum CaseGeometry {
     Packed(Box<Packed>),
     /// A case file, and the amplitudes that it has.
     Written(Box<Case>, Option<serde_json::Value>),
@@ -77,16 +24,16 @@ impl Subject {
     /// Reads or packs the geometry.
     pub fn case(&self) -> Result<Case, CompareError> {
         match &self.geometry {
-            Geometry::Packed(packed) => packed.case(),
-            Geometry::Written(case, _) => Ok(Case::clone(case)),
+            CaseGeometry::Packed(packed) => packed.case(),
+            CaseGeometry::Written(case, _) => Ok(Case::clone(case)),
         }
     }
 
     /// The indices of all media; a study is checked for it.
     pub fn media(&self) -> Result<Media, CompareError> {
         match &self.geometry {
-            Geometry::Packed(packed) => packed.media(),
-            Geometry::Written(case, _) => Ok(case.media.clone()),
+            CaseGeometry::Packed(packed) => packed.media(),
+            CaseGeometry::Written(case, _) => Ok(case.media.clone()),
         }
     }
 
@@ -98,8 +45,8 @@ impl Subject {
     /// Amplitudes that a case file brings along.
     pub fn known(&self) -> Option<&[serde_json::Value]> {
         match &self.geometry {
-            Geometry::Written(_, known) => known.as_ref()?.as_array().map(Vec::as_slice),
-            Geometry::Packed(_) => None,
+            CaseGeometry::Written(_, known) => known.as_ref()?.as_array().map(Vec::as_slice),
+            CaseGeometry::Packed(_) => None,
         }
     }
 
@@ -121,10 +68,10 @@ impl ComparisonFile {
             let json = files::read_text(&path, files::CASE).ok();
             let json: Option<serde_json::Value> = json.and_then(|text| serde_json::from_str(&text).ok());
             let known = json.and_then(|json| json.pointer("/outputs/orders").cloned());
-            return Ok(vec![Subject { varied: None, geometry: Geometry::Written(case, known) }]);
+            return Ok(vec![Subject { varied: None, geometry: CaseGeometry::Written(case, known) }]);
         }
         let packed = self.packed()?;
-        let packing = |packed| Geometry::Packed(Box::new(packed));
+        let packing = |packed| CaseGeometry::Packed(Box::new(packed));
         let Some(matrix) = &self.matrix else {
             return Ok(vec![Subject { varied: None, geometry: packing(packed) }]);
         };

@@ -1,6 +1,6 @@
 //! A comparison as written, read and checked.
 
-use super::cases::MatrixTable;
+use super::matrix::MatrixTable;
 use crate::compare::error::CompareError;
 use crate::compare::subject::{Packed, StudyWritten};
 use crate::input::fault::StudyError;
@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 pub struct ComparisonFile {
     /// Title, for people.
     pub title: String,
-    /// The study whose first packing the strategies are compared on: its file (relative to this one), or a table
-    /// `[study]` with a whole study.
+    /// The study whose first packing the strategies are compared on: its file (relative to this
+    /// one), or a table `[study]` with a whole study.
     #[schemars(example = &"yellow.toml")]
     pub study: Option<StudyWritten>,
     /// A case file (relative to this file), instead of `study`.
@@ -39,22 +39,24 @@ pub struct ComparisonFile {
     /// Names of the strategies; all but those for tiny grids when left out.
     #[schemars(schema_with = "strategy_names", example = ["krylov", "bicgstab"])]
     pub strategies: Option<Vec<String>>,
-    /// Discretisations along z to compare; when left out, cubic cells and second differences on listed grids, cubic cells on
-    /// searched ones.
+    /// Discretisations along z to compare; when left out, cubic cells and second differences on
+    /// listed grids, cubic cells on searched ones.
     #[schemars(length(min = 1), example = ["cubic"])]
     pub schemes: Option<Vec<Scheme>>,
-    /// Grids to compare; when left out, three of them, or with `accuracy` or `[matrix]` the one that a search finds.
+    /// Grids to compare; when left out, three of them, or with `accuracy` or `[matrix]` the one
+    /// that a search finds.
     #[schemars(length(min = 1))]
     pub resolutions: Option<Vec<Points>>,
-    /// Largest amplitude error for which the grid of each case and scheme is searched, instead of `resolutions`; 1e-2 in a matrix
-    /// without either.
+    /// Largest amplitude error for which the grid of each case and scheme is searched, instead of
+    /// `resolutions`; 1e-2 in a matrix without either.
     #[schemars(transform = limits::ACCURACY.mark(), example = 1e-2)]
     pub accuracy: Option<f64>,
-    /// Whether ⟨k²⟩ holds the absorption. When left out: as it suits each strategy, and where this makes a difference the real mean
-    /// beside it.
+    /// Whether ⟨k²⟩ holds the absorption. When left out: as it suits each strategy, and where this
+    /// makes a difference the real mean beside it.
     #[schemars(example = true)]
     pub absorbing_mean: Option<bool>,
-    /// Lets ⟨k²⟩ follow the composition along z, as it does when left out, or takes one for the whole layer.
+    /// Lets ⟨k²⟩ follow the composition along z, as it does when left out, or takes one for the
+    /// whole layer.
     #[schemars(example = false)]
     pub mean_depends_on_z: Option<bool>,
     /// Residual to reach, and the most operator applications.
@@ -71,10 +73,12 @@ pub struct ComparisonFile {
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GoalWritten {
-    /// Relative residual to reach; when left out, 1e-6 on listed grids and a hundredth of the accuracy on searched ones.
+    /// Relative residual to reach; when left out, 1e-6 on listed grids and a hundredth of the
+    /// accuracy on searched ones.
     #[schemars(transform = limits::TOLERANCE.mark(), example = 1e-6)]
     pub tolerance: Option<f64>,
-    /// Most operator applications (each one inverse and one forward transform of every plane); 2000 when left out.
+    /// Most operator applications (each one inverse and one forward transform of every plane); 2000
+    /// when left out.
     #[schemars(example = 300)]
     pub max_applications: Option<usize>,
 }

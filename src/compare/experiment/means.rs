@@ -5,8 +5,8 @@ use crate::solve::Solver;
 use crate::wave::{Mean, Media};
 
 impl ComparisonFile {
-    /// The means that a strategy is tried with: the one asked for, or else the one that suits it best and, where absorption makes a
-    /// difference, the real one too.
+    /// The means that a strategy is tried with: the one asked for, or else the one that suits it
+    /// best and, where absorption makes a difference, the real one too.
     pub(super) fn means(&self, solver: &dyn Solver, absorbs: bool) -> Vec<Mean> {
         let depends_on_z = self.mean_depends_on_z.unwrap_or(true);
         let mean = |absorbing| Mean { depends_on_z, absorbing: absorbing && absorbs };

@@ -1,4 +1,5 @@
-//! The grids of a case, what they cost in accuracy, and the amplitudes that every row is held against.
+//! The grids of a case, what they cost in accuracy, and the amplitudes that every row is held
+//! against.
 
 use super::cases::Subject;
 use super::file::{ComparisonFile, Points};
@@ -11,10 +12,11 @@ use crate::wave::{FarField, Mean, Order, Physical, Resolution, Scene, Scheme, To
 use num_complex::Complex64;
 
 /// A grid to try, and its share of the error.
-pub(super) struct Trial {
+pub(super) struct ReferenceTrial {
     /// None where the search for it failed, for this reason.
     pub grid: Result<Resolution, String>,
-    /// Parts of the estimated error from the plane and from z; none where no coarser grid could be solved.
+    /// Parts of the estimated error from the plane and from z; none where no coarser grid could be
+    /// solved.
     pub parts: Option<[f64; 2]>,
 }
 
@@ -25,7 +27,7 @@ impl ComparisonFile {
         case: &Case,
         coverages: &Coverages,
         watch: &mut dyn Watch,
-    ) -> Result<Vec<Trial>, CompareError> {
+    ) -> Result<Vec<ReferenceTrial>, CompareError> {
         let solver = Gmres::default();
         let mut trials = Vec::new();
         for scheme in self.schemes() {
@@ -55,12 +57,13 @@ impl ComparisonFile {
         Ok(())
     }
 
-    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and cells again.
+    /// Amplitudes to compare with: those of the case file, or a solve at half as many points and
+    /// cells again.
     pub(super) fn truth(
         &self,
         subject: &Subject,
         case: &Case,
-        trials: &[Trial],
+        trials: &[ReferenceTrial],
         watch: &mut dyn Watch,
     ) -> Result<FarField, CompareError> {
         let grids: Vec<Resolution> = trials.iter().filter_map(|trial| trial.grid.clone().ok()).collect();
@@ -82,10 +85,14 @@ impl ComparisonFile {
 ///
 /// # Errors
 /// The user stopped it.
-fn listed_trial(task: &Task, grid: Resolution, watch: &mut dyn Watch) -> Result<Trial, CompareError> {
+fn listed_trial(
+    task: &Task,
+    grid: Resolution,
+    watch: &mut dyn Watch,
+) -> Result<ReferenceTrial, CompareError> {
     match task.solve_with_estimate(grid, watch) {
         Err(stopped) if stopped.is_stop() => Err(stopped.into()),
-        found => Ok(Trial { grid: Ok(grid), parts: found.ok().map(|found| found.parts) }),
+        found => Ok(ReferenceTrial { grid: Ok(grid), parts: found.ok().map(|found| found.parts) }),
     }
 }
 
@@ -93,11 +100,13 @@ fn listed_trial(task: &Task, grid: Resolution, watch: &mut dyn Watch) -> Result<
 ///
 /// # Errors
 /// The user stopped it.
-fn searched_trial(task: &Task, accuracy: f64, watch: &mut dyn Watch) -> Result<Trial, CompareError> {
+fn searched_trial(task: &Task, accuracy: f64, watch: &mut dyn Watch) -> Result<ReferenceTrial, CompareError> {
     match task.solve_to_accuracy(accuracy, watch) {
         Err(stopped) if stopped.is_stop() => Err(stopped.into()),
-        Err(failed) => Ok(Trial { grid: Err(failed.to_string()), parts: None }),
-        Ok(found) => Ok(Trial { grid: Ok(found.system().grid().resolution), parts: Some(found.parts) }),
+        Err(failed) => Ok(ReferenceTrial { grid: Err(failed.to_string()), parts: None }),
+        Ok(found) => {
+            Ok(ReferenceTrial { grid: Ok(found.system().grid().resolution), parts: Some(found.parts) })
+        }
     }
 }
 

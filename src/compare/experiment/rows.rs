@@ -1,7 +1,7 @@
 //! One row of a comparison: one strategy on one grid of a case.
 
 use super::file::ComparisonFile;
-use super::reference::Trial;
+use super::reference::ReferenceTrial;
 use crate::compare::error::CompareError;
 use crate::compare::row::{Discrete, Row, Varied};
 use crate::input::case::Case;
@@ -26,7 +26,7 @@ impl Bench<'_> {
         &self,
         (name, solver): (&str, &dyn Solver),
         mean: Mean,
-        trial: &Trial,
+        trial: &ReferenceTrial,
         watch: &mut dyn Watch,
     ) -> Result<Row, CompareError> {
         let resolution = match &trial.grid {

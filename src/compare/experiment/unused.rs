@@ -1,4 +1,5 @@
-//! What a comparison leaves aside of the files it reads: said, so that nobody waits for the effect of a key that has none.
+//! What a comparison leaves aside of the files it reads: said, so that nobody waits for the effect
+//! of a key that has none.
 
 use super::file::ComparisonFile;
 use crate::compare::subject::StudyWritten;
@@ -28,7 +29,8 @@ const OF_STUDIES: [&str; 15] = [
 const OF_VARIED_STUDIES: [&str; 3] = ["layer.cell", "layer.period_um", "pigment[0].index"];
 
 impl ComparisonFile {
-    /// Keys of the comparison's study that are written and have no effect; none where a file cannot be read again.
+    /// Keys of the comparison's study that are written and have no effect; none where a file cannot
+    /// be read again.
     pub fn unused(&self) -> Vec<String> {
         let varied = if self.matrix.is_some() { &OF_VARIED_STUDIES[..] } else { &[] };
         let of_study = OF_STUDIES.iter().chain(varied);

@@ -1,20 +1,20 @@
 //! What an instrument would report of the print: its spectra every 10 nm, and the Lab that these have under the study's light.
 
-use super::error::ExportError;
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::evaluate::ink_maker::{InkMaker, Swatch};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::see;
 use crate::evaluate::summary::{program, summarise};
-use crate::export::print::{Geometry, Print, PrintSpectrum, resample, uniform_grid};
+use crate::export::error::ExportError;
+use crate::export::print::{InstrumentGeometry, Print, PrintSpectrum, resample, uniform_grid};
 use crate::export::stored::Stored;
 use crate::input::study::Study;
 use crate::input::variation::LightRule;
 use crate::numerics::estimate::Estimate;
 
 /// A spectrum with the covariance of its Lab.
-struct Known {
-    geometry: Geometry,
+struct KnownSpectrum {
+    geometry: InstrumentGeometry,
     values: Vec<Estimate>,
     lab_covariance: Option<[[f64; 3]; 3]>,
     page_lab: Option<[f64; 3]>,
@@ -60,8 +60,8 @@ pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> Res
 }
 
 /// The colour is that of the values themselves.
-fn with_colour(known: Known, meter: Option<&Colorimeter>) -> PrintSpectrum {
-    let Known { geometry, values, lab_covariance, page_lab } = known;
+fn with_colour(known: KnownSpectrum, meter: Option<&Colorimeter>) -> PrintSpectrum {
+    let KnownSpectrum { geometry, values, lab_covariance, page_lab } = known;
     let reflectance: Vec<f64> = values.iter().map(|e| e.value).collect();
     let colour = meter.and_then(|meter| meter.colour(&reflectance).ok());
     let colour = colour.map(|c| Colour { lab_covariance, ..c });
@@ -69,18 +69,18 @@ fn with_colour(known: Known, meter: Option<&Colorimeter>) -> PrintSpectrum {
 }
 
 /// Lab of the study's page under the study's light.
-fn page_lab(manifest: &Manifest<&Study>, geometry: Geometry) -> Option<[f64; 3]> {
+fn page_lab(manifest: &Manifest<&Study>, geometry: InstrumentGeometry) -> Option<[f64; 3]> {
     let maker = manifest.ink_maker.as_ref()?;
     let swatch = match geometry {
-        Geometry::LitAt45 => &maker.print,
-        Geometry::NaturalLight => &maker.natural_light,
+        InstrumentGeometry::LitAt45 => &maker.print,
+        InstrumentGeometry::NaturalLight => &maker.natural_light,
     };
     Some(swatch.colour.lab)
 }
 
 /// Both spectra of the print.
-fn known(manifest: &Manifest<&Study>) -> Vec<Known> {
-    let (lit, sky) = (Geometry::LitAt45, Geometry::NaturalLight);
+fn known(manifest: &Manifest<&Study>) -> Vec<KnownSpectrum> {
+    let (lit, sky) = (InstrumentGeometry::LitAt45, InstrumentGeometry::NaturalLight);
     let both = [
         known_at(manifest, lit, |row| row.lit_at_45, |maker| &maker.print),
         known_at(manifest, sky, |row| row.natural_light, |maker| &maker.natural_light),
@@ -91,13 +91,13 @@ fn known(manifest: &Manifest<&Study>) -> Vec<Known> {
 /// The spectrum at one geometry; `None` where it is not known at every wavelength.
 fn known_at(
     manifest: &Manifest<&Study>,
-    geometry: Geometry,
+    geometry: InstrumentGeometry,
     of: fn(&SpectrumRow) -> Option<Estimate>,
     swatch: fn(&InkMaker) -> &Swatch,
-) -> Option<Known> {
+) -> Option<KnownSpectrum> {
     // the ink on its paper stands beside the layer at the normal alone
     let normal = manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
     let values = normal.map(of).collect::<Option<Vec<Estimate>>>()?;
     let lab_covariance = manifest.ink_maker.as_ref().and_then(|maker| swatch(maker).colour.lab_covariance);
-    Some(Known { geometry, values, lab_covariance, page_lab: None })
+    Some(KnownSpectrum { geometry, values, lab_covariance, page_lab: None })
 }

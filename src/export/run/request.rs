@@ -1,21 +1,23 @@
 //! What to export.
 
+use clap::ValueEnum;
+
 /// A format, or a group of files that belong together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// Measured material for the renderer Mitsuba 3, spectral and RGB, with scenes and tables to check it by.
+    /// Material for Mitsuba 3 (spectral and RGB), scenes, tables to check it by.
     Mitsuba,
-    /// CxF3: spectra with Lab.
+    /// Spectra with Lab, CxF3.
     Cxf,
-    /// CGATS.17 and ArgyllCMS's dialect of it.
+    /// Spectra with Lab, CGATS.17 and ArgyllCMS's sp.
     Cgats,
     /// Far fields as NumPy arrays.
     Npz,
-    /// Contrast, and on request the wave inside the layer, as VTK images.
+    /// Contrast of the first packing as a VTK image.
     Vti,
-    /// The first packing as a page for the browser.
+    /// The first packing as a page to turn and to cut in a browser.
     Viewer,
-    /// RO-Crate and Data Package with the tables they describe.
+    /// RO-Crate and Data Package.
     Crate,
 }
 

@@ -13,7 +13,7 @@ use ndarray::Array2;
 use std::collections::BTreeMap;
 
 /// Place on the lattice.
-type Place = (i32, i32);
+type BinPlace = (i32, i32);
 
 impl Bdf {
     /// Averages far fields of one polar angle and nearly one wavelength; cells and azimuths may differ. `period_um` is that of the nominal
@@ -52,23 +52,23 @@ impl Lattice {
         Self { centre: [x.hypot(y), 0.0], step: period_um.map(|period| incidence.wavelength_um / period) }
     }
 
-    fn direction(&self, (m, n): Place) -> [f64; 2] {
+    fn direction(&self, (m, n): BinPlace) -> [f64; 2] {
         [self.centre[0] + f64::from(m) * self.step[0], self.centre[1] + f64::from(n) * self.step[1]]
     }
 
     /// The nearest cell; of those at the rim the nearest one whose centre lies inside `reach`, the largest cosine that propagates.
-    fn place(&self, direction: [f64; 2], reach: f64) -> Place {
+    fn place(&self, direction: [f64; 2], reach: f64) -> BinPlace {
         let nearest = |i: usize| ((direction[i] - self.centre[i]) / self.step[i]).round() as i32;
         let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (nearest(0) + i, nearest(1) + j)));
-        let distance = |place: &Place| {
+        let distance = |place: &BinPlace| {
             let [x, y] = self.direction(*place);
             (x - direction[0]).hypot(y - direction[1])
         };
-        let cosine = |place: &Place| {
+        let cosine = |place: &BinPlace| {
             let [x, y] = self.direction(*place);
             x.hypot(y)
         };
-        let inside = |place: &Place| *place != (0, 0) && cosine(place) < reach;
+        let inside = |place: &BinPlace| *place != (0, 0) && cosine(place) < reach;
         let best = around.filter(inside).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         best.unwrap_or((nearest(0), nearest(1)))
     }
@@ -76,7 +76,7 @@ impl Lattice {
     fn collect(&self, fields: &[FarField], lobe: Lobe) -> LobeData {
         let reach = fields.iter().flat_map(|f| &f.orders).filter(|o| view(o, lobe).propagates).map(radius);
         let reach = reach.fold(0.0, f64::max).max(1.0);
-        let mut cells: BTreeMap<Place, Vec<f64>> = BTreeMap::new();
+        let mut cells: BTreeMap<BinPlace, Vec<f64>> = BTreeMap::new();
         for (r, field) in fields.iter().enumerate() {
             for order in field.orders.iter().filter(|o| view(o, lobe).propagates) {
                 let place = match (order.m, order.n) {
@@ -90,9 +90,9 @@ impl Lattice {
         self.lobe(fields, lobe, cells)
     }
 
-    fn lobe(&self, fields: &[FarField], lobe: Lobe, cells: BTreeMap<Place, Vec<f64>>) -> LobeData {
+    fn lobe(&self, fields: &[FarField], lobe: Lobe, cells: BTreeMap<BinPlace, Vec<f64>>) -> LobeData {
         let density = 1.0 / (self.step[0] * self.step[1]);
-        let columns: Vec<(Place, Vec<f64>)> = cells.into_iter().collect();
+        let columns: Vec<(BinPlace, Vec<f64>)> = cells.into_iter().collect();
         let orders = columns.iter().map(|(place, samples)| self.order(*place, samples, density)).collect();
         let efficiencies = Array2::from_shape_fn((fields.len(), columns.len()), |(r, k)| columns[k].1[r]);
         let specular = columns.iter().position(|(place, _)| *place == (0, 0));
@@ -101,7 +101,7 @@ impl Lattice {
         LobeData { orders, efficiencies, totals }
     }
 
-    fn order(&self, (m, n): Place, samples: &[f64], density: f64) -> OrderMean {
+    fn order(&self, (m, n): BinPlace, samples: &[f64], density: f64) -> OrderMean {
         let efficiency = Estimate::of_mean(samples);
         let standard_error = efficiency.standard_error.map(|s| s * density);
         OrderMean {

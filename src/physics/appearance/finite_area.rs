@@ -129,19 +129,19 @@ pub struct FiniteArea {
     /// κ₀, 1/µm.
     incident_kappa: f64,
     /// The orders that propagate, by n: all of a row share ky.
-    rows: BTreeMap<i32, Row>,
+    rows: BTreeMap<i32, LobeRow>,
 }
 
 /// The orders (·, n).
 #[derive(Clone, Debug, PartialEq)]
-struct Row {
+struct LobeRow {
     /// 1/µm.
     ky: f64,
-    waves: Vec<Wave>,
+    waves: Vec<PlaneWave>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Wave {
+struct PlaneWave {
     m: i32,
     /// 1/µm.
     kx: f64,
@@ -212,7 +212,8 @@ impl FiniteArea {
         let (sin, cos) = polar_deg.to_radians().sin_cos();
         let (y, x) = azimuth_deg.to_radians().sin_cos();
         // s = Σ_n sinc(l (ky_n − ky)/2) Σ_m α_mn sinc(l (kx_m − kx)/2)
-        let in_row = |row: &Row| self.sinc(row.ky - self.k * sin * y) * self.along_x(row, self.k * sin * x);
+        let in_row =
+            |row: &LobeRow| self.sinc(row.ky - self.k * sin * y) * self.along_x(row, self.k * sin * x);
         let s: Complex64 = self.rows.values().map(in_row).sum();
         // G = l²/(4π²) · k³ cos²ϑ / κ₀ · |s|²
         Ok(self.aperture() * self.k.powi(3) * cos * cos / self.incident_kappa * s.norm_sqr())
@@ -226,7 +227,7 @@ impl FiniteArea {
         let step = self.k / samples;
         // Midpoints: a sample never lies on the rim of the disk.
         let places: Vec<f64> = (0..2 * samples as usize).map(|i| (i as f64 + 0.5 - samples) * step).collect();
-        let table = |row: &Row| places.iter().map(|ky| self.sinc(row.ky - ky)).collect();
+        let table = |row: &LobeRow| places.iter().map(|ky| self.sinc(row.ky - ky)).collect();
         let tables: Vec<Vec<f64>> = self.rows.values().map(table).collect();
         let lines: Vec<f64> = places.par_iter().map(|&kx| self.line(kx, &places, &tables)).collect();
         // ∫ G dω = l²/(4π²) ∫ √(k² − kx² − ky²)/κ₀ · |s|² dkx dky
@@ -250,7 +251,7 @@ impl FiniteArea {
     }
 
     /// Σ_m α_mn sinc(l (kx_m − kx)/2) of a row.
-    fn along_x(&self, row: &Row, kx: f64) -> Complex64 {
+    fn along_x(&self, row: &LobeRow, kx: f64) -> Complex64 {
         row.waves.iter().map(|w| w.amplitude * self.sinc(w.kx - kx)).sum()
     }
 
@@ -267,7 +268,7 @@ impl FiniteArea {
 }
 
 /// The orders that propagate on one side, by n.
-fn rows(orders: &[Order], lobe: Lobe, k0: f64) -> Result<BTreeMap<i32, Row>, FiniteAreaError> {
+fn rows(orders: &[Order], lobe: Lobe, k0: f64) -> Result<BTreeMap<i32, LobeRow>, FiniteAreaError> {
     let mut rows = BTreeMap::new();
     for o in orders {
         let (propagates, amplitude) = match lobe {
@@ -282,8 +283,8 @@ fn rows(orders: &[Order], lobe: Lobe, k0: f64) -> Result<BTreeMap<i32, Row>, Fin
         }
         let [kx, ky] = o.direction.map(|cosine| k0 * cosine);
         if propagates {
-            let row = rows.entry(o.n).or_insert_with(|| Row { ky, waves: Vec::new() });
-            row.waves.push(Wave { m: o.m, kx, amplitude });
+            let row = rows.entry(o.n).or_insert_with(|| LobeRow { ky, waves: Vec::new() });
+            row.waves.push(PlaneWave { m: o.m, kx, amplitude });
         }
     }
     Ok(rows)

@@ -7,8 +7,51 @@
 //! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)      over a backing ρ:  R + T² ρ/(1 − ρ R)
 //! ```
 //!
-//! K and S are those of the layer with its faces: Fresnel reflection at them is part of S, as it is in coefficients from
-//! measured reflectances without Saunderson's correction. They hold for a layer that is the same from both sides.
+//! They hold for a layer that is the same from both sides. What its two faces reflect is no scattering: [`DiffuseFaces`] takes it off
+//! first (Saunderson 1942), for light that is diffuse inside.
+
+/// The two plane faces of a layer between air and air, for diffuse light.
+///
+/// One face reflects r of diffuse light from outside and r′ = 1 − (1 − r)/n² of diffuse light from inside (the same light passes
+/// both ways, over n²). Lit from both sides by equal fluxes the bare layer reflects ρ = R₀ + T₀, by opposite ones R₀ − T₀; with
+/// its faces each becomes what J. L. Saunderson gives for one face (J. Opt. Soc. Am. 32, 727–736, 1942):
+///
+/// ```text
+/// R ± T = r + (1 − r)(1 − r′) ρ/(1 − r′ ρ)      ρ = (R ± T − r)/((1 − r)(1 − r′) + r′ (R ± T − r))
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DiffuseFaces {
+    /// r, share of diffuse light from outside that a face reflects, 0–1.
+    pub external: f64,
+    /// r′, share of diffuse light from inside that a face reflects, 0–1.
+    pub internal: f64,
+}
+
+impl DiffuseFaces {
+    /// Plane faces of a layer of real index n that reflect `external` of diffuse light from outside.
+    pub fn plane(external: f64, index: f64) -> Self {
+        Self { external, internal: 1.0 - (1.0 - external) / (index * index) }
+    }
+
+    /// \[R, T\] of the layer without its faces. `None` where no layer in diffuse light has this R and T with such faces.
+    pub fn taken_off(&self, reflectance: f64, transmittance: f64) -> Option<[f64; 2]> {
+        let bare = |sum: f64| {
+            let inside = sum - self.external;
+            let divisor = (1.0 - self.external) * (1.0 - self.internal) + self.internal * inside;
+            (divisor > 0.0).then(|| inside / divisor)
+        };
+        let (same, opposite) = (bare(reflectance + transmittance)?, bare(reflectance - transmittance)?);
+        Some([0.5 * (same + opposite), 0.5 * (same - opposite)])
+    }
+
+    /// \[R, T\] of the layer with its faces, from those of the bare layer.
+    pub fn put_on(&self, reflectance: f64, transmittance: f64) -> [f64; 2] {
+        let through = (1.0 - self.external) * (1.0 - self.internal);
+        let whole = |bare: f64| self.external + through * bare / (1.0 - self.internal * bare);
+        let (same, opposite) = (whole(reflectance + transmittance), whole(reflectance - transmittance));
+        [0.5 * (same + opposite), 0.5 * (same - opposite)]
+    }
+}
 
 /// Absorption and scattering per unit of thickness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +161,10 @@ fn root(f: impl Fn(f64) -> f64, mut lo: f64, mut hi: f64) -> Option<f64> {
     }
     Some((lo + hi) / 2.0)
 }
+
+#[cfg(test)]
+#[path = "kubelka_munk_faces_tests.rs"]
+mod faces_tests;
 
 #[cfg(test)]
 mod tests {

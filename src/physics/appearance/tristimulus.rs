@@ -6,7 +6,7 @@ pub use super::error::ColourError;
 pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
 
 use super::viewing::{Summation, Viewing};
-use beyond::End;
+use beyond::SpectrumEnd;
 
 /// Range of the CIE tables, nm.
 pub const TABLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
@@ -43,7 +43,7 @@ pub struct Colorimeter {
     white_rgb: [f64; 3],
     viewing: Viewing,
     /// What lies beyond both ends of the grid.
-    ends: [End; 2],
+    ends: [SpectrumEnd; 2],
     /// To D65, under another light.
     adaptation: Option<[[f64; 3]; 3]>,
 }
@@ -75,7 +75,7 @@ impl Colorimeter {
         } else {
             resampled_weights(wavelengths_nm, RESAMPLED_STEP_NM, viewing)
         };
-        let ends = End::both(wavelengths_nm, step_nm, viewing);
+        let ends = SpectrumEnd::both(wavelengths_nm, step_nm, viewing);
         if viewing.summation == Summation::Plain {
             ends.iter().for_each(|end| fold(&mut raw[end.node()], end.white()));
         }
@@ -189,8 +189,8 @@ fn fold(own: &mut [f64; 3], beyond: [f64; 3]) {
     own.iter_mut().zip(beyond).for_each(|(own, beyond)| *own += beyond);
 }
 
-fn check_white(grid: &[f64], white: [f64; 3], ends: &[End; 2]) -> Result<(), ColourError> {
-    let [below, above] = ends.each_ref().map(End::white);
+fn check_white(grid: &[f64], white: [f64; 3], ends: &[SpectrumEnd; 2]) -> Result<(), ColourError> {
+    let [below, above] = ends.each_ref().map(SpectrumEnd::white);
     let inside = |c: usize| 1.0 - (below[c] + above[c]) / white[c];
     let least = 1.0 - MOST_OUTSIDE;
     let lost = |c: &usize| inside(*c).is_nan() || inside(*c) < least;

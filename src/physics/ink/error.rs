@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PackError {
     /// A number of the request that cannot be packed; found before any grain is placed.
-    #[error("{field} = {found}: allowed is {allowed}; {advice}")]
+    #[error("{field} = {found}: allowed is {allowed}; {remedy}")]
     BadInput {
         /// Path of the field in the request.
         field: String,
@@ -13,7 +13,7 @@ pub enum PackError {
         /// What is allowed.
         allowed: String,
         /// What to try.
-        advice: String,
+        remedy: String,
     },
 
     /// Random sequential addition found no free place for a grain.
@@ -103,9 +103,9 @@ impl PackError {
         field: impl Into<String>,
         found: impl ToString,
         allowed: impl Into<String>,
-        advice: impl Into<String>,
+        remedy: impl Into<String>,
     ) -> Self {
-        let (field, allowed, advice) = (field.into(), allowed.into(), advice.into());
-        Self::BadInput { field, found: found.to_string(), allowed, advice }
+        let (field, allowed, remedy) = (field.into(), allowed.into(), remedy.into());
+        Self::BadInput { field, found: found.to_string(), allowed, remedy }
     }
 }

@@ -14,11 +14,11 @@ pub use error::PackError;
 pub use grains::agglomeration::Agglomeration;
 pub use grains::orientation::Orientation;
 pub use grains::shape::Shape;
-pub use grains::size::{Measure, SizeDistribution};
+pub use grains::size::{By, Measure, SizeDistribution};
 pub use grains::sphere::Sphere;
 pub use packing::grain::Grain;
 pub use packing::pack::pack;
-pub use packing::placed::{Account, Method, Packing, Share};
+pub use packing::placed::{Method, Packing, PackingAccount, Share};
 pub use packing::request::{
     EquilibrationSettings, MethodChoice, PackingRequest, PigmentGrains, RelaxationSettings,
     SequentialSettings, ShareRule,

@@ -6,6 +6,7 @@
 
 use super::error::PackError;
 use crate::numerics::allowed::Allowed;
+use crate::numerics::periodic::bilinear;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -49,12 +50,12 @@ pub enum ReliefRule {
 impl ReliefRequest {
     pub(crate) fn check(&self, thickness_um: f64, walls: bool) -> Result<(), PackError> {
         if !walls {
-            let advice = "set walls = true, or leave the relief out";
+            let remedy = "set walls = true, or leave the relief out";
             return Err(PackError::input(
                 "relief",
                 "with walls = false",
                 "relief between walls only",
-                advice,
+                remedy,
             ));
         }
         if !(self.depth_um >= 0.0 && self.depth_um < thickness_um) {
@@ -101,16 +102,7 @@ pub struct Relief {
 impl Relief {
     /// Height of the binder above the paper at (x, y): bilinear between the points of the grid.
     pub fn height_um(&self, x_um: f64, y_um: f64) -> f64 {
-        let [nx, ny] = self.count;
-        let split = |x: f64, period: f64, n: usize| {
-            let t = (x / period).rem_euclid(1.0) * n as f64;
-            let i = (t as usize).min(n - 1);
-            (i, (i + 1) % n, t - i as f64)
-        };
-        let (i0, i1, u) = split(x_um, self.period_um[0], nx);
-        let (j0, j1, v) = split(y_um, self.period_um[1], ny);
-        let h = |i: usize, j: usize| self.heights_um[j * nx + i];
-        (1.0 - v) * ((1.0 - u) * h(i0, j0) + u * h(i1, j0)) + v * ((1.0 - u) * h(i0, j1) + u * h(i1, j1))
+        bilinear(&self.heights_um, self.count, self.period_um, [x_um, y_um])
     }
 
     /// Points of the height grid along x and y.

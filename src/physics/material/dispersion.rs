@@ -48,7 +48,7 @@ pub enum DispersionError {
 
 /// What gives one part of the index over a range of wavelengths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum Source {
+enum DataSource {
     /// Rows (λ in µm, value), rising; linear between them.
     Table(Vec<[f64; 2]>),
     /// A formula by its number, with its range in µm and its coefficients.
@@ -59,8 +59,8 @@ enum Source {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dispersion {
     name: String,
-    n: Option<Source>,
-    kappa: Option<Source>,
+    n: Option<DataSource>,
+    kappa: Option<DataSource>,
 }
 
 /// What a record says about itself, without markup.
@@ -74,7 +74,7 @@ pub struct RecordText {
 
 #[derive(Default, Deserialize)]
 #[serde(rename_all = "UPPERCASE", default)]
-struct Words {
+struct RecordWords {
     references: String,
     comments: String,
 }
@@ -82,7 +82,7 @@ struct Words {
 impl RecordText {
     /// Of a record's text; empty where it says nothing.
     pub fn of(text: &str) -> Self {
-        let words: Words = serde_norway::from_str(text).unwrap_or_default();
+        let words: RecordWords = serde_norway::from_str(text).unwrap_or_default();
         Self { reference: plain(&words.references), comment: plain(&words.comments) }
     }
 }
@@ -97,13 +97,13 @@ fn plain(html: &str) -> String {
 }
 
 #[derive(Deserialize)]
-struct Record {
+struct DispersionRecord {
     #[serde(rename = "DATA")]
-    data: Vec<Entry>,
+    data: Vec<DataEntry>,
 }
 
 #[derive(Deserialize)]
-struct Entry {
+struct DataEntry {
     #[serde(rename = "type")]
     kind: String,
     data: Option<String>,
@@ -133,7 +133,7 @@ impl Dispersion {
         if let Some(depth) = too_deep(text) {
             return Err(format!("{depth} brackets are open at once; a record has a few"));
         }
-        let record: Record = serde_norway::from_str(text).map_err(|error| error.to_string())?;
+        let record: DispersionRecord = serde_norway::from_str(text).map_err(|error| error.to_string())?;
         let mut found = Self { name: name.to_owned(), n: None, kappa: None };
         for entry in &record.data {
             found.take(entry)?;
@@ -144,14 +144,14 @@ impl Dispersion {
         }
     }
 
-    fn take(&mut self, entry: &Entry) -> Result<(), String> {
+    fn take(&mut self, entry: &DataEntry) -> Result<(), String> {
         let words: Vec<&str> = entry.kind.split_whitespace().collect();
         match words.as_slice() {
             ["tabulated", "nk"] => {
                 let rows = rows(entry, 3)?;
                 let column = |i: usize| rows.iter().map(|row| [row[0], row[i]]).collect();
-                put(&mut self.n, Source::Table(column(1)), "n")?;
-                put(&mut self.kappa, Source::Table(column(2)), "k")
+                put(&mut self.n, DataSource::Table(column(1)), "n")?;
+                put(&mut self.kappa, DataSource::Table(column(2)), "k")
             }
             ["tabulated", "n"] => put(&mut self.n, table(entry)?, "n"),
             ["tabulated", "k"] => put(&mut self.kappa, table(entry)?, "k"),
@@ -167,7 +167,7 @@ impl Dispersion {
 
     /// First and last wavelength at which every part is known, nm.
     pub fn range_nm(&self) -> [f64; 2] {
-        let parts = [&self.n, &self.kappa].into_iter().flatten().map(Source::range_um);
+        let parts = [&self.n, &self.kappa].into_iter().flatten().map(DataSource::range_um);
         let [lo, hi] =
             parts.fold([0.0, f64::INFINITY], |[lo, hi], [a, b]| [f64::max(lo, a), f64::min(hi, b)]);
         [1e3 * lo, 1e3 * hi]
@@ -188,19 +188,19 @@ impl Dispersion {
     /// With the same real part at all wavelengths of the record.
     pub fn with_n(self, n: f64) -> Self {
         let [lo, hi] = self.range_nm().map(|nm| 1e-3 * nm);
-        let n = Source::Formula { number: 5, range_um: [lo, hi], coefficients: vec![n] };
+        let n = DataSource::Formula { number: 5, range_um: [lo, hi], coefficients: vec![n] };
         Self { n: Some(n), ..self }
     }
 
     /// n + iκ at a wavelength in µm inside the range; not a number without n, transparent without k.
     pub fn index(&self, wavelength_um: f64) -> Complex64 {
         let value =
-            |part: &Option<Source>, default| part.as_ref().map_or(default, |s| s.value(wavelength_um));
+            |part: &Option<DataSource>, default| part.as_ref().map_or(default, |s| s.value(wavelength_um));
         Complex64::new(value(&self.n, f64::NAN), value(&self.kappa, 0.0))
     }
 }
 
-impl Source {
+impl DataSource {
     fn range_um(&self) -> [f64; 2] {
         match self {
             Self::Table(rows) => [rows[0][0], rows[rows.len() - 1][0]],
@@ -284,18 +284,18 @@ fn too_deep(text: &str) -> Option<usize> {
     None
 }
 
-fn put(place: &mut Option<Source>, source: Source, part: &str) -> Result<(), String> {
+fn put(place: &mut Option<DataSource>, source: DataSource, part: &str) -> Result<(), String> {
     match place.replace(source) {
         Some(_) => Err(format!("it has {part} twice; keep one of them")),
         None => Ok(()),
     }
 }
 
-fn table(entry: &Entry) -> Result<Source, String> {
-    Ok(Source::Table(rows(entry, 2)?.iter().map(|row| [row[0], row[1]]).collect()))
+fn table(entry: &DataEntry) -> Result<DataSource, String> {
+    Ok(DataSource::Table(rows(entry, 2)?.iter().map(|row| [row[0], row[1]]).collect()))
 }
 
-fn rows(entry: &Entry, columns: usize) -> Result<Vec<Vec<f64>>, String> {
+fn rows(entry: &DataEntry, columns: usize) -> Result<Vec<Vec<f64>>, String> {
     let lines = entry.data.as_deref().unwrap_or("").lines().filter(|line| !line.trim().is_empty());
     let rows = lines.map(|line| numbers(line, columns)).collect::<Result<Vec<_>, _>>()?;
     if rows.is_empty() {
@@ -307,7 +307,7 @@ fn rows(entry: &Entry, columns: usize) -> Result<Vec<Vec<f64>>, String> {
     }
 }
 
-fn formula(entry: &Entry, number: &str) -> Result<Source, String> {
+fn formula(entry: &DataEntry, number: &str) -> Result<DataSource, String> {
     let number = number.parse().ok().filter(|n| (1..=9).contains(n));
     let number = number.ok_or_else(|| format!("type {:?}: allowed are formula 1 to 9", entry.kind))?;
     let text = |value: &Option<Value>| match value {
@@ -320,7 +320,7 @@ fn formula(entry: &Entry, number: &str) -> Result<Source, String> {
         return Err(format!("wavelength_range does not rise: {} to {} µm", range[0], range[1]));
     }
     let coefficients = numbers(&text(&entry.coefficients), 1)?;
-    Ok(Source::Formula { number, range_um: [range[0], range[1]], coefficients })
+    Ok(DataSource::Formula { number, range_um: [range[0], range[1]], coefficients })
 }
 
 /// At least `least` finite numbers.

@@ -26,11 +26,6 @@ pub enum MixingRule {
 }
 
 impl MixingRule {
-    /// True for the rule of the scalar wave.
-    pub fn is_volume_average(&self) -> bool {
-        *self == Self::VolumeAverage
-    }
-
     /// Index of a mixture of a binder with shares of other materials.
     pub fn mix(self, binder: Complex64, shares: &[(f64, Complex64)]) -> Complex64 {
         match self {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// A material of the list: its name, what was measured, and its records with their weights in ε̄.
 #[derive(Debug)]
-pub struct Material {
+pub struct NamedMaterial {
     /// The name in `index = { material = "…" }`.
     pub name: &'static str,
     /// What it is to an ink or paint maker.
@@ -19,7 +19,7 @@ pub struct Material {
 
 macro_rules! isotropic {
     ($name:literal, $what:literal, $file:literal) => {
-        Material {
+        NamedMaterial {
             name: $name,
             what: $what,
             records: &[(1.0, include_str!(concat!("records/", $file, ".yml")))],
@@ -29,7 +29,7 @@ macro_rules! isotropic {
 
 macro_rules! uniaxial {
     ($name:literal, $what:literal, $file:literal) => {
-        Material {
+        NamedMaterial {
             name: $name,
             what: $what,
             records: &[
@@ -41,7 +41,7 @@ macro_rules! uniaxial {
 }
 
 /// All named materials.
-pub const MATERIALS: &[Material] = &[
+pub const MATERIALS: &[NamedMaterial] = &[
     uniaxial!("TiO2 rutile", "white pigment", "tio2-rutile"),
     isotropic!("TiO2 anatase", "white pigment", "tio2-anatase"),
     isotropic!("ZnS", "white pigment (sphalerite)", "zns"),
@@ -61,7 +61,7 @@ pub const MATERIALS: &[Material] = &[
     isotropic!("PVA", "polyvinyl alcohol: binder", "pva"),
 ];
 
-impl Material {
+impl NamedMaterial {
     /// The material of that name; upper and lower case alike.
     pub fn find(name: &str) -> Option<&'static Self> {
         MATERIALS.iter().find(|material| material.name.eq_ignore_ascii_case(name))
@@ -139,7 +139,7 @@ mod tests {
             ("TiO2 anatase", 0.50400, 2.55780, 0.0, 1e-12),
         ];
         for (name, um, n, kappa, allowed) in rows {
-            let eta = Material::find(name).unwrap().index().index(um);
+            let eta = NamedMaterial::find(name).unwrap().index().index(um);
             assert!((eta - Complex64::new(n, kappa)).norm() <= allowed, "{name} {um}: {eta}");
         }
     }
@@ -147,7 +147,7 @@ mod tests {
     /// DeVore (1951), table I, 589.3 nm: rutile n_o = 2.613, n_e = 2.909.
     #[test]
     fn crystals_are_averaged_in_permittivity() {
-        let averaged = Material::find("tio2 RUTILE").unwrap().index().index(0.5893);
+        let averaged = NamedMaterial::find("tio2 RUTILE").unwrap().index().index(0.5893);
         let expected = f64::sqrt((2.0 * 2.613f64.powi(2) + 2.909f64.powi(2)) / 3.0);
         assert!((averaged.re - expected).abs() < 1e-3 && averaged.im == 0.0, "{averaged} {expected}");
     }

@@ -7,7 +7,7 @@ pub use error::SpectrumError;
 use super::columns::{Columns, ColumnsError};
 use super::dispersion::Dispersion;
 use super::gaps;
-use super::named::{MATERIALS, Material, NamedIndex};
+use super::named::{MATERIALS, NamedIndex, NamedMaterial};
 use super::synthetic::{SYNTHETIC_RANGE_NM, Synthetic};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -82,7 +82,7 @@ impl Spectrum {
     /// A name that is not in the list.
     pub fn material(name: &str) -> Result<Self, SpectrumError> {
         let unknown = || SpectrumError::UnknownMaterial { value: name.into(), known: known_materials() };
-        Ok(Self::Named(Material::find(name).ok_or_else(unknown)?.index()))
+        Ok(Self::Named(NamedMaterial::find(name).ok_or_else(unknown)?.index()))
     }
 
     /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start with `#` are comments. A table
@@ -93,8 +93,8 @@ impl Spectrum {
     pub fn from_csv(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
         let path = path.as_ref();
         let columns = Columns::read(path)?;
-        let places =
-            Places::of(&columns).map_err(|reason| SpectrumError::Header { path: path.into(), reason })?;
+        let places = ColumnPlaces::of(&columns)
+            .map_err(|reason| SpectrumError::Header { path: path.into(), reason })?;
         if columns.rows.len() < 2 {
             return Err(SpectrumError::TooFewRows { path: path.into(), rows: columns.rows.len() });
         }
@@ -208,13 +208,13 @@ fn the_other(path: &Path, in_file: bool, beside: Option<f64>) -> Result<Option<f
 }
 
 /// Where a table keeps what.
-struct Places {
+struct ColumnPlaces {
     wavelength: usize,
     kappa: usize,
     n: Option<usize>,
 }
 
-impl Places {
+impl ColumnPlaces {
     fn of(columns: &Columns) -> Result<Self, String> {
         let known = ["wavelength_nm", "kappa", "k", "n"];
         if let Some(unknown) = columns.names.iter().find(|name| !known.contains(&name.as_str())) {

@@ -60,6 +60,9 @@ impl Allowed {
 
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if [self.low, self.high] == [f64::MIN, f64::MAX] {
+            return write!(f, "any finite number");
+        }
         let low = if self.low_is_open { "greater than" } else { "from" };
         let high = match (self.low_is_open, self.high_is_open) {
             (true, false) => "and at most",

@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod files;
 pub mod fourier;
 pub mod linked;
+pub mod periodic;
 pub mod sequence;
 pub mod vector;
 pub mod written;

@@ -4,7 +4,7 @@
 //! upper bound; `tests/suite/memory.rs` holds the sum against what the system measured.
 
 pub use super::size::Size;
-use super::solver::Solver;
+use super::solver::{Fit, Solver};
 use crate::wave::Resolution;
 use thiserror::Error;
 
@@ -36,50 +36,45 @@ pub fn memory_in_words(gb: f64) -> String {
 impl Size {
     /// Bytes of a solve with a strategy at its largest.
     pub fn bytes(&self, solver: &dyn Solver) -> f64 {
-        let strategy = if self.channels == 0 { self.fields(4.0) } else { solver.most_bytes(self) };
+        self.with(self.fit(solver, f64::INFINITY).bytes)
+    }
+
+    fn fit(&self, solver: &dyn Solver, bytes: f64) -> Fit {
+        if self.channels == 0 { Fit::fixed(self.fields(4.0)) } else { solver.fit(self, bytes) }
+    }
+
+    /// Bytes of a solve whose strategy takes that many.
+    fn with(&self, strategy: f64) -> f64 {
         self.problem() + self.making().max(strategy)
     }
 
-    /// The strategy if `memory` bytes hold it, itself or with less memory of its own.
+    /// The strategy if `memory` bytes hold it, itself or with less memory of its own, and with leave to grow into the rest.
     ///
     /// # Errors
     /// [`TooLarge`]: nothing does.
-    pub fn admit<'a>(&self, solver: &'a dyn Solver, memory: f64) -> Result<Admitted<'a>, TooLarge> {
-        let need = self.bytes(solver);
-        if need <= memory {
-            return Ok(Admitted::Whole(solver));
+    pub fn admit<'a>(&self, asked: &'a dyn Solver, memory: f64) -> Result<Admitted<'a>, TooLarge> {
+        let Fit { bytes, solver } = self.fit(asked, memory - self.problem());
+        let bytes = self.with(bytes);
+        if bytes <= memory {
+            return Ok(Admitted { bytes, asked, fitted: solver });
         }
-        let left = memory - self.problem();
-        if self.making() <= left
-            && let Some(smaller) = solver.within(self, left)
-        {
-            return Ok(Admitted::Fitted(smaller));
-        }
-        let [need_gb, allowed_gb] = [need, memory].map(|bytes| 1e-9 * bytes);
+        let [need_gb, allowed_gb] = [bytes, memory].map(|bytes| 1e-9 * bytes);
         Err(TooLarge { resolution: self.resolution, need_gb, allowed_gb })
     }
 }
 
 /// A strategy that fits the memory.
-pub enum Admitted<'a> {
-    /// As it was asked.
-    Whole(&'a dyn Solver),
+pub struct Admitted<'a> {
+    /// Bytes of a solve, unless it stalls and the strategy grows.
+    pub bytes: f64,
+    asked: &'a dyn Solver,
     /// With another memory of its own.
-    Fitted(Box<dyn Solver>),
+    fitted: Option<Box<dyn Solver>>,
 }
 
 impl Admitted<'_> {
-    /// With leave to grow to what `memory` bytes hold, where a solve needs it.
-    pub fn with_room(self, size: &Size, memory: f64) -> Self {
-        let roomy = self.solver().with_room(size, memory - size.problem());
-        roomy.map_or(self, Admitted::Fitted)
-    }
-
     /// The strategy.
     pub fn solver(&self) -> &dyn Solver {
-        match self {
-            Admitted::Whole(solver) => *solver,
-            Admitted::Fitted(solver) => &**solver,
-        }
+        self.fitted.as_deref().unwrap_or(self.asked)
     }
 }

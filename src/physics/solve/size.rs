@@ -88,8 +88,8 @@ impl Size {
             return self.points() * self.planes() * each;
         }
         let moments = channels + 0.5 * channels * (channels + 1.0);
-        // The mean operator's tables, and those of A⁻¹V in double and in single precision.
-        let factors = COMPLEX * (1.0 + 3.0 / degree + 4.5);
+        // The mean operator's tables and the contrast in double precision, and those of A⁻¹V in single.
+        let factors = COMPLEX * (4.5 + 2.0 / degree);
         self.unknowns() * (8.0 * moments + factors)
     }
 

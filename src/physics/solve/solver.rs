@@ -164,6 +164,21 @@ impl SolveError {
     }
 }
 
+/// A strategy in the memory that it may take.
+pub struct Fit {
+    /// Most bytes that it takes besides the problem, unless a solve that stalls makes it grow.
+    pub bytes: f64,
+    /// The same strategy with less memory of its own, or with leave to grow; none where it stays as it is.
+    pub solver: Option<Box<dyn Solver>>,
+}
+
+impl Fit {
+    /// Of a strategy that always takes the same.
+    pub fn fixed(bytes: f64) -> Fit {
+        Fit { bytes, solver: None }
+    }
+}
+
 /// A strategy: it owns its loop, the problem owns the yardstick. Strategies of other crates implement this trait, keep
 /// their account in a [`Ledger`](super::Ledger) and join a [`Registry`](super::Registry).
 ///
@@ -210,20 +225,10 @@ pub trait Solver: Send + Sync {
         Mean::default()
     }
 
-    /// Most bytes that the strategy takes besides the problem itself, for a problem of that size.
-    fn most_bytes(&self, size: &Size) -> f64 {
-        size.fields(50.0)
-    }
-
-    /// The same strategy in `bytes`, where it can do with less than [`Solver::most_bytes`].
-    fn within(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
-        None
-    }
-
-    /// The same strategy with leave to grow within `bytes` where a solve does not converge with [`Solver::most_bytes`]; `None` where
-    /// that changes nothing.
-    fn with_room(&self, _size: &Size, _bytes: f64) -> Option<Box<dyn Solver>> {
-        None
+    /// What the strategy takes besides a problem of that size where it may take `bytes`; more than that if it cannot do
+    /// with less.
+    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
+        Fit::fixed(size.fields(50.0))
     }
 
     /// Most unknowns it takes, for strategies that store a dense matrix; comparisons leave those out unless asked.

@@ -21,37 +21,6 @@ pub fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     parts.iter().sum()
 }
 
-/// ⟨v_i, w⟩ for all i, reading each chunk of w once.
-pub fn dots(basis: &[Vec<Complex64>], w: &[Complex64]) -> Vec<Complex64> {
-    let chunks = w.par_chunks(CHUNK).enumerate();
-    let product = |c: usize, w: &[Complex64]| {
-        let from = c * CHUNK;
-        basis.iter().map(|v| dot_chunk(&v[from..from + w.len()], w)).collect::<Vec<_>>()
-    };
-    let parts: Vec<Vec<Complex64>> = chunks.map(|(c, w)| product(c, w)).collect();
-    (0..basis.len()).map(|i| parts.iter().map(|p| p[i]).sum()).collect()
-}
-
-/// w ← w + Σ a_i v_i, writing each chunk of w once; returns ‖w‖ afterwards.
-pub fn add_combination(w: &mut [Complex64], factors: &[Complex64], basis: &[Vec<Complex64>]) -> f64 {
-    let chunks = w.par_chunks_mut(CHUNK).enumerate();
-    let parts: Vec<f64> = chunks.map(|(c, w)| add_to_chunk(w, factors, basis, c * CHUNK)).collect();
-    parts.iter().sum::<f64>().sqrt()
-}
-
-/// w ← w + Σ a_i v_i on the chunk that begins at `from`; returns its Σ |w|² afterwards.
-fn add_to_chunk(w: &mut [Complex64], factors: &[Complex64], basis: &[Vec<Complex64>], from: usize) -> f64 {
-    for (&a, v) in factors.iter().zip(basis) {
-        axpy_chunk(w, a, &v[from..from + w.len()]);
-    }
-    square_chunk(w)
-}
-
-/// w ← factor · w.
-pub fn scale(w: &mut [Complex64], factor: f64) {
-    w.par_chunks_mut(CHUNK).for_each(|c| c.iter_mut().for_each(|z| *z *= factor));
-}
-
 /// Entries a step of the kernels below: eight doubles, two AVX registers.
 const LANES: usize = 8;
 
@@ -78,24 +47,6 @@ fn dot_chunk(a: &[Complex64], b: &[Complex64]) -> Complex64 {
         sum += Complex64::new(a[0], -a[1]) * Complex64::new(b[0], b[1]);
     }
     sum
-}
-
-/// w ← w + factor · v on one chunk.
-#[multiversion(targets("x86_64+avx2"))]
-fn axpy_chunk(w: &mut [Complex64], factor: Complex64, v: &[Complex64]) {
-    let (w, v): (&mut [f64], &[f64]) = (bytemuck::cast_slice_mut(w), doubles(v));
-    let (w8, v8) = (w.as_chunks_mut::<LANES>(), v.as_chunks::<LANES>());
-    for (w, v) in w8.0.iter_mut().zip(v8.0) {
-        let v_swapped = swapped(v);
-        for i in 0..LANES {
-            let sign = [-1.0, 1.0][i % 2];
-            w[i] += factor.re * v[i] + sign * factor.im * v_swapped[i];
-        }
-    }
-    for (w, v) in w8.1.as_chunks_mut::<2>().0.iter_mut().zip(v8.1.as_chunks::<2>().0) {
-        let sum = Complex64::new(w[0], w[1]) + factor * Complex64::new(v[0], v[1]);
-        *w = [sum.re, sum.im];
-    }
 }
 
 /// Σ |z|² of one chunk.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::wave::Coverage;
-use crate::wave::{Ball, Body, Mean, Problem, Resolution, Scene, Scheme, Shape};
+use crate::wave::{Ball, Body, BodyShape, Mean, Problem, Resolution, Scene, Scheme};
 use std::sync::Arc;
 
 fn coverage(resolution: [usize; 2], bodies: Vec<Body>) -> Arc<Coverage> {
@@ -14,7 +14,7 @@ fn coverage(resolution: [usize; 2], bodies: Vec<Body>) -> Arc<Coverage> {
 
 fn grain() -> Vec<Body> {
     let ball = Ball { center_um: [0.2, 0.2, 0.15], radius_um: 0.1 };
-    vec![Body::new(Shape::Balls(vec![ball]), 0)]
+    vec![Body::new(BodyShape::Balls(vec![ball]), 0)]
 }
 
 fn media() -> Media {

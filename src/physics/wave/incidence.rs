@@ -1,20 +1,16 @@
 //! The incident plane wave.
 
-use crate::numerics::written::AlsoCalled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A side of the layer 0 ≤ z ≤ H. Where nothing else is said light comes from the incident side, z < 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-#[schemars(transform = AlsoCalled { name: "incident", also: "above" }, transform = AlsoCalled { name: "exit", also: "below" })]
 pub enum Side {
-    /// z < 0; also read as `above`.
+    /// z < 0.
     #[default]
-    #[serde(alias = "above")]
     Incident,
-    /// z > H; also read as `below`.
-    #[serde(alias = "below")]
+    /// z > H.
     Exit,
 }
 

@@ -31,6 +31,6 @@ pub use layout::Layout;
 pub use light::{Polarisation, Wave};
 pub use operator::problem::{Field, Mean, Problem};
 pub use physical::{Physical, TotalErrors, Unphysical};
-pub use scene::{Ball, Body, HeightField, Material, Media, Scene, Shape, Stratum};
+pub use scene::{Ball, Body, BodyShape, HeightField, Material, Media, Scene, Stratum};
 pub use snapping::Snapped;
 pub use system::System;

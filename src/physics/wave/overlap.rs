@@ -4,7 +4,7 @@
 //! and compared with those that have reached the same cells before. Bodies that do not overlap cannot crowd a cell, so
 //! the work grows like their number. Nothing here is shared with the packing methods.
 
-use super::{Ball, Body, Scene, Shape, WaveError};
+use super::{Ball, Body, BodyShape, Scene, WaveError};
 use std::collections::HashMap;
 
 /// Overlap of touching bodies by the rounding of their coordinates, in periods along x.
@@ -56,13 +56,13 @@ enum Form {
 fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece> {
     let piece = |form| Piece { body, form };
     match &of.shape {
-        Shape::Balls(balls) => balls.iter().map(|&ball| piece(Form::Ball(ball))).collect(),
-        Shape::CylinderY { x_um, z_um, radius_um } => {
+        BodyShape::Balls(balls) => balls.iter().map(|&ball| piece(Form::Ball(ball))).collect(),
+        BodyShape::CylinderY { x_um, z_um, radius_um } => {
             vec![piece(Form::Disc { x: *x_um, z: *z_um, radius: *radius_um })]
         }
-        Shape::BarY { x_um, z_um } => vec![piece(Form::Bar { x: *x_um, z: *z_um })],
-        Shape::Sheet { z_um } => vec![piece(Form::Sheet { z: *z_um })],
-        Shape::Above { .. } => Vec::new(),
+        BodyShape::BarY { x_um, z_um } => vec![piece(Form::Bar { x: *x_um, z: *z_um })],
+        BodyShape::Sheet { z_um } => vec![piece(Form::Sheet { z: *z_um })],
+        BodyShape::Above { .. } => Vec::new(),
     }
 }
 
@@ -181,7 +181,7 @@ fn ball_overlap_um(a: &Ball, b: &Ball, [lx, ly]: [f64; 2]) -> f64 {
 /// Depth by which a body reaches into its own images: its parts may overlap each other, but not their copies.
 fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
     match &body.shape {
-        Shape::Balls(balls) => {
+        BodyShape::Balls(balls) => {
             let shifts = [[lx, 0.0], [0.0, ly], [lx, ly], [-lx, ly]];
             let shifts = shifts.into_iter().flat_map(|[x, y]| [[x, y], [-x, -y]]);
             let overlap = |a: &Ball, b: &Ball, [x, y]: [f64; 2]| {
@@ -192,9 +192,9 @@ fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
             let deepest = pairs.flat_map(|(a, b)| shifts.clone().map(move |shift| overlap(a, b, shift)));
             deepest.fold(f64::NEG_INFINITY, f64::max)
         }
-        Shape::CylinderY { radius_um, .. } => 2.0 * radius_um - lx,
-        Shape::BarY { x_um, .. } => width(*x_um) - lx,
-        Shape::Sheet { .. } | Shape::Above { .. } => f64::NEG_INFINITY,
+        BodyShape::CylinderY { radius_um, .. } => 2.0 * radius_um - lx,
+        BodyShape::BarY { x_um, .. } => width(*x_um) - lx,
+        BodyShape::Sheet { .. } | BodyShape::Above { .. } => f64::NEG_INFINITY,
     }
 }
 
@@ -220,21 +220,21 @@ fn nearest(delta: f64, period: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn scene(shapes: &[Shape]) -> Scene {
-        let body = |shape: &Shape| Body::new(shape.clone(), 0);
+    fn scene(shapes: &[BodyShape]) -> Scene {
+        let body = |shape: &BodyShape| Body::new(shape.clone(), 0);
         Scene::layer([1.0, 1.5], 2.0, shapes.iter().map(body).collect())
     }
 
-    fn ball(x: f64, y: f64, z: f64, radius_um: f64) -> Shape {
-        Shape::Balls(vec![Ball { center_um: [x, y, z], radius_um }])
+    fn ball(x: f64, y: f64, z: f64, radius_um: f64) -> BodyShape {
+        BodyShape::Balls(vec![Ball { center_um: [x, y, z], radius_um }])
     }
 
-    fn disc(x_um: f64, z_um: f64, radius_um: f64) -> Shape {
-        Shape::CylinderY { x_um, z_um, radius_um }
+    fn disc(x_um: f64, z_um: f64, radius_um: f64) -> BodyShape {
+        BodyShape::CylinderY { x_um, z_um, radius_um }
     }
 
-    fn bar(x_um: [f64; 2], z_um: [f64; 2]) -> Shape {
-        Shape::BarY { x_um, z_um }
+    fn bar(x_um: [f64; 2], z_um: [f64; 2]) -> BodyShape {
+        BodyShape::BarY { x_um, z_um }
     }
 
     #[test]
@@ -245,7 +245,7 @@ mod tests {
             (disc(0.5, 0.5, 0.2), bar([0.65, 0.9], [0.4, 0.6]), 0.05),
             (disc(0.5, 0.5, 0.1), bar([0.2, 0.8], [0.3, 0.7]), 0.3),
             (ball(0.02, 0.7, 0.5, 0.1), bar([0.8, 0.95], [0.2, 0.8]), 0.03),
-            (ball(0.02, 0.7, 0.5, 0.1), Shape::Sheet { z_um: [0.55, 0.7] }, 0.05),
+            (ball(0.02, 0.7, 0.5, 0.1), BodyShape::Sheet { z_um: [0.55, 0.7] }, 0.05),
         ] {
             let both = scene(&[one.clone(), other.clone()]);
             match both.check_overlaps() {
@@ -294,7 +294,7 @@ mod tests {
                 })
             };
             let expected = (0..12).any(|i| (0..i).any(|j| overlaps(&balls[i], &balls[j])));
-            let shapes: Vec<Shape> = balls.iter().map(|b| ball(b[0], b[1], b[2], b[3])).collect();
+            let shapes: Vec<BodyShape> = balls.iter().map(|b| ball(b[0], b[1], b[2], b[3])).collect();
             assert_eq!(scene(&shapes).check_overlaps().is_err(), expected, "{balls:?}");
             hits += usize::from(expected);
         }
@@ -305,7 +305,7 @@ mod tests {
     fn a_hundred_thousand_spheres_take_no_time() {
         let at = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
         let (n, m, k) = (50, 50, 40);
-        let shapes: Vec<Shape> = (0..n * m * k)
+        let shapes: Vec<BodyShape> = (0..n * m * k)
             .map(|i| ball(at(i % n, n), 1.5 * at(i / n % m, m), 2.0 * at(i / n / m, k), 0.0099))
             .collect();
         let clock = std::time::Instant::now();

@@ -1,7 +1,7 @@
 //! From a packing to the scene that the wave sees.
 
 use super::scene::HeightField;
-use super::{Ball, Body, Material, Scene, Shape};
+use super::{Ball, Body, BodyShape, Material, Scene};
 use crate::ink::{Grain, Packing, Relief};
 
 impl Scene {
@@ -23,15 +23,15 @@ fn balls(grain: &Grain) -> Vec<Ball> {
 }
 
 fn body(grain: &Grain) -> Body {
-    Body::new(Shape::Balls(balls(grain)), grain.pigment)
+    Body::new(BodyShape::Balls(balls(grain)), grain.pigment)
 }
 
 /// What lies over the surface, which is taken at the relief's own points as z = H − height.
-fn open(packing: &Packing, relief: &Relief) -> Shape {
+fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let (period_um, count) = (packing.period_um(), relief.count());
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let z = |k: usize| packing.surface_z_um(at(k % count[0], 0), at(k / count[0], 1)).max(0.0);
     let z_um = (0..count[0] * count[1]).map(z).collect();
     let surface = HeightField { z_um, count, period_um };
-    Shape::Above { surface, balls: packing.grains().iter().flat_map(balls).collect() }
+    BodyShape::Above { surface, balls: packing.grains().iter().flat_map(balls).collect() }
 }

@@ -14,7 +14,7 @@ pub struct Ball {
 
 /// A body's shape, lengths in µm. Bodies along y serve the two-dimensional references.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum BodyShape {
     /// Union of balls of one grain; where they overlap the volume counts once.
     Balls(Vec<Ball>),
     /// Infinite circular cylinder along y.
@@ -71,7 +71,7 @@ pub enum Material {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// Where it is, µm.
-    pub shape: Shape,
+    pub shape: BodyShape,
     /// What it consists of.
     pub material: Material,
 }
@@ -143,12 +143,12 @@ impl Scene {
 
     /// True when nothing depends on y, so that only orders n = 0 exist.
     pub fn uniform_in_y(&self) -> bool {
-        !self.bodies.iter().any(|b| matches!(b.shape, Shape::Balls(_) | Shape::Above { .. }))
+        !self.bodies.iter().any(|b| matches!(b.shape, BodyShape::Balls(_) | BodyShape::Above { .. }))
     }
 
     /// True when nothing depends on x either: a stack of homogeneous films.
     pub fn uniform_in_plane(&self) -> bool {
-        self.bodies.iter().all(|b| matches!(b.shape, Shape::Sheet { .. }))
+        self.bodies.iter().all(|b| matches!(b.shape, BodyShape::Sheet { .. }))
     }
 
     /// Numbers of the strata that some body reaches into: elsewhere the wave is the film's, which every grid has exactly.
@@ -182,19 +182,21 @@ impl Scene {
 
 impl Body {
     /// A body of the medium `inclusion` of [`Media::inclusions`].
-    pub fn new(shape: Shape, inclusion: usize) -> Body {
+    pub fn new(shape: BodyShape, inclusion: usize) -> Body {
         Body { shape, material: Material::Inclusion(inclusion) }
     }
 
     /// Lowest and highest z of the body.
     pub fn extent_um(&self) -> [f64; 2] {
         match &self.shape {
-            Shape::Balls(balls) => balls.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], b| {
-                [lo.min(b.center_um[2] - b.radius_um), hi.max(b.center_um[2] + b.radius_um)]
-            }),
-            Shape::CylinderY { z_um, radius_um, .. } => [z_um - radius_um, z_um + radius_um],
-            Shape::Above { surface, .. } => [0.0, surface.deepest_um()],
-            Shape::BarY { z_um, .. } | Shape::Sheet { z_um } => *z_um,
+            BodyShape::Balls(balls) => {
+                balls.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], b| {
+                    [lo.min(b.center_um[2] - b.radius_um), hi.max(b.center_um[2] + b.radius_um)]
+                })
+            }
+            BodyShape::CylinderY { z_um, radius_um, .. } => [z_um - radius_um, z_um + radius_um],
+            BodyShape::Above { surface, .. } => [0.0, surface.deepest_um()],
+            BodyShape::BarY { z_um, .. } | BodyShape::Sheet { z_um } => *z_um,
         }
     }
 
@@ -222,12 +224,12 @@ impl Body {
     /// out that wrapping them into the period leaves too few digits.
     fn check_lateral(&self, index: usize, period: f64) -> Result<(), WaveError> {
         let lateral: Vec<f64> = match &self.shape {
-            Shape::Balls(balls) | Shape::Above { balls, .. } => {
+            BodyShape::Balls(balls) | BodyShape::Above { balls, .. } => {
                 balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect()
             }
-            Shape::CylinderY { x_um, .. } => vec![*x_um],
-            Shape::BarY { x_um, .. } => x_um.to_vec(),
-            Shape::Sheet { .. } => Vec::new(),
+            BodyShape::CylinderY { x_um, .. } => vec![*x_um],
+            BodyShape::BarY { x_um, .. } => x_um.to_vec(),
+            BodyShape::Sheet { .. } => Vec::new(),
         };
         let field = || format!("lateral position of body {index} (µm)");
         let wrong = lateral.into_iter().find(|x| x.is_nan() || x.abs() > FARTHEST * period);

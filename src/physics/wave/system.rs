@@ -5,7 +5,6 @@
 //! shape of unknowns. Strategies that only apply the operator work on every system; those that take it apart ask
 //! for [`System::split`].
 
-use super::maxwell::Polarised;
 use super::operator::mean_medium::cells_needed;
 use super::operator::scattering::Scatter;
 use super::{FarField, Field, Grid, Polarisation, Problem};
@@ -117,47 +116,5 @@ impl System for Problem {
 
     fn bytes(&self) -> usize {
         self.bytes()
-    }
-}
-
-impl System for Polarised {
-    fn grid(&self) -> &Grid {
-        &self.problem.moments.grid
-    }
-
-    fn polarisation(&self) -> Option<Polarisation> {
-        Some(self.polarisation)
-    }
-
-    fn shape(&self) -> (usize, usize) {
-        self.problem.shape()
-    }
-
-    fn has_contrast(&self) -> bool {
-        self.problem.has_contrast()
-    }
-
-    fn background_wave(&self) -> Field {
-        self.problem.background_wave(self.polarisation)
-    }
-
-    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
-        self.problem.double().scatter(u, out);
-    }
-
-    fn single(&self) -> Option<&dyn Scatter<f32>> {
-        Some(self.problem.single())
-    }
-
-    fn mean_k2(&self) -> &[Complex64] {
-        self.problem.mean_k2()
-    }
-
-    fn far_field(&self, u: &Field) -> FarField {
-        self.problem.far_field(u, self.polarisation)
-    }
-
-    fn bytes(&self) -> usize {
-        self.problem.bytes()
     }
 }

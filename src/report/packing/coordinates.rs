@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 #[derive(Serialize)]
-struct Row {
+struct CoordinateRow {
     grain: usize,
     pigment: usize,
     agglomerate: Option<usize>,
@@ -20,15 +20,14 @@ struct Row {
 }
 
 /// One row per sphere: grain, pigment, agglomerate (empty if none), centre, radius, axis of the grain.
-pub fn grains_csv(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+pub fn grains_csv(packing: &Packing) -> csv::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let fail = |e: String| OutputError::Make { what: "CSV of grains".into(), reason: e };
     for (number, grain) in packing.grains().iter().enumerate() {
         let [axis_x, axis_y, axis_z] = grain.axis;
         for sphere in &grain.spheres {
             let [x_um, y_um, z_um] = sphere.center_um;
             let (pigment, agglomerate, radius_um) = (grain.pigment, grain.agglomerate, sphere.radius_um);
-            let row = Row {
+            let row = CoordinateRow {
                 grain: number,
                 pigment,
                 agglomerate,
@@ -40,10 +39,10 @@ pub fn grains_csv(packing: &Packing) -> Result<Vec<u8>, OutputError> {
                 axis_y,
                 axis_z,
             };
-            writer.serialize(row).map_err(|e| fail(e.to_string()))?;
+            writer.serialize(row)?;
         }
     }
-    writer.into_inner().map_err(|e| fail(e.to_string()))
+    writer.into_inner().map_err(|error| error.into_error().into())
 }
 
 /// Cell, conventions, account, shares, relief and all grains; numbers carry every digit of the f64.

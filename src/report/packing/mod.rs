@@ -1,11 +1,9 @@
 //! What a packing leaves on disk: coordinates, volumes for ParaView, pictures, statistics.
 
 mod coordinates;
-mod files;
 mod report;
 mod vtk;
 
 pub use coordinates::{grains_csv, packing_json, read_packing_json};
-pub use files::write_whole;
 pub use report::{is_of_one_packing, write_report};
 pub use vtk::spheres_vtp;

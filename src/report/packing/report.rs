@@ -1,12 +1,13 @@
 //! The folder of a packing run: coordinates, pictures, statistics and a page that shows them.
 
-use super::files::write_whole;
 use super::{grains_csv, packing_json, spheres_vtp};
 use crate::draw::chart::{self, Chart};
 use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
-use crate::ink::statistics::{Curve, Statistics, gather};
+use crate::ink::statistics::{StatisticCurve, Statistics, gather};
 use crate::ink::{Packing, Shape};
 use crate::numerics::estimate::Estimate;
+use crate::report::cell;
+use crate::store::safely;
 use std::path::{Path, PathBuf};
 
 /// Writes everything about the realisations of one study into `folder`; every file is whole or absent.
@@ -18,27 +19,36 @@ pub fn write_report(
     pigments: &[(String, Shape)],
     packings: &[Packing],
 ) -> Result<(Statistics, PathBuf), OutputError> {
+    std::fs::create_dir_all(folder).map_err(|source| OutputError::Write { path: folder.into(), source })?;
     for (k, packing) in packings.iter().enumerate() {
-        write_whole(&folder.join(format!("grains_{k:03}.csv")), &grains_csv(packing)?)?;
-        write_whole(&folder.join(format!("packing_{k:03}.json")), &packing_json(packing))?;
-        write_whole(&folder.join(format!("spheres_{k:03}.vtp")), spheres_vtp(packing).as_bytes())?;
+        save(folder, &format!("grains_{k:03}.csv"), &grains_csv(packing).map_err(no_table)?)?;
+        save(folder, &format!("packing_{k:03}.json"), &packing_json(packing))?;
+        save(folder, &format!("spheres_{k:03}.vtp"), spheres_vtp(packing).as_bytes())?;
     }
     if let Some(first) = packings.first() {
-        write_whole(&folder.join("top.png"), &top_picture(first)?)?;
-        write_whole(&folder.join("cut.png"), &cut_picture(first)?)?;
-        write_whole(&folder.join("perspective.png"), &perspective_picture(first)?)?;
+        save(folder, "top.png", &top_picture(first)?)?;
+        save(folder, "cut.png", &cut_picture(first)?)?;
+        save(folder, "perspective.png", &perspective_picture(first)?)?;
     }
-    write_whole(&folder.join("shapes.png"), &shape_sheet(pigments)?)?;
+    save(folder, "shapes.png", &shape_sheet(pigments)?)?;
     let statistics = gather(packings);
-    write_whole(&folder.join("statistics.csv"), &scalars_csv(&statistics)?)?;
+    save(folder, "statistics.csv", &scalars_csv(&statistics).map_err(no_table)?)?;
     for curve in &statistics.curves {
-        write_whole(&folder.join(format!("{}.csv", curve.name)), &curve_csv(curve)?)?;
-        let chart = chart_of(curve, pigments).svg()?;
-        write_whole(&folder.join(format!("{}.svg", curve.name)), chart.as_bytes())?;
+        save(folder, &format!("{}.csv", curve.name), &curve_csv(curve).map_err(no_table)?)?;
+        save(folder, &format!("{}.svg", curve.name), chart_of(curve, pigments).svg()?.as_bytes())?;
     }
-    let page = folder.join("index.html");
-    write_whole(&page, html(title, pigments, packings, &statistics).as_bytes())?;
-    Ok((statistics, page))
+    save(folder, "index.html", html(title, pigments, packings, &statistics).as_bytes())?;
+    Ok((statistics, folder.join("index.html")))
+}
+
+/// Writes one file whole.
+fn save(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+    let path = folder.join(name);
+    safely::write(&path, bytes).map_err(|source| OutputError::Write { path, source })
+}
+
+fn no_table(reason: csv::Error) -> OutputError {
+    OutputError::making("a table")(reason)
 }
 
 /// Whether a file's name is that of one realisation in a folder of packings.
@@ -49,33 +59,19 @@ pub fn is_of_one_packing(name: &str) -> bool {
     kinds.into_iter().filter_map(between).any(number)
 }
 
-fn scalars_csv(statistics: &Statistics) -> Result<Vec<u8>, OutputError> {
-    let rows = statistics.scalars.iter().map(|(name, unit, value)| {
-        vec![name.clone(), unit.clone(), value.value.to_string(), or_empty(value.standard_error)]
-    });
-    csv_of(&["quantity", "unit", "mean", "standard_error"], rows)
+fn scalars_csv(statistics: &Statistics) -> csv::Result<Vec<u8>> {
+    let row = |(name, unit, value): &(String, String, Estimate)| {
+        [name, unit].map(|words| cell::text(words)).into_iter().chain(cell::numbers(Some(*value)))
+    };
+    cell::table(["quantity", "unit", "mean", "standard_error"], statistics.scalars.iter().map(row))
 }
 
-fn curve_csv(curve: &Curve) -> Result<Vec<u8>, OutputError> {
-    let point =
-        |(x, y): (&f64, &Estimate)| vec![x.to_string(), y.value.to_string(), or_empty(y.standard_error)];
-    csv_of(&[&curve.x_label, &curve.y_label, "standard error"], curve.x.iter().zip(&curve.y).map(point))
-}
-
-fn or_empty(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |v| v.to_string())
-}
-
-fn csv_of(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Result<Vec<u8>, OutputError> {
-    let fail = |e: String| OutputError::making("CSV of statistics")(e);
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(header).map_err(|e| fail(e.to_string()))?;
-    for row in rows {
-        writer
-            .write_record(row.iter().map(|words| crate::report::cell::text(words)))
-            .map_err(|e| fail(e.to_string()))?;
-    }
-    writer.into_inner().map_err(|e| fail(e.to_string()))
+fn curve_csv(curve: &StatisticCurve) -> csv::Result<Vec<u8>> {
+    let point = |(x, y): (&f64, &Estimate)| std::iter::once(x.to_string()).chain(cell::numbers(Some(*y)));
+    cell::table(
+        [curve.x_label.as_str(), &curve.y_label, "standard error"],
+        curve.x.iter().zip(&curve.y).map(point),
+    )
 }
 
 fn html(title: &str, pigments: &[(String, Shape)], packings: &[Packing], statistics: &Statistics) -> String {
@@ -156,7 +152,7 @@ fn sided(quantity: &str) -> String {
 }
 
 /// A chart of one curve, whose axis calls the pigment by name.
-fn chart_of(curve: &Curve, pigments: &[(String, Shape)]) -> Chart {
+fn chart_of(curve: &StatisticCurve, pigments: &[(String, Shape)]) -> Chart {
     let points = curve.x.iter().copied().zip(curve.y.iter().copied());
     let curves = vec![chart::Curve::measured("", points)];
     let y_label = named(&curve.y_label, pigments);

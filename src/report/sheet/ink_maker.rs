@@ -2,7 +2,7 @@
 
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve};
-use crate::evaluate::ink_maker::{Comparison, InkMaker, Swatch};
+use crate::evaluate::ink_maker::{InkMaker, MeasuredComparison, Swatch};
 use crate::evaluate::manifest::Manifest;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
@@ -12,18 +12,21 @@ use crate::report::page::{Figure, MakerBlock, Meant, Named, svg_data};
 pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
     let swatch = |name: &str, swatch: &Swatch| Named::new(name, swatch.hex.clone());
     let mut rows = vec![
-        row(
+        Meant::new(
             "contrast ratio",
             maker.contrast_ratio.in_words(3),
-            "Y over black divided by Y over white of albedo 0.8, both at 45:0 (ISO 6504-3): 1 hides everything".into(),
+            "Y over black divided by Y over white of albedo 0.8, both at 45:0 (ISO 6504-3): 1 hides everything",
         ),
-        row("over black", lab(&maker.over_black), format!("L*, a*, b* at 45:0, {}", maker.conditions)),
-        row("over white", lab(&maker.over_white), "the same over white".into()),
-        row("on its paper", lab(&maker.print), "the same on the study's paper".into()),
+        Meant::new("over black", lab(&maker.over_black), format!("L*, a*, b* at 45:0, {}", maker.conditions)),
+        Meant::new("over white", lab(&maker.over_white), "the same over white"),
+        Meant::new("on its paper", lab(&maker.print), "the same on the study's paper"),
     ];
+    if let Some(reason) = &maker.no_kubelka_munk {
+        rows.push(Meant::new("Kubelka–Munk K and S", "–".to_owned(), reason.clone()));
+    }
     if let Some(target) = &maker.target {
         let [l, a, b] = target.lab;
-        rows.push(row(
+        rows.push(Meant::new(
             "ΔE₀₀ to the target",
             target.delta_e_2000.in_words(2),
             format!("L* {l}, a* {a}, b* {b}").replace('-', "−"),
@@ -32,7 +35,7 @@ pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
     if let Some(measured) = &maker.measured {
         let value = measured.delta_e_2000.map_or_else(|| "–".to_owned(), |e| e.in_words(2));
         let meaning = format!("{}; root mean square of the residuals {:.4}", measured.source, measured.rms);
-        rows.push(row("ΔE₀₀ to the measurement", value, meaning));
+        rows.push(Meant::new("ΔE₀₀ to the measurement", value, meaning));
     }
     let swatches = vec![
         swatch("over black", &maker.over_black),
@@ -40,10 +43,6 @@ pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
         swatch("on its paper", &maker.print),
     ];
     MakerBlock { swatches, rows }
-}
-
-fn row(name: &str, value: String, meaning: String) -> Meant {
-    Meant { name: name.to_owned(), value, meaning }
 }
 
 fn lab(swatch: &Swatch) -> String {
@@ -95,13 +94,14 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
         None => "standard errors".to_owned(),
     };
     let caption = format!(
-        "Kubelka–Munk coefficients of the layer with its faces, from its diffuse reflectance and transmittance. Bars are {bars}; \
-         K, which is never below 0, is not told from 0 where its bar reaches there."
+        "Kubelka–Munk coefficients of the layer without its faces, from its diffuse reflectance and transmittance, at the \
+         wavelengths at which hardly any light goes straight through: the reflections at both plane faces are taken off \
+         (Saunderson 1942). Bars are {bars}; K, which is never below 0, is not told from 0 where its bar reaches there."
     );
     figure("Kubelka–Munk coefficients", "1/µm", series, caption)
 }
 
-fn compared(measured: &Comparison) -> Result<Vec<Figure>, OutputError> {
+fn compared(measured: &MeasuredComparison) -> Result<Vec<Figure>, OutputError> {
     let exact = |value: f64| Estimate { value, standard_error: None };
     let of = |value: &dyn Fn(&crate::evaluate::ink_maker::ComparedRow) -> Estimate| {
         measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()

@@ -15,35 +15,31 @@ use crate::store::packing_record::{PackingRecord, ShareRecord};
 use crate::wave::Resolution;
 use crate::wave::Wave;
 
-fn meant(name: &str, value: String, meaning: impl Into<String>) -> Meant {
-    Meant { name: name.to_owned(), value, meaning: meaning.into() }
-}
-
 pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> {
     let certainty = &manifest.certainty;
     let several = seen.realisations.len() > 1;
     let ensemble =
         if several { "independent packings averaged" } else { "one packing: its chance is unknown" };
-    let mut rows = vec![meant("realisations", seen.realisations.len().to_string(), ensemble)];
+    let mut rows = vec![Meant::new("realisations", seen.realisations.len().to_string(), ensemble)];
     if let Some(noise) = manifest.colours.first().and_then(|c| c.lab_standard_error) {
         let length = noise.iter().map(|x| x * x).sum::<f64>().sqrt();
         let meaning = "standard error of the colour, as a distance in Lab; its parts follow";
-        rows.push(meant("colour", format!("ΔE {length:.2}"), meaning));
+        rows.push(Meant::new("colour", format!("ΔE {length:.2}"), meaning));
     }
     rows.extend(manifest.colours.first().map(budget).unwrap_or_default());
     if let (Some(factor), degrees) = (certainty.coverage_factor_95, certainty.degrees_of_freedom) {
         let meaning = format!(
             "95 % intervals are ± this many standard errors (Student's t, {degrees} degrees of freedom)"
         );
-        rows.push(meant("95 %", format!("× {factor:.2}"), meaning));
+        rows.push(Meant::new("95 %", format!("× {factor:.2}"), meaning));
     }
     if let Some(error) = largest_error(&manifest.spectra) {
         let meaning = "largest standard error of the layer's R or T";
-        rows.push(meant("spectra", format!("± {error:.4}"), meaning));
+        rows.push(Meant::new("spectra", format!("± {error:.4}"), meaning));
     }
     if let Some(error) = certainty.angle_error_estimate {
         let meaning = "standard error of the mean transmittance over the hemisphere from the placing of the directions, at the worst wavelength";
-        rows.push(meant("angles", format!("{error:.1e}"), meaning));
+        rows.push(Meant::new("angles", format!("{error:.1e}"), meaning));
     }
     rows.extend(exactness(certainty));
     rows
@@ -52,24 +48,24 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> 
 /// How exactly the solves themselves stand for their packings.
 fn exactness(certainty: &Certainty) -> [Meant; 4] {
     [
-        meant(
+        Meant::new(
             "grid, R and T",
             format!("{:.1e}, {:.1e}", certainty.reflectance_grid_error, certainty.transmittance_grid_error),
             "expected errors from the grid, by comparison with a coarser one at the hardest wavelengths and angles; part of \
              all error bars",
         ),
-        meant(
+        Meant::new(
             "grid, orders",
             format!("{:.1e}", certainty.amplitude_error_estimate),
             "expected error of the complex amplitudes of single orders, from coarser and finer grids; sums over orders are \
              better known",
         ),
-        meant(
+        Meant::new(
             "energy",
             format!("{:.1e}", certainty.largest_energy_error),
             "largest |R + T + A − 1| of all solves: nothing is lost or invented",
         ),
-        meant(
+        Meant::new(
             "residual",
             format!("{:.1e}", certainty.largest_residual),
             format!("largest relative residual, after {:.0} steps on average", certainty.mean_steps),
@@ -112,7 +108,7 @@ fn budget(note: &ColourNote) -> Vec<Meant> {
         ),
     ];
     let row = |(name, part, meaning): (&str, Option<f64>, &str)| {
-        Some(meant(name, format!("ΔE {:.3}", part?), meaning))
+        Some(Meant::new(name, format!("ΔE {:.3}", part?), meaning))
     };
     parts.into_iter().filter_map(row).collect()
 }
@@ -235,6 +231,7 @@ fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> P
         grains: share.grains,
         asked: format!("{:.2}", 100.0 * share.requested_fraction),
         reached: format!("{:.2}", 100.0 * share.achieved_fraction),
+        sizes: share.sizes.map_or_else(|| "–".to_owned(), |sizes| sizes.in_words()),
         method: method(packing),
     }
 }

@@ -3,16 +3,20 @@
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Total, film_totals};
 use super::on_paper::{
-    AZIMUTHAL, Anchors, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
+    AZIMUTHAL, Anchors, BENDS, DIFFUSE, LayerTotals, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions,
+    symmetric,
 };
 use super::regression::{Fits, Normal, Sums};
-use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 
 /// Differences at 0° and 45° from a source of them.
 pub(super) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
-    let totals = [Total::Reflectance, Total::Transmittance, Total::SpecularReflectance];
-    places.map(|angle| totals.map(|total| of(angle, total)))
+    places.map(|angle| LayerTotals {
+        reflectance: of(angle, Total::Reflectance),
+        transmittance: of(angle, Total::Transmittance),
+        specular: of(angle, Total::SpecularReflectance),
+    })
 }
 
 /// Curves between the anchors, the diffuse BRDF's mean over the azimuth by `diffuse_width` functions, and the BRDF with its
@@ -65,15 +69,20 @@ fn normal_of_curves(
 }
 
 /// Sums over the strata of one wavelength: the bends with the rest of R, T and specular R beyond film and anchors.
-fn sums_of_strata(strata: &[Solved], film: &FilmAt, own: &Anchors) -> Sums {
+fn sums_of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> Sums {
     let mut sums = Sums::new(BENDS, 3);
     for s in strata {
         let (between, bends) = anchor_weights(s.polar_deg.to_radians().cos());
         let [film_r, _, film_t, ..] = film_totals(film, s.polar_deg);
-        let values = [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
-        let rest: [f64; 3] =
-            std::array::from_fn(|q| values[q] - between[0] * own[0][q] - between[1] * own[1][q]);
-        sums.add(&bends, &rest);
+        let rest = |value: f64, of: fn(&LayerTotals) -> f64| {
+            value - between[0] * of(&own[0]) - between[1] * of(&own[1])
+        };
+        let rests = [
+            rest(s.reflectance - film_r, |t| t.reflectance),
+            rest(s.transmittance - film_t, |t| t.transmittance),
+            rest(s.specular_reflectance - film_r, |t| t.specular),
+        ];
+        sums.add(&bends, &rests);
     }
     sums
 }

@@ -1,6 +1,7 @@
 //! The coherent film at every wavelength and thickness that an ensemble needs.
 
 use super::film::{Film, Profile};
+use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::wave::Side;
 use crate::wave::Wave;
 use crate::wave::maxwell::Polarisation;
@@ -98,6 +99,20 @@ impl FilmAt {
             let (own_r, own_t) = film.reflectance_transmittance(side, polar_deg, light);
             [r + own_r / count, t + own_t / count]
         })
+    }
+
+    /// The film's faces for diffuse light: those of its mean index, the real part of √⟨η²⟩ over its slices.
+    pub fn faces(&self) -> DiffuseFaces {
+        let Some(film) = self.films.first() else { return DiffuseFaces::default() };
+        let sum: Complex64 = film.squared_indices.iter().sum();
+        let index = (sum / film.squared_indices.len().max(1) as f64).sqrt().re;
+        let face = Film {
+            squared_indices: vec![(index * index).into()],
+            thickness_um: 0.0,
+            index_out: index,
+            ..film.clone()
+        };
+        DiffuseFaces::plane(FilmAt { films: vec![face], wave: self.wave }.means()[0], index)
     }
 
     /// Hemispherical means 2∫₀¹ f μ dμ of \[R, T\] for light from the incident side.

@@ -7,11 +7,14 @@ pub use colours::Sight;
 use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
-use super::on_paper::{AZIMUTHAL, BENDS, Curve, DIFFUSE, LayerOnPaper, Nodes, PolarAngle, SYMMETRIC};
+use super::on_paper::{
+    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, LayerTotals, PolarAngle, SYMMETRIC,
+};
 use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::colour::ColourError;
+use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
 use crate::appearance::viewing::Viewing;
 use std::ops::Range;
@@ -81,7 +84,7 @@ pub struct InkOnPaper {
     /// Places of 0° and 45° among the exact angles.
     anchored: [usize; 2],
     substrate: Substrate,
-    nodes: Nodes,
+    nodes: AngleNodes,
     places: Places,
     daylight: Result<Sight, ColourError>,
     curves: Fits,
@@ -99,32 +102,12 @@ pub struct InkOnPaper {
 }
 
 impl InkOnPaper {
-    /// Fits what the layer itself does not hold, and puts it on its paper.
+    /// Fits what the layer itself does not hold, and puts it on its paper. Where polarised light comes in, `inputs.films`
+    /// are those of that light, and `returned` is the layer in the unpolarised light that the paper gives back.
     ///
     /// # Errors
     /// Angles that do not carry it, an albedo that does not answer everywhere, a lossless mirror over a lossless paper.
     pub fn new(
-        layer: LayerEnsemble,
-        solved: &[SolvedRealisation],
-        inputs: &InkInputs,
-    ) -> Result<Self, InkError> {
-        Self::lit((layer, solved), None, inputs)
-    }
-
-    /// The same where polarised light comes in, `inputs.films` being its own; `returned` is the layer in the unpolarised
-    /// light that the paper gives back.
-    ///
-    /// # Errors
-    /// As [`InkOnPaper::new`].
-    pub fn polarised(
-        lit: (LayerEnsemble, &[SolvedRealisation]),
-        returned: (LayerEnsemble, &[SolvedRealisation]),
-        inputs: &InkInputs,
-    ) -> Result<Self, InkError> {
-        Self::lit(lit, Some(returned), inputs)
-    }
-
-    fn lit(
         (layer, solved): (LayerEnsemble, &[SolvedRealisation]),
         returned: Option<(LayerEnsemble, &[SolvedRealisation])>,
         inputs: &InkInputs,
@@ -172,7 +155,7 @@ impl InkOnPaper {
     pub fn homogeneous(inputs: &InkInputs) -> Result<Self, InkError> {
         let basis = SpectralBasis::Listed(inputs.outputs_nm.to_vec());
         let exit = inputs.substrate.coupling.index_out() != 1.0;
-        Self::new(LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[], inputs)
+        Self::new((LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[]), None, inputs)
     }
 
     /// The same layer on another paper with the same contact.
@@ -201,10 +184,10 @@ impl InkOnPaper {
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
         let bends =
-            |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
+            |fits: &Fits| LayerTotals::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
-        let curve = Curve {
+        let curve = AngleCurve {
             bends: bends(&self.curves),
             returned: bends(self.returned.as_ref().map_or(&self.curves, |(_, fits)| fits)),
             diffuse: std::array::from_fn(diffuse),
@@ -215,14 +198,8 @@ impl InkOnPaper {
         };
         let [mean_t, _, mean_a, _] = self.nodes.means[node];
         let film = [mean_t, mean_a];
-        LayerOnPaper::new(
-            node,
-            film,
-            measured,
-            curve,
-            self.nodes.albedos[node],
-            self.substrate.coupling.index_out(),
-        )
+        let paper = [self.nodes.albedos[node], self.substrate.coupling.index_out()];
+        LayerOnPaper::new(node, film, measured, curve, paper)
     }
 
     /// Wavelengths of the spectra, nm.
@@ -238,6 +215,12 @@ impl InkOnPaper {
     /// The paper under it.
     pub fn substrate(&self) -> &Substrate {
         &self.substrate
+    }
+
+    /// The faces that diffuse light meets, at every wavelength of the spectra.
+    pub(super) fn faces(&self) -> Vec<DiffuseFaces> {
+        let films = &self.nodes.films[self.places.outputs.clone()];
+        films.iter().map(|film| film.returned().faces()).collect()
     }
 
     /// The ensemble mean at every wavelength of the spectra.
@@ -274,12 +257,12 @@ fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
 }
 
 /// All that is known at these wavelengths beside the solves.
-fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<Nodes, InkError> {
+fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<AngleNodes, InkError> {
     let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
     let albedos = nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
     let weights = nodes_nm.iter().map(|&nm| layer.basis.weights(nm)).collect();
     let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
-    Ok(Nodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
+    Ok(AngleNodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
 }
 
 fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {

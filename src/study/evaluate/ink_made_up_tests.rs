@@ -4,7 +4,7 @@ use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG, Substrate};
 use crate::evaluate::films::Films;
 use crate::evaluate::ink::{InkInputs, InkOnPaper};
 use crate::evaluate::layer::LayerEnsemble;
-use crate::evaluate::samples::{Scattered, Solved, SolvedRealisation, SolvedWavelength};
+use crate::evaluate::samples::{Scattered, SolvedDirection, SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::SpectralBasis;
 
 /// A made-up ensemble: what the grains add is smooth in angle and wavelength, plus noise of a realisation's own.
@@ -46,13 +46,13 @@ fn order_area(nm: f64) -> f64 {
 }
 
 impl MadeUp<'_> {
-    fn solved(&self, nm: f64, polar_deg: f64, error: f64) -> Solved {
+    fn solved(&self, nm: f64, polar_deg: f64, error: f64) -> SolvedDirection {
         let film = self.films.at(nm).reflectance_transmittance(polar_deg);
         let [lost, back] = taken(nm, polar_deg.to_radians().cos());
         let (r, t) = (film[0] + back, film[1] - lost + error);
         let mu = polar_deg.to_radians().cos();
         let hidden = order_area(nm) * density(mu, mu, 1.0 - mu * mu);
-        Solved {
+        SolvedDirection {
             polar_deg,
             reflectance: r,
             specular_reflectance: film[0] + hidden,
@@ -94,7 +94,7 @@ impl MadeUp<'_> {
         let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
         let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
         let inputs = InkInputs { films: &self.films, substrate: &substrate, outputs_nm: &outputs_nm };
-        (InkOnPaper::new(layer, &solved, &inputs).unwrap(), solved)
+        (InkOnPaper::new((layer, &solved), None, &inputs).unwrap(), solved)
     }
 }
 

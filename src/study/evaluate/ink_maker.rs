@@ -7,9 +7,9 @@ pub use coefficients::KubelkaMunkRow;
 
 use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::uncertainty::{Shift, Uncertainty, lit, lit_moved, natural_light_moved};
+use super::uncertainty::{Shift, UNMOVED, Uncertainty, Widened, lit, natural_light};
 use crate::appearance::colour::{Colorimeter, Colour};
-use crate::appearance::paper::{Coupling, PRINT_DEG};
+use crate::appearance::paper::PRINT_DEG;
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
@@ -39,12 +39,15 @@ pub struct InkMaker {
     /// Number of each realisation and what it moves the contrast ratio by.
     #[serde(skip)]
     pub contrast_deviations: Vec<(usize, f64)>,
-    /// K and S at every wavelength; none in optical contact, where the two sides of the layer differ.
+    /// K and S of the layer without its faces (Saunderson's correction), at the wavelengths where its light is diffuse.
     pub kubelka_munk: Vec<KubelkaMunkRow>,
+    /// Why there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_kubelka_munk: Option<String>,
     /// Difference to the target colour.
     pub target: Option<Target>,
     /// Difference to a measured spectrum.
-    pub measured: Option<Comparison>,
+    pub measured: Option<MeasuredComparison>,
 }
 
 /// A colour with what a screen shows of it.
@@ -73,7 +76,7 @@ pub struct Target {
 
 /// A measured spectrum beside the prediction.
 #[derive(Clone, Debug, Serialize)]
-pub struct Comparison {
+pub struct MeasuredComparison {
     /// The file.
     pub source: String,
     /// CIEDE2000 between both spectra on the wavelengths they share; its error is that of the prediction.
@@ -103,13 +106,10 @@ struct Question<'a> {
     view: PolarAngle,
 }
 
-/// No error of R and T.
-const UNMOVED: Shift = [0.0; 2];
-
 impl Question<'_> {
     /// The reflectance factor, moved by errors of R and T.
     fn factor(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
-        lit(layer, &self.light, &self.view) + lit_moved(layer, &self.light, &self.view, by)
+        lit(layer, &self.light, &self.view, by)
     }
 
     /// The ink over a backing.
@@ -127,17 +127,7 @@ impl Question<'_> {
         sight: &Sight,
         moved_factor: &dyn Fn(&LayerOnPaper, Shift) -> f64,
     ) -> Result<(Swatch, Vec<[f64; 3]>), InkError> {
-        let factor = |by: Shift| move |layer: &LayerOnPaper| moved_factor(layer, by);
-        let (by_chance, deviations) = self.ink.colour_with_deviations(sight, factor(UNMOVED))?;
-        let moved = |by: Shift| -> Result<[f64; 3], InkError> {
-            let lab = self.ink.colour_of_mean(sight, factor(by))?.lab;
-            Ok(std::array::from_fn(|i| lab[i] - by_chance.lab[i]))
-        };
-        let [grid, residual] = self.uncertainty.shifts().map(moved);
-        let [below, above] = self.ink.beyond_range(sight, &by_chance, factor(UNMOVED));
-        let lab_covariance =
-            self.uncertainty.widen_lab(by_chance.lab_covariance, &[grid?, residual?, below, above]);
-        let colour = Colour { lab_covariance, ..by_chance };
+        let Widened { colour, deviations, .. } = self.uncertainty.widened(self.ink, sight, moved_factor)?;
         let [r, g, b] = colour.srgb8;
         let hex = format!("#{r:02x}{g:02x}{b:02x}");
         Ok((Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour }, deviations))
@@ -167,13 +157,13 @@ impl Question<'_> {
     }
 
     /// A measured spectrum beside the prediction.
-    fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> Comparison {
+    fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> MeasuredComparison {
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let predicted = predicted.estimates().into_iter().enumerate();
         let rows: Vec<ComparedRow> =
             predicted.filter_map(|(i, by_chance)| self.compared_row(measured, i, by_chance)).collect();
         let square: f64 = rows.iter().map(|r| (r.measured - r.predicted.value).powi(2)).sum();
-        Comparison {
+        MeasuredComparison {
             source: measured.source.clone(),
             // too few shared wavelengths carry no colour; the residuals stand all the same
             delta_e_2000: self.difference(study, measured, &rows).ok(),
@@ -237,12 +227,11 @@ pub(super) fn ink_maker(
     let question = Question { ink, uncertainty, light: ink.at(PRINT_DEG)?, view: ink.at(0.0)? };
     let sight = ink.sight(viewing)?;
     let (print, deviations) = question.over(&sight, &|layer| *layer)?;
-    let sky = |layer: &LayerOnPaper, by: Shift| {
-        let factor = layer.natural_light(&question.view, study.output.mirrored_sky);
-        factor + natural_light_moved(layer, &question.view, by)
-    };
+    let mirrored = study.output.mirrored_sky;
+    let sky = |layer: &LayerOnPaper, by: Shift| natural_light(layer, &question.view, mirrored, by);
     let by = realisations.iter().copied().zip(deviations).collect::<Vec<_>>();
     let (contrast_ratio, moved) = question.contrast_ratio(&sight)?;
+    let (kubelka_munk, no_kubelka_munk) = coefficients::kubelka_munk(ink, uncertainty, study)?;
     Ok(InkMaker {
         conditions: viewing.name(),
         natural_light: question.swatch(&sight, &sky)?.0,
@@ -250,10 +239,8 @@ pub(super) fn ink_maker(
         over_white: question.over(&sight, &|layer| layer.over(WHITE))?.0,
         contrast_ratio,
         contrast_deviations: realisations.iter().copied().zip(moved).collect(),
-        kubelka_munk: match study.paper.coupling {
-            Coupling::Gap => coefficients::kubelka_munk(ink, uncertainty, study.layer.thickness_um),
-            Coupling::OpticalContact { .. } => Vec::new(),
-        },
+        kubelka_munk,
+        no_kubelka_munk,
         target: target_lab.map(|lab| target(&print.colour, &by, lab)),
         measured: measured.as_ref().map(|m| question.compare(study, m)),
         print,

@@ -8,7 +8,7 @@ use crate::appearance::colour::Colorimeter;
 use crate::appearance::colour::Colour;
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::evaluate::film::Profile;
-use crate::evaluate::samples::Solved;
+use crate::evaluate::samples::SolvedDirection;
 use crate::material::mixing::molecular_mixture;
 use crate::material::spectra::Spectrum;
 use crate::wave::Wave;
@@ -195,7 +195,8 @@ fn the_furnace_is_exact() {
             .map(|r| made.realisation([0.1 * r as f64, 0.9 - 0.15 * r as f64], || draws.normal()))
             .collect();
         for w in solved.iter_mut().flat_map(|r| &mut r.wavelengths) {
-            let lossless = |s: &mut Solved| (s.absorptance, s.reflectance) = (0.0, 1.0 - s.transmittance);
+            let lossless =
+                |s: &mut SolvedDirection| (s.absorptance, s.reflectance) = (0.0, 1.0 - s.transmittance);
             w.exact.iter_mut().chain(&mut w.strata).for_each(lossless);
             if index_out > 1.0 {
                 w.exit = w.strata.clone();
@@ -208,7 +209,7 @@ fn the_furnace_is_exact() {
         let substrate = Substrate { albedo: Albedo::Constant(1.0), coupling };
         let inputs =
             InkInputs { films: &made.films, substrate: &substrate, outputs_nm: &[450.0, 550.0, 650.0] };
-        let ink = InkOnPaper::new(layer, &solved, &inputs).unwrap();
+        let ink = InkOnPaper::new((layer, &solved), None, &inputs).unwrap();
         for deg in [0.0, 20.0, 45.0, 70.0] {
             let view = ink.at(deg).unwrap();
             for layer in ink.layers() {
@@ -230,7 +231,7 @@ fn angles_that_cannot_carry_paper_are_refused() {
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[500.0] };
     let layer = LayerEnsemble::film_alone(basis, &[0.0, 30.0], false);
-    assert_eq!(InkOnPaper::new(layer, &[], &inputs).unwrap_err(), InkError::AnglesMissing);
+    assert_eq!(InkOnPaper::new((layer, &[]), None, &inputs).unwrap_err(), InkError::AnglesMissing);
 }
 
 /// Mean over the hemisphere of what comes back over a backing: what Kubelka and Munk call the reflectance.

@@ -2,7 +2,7 @@
 
 use super::films::{FilmAt, Films};
 use super::regression::{Fits, Normal, Sums};
-use super::samples::{Solved, SolvedRealisation, SolvedWavelength, mean};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, mean};
 use super::wavelengths::{SpectralBasis, Weights};
 use crate::numerics::estimate::Estimate;
 use ndarray::Array2;
@@ -29,7 +29,7 @@ const TOTALS: usize = 5;
 
 /// Means over the hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mean {
+pub enum EnsembleMean {
     /// T̄ from the incident side.
     Transmittance,
     /// R̄ from the incident side.
@@ -145,7 +145,7 @@ impl LayerEnsemble {
     }
 
     /// Column of a mean over the hemisphere; there are none without strata.
-    pub fn mean_column(&self, mean: Mean) -> usize {
+    pub fn mean_column(&self, mean: EnsembleMean) -> usize {
         self.exact_deg.len() * TOTALS + mean as usize
     }
 
@@ -186,7 +186,7 @@ fn columns(angles: usize, strata: usize) -> usize {
     angles * TOTALS + if strata > 0 { MEANS } else { 0 }
 }
 
-/// The film's means in the order of [`Mean`]; `exit` where the exit side was solved for itself.
+/// The film's means in the order of [`EnsembleMean`]; `exit` where the exit side was solved for itself.
 pub fn film_means(film: &FilmAt, exit: bool) -> [f64; MEANS] {
     let [r, t] = film.means();
     if !exit {
@@ -203,14 +203,14 @@ pub fn film_totals(film: &FilmAt, polar_deg: f64) -> [f64; TOTALS] {
     [r, r, t, t, 1.0 - r - t]
 }
 
-fn solved_totals(solved: &Solved) -> [f64; TOTALS] {
+fn solved_totals(solved: &SolvedDirection) -> [f64; TOTALS] {
     let s = solved;
     [s.reflectance, s.specular_reflectance, s.transmittance, s.specular_transmittance, s.absorptance]
 }
 
 /// Differences from the film in the order of the columns.
 fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> Vec<f64> {
-    let of_angle = |(s, &deg): (&Solved, &f64)| {
+    let of_angle = |(s, &deg): (&SolvedDirection, &f64)| {
         let (own, film) = (solved_totals(s), film_totals(film, deg));
         (0..TOTALS).map(move |i| own[i] - film[i])
     };
@@ -224,13 +224,13 @@ fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> V
 /// Differences of the means. The film is taken off solve by solve, and its exact mean is what is added again: so the strata
 /// have to catch only what the grains add.
 fn means(solved: &SolvedWavelength, film: &FilmAt) -> [f64; MEANS] {
-    let own = |s: &Solved| film.reflectance_transmittance(s.polar_deg);
+    let own = |s: &SolvedDirection| film.reflectance_transmittance(s.polar_deg);
     let transmitted = mean(&solved.strata, |s| s.transmittance - own(s)[1]);
     let reflected = mean(&solved.strata, |s| s.reflectance - own(s)[0]);
     let (absorbed, back) = if solved.exit.is_empty() {
         (mean(&solved.strata, |s| s.absorptance - (1.0 - own(s)[0] - own(s)[1])), reflected)
     } else {
-        let below = |s: &Solved| film.from_exit(s.polar_deg);
+        let below = |s: &SolvedDirection| film.from_exit(s.polar_deg);
         let absorbed = mean(&solved.exit, |s| s.absorptance - (1.0 - below(s)[0] - below(s)[1]));
         (absorbed, mean(&solved.exit, |s| s.reflectance - below(s)[0]))
     };

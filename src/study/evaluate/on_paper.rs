@@ -16,12 +16,42 @@ use std::f64::consts::PI;
 /// Nodes of the integrals of fitted curves, which are polynomials of degree 5.
 const CURVE_NODES: usize = 6;
 
-/// Differences of \[R, T, specular R\] from the film at \[0°, 45°\].
-pub type Anchors = [[f64; 3]; 2];
+/// One of each total of the layer, or what each of them has of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayerTotals<T = f64> {
+    /// Of R.
+    pub reflectance: T,
+    /// Of T.
+    pub transmittance: T,
+    /// Of the specular part of R.
+    pub specular: T,
+}
+
+impl<T> LayerTotals<T> {
+    /// In the order of the fits' columns.
+    pub fn from_fn(of: impl FnMut(usize) -> T) -> Self {
+        let [reflectance, transmittance, specular] = std::array::from_fn(of);
+        Self { reflectance, transmittance, specular }
+    }
+}
+
+impl LayerTotals {
+    /// These and `step` times others.
+    fn plus(self, step: f64, by: &Self) -> Self {
+        Self {
+            reflectance: self.reflectance + step * by.reflectance,
+            transmittance: self.transmittance + step * by.transmittance,
+            specular: self.specular + step * by.specular,
+        }
+    }
+}
+
+/// Differences of the totals from the film at \[0°, 45°\].
+pub type Anchors = [LayerTotals; 2];
 
 /// Everything that is known at every wavelength of interest.
 #[derive(Clone, Debug)]
-pub struct Nodes {
+pub struct AngleNodes {
     /// Vacuum wavelengths, nm.
     pub wavelengths_nm: Vec<f64>,
     /// The coherent film there.
@@ -30,7 +60,7 @@ pub struct Nodes {
     pub albedos: Vec<f64>,
     /// The spectral functions' values there.
     pub weights: Vec<Weights>,
-    /// The film's means over the hemisphere, in the order of [`super::layer::Mean`].
+    /// The film's means over the hemisphere, in the order of [`super::layer::EnsembleMean`].
     pub means: Vec<[f64; 4]>,
 }
 
@@ -41,6 +71,8 @@ pub struct Measured {
     pub anchors: Anchors,
     /// The same in the light that the paper gives back, unpolarised: equal to `anchors` but where polarised light comes in.
     pub returned: Anchors,
+    /// Of T of the order that goes straight on, at 0°.
+    pub straight_on: f64,
     /// Of T̄.
     pub transmittance: f64,
     /// Of Ā from the exit side.
@@ -49,11 +81,11 @@ pub struct Measured {
 
 /// What is fitted over the angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Curve {
-    /// \[R, T, specular R\]: coefficients of the bends between the anchors.
-    pub bends: [[f64; BENDS]; 3],
+pub struct AngleCurve {
+    /// Coefficients of the bends between the anchors.
+    pub bends: LayerTotals<[f64; BENDS]>,
     /// The same in the light that the paper gives back.
-    pub returned: [[f64; BENDS]; 3],
+    pub returned: LayerTotals<[f64; BENDS]>,
     /// Coefficients of the layer's own diffuse BRDF, 1/sr.
     pub diffuse: [f64; DIFFUSE],
     /// Coefficients of its dependence on the azimuth, 1/sr.
@@ -70,8 +102,17 @@ pub struct PolarAngle {
     mu: f64,
     between: [f64; 2],
     bends: [f64; BENDS],
-    /// \[node\]\[R, T, T in the light that the paper gives back\]
-    film: Vec<[f64; 3]>,
+    /// At every node.
+    film: Vec<FilmTotals>,
+}
+
+/// The film's totals at one angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct FilmTotals {
+    reflectance: f64,
+    transmittance: f64,
+    /// T in the light that the paper gives back.
+    returned: f64,
 }
 
 impl PolarAngle {
@@ -82,24 +123,24 @@ impl PolarAngle {
 
     /// # Errors
     /// Angles outside 0° ≤ θ < 90°.
-    pub fn new(polar_deg: f64, nodes: &Nodes) -> Result<Self, PaperError> {
+    pub fn new(polar_deg: f64, nodes: &AngleNodes) -> Result<Self, PaperError> {
         if !(0.0..90.0).contains(&polar_deg) {
             return Err(PaperError::AngleOutOfRange { value: polar_deg });
         }
         let mu = polar_deg.to_radians().cos();
         let (between, bends) = anchor_weights(mu);
-        let film = nodes.films.iter().map(|film| both_ways(film, polar_deg)).collect();
+        let film = nodes.films.iter().map(|film| film_totals(film, polar_deg)).collect();
         Ok(Self { polar_deg, mu, between, bends, film })
     }
 }
 
-/// The film's R and T, and its T in the light that the paper gives back.
-fn both_ways(film: &FilmAt, polar_deg: f64) -> [f64; 3] {
-    let [r, t] = film.reflectance_transmittance(polar_deg);
-    match film.returned() {
-        Cow::Borrowed(_) => [r, t, t],
-        Cow::Owned(back) => [r, t, back.reflectance_transmittance(polar_deg)[1]],
-    }
+fn film_totals(film: &FilmAt, polar_deg: f64) -> FilmTotals {
+    let [reflectance, transmittance] = film.reflectance_transmittance(polar_deg);
+    let returned = match film.returned() {
+        Cow::Borrowed(_) => transmittance,
+        Cow::Owned(back) => back.reflectance_transmittance(polar_deg)[1],
+    };
+    FilmTotals { reflectance, transmittance, returned }
 }
 
 /// The layer on paper at one wavelength.
@@ -107,7 +148,7 @@ fn both_ways(film: &FilmAt, polar_deg: f64) -> [f64; 3] {
 pub struct LayerOnPaper {
     node: usize,
     measured: Measured,
-    curve: Curve,
+    curve: AngleCurve,
     /// T̄ and Ā from the exit side, of the film.
     film_means: [f64; 2],
     albedo: f64,
@@ -115,15 +156,16 @@ pub struct LayerOnPaper {
 }
 
 impl LayerOnPaper {
+    /// Over paper of \[albedo, index\].
+    ///
     /// # Errors
     /// Albedo outside 0–1, a lossless mirror over a lossless paper, numbers that are not finite.
     pub fn new(
         node: usize,
         film_means: [f64; 2],
         measured: Measured,
-        curve: Curve,
-        albedo: f64,
-        index_out: f64,
+        curve: AngleCurve,
+        [albedo, index_out]: [f64; 2],
     ) -> Result<Self, PaperError> {
         let layer = Self { node, measured, curve, film_means, albedo, index_out };
         returned(albedo, layer.mean_transmittance(), layer.mean_absorptance_exit(), index_out)?;
@@ -143,6 +185,18 @@ impl LayerOnPaper {
     /// R̄ from the exit side, 1 − T̄/n² − Ā.
     pub fn mean_reflectance_exit(&self) -> f64 {
         1.0 - self.mean_transmittance() / self.index_out.powi(2) - self.mean_absorptance_exit()
+    }
+
+    /// Place of its wavelength among the nodes, of which the spectra's are the first.
+    pub(super) fn node(&self) -> usize {
+        self.node
+    }
+
+    /// Share of T at the normal that goes straight on, unscattered: the order's own, less the diffuse light that it carries
+    /// as every order does (π times its share of the hemisphere, as of even light).
+    pub(super) fn straight_on(&self, normal: &PolarAngle) -> f64 {
+        let straight = normal.film[self.node].transmittance + self.measured.straight_on;
+        straight / self.transmittance(normal) - self.curve.order_area / PI
     }
 
     /// Index of the half-space on the exit side: that of the paper in optical contact.
@@ -165,25 +219,25 @@ impl LayerOnPaper {
 
     /// R(θ) of the layer alone, total.
     pub fn reflectance(&self, at: &PolarAngle) -> f64 {
-        at.film[self.node][0] + self.difference(at, 0)
+        at.film[self.node].reflectance + self.differences(at).reflectance
     }
 
     /// T(θ) of the layer alone, total; kept within 0 and 1, which curves through few angles and wavelengths overshoot. R and the
     /// means are not: they enter sums, and a jackknife over values that stop at 0 would make errors too small.
     pub fn transmittance(&self, at: &PolarAngle) -> f64 {
-        (at.film[self.node][1] + self.difference(at, 1)).clamp(0.0, 1.0)
+        (at.film[self.node].transmittance + self.differences(at).transmittance).clamp(0.0, 1.0)
     }
 
     /// T(θ) of the layer alone for the light that the paper gives back, unpolarised: T(θ) itself but where polarised light
     /// comes in.
     pub fn transmittance_returned(&self, at: &PolarAngle) -> f64 {
-        let beyond_film = curve(&self.measured.returned, &self.curve.returned, 1, (at.between, at.bends));
-        (at.film[self.node][2] + beyond_film).clamp(0.0, 1.0)
+        let beyond_film = curve(&self.measured.returned, &self.curve.returned, (at.between, at.bends));
+        (at.film[self.node].returned + beyond_film.transmittance).clamp(0.0, 1.0)
     }
 
     /// Specular part of R(θ): that of the cells' specular order.
     pub fn specular(&self, at: &PolarAngle) -> f64 {
-        at.film[self.node][0] + self.difference(at, 2)
+        at.film[self.node].reflectance + self.differences(at).specular
     }
 
     /// What a print of any size mirrors of R(θ). The specular order of a cell carries diffuse light as well, as every order
@@ -274,11 +328,10 @@ impl LayerOnPaper {
     /// The same layer with `step` times other measured values added.
     pub(super) fn moved(&self, by: &Measured, step: f64) -> Self {
         let mut layer = *self;
-        let move_all = |own: &mut Anchors, by: &Anchors| {
-            own.iter_mut().flatten().zip(by.iter().flatten()).for_each(|(own, by)| *own += step * by);
-        };
-        move_all(&mut layer.measured.anchors, &by.anchors);
-        move_all(&mut layer.measured.returned, &by.returned);
+        let moved = |own: Anchors, by: &Anchors| [own[0].plus(step, &by[0]), own[1].plus(step, &by[1])];
+        layer.measured.anchors = moved(self.measured.anchors, &by.anchors);
+        layer.measured.returned = moved(self.measured.returned, &by.returned);
+        layer.measured.straight_on += step * by.straight_on;
         layer.measured.transmittance += step * by.transmittance;
         layer.measured.absorptance += step * by.absorptance;
         layer
@@ -290,36 +343,41 @@ impl LayerOnPaper {
         polar_deg: impl Iterator<Item = f64> + Clone,
         exit: bool,
     ) -> Measured {
-        let back = |quantity: usize, mu: f64| {
-            curve(&self.measured.returned, &self.curve.returned, quantity, anchor_weights(mu))
-        };
+        let back = |mu: f64| curve(&self.measured.returned, &self.curve.returned, anchor_weights(mu));
         let rule = GaussLegendre::new(CURVE_NODES).expect("a positive number of nodes");
         let count = polar_deg.clone().count().max(1) as f64;
-        let error = |quantity: usize| {
-            let sampled =
-                polar_deg.clone().map(|deg| back(quantity, deg.to_radians().cos())).sum::<f64>() / count;
-            sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * back(quantity, mu))
+        let error = |of: fn(LayerTotals) -> f64| {
+            let sampled = polar_deg.clone().map(|deg| of(back(deg.to_radians().cos()))).sum::<f64>() / count;
+            sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * of(back(mu)))
         };
-        let (reflected, transmittance) = (error(0), error(1));
+        let (reflected, transmittance) = (error(|t| t.reflectance), error(|t| t.transmittance));
         // without solves from the exit side its A is that from the incident side, 1 − R − T
         let absorptance = if exit { 0.0 } else { -reflected - transmittance };
         Measured { transmittance, absorptance, ..Measured::default() }
     }
 
-    fn difference(&self, at: &PolarAngle, quantity: usize) -> f64 {
-        curve(&self.measured.anchors, &self.curve.bends, quantity, (at.between, at.bends))
+    #[inline]
+    fn differences(&self, at: &PolarAngle) -> LayerTotals {
+        curve(&self.measured.anchors, &self.curve.bends, (at.between, at.bends))
     }
 }
 
-/// A fitted difference from the film: weights of the anchors, and bends.
+/// Fitted differences from the film: weights of the anchors, and bends.
+#[inline]
 fn curve(
     anchors: &Anchors,
-    coefficients: &[[f64; BENDS]; 3],
-    quantity: usize,
+    coefficients: &LayerTotals<[f64; BENDS]>,
     (between, bends): ([f64; 2], [f64; BENDS]),
-) -> f64 {
-    let anchored: f64 = between.iter().zip(anchors).map(|(w, a)| w * a[quantity]).sum();
-    anchored + bends.iter().zip(&coefficients[quantity]).map(|(b, c)| b * c).sum::<f64>()
+) -> LayerTotals {
+    let at = |anchored: [f64; 2], own: &[f64; BENDS]| {
+        let anchored: f64 = between.iter().zip(anchored).map(|(w, a)| w * a).sum();
+        anchored + bends.iter().zip(own).map(|(b, c)| b * c).sum::<f64>()
+    };
+    LayerTotals {
+        reflectance: at(anchors.map(|a| a.reflectance), &coefficients.reflectance),
+        transmittance: at(anchors.map(|a| a.transmittance), &coefficients.transmittance),
+        specular: at(anchors.map(|a| a.specular), &coefficients.specular),
+    }
 }
 
 #[cfg(test)]
@@ -329,8 +387,8 @@ mod tests {
     /// Fits of few cells may fall below zero; at the normal nothing depends on the azimuth.
     #[test]
     fn the_directional_brdf_is_a_number_where_the_fit_is_negative() {
-        let curve = Curve { diffuse: [-0.01; DIFFUSE], ..Curve::default() };
-        let layer = LayerOnPaper::new(0, [0.5, 0.2], Measured::default(), curve, 0.8, 1.0).unwrap();
+        let curve = AngleCurve { diffuse: [-0.01; DIFFUSE], ..AngleCurve::default() };
+        let layer = LayerOnPaper::new(0, [0.5, 0.2], Measured::default(), curve, [0.8, 1.0]).unwrap();
         for [illumination, viewing] in [[1.0, 1.0], [1.0, 0.4], [0.3, 0.6]] {
             let f = layer.directional_brdf(illumination, viewing, 1.0);
             assert_eq!(f, layer.diffuse_brdf_at(illumination, viewing), "{illumination} {viewing}");

@@ -4,7 +4,7 @@ use crate::wave::FarField;
 
 /// One solve: totals, their specular parts, and where the diffuse light went.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solved {
+pub struct SolvedDirection {
     /// Polar angle of incidence in the half-space that the light came from, degrees.
     pub polar_deg: f64,
     /// Total R.
@@ -34,7 +34,7 @@ pub struct Scattered {
     pub density: f64,
 }
 
-impl From<&FarField> for Solved {
+impl From<&FarField> for SolvedDirection {
     fn from(field: &FarField) -> Self {
         let specular = field.specular();
         let density = field.period_um[0] * field.period_um[1] / field.incidence.wavelength_um.powi(2);
@@ -67,11 +67,11 @@ pub struct SolvedWavelength {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
     /// At the angles that every realisation is solved at, in the study's order.
-    pub exact: Vec<Solved>,
+    pub exact: Vec<SolvedDirection>,
     /// One in each stratum of μ², 0 < μ² < 1: their plain mean is the hemispherical one.
-    pub strata: Vec<Solved>,
+    pub strata: Vec<SolvedDirection>,
     /// The same for light from the exit side; empty where the layer is the same from both sides.
-    pub exit: Vec<Solved>,
+    pub exit: Vec<SolvedDirection>,
 }
 
 /// One realisation of the layer.
@@ -84,6 +84,6 @@ pub struct SolvedRealisation {
 }
 
 /// Mean of a quantity over solves that stand for equal shares.
-pub fn mean(solves: &[Solved], quantity: impl Fn(&Solved) -> f64) -> f64 {
+pub fn mean(solves: &[SolvedDirection], quantity: impl Fn(&SolvedDirection) -> f64) -> f64 {
     solves.iter().map(quantity).sum::<f64>() / solves.len().max(1) as f64
 }

@@ -4,7 +4,7 @@ use super::film::Profile;
 use super::films::{FilmAt, Films};
 use super::ink::{InkError, InkInputs, InkOnPaper};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total};
-use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
@@ -156,7 +156,7 @@ fn solved(study: &Study, realisation: &Realisation, fields: &[FarField]) -> Solv
 
 /// The solves of one wavelength: exact angles, strata, strata from the exit side.
 fn solved_at(angles: &Angles, fields: &[FarField]) -> SolvedWavelength {
-    let all: Vec<Solved> = fields.iter().map(Solved::from).collect();
+    let all: Vec<SolvedDirection> = fields.iter().map(SolvedDirection::from).collect();
     let (exact, rest) = all.split_at(angles.exact_deg.len());
     let (strata, exit) = rest.split_at(angles.strata);
     SolvedWavelength {
@@ -196,15 +196,11 @@ fn on_paper(
     }
     let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
     let inputs = InkInputs { films, substrate: &substrate, outputs_nm: &study.wavelengths_nm };
-    let lit = (ensemble.clone(), solved);
-    Ok(match returned {
-        None => InkOnPaper::new(lit.0, lit.1, &inputs)?,
-        Some(solved) => {
-            let basis = ensemble.basis.clone();
-            let layer = LayerEnsemble::new(solved, basis, &films.returned(), &study.angles.exact_deg);
-            InkOnPaper::polarised(lit, (layer, solved), &inputs)?
-        }
-    })
+    let returned = returned.map(|solved| {
+        let basis = ensemble.basis.clone();
+        (LayerEnsemble::new(solved, basis, &films.returned(), &study.angles.exact_deg), solved)
+    });
+    Ok(InkOnPaper::new((ensemble.clone(), solved), returned, &inputs)?)
 }
 
 /// Distributions at every exact angle, one for each stratum of wavelengths.

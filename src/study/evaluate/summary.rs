@@ -3,14 +3,14 @@
 use super::gate;
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::{InkMaker, ink_maker};
-use super::layer::{LayerEnsemble, Mean, Total};
+use super::layer::{EnsembleMean, LayerEnsemble, Total};
 use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
 use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::survivors::Survivors;
-use super::uncertainty::{Shift, Sure, Uncertainty, lit, lit_moved, natural_light_moved};
-use crate::appearance::paper::PRINT_DEG;
+use super::uncertainty::{Shift, Sure, UNMOVED, Uncertainty, lit, natural_light};
+use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
 use crate::run::{Collected, Failure, Refused};
@@ -185,7 +185,7 @@ fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
 fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
     let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
     let film = layer.film(w.wavelength_nm);
-    let difference = |s: &Solved| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
+    let difference = |s: &SolvedDirection| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
     let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
     sum / w.strata.len() as f64
 }
@@ -206,7 +206,8 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
 /// Mean over the wavelengths of R̄ + T̄/n² + Ā, all as differences from the film, of one realisation.
 fn exit_difference(ensemble: &LayerEnsemble, index: f64, realisation: usize) -> f64 {
     let [t, a, r] =
-        [Mean::Transmittance, Mean::ExitAbsorptance, Mean::ExitReflectance].map(|m| ensemble.mean_column(m));
+        [EnsembleMean::Transmittance, EnsembleMean::ExitAbsorptance, EnsembleMean::ExitReflectance]
+            .map(|m| ensemble.mean_column(m));
     let wavelengths = ensemble.wavelengths_nm(realisation).len();
     let value = |j: usize, column: usize| ensemble.measured(realisation, j, column);
     let apart = |j: usize| value(j, r) + value(j, t) / (index * index) + value(j, a);
@@ -217,27 +218,21 @@ fn exit_difference(ensemble: &LayerEnsemble, index: f64, realisation: usize) -> 
 struct Conditions {
     normal: PolarAngle,
     print_light: PolarAngle,
+    sky: MirroredSky,
 }
 
 impl Conditions {
-    fn new(ink: &InkOnPaper) -> Result<Self, InkError> {
-        Ok(Self { normal: ink.at(0.0)?, print_light: ink.at(PRINT_DEG)? })
+    fn new(study: &Study, ink: &InkOnPaper) -> Result<Self, InkError> {
+        let sky = study.output.mirrored_sky;
+        Ok(Self { normal: ink.at(0.0)?, print_light: ink.at(PRINT_DEG)?, sky })
     }
 
-    fn natural_light<'a>(&'a self, study: &'a Study) -> impl Fn(&LayerOnPaper) -> f64 + 'a {
-        |layer| layer.natural_light(&self.normal, study.output.mirrored_sky)
+    fn natural_light(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
+        natural_light(layer, &self.normal, self.sky, by)
     }
 
-    fn lit_at_45(&self, layer: &LayerOnPaper) -> f64 {
-        lit(layer, &self.print_light, &self.normal)
-    }
-
-    fn natural_light_moved(&self, layer: &LayerOnPaper, by: [f64; 2]) -> f64 {
-        natural_light_moved(layer, &self.normal, by)
-    }
-
-    fn lit_at_45_moved(&self, layer: &LayerOnPaper, by: [f64; 2]) -> f64 {
-        lit_moved(layer, &self.print_light, &self.normal, by)
+    fn lit_at_45(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
+        lit(layer, &self.print_light, &self.normal, by)
     }
 }
 
@@ -254,12 +249,9 @@ fn colours_of(
     ink: &InkOnPaper,
     uncertainty: &Uncertainty,
 ) -> Result<Vec<ColourNote>, InkError> {
-    let conditions = Conditions::new(ink)?;
-    let natural = conditions.natural_light(study);
-    let sky =
-        uncertainty.colour(ink, &seen.solved, natural, &|l, by| conditions.natural_light_moved(l, by))?;
-    let print = uncertainty
-        .colour(ink, &seen.solved, |l| conditions.lit_at_45(l), &|l, by| conditions.lit_at_45_moved(l, by))?;
+    let conditions = Conditions::new(study, ink)?;
+    let sky = uncertainty.colour(ink, &seen.solved, &|l, by| conditions.natural_light(l, by))?;
+    let print = uncertainty.colour(ink, &seen.solved, &|l, by| conditions.lit_at_45(l, by))?;
     Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
 }
 
@@ -283,15 +275,13 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
     let angles = 0..layer.angles_deg().len();
     let mut rows: Vec<SpectrumRow> =
         angles.flat_map(|angle| rows_of(study, seen, (layer, angle), uncertainty)).collect();
-    if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(ink))) {
-        let natural = ink.spectrum(conditions.natural_light(study)).estimates();
-        let lit = ink.spectrum(|l| conditions.lit_at_45(l)).estimates();
+    if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(study, ink))) {
+        let natural = ink.spectrum(|l| conditions.natural_light(l, UNMOVED)).estimates();
+        let lit = ink.spectrum(|l| conditions.lit_at_45(l, UNMOVED)).estimates();
         let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
         for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
-            let (sky, print) = (
-                |by: Shift| conditions.natural_light_moved(layer, by),
-                |by: Shift| conditions.lit_at_45_moved(layer, by),
-            );
+            let sky = |by: Shift| conditions.natural_light(layer, by) - natural[i].value;
+            let print = |by: Shift| conditions.lit_at_45(layer, by) - lit[i].value;
             row.natural_light = Some(uncertainty.widen_by(natural[i], sky));
             row.lit_at_45 = Some(uncertainty.widen_by(lit[i], print));
         }

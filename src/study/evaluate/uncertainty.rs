@@ -3,10 +3,11 @@
 //!
 //! The grid's error and the residual's are shifts of a whole spectrum, the same in every realisation: averaging does not lessen them.
 
-use super::ink::{InkError, InkOnPaper};
+use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::SolvedRealisation;
 use crate::appearance::colour::Colour;
+use crate::appearance::paper::MirroredSky;
 use crate::numerics::estimate::Estimate;
 use crate::solve::accuracy::grid_error::GridError;
 use serde::Serialize;
@@ -30,8 +31,10 @@ pub(super) struct Uncertainty {
 
 /// Errors of R and T.
 pub(super) type Shift = [f64; 2];
-/// A quantity of the layer on paper that errors of R and T move.
-type Moved<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
+/// No error of R and T.
+pub(super) const UNMOVED: Shift = [0.0; 2];
+/// A quantity of the layer on paper, moved by errors of R and T.
+type PaperQuantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 
 impl Uncertainty {
     fn residual(&self) -> f64 {
@@ -69,36 +72,54 @@ impl Uncertainty {
         Estimate { standard_error, ..estimate }
     }
 
-    /// Colour of a quantity that errors of R and T `move`: the covariance of Lab holds all of its budget.
+    /// Colour of a quantity to an observer, with what errors of R and T and the range of the wavelengths add.
+    pub fn widened(&self, ink: &InkOnPaper, sight: &Sight, of: &PaperQuantity) -> Result<Widened, InkError> {
+        let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
+        let (colour, deviations) = ink.colour_with_deviations(sight, plain)?;
+        let shift = |by: Shift| -> Result<[f64; 3], InkError> {
+            let shifted = ink.colour_of_mean(sight, |layer| of(layer, by))?;
+            Ok(std::array::from_fn(|i| shifted.lab[i] - colour.lab[i]))
+        };
+        let [grid, residual] = self.shifts().map(shift);
+        let [below, above] = ink.beyond_range(sight, &colour, plain);
+        let (chance, shared) = (colour.lab_covariance, [grid?, residual?, below, above]);
+        let lab_covariance = self.widen_lab(chance, &shared);
+        Ok(Widened { colour: Colour { lab_covariance, ..colour }, chance, shared, deviations })
+    }
+
+    /// Colour of a quantity to the standard observer: the covariance of Lab holds all of its budget.
     pub fn colour(
         &self,
         ink: &InkOnPaper,
         solved: &[SolvedRealisation],
-        quantity: impl Fn(&LayerOnPaper) -> f64,
-        moved: &Moved,
+        of: &PaperQuantity,
     ) -> Result<Sure, InkError> {
-        let sight = ink.daylight()?;
-        let (colour, deviations) = ink.colour_with_deviations(sight, &quantity)?;
-        let shift = |by: Shift| -> Result<[f64; 3], InkError> {
-            let shifted = ink.colour_of_mean(sight, |layer| quantity(layer) + moved(layer, by))?;
-            let plain = ink.colour_of_mean(sight, &quantity)?;
-            Ok(std::array::from_fn(|i| shifted.lab[i] - plain.lab[i]))
-        };
-        let [grid, residual] = self.shifts().map(shift);
-        let [grid, residual] = [grid?, residual?];
-        let [below, above] = ink.beyond_range(sight, &colour, &quantity);
+        let Widened { colour, chance, shared, deviations } = self.widened(ink, ink.daylight()?, of)?;
+        let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
+        let [grid, residual, below, above] = shared.map(length);
         let budget = Budget {
-            chance_and_cell: colour.lab_covariance.map(spread),
-            angles: ink.angle_covariance(solved, &quantity)?.map(spread),
-            wavelengths: length(ink.wavelength_shift(&quantity)?),
-            grid: length(grid),
-            residual: length(residual),
-            missing_cells: self.missing_cells * colour.lab_covariance.map_or(0.0, spread),
-            beyond_range: length(below).hypot(length(above)),
+            chance_and_cell: chance.map(spread),
+            angles: ink.angle_covariance(solved, plain)?.map(spread),
+            wavelengths: length(ink.wavelength_shift(plain)?),
+            grid,
+            residual,
+            missing_cells: self.missing_cells * chance.map_or(0.0, spread),
+            beyond_range: below.hypot(above),
         };
-        let lab_covariance = self.widen_lab(colour.lab_covariance, &[grid, residual, below, above]);
-        Ok(Sure { colour: Colour { lab_covariance, ..colour }, budget: budget.apart(), deviations })
+        Ok(Sure { colour, budget: budget.apart(), deviations })
     }
+}
+
+/// A colour with its covariance, and what that is made of.
+pub(super) struct Widened {
+    /// With the covariance of everything.
+    pub colour: Colour,
+    /// The covariance of chance alone.
+    chance: Option<[[f64; 3]; 3]>,
+    /// What the grid, the residual, and light beyond each end of the wavelengths move Lab by.
+    shared: [[f64; 3]; 4],
+    /// What each realisation moves Lab by.
+    pub deviations: Vec<[f64; 3]>,
 }
 
 /// A colour, and how sure it is.
@@ -146,14 +167,18 @@ impl Budget {
     }
 }
 
-/// Error of the radiance factor under a uniform sky: that of R, that of T on the way in and out, and that of R̄ towards the paper.
-pub(super) fn natural_light_moved(layer: &LayerOnPaper, view: &PolarAngle, [r, t]: Shift) -> f64 {
-    r + through_paper(layer, [layer.transmittance(view), layer.mean_transmittance()], [r, t])
+/// The radiance factor under a uniform sky, moved by the error of R, that of T on the way in and out, and that of R̄ towards
+/// the paper.
+pub(super) fn natural_light(layer: &LayerOnPaper, view: &PolarAngle, sky: MirroredSky, [r, t]: Shift) -> f64 {
+    let through = through_paper(layer, [layer.transmittance(view), layer.mean_transmittance()], [r, t]);
+    layer.natural_light(view, sky) + (r + through)
 }
 
-/// Error of π times the BRDF; the layer's own diffuse part is at most as uncertain as its R.
-pub(super) fn lit_moved(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle, [r, t]: Shift) -> f64 {
-    r + through_paper(layer, [layer.transmittance(light), layer.transmittance_returned(view)], [r, t])
+/// π times the BRDF of the ink on its paper, moved by errors; the layer's own diffuse part is at most as uncertain as its R.
+pub(super) fn lit(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle, [r, t]: Shift) -> f64 {
+    let through =
+        through_paper(layer, [layer.transmittance(light), layer.transmittance_returned(view)], [r, t]);
+    PI * layer.brdf(light, view) + (r + through)
 }
 
 /// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b errs by as much as R.
@@ -161,11 +186,6 @@ fn through_paper(layer: &LayerOnPaper, [inwards, outwards]: [f64; 2], [r, t]: Sh
     let factor = layer.return_factor();
     let moved_factor = (layer.index_out() * factor).powi(2) * r;
     factor * (inwards + outwards) * t + moved_factor * inwards * outwards
-}
-
-/// π times the BRDF of the ink on its paper.
-pub(super) fn lit(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle) -> f64 {
-    PI * layer.brdf(light, view)
 }
 
 /// Root mean square distance that a covariance stands for.

@@ -1,15 +1,15 @@
 //! One solve of an explicit geometry: the `inputs` object of a reference case, as JSON or TOML.
 
+use super::case_inputs::TEXT;
 pub use super::case_inputs::{
-    BarInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, PeriodInput, SphereInput,
-    SublayerInput,
+    BarInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, SphereInput, SublayerInput,
 };
 use super::case_names::with_names;
-use super::fault::Faults;
+use super::fault::{Fault, Faults};
 use super::read::read;
 use super::tree::{Node, SyntaxFault, parse_json, parse_toml};
 use crate::numerics::files;
-use crate::wave::{Ball, Body, Incidence, Media, Scene, Shape, Stratum};
+use crate::wave::{Ball, Body, BodyShape, Incidence, Media, Scene, Stratum};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -46,13 +46,16 @@ impl Case {
 
     /// Checks the inputs and builds the scene.
     pub fn from_inputs(inputs: &CaseInputs) -> Result<Case, CaseError> {
-        super::case_checks::check(inputs)?;
-        let mut builder = Builder::default();
+        let faults = super::case_checks::check(inputs);
+        if !faults.0.is_empty() {
+            return Err(CaseError::Values { path: TEXT.into(), faults });
+        }
+        let mut builder = CaseBuilder::default();
         let strata = builder.strata(inputs)?;
         let scene = Scene { period_um: inputs.period_um(), strata, bodies: builder.bodies(inputs)? };
         let media = Media {
-            incident: half_space("n_in", inputs.n_in, inputs.eta_below)?,
-            exit: half_space("n_out", inputs.n_out, inputs.eta_above)?,
+            incident: half_space("n_in", inputs.n_in, inputs.eta_in)?,
+            exit: half_space("n_out", inputs.n_out, inputs.eta_out)?,
             backgrounds: builder.backgrounds,
             inclusions: builder.inclusions,
         };
@@ -84,21 +87,18 @@ fn inputs_of(document: Node) -> Result<CaseInputs, CaseError> {
     read(inputs).map_err(|faults| CaseError::Values { path: TEXT.into(), faults: Faults(faults) })
 }
 
-/// Stands for the path where a text is given.
-const TEXT: &str = "the text";
-
 fn unreadable(fault: &SyntaxFault, text: &str) -> CaseError {
     CaseError::Parse { path: TEXT.into(), message: fault.in_words(text), remedy: fault.remedy }
 }
 
 /// Collects distinct indices while bodies and strata are read.
 #[derive(Default)]
-struct Builder {
+struct CaseBuilder {
     backgrounds: Vec<Complex64>,
     inclusions: Vec<Complex64>,
 }
 
-impl Builder {
+impl CaseBuilder {
     fn strata(&mut self, inputs: &CaseInputs) -> Result<Vec<Stratum>, CaseError> {
         // A binder stated beside sublayers of the same background says the same thing twice.
         let same = |l: &SublayerInput| Some(l.eta_background) == inputs.eta_binder;
@@ -109,22 +109,19 @@ impl Builder {
             inputs.eta_binder.is_some() && !repeated,
         ];
         if described.iter().filter(|&&d| d).count() != 1 {
-            return Err(CaseError::Field {
-                field: "layer".into(),
-                found: "exactly one of `eta_binder`, `layers_from_z0` and `sublayers_from_z0` must be given"
-                    .into(),
-                remedy: "describe the layer in one way".into(),
-            });
+            let found = if described.contains(&true) { "two descriptions" } else { "nothing" };
+            let allowed = "exactly one of `eta_binder`, `layers_from_z0` and `sublayers_from_z0`";
+            return Err(Fault::new("the layer", found, allowed, "describe the layer in one way").into());
         }
         let mut parts: Vec<(f64, [f64; 2])> = Vec::new();
         if let Some(eta) = inputs.eta_binder.filter(|_| !repeated) {
-            let missing = || field("H", "missing", "give the layer's thickness in µm");
+            let missing = || Fault::new("H", "nothing", "a length", "give the layer's thickness in µm");
             parts.push((inputs.thickness.ok_or_else(missing)?, eta));
         }
         parts.extend(inputs.layers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta)));
         parts.extend(inputs.sublayers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta_background)));
         if parts.is_empty() {
-            return Err(field("layers_from_z0", "empty", "give at least one layer"));
+            return Err(Fault::new("layers_from_z0", "none", "at least one", "add a layer").into());
         }
         // A film of zero thickness changes nothing and would only ask for a cell of zero height.
         let solid = parts.into_iter().filter(|p| p.0 != 0.0);
@@ -132,7 +129,8 @@ impl Builder {
             |(thickness_um, eta)| Stratum { thickness_um, background: index_of(&mut self.backgrounds, eta) };
         let strata: Vec<Stratum> = solid.map(stratum).collect();
         if strata.is_empty() {
-            return Err(field("thickness", "0 everywhere", "give the layer a thickness above 0"));
+            let remedy = "give the layer a thickness above 0";
+            return Err(Fault::new("thickness", "0 everywhere", "above 0", remedy).into());
         }
         Ok(strata)
     }
@@ -141,24 +139,24 @@ impl Builder {
         let mut bodies = Vec::new();
         for s in inputs.spheres.iter().flatten() {
             let ball = Ball { center_um: s.center, radius_um: s.radius };
-            bodies.push(self.body(Shape::Balls(vec![ball]), s.eta));
+            bodies.push(self.body(BodyShape::Balls(vec![ball]), s.eta));
         }
         for c in inputs.cylinders.iter().flatten() {
-            bodies.push(self.body(Shape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius }, c.eta));
+            bodies.push(self.body(BodyShape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius }, c.eta));
         }
         let mut bottom = 0.0;
         for sublayer in inputs.sublayers_from_z0.iter().flatten() {
             let z_um = [bottom, bottom + sublayer.thickness];
             for bar in sublayer.bars.iter().filter(|_| sublayer.thickness != 0.0) {
                 check_bar(bar, inputs.period_um()[0])?;
-                bodies.push(self.body(Shape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
+                bodies.push(self.body(BodyShape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
             }
             bottom = z_um[1];
         }
         Ok(bodies)
     }
 
-    fn body(&mut self, shape: Shape, eta: [f64; 2]) -> Body {
+    fn body(&mut self, shape: BodyShape, eta: [f64; 2]) -> Body {
         Body::new(shape, index_of(&mut self.inclusions, eta))
     }
 }
@@ -173,8 +171,8 @@ fn index_of(list: &mut Vec<Complex64>, [re, im]: [f64; 2]) -> usize {
 
 fn half_space(name: &str, n: Option<IndexInput>, eta: Option<[f64; 2]>) -> Result<Complex64, CaseError> {
     if n.is_some() && eta.is_some() {
-        let old = name.replace("n_in", "eta_below").replace("n_out", "eta_above");
-        return Err(field(name, &format!("given twice, as {name} and as {old}"), "give one of them"));
+        let other = name.replace("n_", "eta_");
+        return Err(Fault::new(name, format!("{name} and {other}"), "one of them", "give one of them").into());
     }
     let [re, im] = n.map(IndexInput::parts).or(eta).unwrap_or([1.0, 0.0]);
     Ok(Complex64::new(re, im))
@@ -186,26 +184,18 @@ fn check_bar(bar: &BarInput, period: f64) -> Result<(), CaseError> {
         return Ok(());
     }
     let found = format!("from x0 = {} to x1 = {} µm", bar.x0, bar.x1);
-    Err(field(
-        "bars",
-        &found,
-        &format!("x0 < x1 and a width of at most the period, {period} µm, are allowed"),
-    ))
+    let allowed = format!("x0 < x1 and a width of at most the period, {period} µm");
+    Err(Fault::new("bars", found, allowed, "make it narrower, or repeat it in a longer period").into())
 }
 
 /// The stated H must be the sum of the layers.
 fn check_thickness(inputs: &CaseInputs, scene: &Scene) -> Result<(), CaseError> {
     let total = scene.thickness_um();
     match inputs.thickness {
-        Some(h) if (h - total).abs() > 1e-9 * total => Err(field(
-            "H",
-            &format!("{h} µm, but the layers add up to {total} µm"),
-            "make them agree or leave H out",
-        )),
+        Some(h) if (h - total).abs() > 1e-9 * total => {
+            let allowed = format!("{total} µm, the sum of the layers");
+            Err(Fault::new("H", format!("{h} µm"), allowed, "make them agree or leave H out").into())
+        }
         _ => Ok(()),
     }
-}
-
-fn field(field: &str, found: &str, remedy: &str) -> CaseError {
-    CaseError::Field { field: field.into(), found: found.into(), remedy: remedy.into() }
 }

@@ -1,126 +1,112 @@
 //! Ranges of a case's numbers, named as they are written in the file.
 
-use super::case_inputs::{CaseError, CaseInputs, IndexInput, PeriodInput};
+use super::case_inputs::{CaseInputs, IndexInput};
+use super::fault::{Allowed, Fault, Faults};
+use super::forms::Pair;
+use super::limits::{ABOVE_ZERO, NOT_NEGATIVE, POLAR_DEG};
 
-/// Refuses numbers out of range before they are combined into a scene.
-pub fn check(inputs: &CaseInputs) -> Result<(), CaseError> {
-    light(inputs)?;
-    lengths(inputs)?;
-    indices(inputs)?;
-    grains(inputs)
-}
+/// Any number that is one.
+const FINITE: Allowed = Allowed::between(f64::MIN, f64::MAX, "");
+/// Either part of an index.
+const INDEX_PART: Allowed = Allowed::between(0.0, f64::MAX, "");
+const IN_UM: &str = "give it in µm";
 
-fn range(field: &str, value: f64, good: bool, allowed: &str, remedy: &str) -> Result<(), CaseError> {
-    if good {
-        return Ok(());
-    }
-    let (field, allowed, remedy) = (field.into(), allowed.into(), remedy.into());
-    Err(CaseError::Range { field, value, allowed, remedy })
-}
-
-fn positive(field: &str, value: f64) -> Result<(), CaseError> {
-    range(field, value, value.is_finite() && value > 0.0, "above 0 and finite", "give it in µm")
-}
-
-fn finite(field: &str, value: f64, remedy: &str) -> Result<(), CaseError> {
-    range(field, value, value.is_finite(), "any finite number", remedy)
-}
-
-fn light(inputs: &CaseInputs) -> Result<(), CaseError> {
-    positive("wavelength", inputs.wavelength)?;
+/// Numbers out of range, found before they are combined into a scene.
+pub fn check(inputs: &CaseInputs) -> Faults {
+    let mut faults = Faults::default();
+    faults.number("wavelength", inputs.wavelength, ABOVE_ZERO, IN_UM);
     let grazing = "grazing light carries no flux into the layer; use 89 or less";
-    let sigma = inputs.sigma_deg;
-    range("sigma_deg", sigma, (0.0..90.0).contains(&sigma), "0 ≤ sigma_deg < 90", grazing)?;
-    finite("phi_deg", inputs.phi_deg, "give it in degrees")
+    faults.number("sigma_deg", inputs.sigma_deg, POLAR_DEG, grazing);
+    faults.number("phi_deg", inputs.phi_deg, FINITE, "give it in degrees");
+    lengths(inputs, &mut faults);
+    for (field, eta) in indices(inputs) {
+        index(&field, eta, &mut faults);
+    }
+    grains(inputs, &mut faults);
+    faults
 }
 
-fn lengths(inputs: &CaseInputs) -> Result<(), CaseError> {
+fn lengths(inputs: &CaseInputs, faults: &mut Faults) {
     if inputs.period.is_none() && inputs.repeats() {
-        let (found, remedy) = ("missing", "give the period of the grains or bars in µm, or [Lx, Ly]");
-        return Err(CaseError::Field { field: "L".into(), found: found.into(), remedy: remedy.into() });
+        let remedy = "give the period of the grains or bars in µm";
+        faults.push(Fault::new("L", "nothing", "a number or a pair [Lx, Ly]", remedy));
     }
     let [x, y] = inputs.period_um();
-    positive("L", x)?;
-    positive("Ly", y)?;
-    if let (Some(PeriodInput::Pair(_)), Some(_)) = (inputs.period, inputs.period_y) {
-        let (found, remedy) = ("given beside a pair L = [Lx, Ly]", "give one of them");
-        return Err(CaseError::Field { field: "Ly".into(), found: found.into(), remedy: remedy.into() });
+    faults.number("L", x, ABOVE_ZERO, IN_UM);
+    faults.number("Ly", y, ABOVE_ZERO, IN_UM);
+    if let (Some(Pair::Each(_)), Some(y)) = (inputs.period, inputs.period_y) {
+        faults.push(Fault::new("Ly", y, "nothing beside a pair L = [Lx, Ly]", "give one of them"));
     }
-    inputs.thickness.map_or(Ok(()), |h| positive("H", h))?;
-    let thickness = |field: String, value: f64| {
-        let good = value.is_finite() && value >= 0.0;
-        range(&field, value, good, "0 or above and finite", "give it in µm")
-    };
+    if let Some(height) = inputs.thickness {
+        faults.number("H", height, ABOVE_ZERO, IN_UM);
+    }
     for (i, layer) in inputs.layers_from_z0.iter().flatten().enumerate() {
-        thickness(format!("layers_from_z0[{i}].thickness"), layer.thickness)?;
+        faults.number(&format!("layers_from_z0[{i}].thickness"), layer.thickness, NOT_NEGATIVE, IN_UM);
     }
     for (i, layer) in inputs.sublayers_from_z0.iter().flatten().enumerate() {
-        thickness(format!("sublayers_from_z0[{i}].thickness"), layer.thickness)?;
+        faults.number(&format!("sublayers_from_z0[{i}].thickness"), layer.thickness, NOT_NEGATIVE, IN_UM);
     }
-    Ok(())
 }
 
-fn indices(inputs: &CaseInputs) -> Result<(), CaseError> {
-    let eta = |field: &str, value: Option<[f64; 2]>| value.map_or(Ok(()), |v| index(field, v));
-    eta("n_in", inputs.n_in.map(IndexInput::parts))?;
-    eta("n_out", inputs.n_out.map(IndexInput::parts))?;
-    eta("eta_below", inputs.eta_below)?;
-    eta("eta_above", inputs.eta_above)?;
-    eta("eta_binder", inputs.eta_binder)?;
-    for (i, s) in inputs.spheres.iter().flatten().enumerate() {
-        index(&format!("spheres[{i}].eta"), s.eta)?;
-    }
-    for (i, c) in inputs.cylinders.iter().flatten().enumerate() {
-        index(&format!("cylinders[{i}].eta"), c.eta)?;
-    }
-    for (i, l) in inputs.layers_from_z0.iter().flatten().enumerate() {
-        index(&format!("layers_from_z0[{i}].eta"), l.eta)?;
-    }
+/// Every index with its place.
+fn indices(inputs: &CaseInputs) -> Vec<(String, [f64; 2])> {
+    let single = [
+        ("n_in", inputs.n_in.map(IndexInput::parts)),
+        ("n_out", inputs.n_out.map(IndexInput::parts)),
+        ("eta_in", inputs.eta_in),
+        ("eta_out", inputs.eta_out),
+        ("eta_binder", inputs.eta_binder),
+    ];
+    let mut all: Vec<_> =
+        single.into_iter().filter_map(|(name, eta)| Some((name.to_owned(), eta?))).collect();
+    let spheres = inputs.spheres.iter().flatten().enumerate();
+    all.extend(spheres.map(|(i, s)| (format!("spheres[{i}].eta"), s.eta)));
+    let cylinders = inputs.cylinders.iter().flatten().enumerate();
+    all.extend(cylinders.map(|(i, c)| (format!("cylinders[{i}].eta"), c.eta)));
+    let layers = inputs.layers_from_z0.iter().flatten().enumerate();
+    all.extend(layers.map(|(i, l)| (format!("layers_from_z0[{i}].eta"), l.eta)));
     for (i, l) in inputs.sublayers_from_z0.iter().flatten().enumerate() {
-        index(&format!("sublayers_from_z0[{i}].eta_background"), l.eta_background)?;
-        for (j, bar) in l.bars.iter().enumerate() {
-            index(&format!("sublayers_from_z0[{i}].bars[{j}].eta"), bar.eta)?;
-        }
+        all.push((format!("sublayers_from_z0[{i}].eta_background"), l.eta_background));
+        let bars = l.bars.iter().enumerate();
+        all.extend(bars.map(|(j, bar)| (format!("sublayers_from_z0[{i}].bars[{j}].eta"), bar.eta)));
     }
-    Ok(())
+    all
 }
 
-fn index(field: &str, [re, im]: [f64; 2]) -> Result<(), CaseError> {
+fn index(field: &str, [re, im]: [f64; 2], faults: &mut Faults) {
     let real = "the real part of an index is positive (a metal's may be small)";
-    range(&format!("{field} (real part)"), re, re.is_finite() && re >= 0.0, "0 or above and finite", real)?;
+    faults.number(&format!("{field} (real part)"), re, INDEX_PART, real);
     let sign = "0 or more absorbs; change the sign if it was given for e^(+iωt)";
-    range(&format!("{field} (absorption)"), im, im.is_finite() && im >= 0.0, "0 or above and finite", sign)?;
-    range(field, re, re > 0.0 || im > 0.0, "an index other than 0", "give [real part, absorption]")
+    faults.number(&format!("{field} (absorption)"), im, INDEX_PART, sign);
+    if [re, im] == [0.0, 0.0] {
+        faults.push(Fault::new(field, 0, "an index other than 0", "give [real part, absorption]"));
+    }
 }
 
-fn grains(inputs: &CaseInputs) -> Result<(), CaseError> {
+fn grains(inputs: &CaseInputs, faults: &mut Faults) {
     let height = inputs.thickness.unwrap_or(f64::INFINITY);
     for (i, s) in inputs.spheres.iter().flatten().enumerate() {
-        positive(&format!("spheres[{i}].radius"), s.radius)?;
+        faults.number(&format!("spheres[{i}].radius"), s.radius, ABOVE_ZERO, IN_UM);
         for (axis, value) in s.center.into_iter().enumerate() {
-            finite(&format!("spheres[{i}].center[{axis}]"), value, "give it in µm")?;
+            faults.number(&format!("spheres[{i}].center[{axis}]"), value, FINITE, IN_UM);
         }
-        within(&format!("spheres[{i}]"), s.center[2], s.radius, height)?;
+        within(format!("spheres[{i}]"), s.center[2], s.radius, height, faults);
     }
     for (i, c) in inputs.cylinders.iter().flatten().enumerate() {
-        positive(&format!("cylinders[{i}].radius"), c.radius)?;
-        finite(&format!("cylinders[{i}].x"), c.x, "give it in µm")?;
-        finite(&format!("cylinders[{i}].z"), c.z, "give it in µm")?;
-        within(&format!("cylinders[{i}]"), c.z, c.radius, height)?;
+        faults.number(&format!("cylinders[{i}].radius"), c.radius, ABOVE_ZERO, IN_UM);
+        faults.number(&format!("cylinders[{i}].x"), c.x, FINITE, IN_UM);
+        faults.number(&format!("cylinders[{i}].z"), c.z, FINITE, IN_UM);
+        within(format!("cylinders[{i}]"), c.z, c.radius, height, faults);
     }
-    Ok(())
 }
 
 /// Grains lie inside the layer; touching a wall may exceed it by rounding.
-fn within(grain: &str, z: f64, radius: f64, height: f64) -> Result<(), CaseError> {
+fn within(grain: String, z: f64, radius: f64, height: f64, faults: &mut Faults) {
     let slack = 1e-9 * height.min(radius);
     let (low, high) = (z - radius, z + radius);
-    if low >= -slack && high <= height + slack {
-        return Ok(());
+    if low < -slack || high > height + slack {
+        let found = format!("a grain from z = {low:.6} to {high:.6} µm");
+        let remedy = "move it, make it smaller, or make the layer thicker";
+        faults.push(Fault::new(grain, found, format!("0 … {height} µm, the layer"), remedy));
     }
-    Err(CaseError::Field {
-        field: grain.into(),
-        found: format!("reaches from z = {low:.6} to {high:.6} µm, but the layer is 0 … {height} µm"),
-        remedy: "move it, make it smaller, or make the layer thicker".into(),
-    })
 }

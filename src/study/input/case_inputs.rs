@@ -1,8 +1,8 @@
 //! The keys of a case, as written.
 
-use super::fault::Faults;
+use super::fault::{Fault, Faults};
+use super::forms::Pair;
 use super::limits;
-use crate::numerics::written::Alias;
 use crate::wave::Side;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -10,11 +10,10 @@ use thiserror::Error;
 
 /// A geometry with its media and light, as written; lengths in µm, angles in degrees.
 ///
-/// `n_in` (also `n_below`) is the half-space z < 0, the incident side, `n_out` (also `n_above`) the one beyond z > H, each
+/// `n_in` is the half-space z < 0, the incident side, `n_out` the one beyond z > H, each
 /// a number or [re, im].
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(transform = Alias::new("L", "Lx"), transform = Alias::new("n_in", "n_below"), transform = Alias::new("n_out", "n_above"))]
 pub struct CaseInputs {
     /// Vacuum wavelength, µm.
     #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 0.55)]
@@ -27,8 +26,8 @@ pub struct CaseInputs {
     #[serde(default)]
     pub phi_deg: f64,
     /// Period in x, µm, and in y unless `Ly` is given; or both as a pair. Films alone need none.
-    #[serde(rename = "L", alias = "Lx")]
-    pub period: Option<PeriodInput>,
+    #[serde(rename = "L")]
+    pub period: Option<Pair>,
     /// Period along y, µm; that along x unless told.
     #[serde(rename = "Ly")]
     pub period_y: Option<f64>,
@@ -37,18 +36,18 @@ pub struct CaseInputs {
     #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 1.0)]
     pub thickness: Option<f64>,
     /// Index of the half-space z < 0.
-    #[serde(rename = "n_in", alias = "n_below")]
     pub n_in: Option<IndexInput>,
     /// Index of the half-space z > H.
-    #[serde(rename = "n_out", alias = "n_above")]
     pub n_out: Option<IndexInput>,
-    /// Index of the incident side as [re, im].
-    pub eta_below: Option<[f64; 2]>,
-    /// Index of the exit side as [re, im].
-    pub eta_above: Option<[f64; 2]>,
+    /// Index of the incident side as [re, im]; published reference cases say `eta_below`.
+    #[serde(alias = "eta_below")]
+    pub eta_in: Option<[f64; 2]>,
+    /// Index of the exit side as [re, im]; published reference cases say `eta_above`.
+    #[serde(alias = "eta_above")]
+    pub eta_out: Option<[f64; 2]>,
     /// Index of the binder as [re, im].
     pub eta_binder: Option<[f64; 2]>,
-    /// The side the light comes from: `above` is z < 0.
+    /// The side the light comes from: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
     /// Spheres in the binder.
@@ -84,22 +83,12 @@ impl IndexInput {
     }
 }
 
-/// Lateral periods in µm: one for both axes, or a pair.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "a period in µm: a number or [Lx, Ly]")]
-pub enum PeriodInput {
-    /// The same along x and y.
-    Square(f64),
-    /// Along x and along y.
-    Pair([f64; 2]),
-}
-
 impl CaseInputs {
     /// Periods along x and y; `Ly` beside a pair is refused by the checks. Films alone, which no period changes, have 1 µm unless told.
     pub fn period_um(&self) -> [f64; 2] {
-        match self.period.unwrap_or(PeriodInput::Square(1.0)) {
-            PeriodInput::Square(x) => [x, self.period_y.unwrap_or(x)],
-            PeriodInput::Pair(pair) => pair,
+        match self.period.unwrap_or(Pair::Both(1.0)) {
+            Pair::Both(x) => [x, self.period_y.unwrap_or(x)],
+            Pair::Each(pair) => pair,
         }
     }
 
@@ -197,7 +186,7 @@ pub enum CaseError {
         /// What to try.
         remedy: &'static str,
     },
-    /// Keys or values that a case cannot have.
+    /// Everything that is wrong with its keys and values.
     #[error("{path} is not a case: {faults}")]
     Values {
         /// The file.
@@ -205,29 +194,16 @@ pub enum CaseError {
         /// All that is wrong.
         faults: Faults,
     },
-    /// A number outside its range.
-    #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
-    Range {
-        /// The key.
-        field: String,
-        /// The value found.
-        value: f64,
-        /// What is allowed.
-        allowed: String,
-        /// What to try.
-        remedy: String,
-    },
-    /// A key that does not fit the others.
-    #[error("{field}: {found}; {remedy}")]
-    Field {
-        /// The key.
-        field: String,
-        /// What was found.
-        found: String,
-        /// What to try.
-        remedy: String,
-    },
     /// The case is no wave problem.
     #[error(transparent)]
     Wave(#[from] crate::wave::WaveError),
+}
+
+/// Stands for the path where a text is given.
+pub(super) const TEXT: &str = "the text";
+
+impl From<Fault> for CaseError {
+    fn from(fault: Fault) -> Self {
+        Self::Values { path: TEXT.into(), faults: Faults(vec![fault]) }
+    }
 }

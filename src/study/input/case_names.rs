@@ -1,6 +1,7 @@
 //! What the file calls the bodies of a case: a scene knows them by their numbers.
 
 use super::case_inputs::{CaseError, CaseInputs};
+use super::fault::Fault;
 use crate::wave::WaveError;
 
 /// A refusal of the scene with the file's names in the place of its numbers.
@@ -9,23 +10,22 @@ pub(super) fn with_names(error: WaveError, inputs: &CaseInputs) -> CaseError {
     let name = |body: usize| names.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
     match error {
         WaveError::Overlap { first, second, overlap_um } => {
-            let found = format!("they overlap by {overlap_um:.3e} µm");
-            field(format!("{} and {}", name(first), name(second)), found, "move them apart")
+            let found = format!("an overlap by {overlap_um:.3e} µm");
+            let both = format!("{} and {}", name(first), name(second));
+            Fault::new(both, found, "bodies apart", "move them apart").into()
         }
         WaveError::OverlapsImage { body, overlap_um } => {
-            let found = format!("it overlaps its own periodic image by {overlap_um:.3e} µm");
-            field(name(body), found, "make the period L larger or the body smaller")
+            let found = format!("an overlap with its own periodic image by {overlap_um:.3e} µm");
+            let remedy = "make the period L larger or the body smaller";
+            Fault::new(name(body), found, "a body apart from its image", remedy).into()
         }
         WaveError::OutsideLayer { body, low_um, high_um, thickness_um } => {
-            let found = format!("reaches from z = {low_um} to {high_um} µm of a layer of {thickness_um} µm");
-            field(name(body), found, "move it, make it smaller, or make the layer thicker")
+            let found = format!("a body from z = {low_um} to {high_um} µm");
+            let remedy = "move it, make it smaller, or make the layer thicker";
+            Fault::new(name(body), found, format!("0 … {thickness_um} µm, the layer"), remedy).into()
         }
         other => other.into(),
     }
-}
-
-fn field(field: String, found: String, remedy: &str) -> CaseError {
-    CaseError::Field { field, found, remedy: remedy.into() }
 }
 
 /// In the order of the scene's bodies.
@@ -57,7 +57,7 @@ mod tests {
         let cylinder = "[[cylinders]]\nx = 0.5\nz = 0.5\nradius = 0.2\neta = [1.4, 0]\n";
         let sphere = "[[spheres]]\ncenter = [0.6, 0.5, 0.5]\nradius = 0.2\neta = [1.4, 0]\n";
         let said = refusal(&format!("{binder}{sphere}{cylinder}"));
-        assert!(said.contains("spheres[0] and cylinders[0]: they overlap by 3.000e-1 µm"), "{said}");
+        assert!(said.contains("spheres[0] and cylinders[0]: found an overlap by 3.000e-1 µm"), "{said}");
         let film = "[[sublayers_from_z0]]\nthickness = 0\neta_background = [1.5, 0]\n\
             bars = [{ x0 = 0, x1 = 0.5, eta = [1.4, 0] }]\n";
         let bars = "[[sublayers_from_z0]]\nthickness = 0.5\neta_background = [1.5, 0]\n\

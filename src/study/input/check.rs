@@ -14,13 +14,13 @@ pub use pigments::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults, keys_in_words};
 use super::file::{LayerTable, OutputTable, SolverTable, StudyFile};
-use super::forms::ThicknessWritten;
 use super::limits;
-use super::study::{Layer, Output, Study, WantedResolution};
+use super::study::{IndexSpectrum, Layer, Output, Study, WantedResolution};
 use super::variation::{CellRule, THICKNESS_CUT, Variation};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::numerics::allowed::Whole;
 use crate::solve::Goal;
+use index::Tabulation;
 use std::path::Path;
 
 /// Packings of varied cells unless told.
@@ -35,58 +35,63 @@ const FIXED_CELLS: usize = 4;
 /// # Errors
 /// All faults of the file, each with its field, what was found, what is allowed and what to try.
 pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
-    let (study, mut faults) = examine(file, folder, name);
+    let Examined { study, mut packing, mut optics } = examine(file, folder, name);
+    packing.0.append(&mut optics.0);
     if !file.layer.walls {
         let remedy = "leave it out; `inkwave pack` packs layers without walls";
-        faults.push(Fault::new("layer.walls", "false", "true: waves need a layer between two faces", remedy));
+        packing.push(Fault::new(
+            "layer.walls",
+            "false",
+            "true: waves need a layer between two faces",
+            remedy,
+        ));
     }
-    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+    if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
 }
-
-/// Tables that packings alone do not need.
-const OPTICAL: [&str; 8] =
-    ["light", "angles", "paper", "resolution", "solver", "layer.binder", "colour", "compare"];
 
 /// As [`check`], for the packings alone: faults of what only the wave needs do not count.
 ///
 /// # Errors
 /// All faults of the layer, the pigments and the packing.
 pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
-    let (study, mut faults) = examine(file, folder, name);
-    let optical =
-        |field: &str| OPTICAL.iter().any(|table| field.starts_with(table)) || field.contains("].index");
-    faults.0.retain(|fault| !optical(&fault.field));
-    // The packing's own check is skipped where optical keys are at fault.
-    if faults.0.is_empty() {
-        faults.0.extend(pigments::packing_fault(&study.packing));
-    }
+    let Examined { study, mut packing, .. } = examine(file, folder, name);
     if study.pigments.is_empty() {
-        faults.push(Fault::new("pigment", "none", "at least one [[pigment]] with grains", "add one"));
+        packing.push(Fault::new("pigment", "none", "at least one [[pigment]] with grains", "add one"));
     }
-    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+    if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
 }
 
 /// The study as far as it can be understood, and everything that is wrong with it.
-fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
-    let file = &file.in_todays_places();
-    let mut faults = Faults::default();
-    let wavelengths_nm = light::wavelengths(&file.light, &mut faults);
+struct Examined {
+    study: Study,
+    /// With the layer, the grains and the run.
+    packing: Faults,
+    /// With what only the wave and its results need.
+    optics: Faults,
+}
+
+fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
+    let (mut faults, mut optics) = (Faults::default(), Faults::default());
+    let wavelengths_nm = light::wavelengths(&file.light, &mut optics);
     let period_um = period(file, &mut faults);
-    let mut layer = layer(&file.layer, period_um, &wavelengths_nm, folder, &mut faults);
-    let pigments = pigments::pigments(file, period_um, &wavelengths_nm, folder, &mut faults);
-    let dissolved = pigments::dissolved(file, &wavelengths_nm, folder, &mut faults);
+    let indices = Tabulation { wavelengths_nm: &wavelengths_nm, folder };
+    let binder = indices.tabulate("layer.binder.index", &file.layer.binder.index, &mut optics);
+    let mut layer = layer(&file.layer, period_um, binder, &mut faults);
+    let grains = pigments::grains(file, period_um, &mut faults);
+    let pigments = pigments::pigments(file, grains, &indices, &mut optics);
+    let dissolved = pigments::dissolved(file, &indices, &mut optics);
     layer.binder = pigments::solution(layer.binder, &dissolved, &pigments, wave::mixing(file));
     let packing = pigments::packing(file, period_um, &pigments, &mut faults);
-    let paper = paper::paper(file, &wavelengths_nm, folder, &mut faults);
-    let angles = angles::angles(file, paper.coupling, &mut faults);
-    let resolution = resolution(file, &mut faults);
-    let goal = goal(&file.solver, &resolution, &mut faults);
+    let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
+    let angles = angles::angles(file, paper.coupling, &mut optics);
+    let resolution = resolution(file, &mut optics);
+    let goal = goal(&file.solver, &resolution, &mut optics);
     counts(file, &mut faults);
-    let variation = variation(file, &wavelengths_nm, &mut faults);
+    let variation = variation(file, &wavelengths_nm, &mut optics);
     // Without grains and with an even thickness all realisations are the same.
     let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
     let realisations = if alike { 1 } else { realisations(file) };
-    let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut faults);
+    let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut optics);
     let remarks =
         [light::short_of_end(&file.light, &wavelengths_nm), judgement::first_of_several(file, &judgement)];
     let mut study = Study {
@@ -105,7 +110,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
         failed_packings: file.run.failed_packings,
         variation,
         resolution,
-        solver: file.solver.strategy.0,
+        solver: file.solver.strategy,
         goal,
         output: output(&file.output),
         judgement,
@@ -115,11 +120,11 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults) {
     if study.angles.no_paper.is_none() {
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
     }
-    wave::refusals(file, &study, &mut faults);
-    if faults.0.is_empty() {
-        faults.0.extend(aim(&study));
+    wave::refusals(file, &study, &mut optics);
+    if faults.0.is_empty() && optics.0.is_empty() {
+        optics.0.extend(aim(&study));
     }
-    (study, faults)
+    Examined { study, packing: faults, optics }
 }
 
 /// A bar as the aim of a study without a colour, which would never reach it.
@@ -132,14 +137,8 @@ fn aim(study: &Study) -> Option<Fault> {
     Some(Fault::new("run.target_delta_e", target, allowed, remedy))
 }
 
-fn layer(
-    table: &LayerTable,
-    period_um: [f64; 2],
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-) -> Layer {
-    let ThicknessWritten { mean, std } = table.thickness_um;
+fn layer(table: &LayerTable, period_um: [f64; 2], binder: IndexSpectrum, faults: &mut Faults) -> Layer {
+    let (mean, std) = (table.thickness_um.mean(), table.thickness_um.std());
     faults.number("layer.thickness_um", mean, limits::THICKNESS_UM, "a printed layer is about 1 µm thick");
     if mean > 0.0 {
         let allowed = Allowed::between(0.0, mean / (THICKNESS_CUT + 1.0), "µm");
@@ -156,7 +155,7 @@ fn layer(
         index_in: table.index_in,
         index_out: table.index_out,
         contrast: table.contrast,
-        binder: index::tabulate("layer.binder.index", &table.binder.index, wavelengths_nm, folder, faults),
+        binder,
     }
 }
 
@@ -175,15 +174,15 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
         return [pigments::nominal_period_um(file); 2];
     };
     let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
-    for period in written.0 {
+    for period in written.xy() {
         faults.number("layer.period_um", period, limits::PERIOD_UM, remedy);
     }
-    written.0
+    written.xy()
 }
 
 /// How realisations differ.
 fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
-    let thickness_std_um = file.layer.thickness_um.std;
+    let thickness_std_um = file.layer.thickness_um.std();
     Variation {
         cell: file.layer.cell,
         thickness_std_um,

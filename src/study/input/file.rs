@@ -27,7 +27,6 @@ pub use calculation::{ResolutionTable, RunTable, SolverTable};
 pub use layer::{BinderTable, LayerTable, PackingTable, PigmentTable};
 pub use light::{AnglesTable, LightTable, SamplingName};
 
-use crate::numerics::written::older_place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -73,30 +72,4 @@ pub struct StudyFile {
     /// What the prediction is held against.
     #[serde(default)]
     pub compare: CompareTable,
-    /// Older place of `run.seed`.
-    #[schemars(transform = older_place, example = 1)]
-    pub seed: Option<u64>,
-    /// Older place of `run.realisations`.
-    #[schemars(transform = older_place, example = 24)]
-    pub realisations: Option<usize>,
-}
-
-impl StudyFile {
-    /// The same file with every key in today's place.
-    pub(super) fn in_todays_places(&self) -> StudyFile {
-        let mut file = self.clone();
-        let (layer, packing) = (&mut file.layer, &mut file.packing);
-        file.run.seed = file.seed.take().unwrap_or(file.run.seed);
-        file.run.realisations = file.realisations.take().or(file.run.realisations);
-        packing.method = layer.method.take().unwrap_or(packing.method);
-        packing.sequential = layer.sequential.take().unwrap_or(packing.sequential);
-        packing.relaxation = layer.relaxation.take().unwrap_or(packing.relaxation);
-        packing.equilibration = layer.equilibration.take().or(packing.equilibration);
-        for (k, pigment) in file.pigments.iter_mut().enumerate() {
-            if pigment.name.is_none() {
-                pigment.name = Some(format!("pigment {}", k + 1));
-            }
-        }
-        file
-    }
 }

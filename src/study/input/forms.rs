@@ -1,11 +1,113 @@
 //! Values that may be written in more than one form.
 
-use crate::solve::SolverChoice;
-use serde::de::{self, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer};
+use super::limits::{ABOVE_ZERO, ABSORPTION, ALBEDO, INDEX, NOT_NEGATIVE, THICKNESS_UM};
+use crate::material::named::MATERIALS;
+use crate::material::synthetic::Synthetic;
+use crate::solve::{Registry, SolverChoice};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error, MapAccess, Visitor, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
 use std::fmt;
 
-/// A complex refractive index n + iκ as written: a number, or a table with one of three forms.
+/// Grain size as written.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged, expecting = "a number of nm such as 250, or \"molecular\"")]
+pub enum Diameter {
+    /// Diameter of the sphere of equal volume, nm.
+    Nm(#[schemars(transform = ABOVE_ZERO.mark())] f64),
+    /// No size at all.
+    Vanishing(Vanishing),
+}
+
+/// Grains without a size.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Vanishing {
+    /// The limit of vanishing grains: nothing is packed, the pigment is dissolved in the binder.
+    Molecular,
+}
+
+/// A layer's thickness as written.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(rename = "Thickness")]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "a thickness in µm, or { mean = 1.0, std = 0.1 } for an uneven layer"
+)]
+pub enum ThicknessWritten {
+    /// An even layer, µm.
+    Even(#[schemars(transform = THICKNESS_UM.mark())] f64),
+    /// An uneven layer: every realisation has a thickness of its own.
+    Uneven {
+        /// Mean, µm.
+        #[schemars(transform = THICKNESS_UM.mark())]
+        mean: f64,
+        /// Standard deviation, µm; at most a quarter of the mean.
+        #[schemars(transform = NOT_NEGATIVE.mark())]
+        std: f64,
+    },
+}
+
+impl ThicknessWritten {
+    /// Mean, µm.
+    pub fn mean(self) -> f64 {
+        match self {
+            Self::Even(mean) | Self::Uneven { mean, .. } => mean,
+        }
+    }
+
+    /// Standard deviation, µm.
+    pub fn std(self) -> f64 {
+        match self {
+            Self::Even(_) => 0.0,
+            Self::Uneven { std, .. } => std,
+        }
+    }
+}
+
+/// The paper's albedo as written.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(rename = "Albedo")]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "a number, rows [[wavelength in nm, albedo], …] or { csv = \"paper.csv\" }"
+)]
+pub enum AlbedoWritten {
+    /// The same at all wavelengths.
+    Constant(#[schemars(transform = ALBEDO.mark())] f64),
+    /// Rows of wavelength in nm and albedo, rising, linear in between.
+    Rows(#[schemars(length(min = 2))] Vec<[f64; 2]>),
+    /// A table of its own.
+    Csv {
+        /// Table wavelength_nm, albedo, relative to the study file.
+        csv: String,
+    },
+}
+
+/// A length in both directions, or in each.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged, expecting = "a number or two numbers [x, y]")]
+pub enum Pair {
+    /// The same along x and y, µm.
+    Both(#[schemars(transform = ABOVE_ZERO.mark())] f64),
+    /// Along x and along y, µm.
+    Each([f64; 2]),
+}
+
+impl Pair {
+    /// Along x and along y.
+    pub fn xy(self) -> [f64; 2] {
+        match self {
+            Self::Both(length) => [length; 2],
+            Self::Each(lengths) => lengths,
+        }
+    }
+}
+
+/// A complex refractive index n + iκ as written: a number, or a table with one of five forms.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct IndexWritten {
     /// Real part.
@@ -14,232 +116,115 @@ pub struct IndexWritten {
     pub k: Option<f64>,
     /// Name of a built-in synthetic spectrum.
     pub built_in: Option<String>,
+    /// Name of a material of the program's list.
+    pub material: Option<String>,
     /// CSV file, relative to the study file: wavelength in nm, κ and optionally n.
     pub csv: Option<String>,
     /// Record of refractiveindex.info (YAML), relative to the study file.
     pub yaml: Option<String>,
 }
 
-/// Grain size as written: a diameter in nm, or `"molecular"` for the limit of vanishing grains.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub enum Diameter {
-    /// A size in nm.
-    Nm(f64),
-    /// No grains: the mixture on the scale of molecules.
-    Molecular,
-}
-
-impl<'de> Deserialize<'de> for Diameter {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct DiameterVisitor;
-        impl Visitor<'_> for DiameterVisitor {
-            type Value = Diameter;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number of nm such as 250, or \"molecular\"")
-            }
-            fn visit_f64<E: de::Error>(self, v: f64) -> Result<Diameter, E> {
-                Ok(Diameter::Nm(v))
-            }
-            fn visit_i64<E: de::Error>(self, v: i64) -> Result<Diameter, E> {
-                self.visit_f64(v as f64)
-            }
-            fn visit_str<E: de::Error>(self, name: &str) -> Result<Diameter, E> {
-                match name {
-                    "molecular" => Ok(Diameter::Molecular),
-                    _ => Err(de::Error::invalid_value(de::Unexpected::Str(name), &self)),
-                }
-            }
-        }
-        deserializer.deserialize_any(DiameterVisitor)
-    }
-}
-
-/// A layer's thickness as written: a number of µm, or `{ mean = …, std = … }` of an uneven layer.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ThicknessWritten {
-    /// Mean, µm.
-    pub mean: f64,
-    /// Standard deviation, µm.
-    pub std: f64,
-}
-
-impl From<f64> for ThicknessWritten {
-    fn from(mean: f64) -> Self {
-        Self { mean, std: 0.0 }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ThicknessTable {
-    mean: f64,
-    std: f64,
-}
-
-impl<'de> Deserialize<'de> for ThicknessWritten {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ThicknessVisitor;
-        impl<'de> Visitor<'de> for ThicknessVisitor {
-            type Value = ThicknessWritten;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a thickness in µm, or { mean = 1.0, std = 0.1 } for an uneven layer")
-            }
-            fn visit_f64<E: de::Error>(self, v: f64) -> Result<ThicknessWritten, E> {
-                Ok(v.into())
-            }
-            fn visit_i64<E: de::Error>(self, v: i64) -> Result<ThicknessWritten, E> {
-                self.visit_f64(v as f64)
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ThicknessWritten, A::Error> {
-                let ThicknessTable { mean, std } =
-                    ThicknessTable::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(ThicknessWritten { mean, std })
-            }
-        }
-        deserializer.deserialize_any(ThicknessVisitor)
-    }
-}
-
-/// The paper's albedo as written: a number, rows of (wavelength in nm, albedo), or the path of a table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum AlbedoWritten {
-    /// The same at all wavelengths.
-    Constant(f64),
-    /// Rows of wavelength in nm and albedo.
-    Rows(Vec<[f64; 2]>),
-    /// Relative to the study file.
+/// What the schema says of [`IndexWritten`]; the reader takes its keys one by one, so that each slip is named.
+#[derive(JsonSchema)]
+#[schemars(rename = "Index", untagged, deny_unknown_fields)]
+#[allow(dead_code, reason = "the schema alone")]
+pub(super) enum IndexForms {
+    /// A transparent medium: its real index.
+    Real(#[schemars(transform = INDEX.mark())] f64),
+    /// The same at all wavelengths: n + iκ.
+    Constant {
+        /// Real part.
+        #[schemars(transform = INDEX.mark())]
+        n: f64,
+        /// Imaginary part κ, which absorbs; 0 when left out.
+        #[schemars(transform = ABSORPTION.mark())]
+        k: Option<f64>,
+    },
+    BuiltIn {
+        /// A built-in synthetic pigment.
+        #[schemars(schema_with = "built_in_names")]
+        built_in: String,
+    },
+    Material {
+        /// A measured material that comes with the program; `inkwave materials` lists them.
+        #[schemars(schema_with = "material_names")]
+        material: String,
+    },
     Csv {
-        /// File with the columns wavelength_nm and albedo.
+        /// Table wavelength_nm, kappa[, n], relative to the study file; without a column n with n beside it.
         csv: String,
+        /// Real part at all wavelengths, where the file has κ alone.
+        #[schemars(transform = INDEX.mark())]
+        n: Option<f64>,
+    },
+    Yaml {
+        /// Record of refractiveindex.info, relative to the study file; without n with n beside it.
+        yaml: String,
+        /// Real part at all wavelengths, where the file has k alone.
+        #[schemars(transform = INDEX.mark())]
+        n: Option<f64>,
     },
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CsvTable {
-    csv: String,
+fn built_in_names(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "enum": Synthetic::ALL.map(Synthetic::name) })
 }
 
-impl<'de> Deserialize<'de> for AlbedoWritten {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct AlbedoVisitor;
-        impl<'de> Visitor<'de> for AlbedoVisitor {
-            type Value = AlbedoWritten;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number, rows [[wavelength in nm, albedo], …] or { csv = \"paper.csv\" }")
-            }
-            fn visit_f64<E: de::Error>(self, v: f64) -> Result<AlbedoWritten, E> {
-                Ok(AlbedoWritten::Constant(v))
-            }
-            fn visit_i64<E: de::Error>(self, v: i64) -> Result<AlbedoWritten, E> {
-                self.visit_f64(v as f64)
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<AlbedoWritten, A::Error> {
-                let mut rows = Vec::new();
-                while let Some(row) = seq.next_element()? {
-                    rows.push(row);
-                }
-                Ok(AlbedoWritten::Rows(rows))
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<AlbedoWritten, A::Error> {
-                let CsvTable { csv } = CsvTable::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(AlbedoWritten::Csv { csv })
-            }
-        }
-        deserializer.deserialize_any(AlbedoVisitor)
-    }
-}
-
-/// One number for both directions, or two.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Pair(pub [f64; 2]);
-
-impl<'de> Deserialize<'de> for Pair {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct PairVisitor;
-        impl<'de> Visitor<'de> for PairVisitor {
-            type Value = Pair;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number or two numbers [x, y]")
-            }
-            fn visit_f64<E: de::Error>(self, v: f64) -> Result<Pair, E> {
-                Ok(Pair([v, v]))
-            }
-            fn visit_i64<E: de::Error>(self, v: i64) -> Result<Pair, E> {
-                self.visit_f64(v as f64)
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Pair, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = seq.next_element()? {
-                    values.push(value);
-                }
-                let found = values.len();
-                values.try_into().map(Pair).map_err(|_| de::Error::invalid_length(found, &self))
-            }
-        }
-        deserializer.deserialize_any(PairVisitor)
-    }
+fn material_names(_: &mut SchemaGenerator) -> Schema {
+    let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
+    json_schema!({ "enum": names })
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct IndexTable {
     n: Option<f64>,
-    #[serde(alias = "kappa")]
     k: Option<f64>,
     built_in: Option<String>,
+    material: Option<String>,
     csv: Option<String>,
     yaml: Option<String>,
 }
 
 /// The keys of [`IndexTable`].
-const INDEX_KEYS: &[&str] = &["n", "k", "kappa", "built_in", "csv", "yaml"];
+const INDEX_KEYS: &[&str] = &["n", "k", "built_in", "material", "csv", "yaml"];
 
 impl<'de> Deserialize<'de> for IndexWritten {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct IndexVisitor;
-        impl<'de> Visitor<'de> for IndexVisitor {
-            type Value = IndexWritten;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number or a table such as { n = 1.4, k = 0.1 }")
-            }
-            fn visit_f64<E: de::Error>(self, n: f64) -> Result<IndexWritten, E> {
-                Ok(IndexWritten { n: Some(n), ..Default::default() })
-            }
-            fn visit_i64<E: de::Error>(self, n: i64) -> Result<IndexWritten, E> {
-                self.visit_f64(n as f64)
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<IndexWritten, A::Error> {
-                let table = IndexTable::deserialize(MapAccessDeserializer::new(map))?;
-                let IndexTable { n, k, built_in, csv, yaml } = table;
-                Ok(IndexWritten { n, k, built_in, csv, yaml })
-            }
-        }
         deserializer.deserialize_struct("index", INDEX_KEYS, IndexVisitor)
     }
 }
 
-/// A strategy by name, or as a table with its settings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Strategy(pub SolverChoice);
+struct IndexVisitor;
 
-impl<'de> Deserialize<'de> for Strategy {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct StrategyVisitor;
-        impl<'de> Visitor<'de> for StrategyVisitor {
-            type Value = Strategy;
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("the name of a strategy, or a table such as { krylov = { restart = 60 } }")
-            }
-            fn visit_str<E: de::Error>(self, name: &str) -> Result<Strategy, E> {
-                let unknown = |_| de::Error::unknown_variant(name, SolverChoice::NAMES);
-                SolverChoice::named(name).map(Strategy).map_err(unknown)
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Strategy, A::Error> {
-                SolverChoice::deserialize(MapAccessDeserializer::new(map)).map(Strategy)
-            }
-        }
-        deserializer.deserialize_any(StrategyVisitor)
+impl<'de> Visitor<'de> for IndexVisitor {
+    type Value = IndexWritten;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number or a table such as { n = 1.4, k = 0.1 }")
     }
+
+    fn visit_f64<E: Error>(self, n: f64) -> Result<IndexWritten, E> {
+        Ok(IndexWritten { n: Some(n), ..Default::default() })
+    }
+
+    fn visit_i64<E: Error>(self, n: i64) -> Result<IndexWritten, E> {
+        self.visit_f64(n as f64)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<IndexWritten, A::Error> {
+        let table = IndexTable::deserialize(MapAccessDeserializer::new(map))?;
+        let IndexTable { n, k, built_in, material, csv, yaml } = table;
+        Ok(IndexWritten { n, k, built_in, material, csv, yaml })
+    }
+}
+
+/// Every strategy by its name, or as a table with its settings.
+pub(super) fn strategies(generator: &mut SchemaGenerator) -> Schema {
+    let named = |name: &str, description: &str| json_schema!({ "description": description, "type": "string", "const": name });
+    let registry = Registry::default();
+    let names = registry.entries().iter().map(|e| named(e.name(), e.description()));
+    let mut forms: Vec<Value> = names.map(Value::from).collect();
+    forms.push(generator.subschema_for::<SolverChoice>().into());
+    json_schema!({ "anyOf": forms })
 }

@@ -3,7 +3,6 @@
 use super::check::{check, check_packing};
 use super::fault::{Fault, StudyError};
 use super::file::StudyFile;
-use super::older;
 use super::read::read;
 use super::study::Study;
 use super::tree::parse_toml;
@@ -33,13 +32,8 @@ fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
     let (text, file): (String, StudyFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
-    match check(&file, folder, &name) {
-        Ok(mut study) => {
-            study.remarks.extend(older::remarks(&text));
-            Ok(study)
-        }
-        Err(faults) => Err(StudyError::Values { path: path.to_owned(), text, faults }),
-    }
+    let values = |faults| StudyError::Values { path: path.to_owned(), text, faults };
+    check(&file, folder, &name).map_err(values)
 }
 
 /// A TOML file's text, and what it says.

@@ -3,8 +3,20 @@
 use super::patches::{self, Taken, place};
 use crate::material::columns::{Columns, ColumnsError, micrometres};
 use crate::numerics::files;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// What a perfect white has in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MeasuredUnit {
+    /// 1.
+    Factor,
+    /// 100.
+    Percent,
+}
 
 /// Reflectance factors (white diffuser: 1) against wavelength, nm, rising.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -42,7 +54,7 @@ pub enum MeasuredError {
     },
 }
 
-/// Reflectance factors above this are percentages.
+/// Values above this are percentages; between 1 and this they may be either, and the unit has to be said.
 const LARGEST_FACTOR: f64 = 3.0;
 /// Noise of an instrument at its black; less is no reflectance factor.
 const LEAST_FACTOR: f64 = -0.1;
@@ -50,12 +62,12 @@ const LEAST_FACTOR: f64 = -0.1;
 impl MeasuredSpectrum {
     /// Reads the first spectrum of a file, or that of the sample named `patch`: `.cxf` and `.mxf` as CxF3, files that begin with CGATS, CTI or SPECT as
     /// CGATS.17, all others as a table with the columns `wavelength_nm` and `reflectance`. Values in percent are divided
-    /// by 100.
+    /// by 100: where `unit` says so, or where it is left out and they cannot be factors.
     ///
     /// # Errors
-    /// The file cannot be read, has no spectrum, none of that name, or one with wavelengths that do not rise or values that are no reflectance
-    /// factors.
-    pub fn read(path: &Path, patch: Option<&str>) -> Result<Self, MeasuredError> {
+    /// The file cannot be read, has no spectrum, none of that name, or one with wavelengths that do not rise, values that are no
+    /// reflectance factors, or values that may be either where the unit is left out.
+    pub fn read(path: &Path, patch: Option<&str>, unit: Option<MeasuredUnit>) -> Result<Self, MeasuredError> {
         let unreadable = |source| MeasuredError::Unreadable { path: path.into(), source };
         let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
         let text = String::from_utf8_lossy(&bytes);
@@ -76,10 +88,10 @@ impl MeasuredSpectrum {
         let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let Taken { rows, name, number, of } = taken;
         let source = if of > 1 { format!("{file}: {name}, sample {number} of {of}") } else { file };
-        Ok(Self { patches: of, ..Self::checked(source, rows).map_err(no_spectrum)? })
+        Ok(Self { patches: of, ..Self::checked(source, rows, unit).map_err(no_spectrum)? })
     }
 
-    fn checked(source: String, mut rows: Vec<[f64; 2]>) -> Result<Self, String> {
+    fn checked(source: String, mut rows: Vec<[f64; 2]>, unit: Option<MeasuredUnit>) -> Result<Self, String> {
         if rows.len() < 2 {
             return Err(format!("{} rows; a spectrum has at least 2", rows.len()));
         }
@@ -94,17 +106,13 @@ impl MeasuredSpectrum {
         if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
             return Err(format!("wavelengths do not rise: {} nm after {} nm", pair[1][0], pair[0][0]));
         }
-        let in_percent = rows.iter().any(|row| row[1] > LARGEST_FACTOR);
-        let unit = if in_percent { 100.0 } else { 1.0 };
+        let white = white(&rows, unit)?;
         let allowed = LEAST_FACTOR..=LARGEST_FACTOR;
-        if let Some([nm, value]) = rows.iter().find(|row| !allowed.contains(&(row[1] / unit))) {
+        if let Some([nm, value]) = rows.iter().find(|row| !allowed.contains(&(row[1] / white))) {
             let white = "a perfect white has 1, or 100 in percent";
             return Err(format!("{value} at {nm} nm is no reflectance factor; {white}"));
         }
-        if !in_percent && rows.iter().all(|row| row[1] > 1.0) {
-            return Err("all values are above 1, a perfect white; write percentages as shares of 1".into());
-        }
-        rows.iter_mut().for_each(|row| row[1] /= unit);
+        rows.iter_mut().for_each(|row| row[1] /= white);
         Ok(Self { source, rows, patches: 1 })
     }
 
@@ -122,6 +130,21 @@ impl MeasuredSpectrum {
         let after = self.rows.partition_point(|row| row[0] < nm).clamp(1, self.rows.len() - 1);
         let ([x0, y0], [x1, y1]) = (self.rows[after - 1], self.rows[after]);
         Some(y0 + (nm - x0) / (x1 - x0) * (y1 - y0))
+    }
+}
+
+/// What a perfect white has in these rows.
+fn white(rows: &[[f64; 2]], unit: Option<MeasuredUnit>) -> Result<f64, String> {
+    let largest = rows.iter().map(|row| row[1]).fold(f64::NEG_INFINITY, f64::max);
+    match unit {
+        Some(MeasuredUnit::Factor) => Ok(1.0),
+        Some(MeasuredUnit::Percent) => Ok(100.0),
+        None if largest > LARGEST_FACTOR => Ok(100.0),
+        None if largest <= 1.0 => Ok(1.0),
+        None => Err(format!(
+            "the largest value is {largest}: a dark print in percent, or a factor above a perfect white; \
+             say which by compare.unit = \"percent\" or \"factor\""
+        )),
     }
 }
 
@@ -147,7 +170,7 @@ mod tests {
     fn read_patch(text: &str, patch: Option<&str>) -> Result<MeasuredSpectrum, MeasuredError> {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(text.as_bytes()).unwrap();
-        MeasuredSpectrum::read(file.path(), patch)
+        MeasuredSpectrum::read(file.path(), patch, None)
     }
 
     #[test]
@@ -168,6 +191,28 @@ mod tests {
         }
         let spectrum = read(csv).unwrap();
         assert_eq!((spectrum.at(405.0), spectrum.at(399.0)), (Some(0.375), None));
+    }
+
+    /// A dark print in percent has no value that tells it from factors: the unit is asked for.
+    #[test]
+    fn a_dark_print_in_percent_needs_its_unit() {
+        let rows = |values: [f64; 2], unit| {
+            let rows = vec![[400.0, values[0]], [410.0, values[1]]];
+            MeasuredSpectrum::checked("dark.csv".into(), rows, unit).map(|m| [m.rows[0][1], m.rows[1][1]])
+        };
+        let (dark, some) = ([0.8, 2.9], Some);
+        let asked = rows(dark, None).unwrap_err();
+        assert!(asked.contains("2.9") && asked.contains("compare.unit = \"percent\""), "{asked}");
+        assert_eq!(rows(dark, some(MeasuredUnit::Percent)).unwrap(), dark.map(|x| x / 100.0));
+        assert_eq!(rows(dark, some(MeasuredUnit::Factor)).unwrap(), dark);
+        assert_eq!(
+            rows([0.2, 0.9], some(MeasuredUnit::Percent)).unwrap(),
+            [0.2, 0.9].map(|x: f64| x / 100.0)
+        );
+        assert_eq!(rows([0.2, 1.0], None).unwrap(), [0.2, 1.0]);
+        assert!(
+            rows([20.0, 90.0], some(MeasuredUnit::Factor)).unwrap_err().contains("no reflectance factor")
+        );
     }
 
     #[test]
@@ -211,7 +256,6 @@ mod tests {
         assert!(reason("<CxF/>").contains("no ReflectanceSpectrum"));
         assert!(reason("wavelength_nm,reflectance\n400,-0.5\n420,0.5\n").contains("-0.5 at 400 nm"));
         assert!(reason("wavelength_nm,reflectance\n400,30000\n420,0.5\n").contains("30000 at 400 nm"));
-        assert!(reason("wavelength_nm,reflectance\n400,1.5\n420,2.5\n").contains("above 1"));
         let short =
             "CGATS.17\nBEGIN_DATA_FORMAT\nSPEC_400 SPEC_500\nEND_DATA_FORMAT\nBEGIN_DATA\n1\nEND_DATA\n";
         assert!(reason(short).contains("1 values in set 1 under 2 fields"));
@@ -219,6 +263,6 @@ mod tests {
             reason("CGATS.17\nBEGIN_DATA_FORMAT\nRGB_R\nEND_DATA_FORMAT\nBEGIN_DATA\n1\nEND_DATA\n")
                 .contains("SPEC_nnn")
         );
-        assert!(MeasuredSpectrum::read(Path::new("none.cxf"), None).is_err());
+        assert!(MeasuredSpectrum::read(Path::new("none.cxf"), None, None).is_err());
     }
 }

@@ -19,19 +19,25 @@ impl Misfit {
         allowed: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        let mut found = found.to_string();
-        if found.chars().count() > LONGEST_FOUND {
-            found = found.chars().take(LONGEST_FOUND).chain(['…']).collect();
-        }
-        Self(Box::new(Fault::new(place, found, allowed, remedy)))
+        Self(Box::new(Fault::new(place, shortened(found.to_string()), allowed, remedy)))
     }
 
-    /// The same, seen from outside of `place`.
-    pub(super) fn inside(mut self, place: &str) -> Self {
+    /// The same, seen from outside of `place`, where `found` stands.
+    pub(super) fn inside(mut self, place: &str, found: &str) -> Self {
+        if self.0.found.is_empty() {
+            self = Self(Box::new(Fault { found: shortened(found.to_owned()), ..*self.0 }));
+        }
         let own = std::mem::take(&mut self.0.field);
         self.0.field = join(place, &own);
         self
     }
+}
+
+fn shortened(found: String) -> String {
+    if found.chars().count() <= LONGEST_FOUND {
+        return found;
+    }
+    found.chars().take(LONGEST_FOUND).chain(['…']).collect()
 }
 
 /// `layer` and `binder.index` → `layer.binder.index`; indices keep their brackets.
@@ -54,10 +60,16 @@ impl std::error::Error for Misfit {}
 pub(super) const FORM: &str =
     "write the value in that form; `inkwave schema KIND` describes every key of a file";
 
+/// What to write for keys that older files do not have.
+const NEWER: [(&str, &str); 1] = [(
+    "by",
+    "write by = \"number\", as it was meant where nothing was said, or by = \"volume\", as sizers print",
+)];
+
 impl de::Error for Misfit {
-    /// Forms written in several ways say here what they take.
+    /// Values that may be written in several forms say here what they take; what was found only the reader knows.
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new("", "a value of another form", message.to_string(), FORM)
+        Self::new("", "", message.to_string(), FORM)
     }
 
     fn invalid_type(found: Unexpected, allowed: &dyn Expected) -> Self {
@@ -81,7 +93,10 @@ impl de::Error for Misfit {
     }
 
     fn missing_field(key: &'static str) -> Self {
-        let remedy = format!("add {key}; `inkwave schema KIND` describes every key of a file");
+        let remedy = NEWER.iter().find(|(name, _)| *name == key).map_or_else(
+            || format!("add {key}; `inkwave schema KIND` describes every key of a file"),
+            |(_, remedy)| (*remedy).to_owned(),
+        );
         Self::new(key, "nothing", "a value: it has no default", remedy)
     }
 

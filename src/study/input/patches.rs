@@ -72,9 +72,45 @@ pub(super) fn from_cxf(text: &str, patch: Option<&str>) -> Result<Taken, String>
     Ok(taken(rows.collect::<Result<_, String>>()?, &names, place))
 }
 
-/// The set with fields SPEC_nnn (or nmnnn) that is wanted, by its SAMPLE_NAME or SAMPLE_ID, or the first.
-pub(super) fn from_cgats(text: &str, patch: Option<&str>) -> Result<Taken, String> {
-    let between = |from: &str, to: &str| -> Option<Vec<&str>> {
+/// One set of a CGATS.17 file.
+pub(super) struct Set<'a> {
+    /// Names of all fields.
+    fields: Vec<&'a str>,
+    /// Its values, as many.
+    cells: Vec<String>,
+    /// Names of all sets, and its place among them.
+    names: Vec<String>,
+    place: usize,
+}
+
+impl Set<'_> {
+    /// The number of a field, where the file has it.
+    pub fn number(&self, field: &str) -> Option<Result<f64, String>> {
+        self.fields.iter().position(|name| *name == field).map(|i| parsed(&self.cells[i]))
+    }
+
+    /// Names of all sets.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+}
+
+/// Whether a CGATS.17 file has fields of a spectrum.
+pub(super) fn has_bands(text: &str) -> bool {
+    let format = text.lines().map(str::trim).skip_while(|l| *l != "BEGIN_DATA_FORMAT");
+    format.take_while(|l| *l != "END_DATA_FORMAT").flat_map(str::split_whitespace).any(|w| band(w).is_some())
+}
+
+/// Wavelength that a field's name stands for, nm.
+fn band(name: &str) -> Option<f64> {
+    let prefixes = ["SPEC_", "SPECTRAL_NM", "nm"];
+    let digits = prefixes.iter().find_map(|prefix| name.strip_prefix(prefix))?;
+    digits.trim_start_matches('_').parse::<f64>().ok()
+}
+
+/// The set that is wanted, by its SAMPLE_NAME or SAMPLE_ID, or the first.
+pub(super) fn cgats_set<'a>(text: &'a str, patch: Option<&str>) -> Result<Set<'a>, String> {
+    let between = |from: &str, to: &str| -> Option<Vec<&'a str>> {
         let lines = text.lines().map(str::trim);
         Some(lines.skip_while(|l| *l != from).skip(1).take_while(|l| *l != to).collect())
             .filter(|l: &Vec<_>| !l.is_empty())
@@ -82,24 +118,28 @@ pub(super) fn from_cgats(text: &str, patch: Option<&str>) -> Result<Taken, Strin
     let fields = between("BEGIN_DATA_FORMAT", "END_DATA_FORMAT").ok_or("no BEGIN_DATA_FORMAT")?;
     let fields: Vec<&str> = fields.iter().flat_map(|line| line.split_whitespace()).collect();
     let data = between("BEGIN_DATA", "END_DATA").ok_or("no BEGIN_DATA")?;
-    let sets: Vec<Vec<String>> = data.iter().map(|line| words(line)).filter(|w| !w.is_empty()).collect();
+    let mut sets: Vec<Vec<String>> = data.iter().map(|line| words(line)).filter(|w| !w.is_empty()).collect();
     let title = ["SAMPLE_NAME", "SAMPLE_ID"].iter().find_map(|key| fields.iter().position(|f| f == key));
     let name = |set: &Vec<String>| title.and_then(|t| set.get(t)).cloned().unwrap_or_default();
     let names: Vec<String> = sets.iter().map(name).collect();
     let place = place(&names, patch)?;
-    let cells = sets.get(place).ok_or("no BEGIN_DATA")?;
+    if place >= sets.len() {
+        return Err("no BEGIN_DATA".into());
+    }
+    let cells = sets.swap_remove(place);
     if cells.len() != fields.len() {
         let (found, number) = (cells.len(), place + 1);
         return Err(format!("{found} values in set {number} under {} fields", fields.len()));
     }
-    let band = |name: &str| {
-        let digits =
-            name.strip_prefix("SPEC_").or(name.strip_prefix("SPECTRAL_NM")).or(name.strip_prefix("nm"))?;
-        digits.trim_start_matches('_').parse::<f64>().ok()
-    };
-    let bands = fields.iter().zip(cells).filter_map(|(name, cell)| Some((band(name)?, cell)));
+    Ok(Set { fields, cells, names, place })
+}
+
+/// The spectrum of the set that is wanted.
+pub(super) fn from_cgats(text: &str, patch: Option<&str>) -> Result<Taken, String> {
+    let set = cgats_set(text, patch)?;
+    let bands = set.fields.iter().zip(&set.cells).filter_map(|(name, cell)| Some((band(name)?, cell)));
     let rows = bands.map(|(nm, cell)| Ok([nm, parsed(cell)?])).collect::<Result<Vec<_>, String>>()?;
-    if rows.is_empty() { Err("no fields SPEC_nnn".into()) } else { Ok(taken(rows, &names, place)) }
+    if rows.is_empty() { Err("no fields SPEC_nnn".into()) } else { Ok(taken(rows, &set.names, set.place)) }
 }
 
 /// Words of a line; quotes keep blanks together.
@@ -115,6 +155,6 @@ fn words_of_piece((i, piece): (usize, &str)) -> Vec<String> {
     piece.split_whitespace().map(str::to_owned).collect()
 }
 
-fn parsed(word: &str) -> Result<f64, String> {
+pub(super) fn parsed(word: &str) -> Result<f64, String> {
     word.parse().map_err(|_| format!("found {word:?} where a number is needed"))
 }

@@ -30,6 +30,9 @@ pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
             if fault.field.is_empty() {
                 fault.field.push_str("the whole file");
             }
+            if fault.found.is_empty() {
+                fault.found.push_str("a value of another form");
+            }
             faults.push(fault);
         }
     }
@@ -58,17 +61,25 @@ impl<'a> Reader<'a> {
             self.unknown.borrow_mut().extend(faults);
         }
     }
+}
 
-    fn unexpected(&self) -> Unexpected<'_> {
-        match &self.node {
-            Node::Null => Unexpected::Unit,
-            Node::Bool(b) => Unexpected::Bool(*b),
-            Node::Int(i) => Unexpected::Signed(*i),
-            Node::Float(x) => Unexpected::Float(*x),
-            Node::Text(text) => Unexpected::Str(text),
-            Node::List(_) => Unexpected::Seq,
-            Node::Table(_) => Unexpected::Map,
-        }
+/// A value in words.
+fn described(node: &Node) -> String {
+    match node {
+        Node::List(items) => format!("a list of {} entries", items.len()),
+        other => said(unexpected(other)),
+    }
+}
+
+fn unexpected(node: &Node) -> Unexpected<'_> {
+    match node {
+        Node::Null => Unexpected::Unit,
+        Node::Bool(b) => Unexpected::Bool(*b),
+        Node::Int(i) => Unexpected::Signed(*i),
+        Node::Float(x) => Unexpected::Float(*x),
+        Node::Text(text) => Unexpected::Str(text),
+        Node::List(_) => Unexpected::Seq,
+        Node::Table(_) => Unexpected::Map,
     }
 }
 
@@ -119,23 +130,31 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     ) -> Result<V::Value, Misfit> {
         // Derived code would take the values of a list for the keys in their order.
         if let Node::List(_) = self.node {
-            return Err(de::Error::invalid_type(self.unexpected(), &visitor));
+            return Err(de::Error::invalid_type(unexpected(&self.node), &visitor));
         }
         self.keep_known(known);
         self.deserialize_any(visitor)
     }
 
+    /// A choice is written by its name, or as a table of its name with its settings, which may all have defaults.
     fn deserialize_enum<V: Visitor<'de>>(
-        self,
+        mut self,
         _: &'static str,
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
-        match &self.node {
-            Node::Text(name) => visitor.visit_enum(name.clone().into_deserializer()),
-            Node::Table(entries) if entries.len() == 1 => visitor.visit_enum(Chosen { reader: self }),
-            _ => Err(Misfit::new("", said(self.unexpected()), quoted(variants), FORM)),
-        }
+        let content = match self.node {
+            Node::Text(ref name) => {
+                let (key, settings) = (name.clone(), Node::Table(Vec::new()));
+                Content { reader: self.child(settings, &key), key, is_bare: true }
+            }
+            Node::Table(ref mut entries) if entries.len() == 1 => {
+                let (key, node) = entries.remove(0);
+                Content { reader: self.child(node, &key), key, is_bare: false }
+            }
+            ref other => return Err(Misfit::new("", said(unexpected(other)), quoted(variants), FORM)),
+        };
+        visitor.visit_enum(content)
     }
 
     serde::forward_to_deserialize_any! {
@@ -159,7 +178,8 @@ impl<'de> SeqAccess<'de> for &mut Items<'_> {
         let Some(item) = items.get_mut(self.next) else { return Ok(None) };
         let item = std::mem::replace(item, Node::Null);
         self.next += 1;
-        seed.deserialize(self.reader.child(item, &step)).map(Some).map_err(|e| e.inside(&step))
+        let found = described(&item);
+        seed.deserialize(self.reader.child(item, &step)).map(Some).map_err(|e| e.inside(&step, &found))
     }
 }
 
@@ -193,35 +213,27 @@ impl<'de> MapAccess<'de> for Entries<'_> {
         };
         let (key, node) = (key.clone(), std::mem::replace(node, Node::Null));
         self.next += 1;
-        seed.deserialize(self.reader.child(node, &key)).map_err(|e| e.inside(&key))
+        let found = described(&node);
+        seed.deserialize(self.reader.child(node, &key)).map_err(|e| e.inside(&key, &found))
     }
 }
 
-/// A table with one key that names a variant.
-struct Chosen<'a> {
-    reader: Reader<'a>,
-}
-
-impl<'de, 'a> EnumAccess<'de> for Chosen<'a> {
-    type Error = Misfit;
-    type Variant = Content<'a>;
-
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Content<'a>), Misfit> {
-        let mut entries = Entries { reader: self.reader, next: 0 };
-        let Some((key, node)) = entries.entry() else {
-            return Err(de::Error::custom("no variant"));
-        };
-        let (key, node) = (key.clone(), std::mem::replace(node, Node::Null));
-        let name: StringDeserializer<Misfit> = key.clone().into_deserializer();
-        let variant = seed.deserialize(name)?;
-        Ok((variant, Content { reader: entries.reader.child(node, &key), key }))
-    }
-}
-
-/// What a variant holds.
+/// A choice and what stands beside its name.
 struct Content<'a> {
     reader: Reader<'a>,
     key: String,
+    /// Nothing stands beside it.
+    is_bare: bool,
+}
+
+impl<'de> EnumAccess<'de> for Content<'_> {
+    type Error = Misfit;
+    type Variant = Self;
+
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), Misfit> {
+        let name: StringDeserializer<Misfit> = self.key.clone().into_deserializer();
+        Ok((seed.deserialize(name)?, self))
+    }
 }
 
 impl<'de> VariantAccess<'de> for Content<'_> {
@@ -229,18 +241,20 @@ impl<'de> VariantAccess<'de> for Content<'_> {
 
     /// A choice without settings is written by its name.
     fn unit_variant(self) -> Result<(), Misfit> {
-        let found = said(self.reader.unexpected()).to_owned();
-        Err(Misfit::new(self.key, found, "no settings: the name alone", FORM))
+        if self.is_bare {
+            return Ok(());
+        }
+        Err(Misfit::new(self.key, said(unexpected(&self.reader.node)), "no settings: the name alone", FORM))
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Misfit> {
-        let Content { reader, key } = self;
-        seed.deserialize(reader).map_err(|e| e.inside(&key))
+        let found = described(&self.reader.node);
+        seed.deserialize(self.reader).map_err(|e| e.inside(&self.key, &found))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Misfit> {
-        let Content { reader, key } = self;
-        reader.deserialize_any(visitor).map_err(|e| e.inside(&key))
+        let found = described(&self.reader.node);
+        self.reader.deserialize_any(visitor).map_err(|e| e.inside(&self.key, &found))
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -248,8 +262,8 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
-        let Content { reader, key } = self;
-        reader.deserialize_struct("", known, visitor).map_err(|e| e.inside(&key))
+        let found = described(&self.reader.node);
+        self.reader.deserialize_struct("", known, visitor).map_err(|e| e.inside(&self.key, &found))
     }
 }
 

@@ -3,12 +3,11 @@
 mod layer;
 mod wanted;
 
-pub use layer::{Dissolved, Layer, Material, Paper, Pigment};
+pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
 pub use wanted::{Angles, Judgement, Output, WantedResolution};
 
 use super::variation::{Draw, Turn, Variation, stratified_deg};
 use crate::ink::PackingRequest;
-use crate::material::spectra::Spectrum;
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
 use crate::wave::Wave;
@@ -17,7 +16,6 @@ use crate::wave::{Incidence, Media, Side};
 use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 
 /// All that was asked, checked. Built by [`super::check`] alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -37,7 +35,6 @@ pub struct Study {
     /// Vacuum wavelengths, nm, rising.
     pub wavelengths_nm: Vec<f64>,
     /// The equation solved and the light's polarisation.
-    #[serde(default)]
     pub wave: Wave,
     /// Directions of the light.
     pub angles: Angles,
@@ -46,7 +43,6 @@ pub struct Study {
     /// The run may end once the 95 % interval of the colours is as narrow as this, ΔE₀₀.
     pub target_delta_e: Option<f64>,
     /// Which colours.
-    #[serde(default)]
     pub target_colour: TargetColour,
     /// Largest share of the packings that may have no room; no solve depends on it.
     #[serde(default)]
@@ -62,7 +58,6 @@ pub struct Study {
     /// Folder and pictures.
     pub output: Output,
     /// Conditions and spectra that the prediction is judged by; no solve depends on them.
-    #[serde(default)]
     pub judgement: Judgement,
     /// What its file leaves open, and how it was taken: one line each, for whoever starts it.
     #[serde(skip)]
@@ -99,31 +94,10 @@ pub enum TargetColour {
 impl Study {
     /// Content hash of everything the results depend on: all but the title and the output's form.
     pub fn key(&self) -> Key {
-        let spectra: Vec<&Spectrum> = self.pigments.iter().map(|p| &p.material.spectrum).collect();
-        let binder = (&self.layer.binder.spectrum, &self.layer.binder.dissolved);
-        let ensemble = (
-            &self.layer,
-            &self.pigments,
-            spectra,
-            binder,
-            &self.packing,
-            self.realisations,
-            self.target(),
-            &self.variation,
-        );
-        let light = (&self.paper, &self.wavelengths_nm, &self.angles);
-        let inputs = (ensemble, light, &self.resolution, &self.solver, &self.goal);
-        Key::of_wave("study", &inputs, self.vector_wave())
-    }
-
-    /// The wanted bar and, where it is not all, of which colours.
-    fn target(&self) -> serde_json::Value {
-        match (self.target_delta_e, self.target_colour) {
-            (Some(bar), TargetColour::NaturalLight | TargetColour::LitAt45) => {
-                json!([bar, self.target_colour])
-            }
-            (bar, _) => json!(bar),
-        }
+        let ensemble = (&self.layer, &self.pigments, &self.packing, self.realisations, &self.variation);
+        let ends = (self.target_delta_e, self.target_colour);
+        let light = (self.wave, &self.paper, &self.wavelengths_nm, &self.angles);
+        Key::of("study", &(ensemble, ends, light, &self.resolution, &self.solver, &self.goal))
     }
 
     /// The packing of a realisation: its own cell, and its own stream of the study's seed.

@@ -60,13 +60,13 @@ impl From<toml::Table> for Node {
 /// JSON, where a key may be there once: the parser's own tables keep the last of two and say nothing.
 impl<'de> Deserialize<'de> for Node {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(Nodes)
+        deserializer.deserialize_any(NodeVisitor)
     }
 }
 
-struct Nodes;
+struct NodeVisitor;
 
-impl<'de> Visitor<'de> for Nodes {
+impl<'de> Visitor<'de> for NodeVisitor {
     type Value = Node;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -165,13 +165,20 @@ pub fn parse_toml(text: &str) -> Result<toml::Table, SyntaxFault> {
 /// What the parser of TOML says; of whole numbers that are too large it speaks in terms of its own code.
 fn toml_fault(text: &str, error: &toml::de::Error) -> SyntaxFault {
     let (said, span) = (error.message().trim(), error.span());
-    if !["as i128", "was too large", "overflowed"].iter().any(|words| said.contains(words)) {
+    let found = span.clone().and_then(|span| text.get(span)).unwrap_or_default();
+    if !is_too_large(found) {
         let remedy = "correct the TOML here; https://toml.io shows its syntax";
         return SyntaxFault { message: said.to_owned(), remedy, span };
     }
-    let found = span.clone().and_then(|span| text.get(span)).unwrap_or("a whole number");
     let message = format!("found {found}; allowed: whole numbers of at most 9223372036854775807 (64 bits)");
     SyntaxFault { message, remedy: "take a smaller number, or write it with a point or a power of ten", span }
+}
+
+/// Whether this is a whole number of more than 64 bits.
+fn is_too_large(number: &str) -> bool {
+    let digits = number.replace('_', "");
+    let unsigned = digits.trim_start_matches(['+', '-']);
+    !unsigned.is_empty() && unsigned.bytes().all(|b| b.is_ascii_digit()) && digits.parse::<i64>().is_err()
 }
 
 /// Parses JSON.

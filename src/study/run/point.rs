@@ -56,28 +56,41 @@ pub fn is_physical(record: &PointRecord, grid: GridError) -> bool {
     Physical::judge(record.far_field(), total_errors(grid, record.account.residual)).is_ok()
 }
 
-/// Solves one point, of `systems` the one of its polarisation, and keeps what it found under `key`; `grid` is how wrong R and T may be.
-///
-/// It starts from nothing. The field of a neighbouring angle or wavelength was tried as a start (2.5 µm, 30 % of 200 nm,
-/// residual 2e-5): another angle costs 1 to 2 steps more of 12 to 19, 20 nm and even 5 nm save none or one, since the
-/// phase of the incident wave changes everywhere. What is shared is the geometry, and the problem by s and p.
-pub fn solve_point(
-    study: &Study,
-    solver: &dyn Solver,
-    systems: &[Box<dyn System>],
-    point: &Point,
-    grid: GridError,
-    key: &str,
-    watch: &dyn RunWatch,
-) -> Result<PointRecord, PointError> {
-    let own = systems.iter().find(|system| system.polarisation() == point.polarisation);
-    let system = own.expect("points have the polarisations of their study's wave");
-    let solution = solver.solve(&**system, study.goal, &mut Stopper(watch))?;
-    let Account { solver, steps, operator_applications, residual, seconds, .. } = solution.account;
-    let far_field = Physical::judge(system.far_field(&solution.field), total_errors(grid, residual))?;
-    let account = SolveAccount { solver, steps, operator_applications, residual, seconds };
-    let (key, Point { realisation, polarisation, .. }) = (key.to_owned(), *point);
-    Ok(PointRecord::new(key, realisation, polarisation, &far_field, account)?)
+/// What the solves of one realisation share.
+#[derive(Clone, Copy)]
+pub struct PointSolver<'a> {
+    /// What is asked.
+    pub study: &'a Study,
+    /// The strategy.
+    pub solver: &'a dyn Solver,
+    /// How wrong R and T may be.
+    pub grid: GridError,
+    /// Who is told of the work.
+    pub watch: &'a dyn RunWatch,
+}
+
+impl PointSolver<'_> {
+    /// Solves one point, of `systems` the one of its polarisation, and keeps what it found under `key`.
+    ///
+    /// It starts from nothing. The field of a neighbouring angle or wavelength was tried as a start (2.5 µm, 30 % of 200 nm,
+    /// residual 2e-5): another angle costs 1 to 2 steps more of 12 to 19, 20 nm and even 5 nm save none or one, since the
+    /// phase of the incident wave changes everywhere. What is shared is the geometry, and the problem by s and p.
+    pub fn solve(
+        &self,
+        systems: &[Box<dyn System>],
+        point: &Point,
+        key: &str,
+    ) -> Result<PointRecord, PointError> {
+        let own = systems.iter().find(|system| system.polarisation() == point.polarisation);
+        let system = own.expect("points have the polarisations of their study's wave");
+        let solution = self.solver.solve(&**system, self.study.goal, &mut Stopper(self.watch))?;
+        let Account { solver, steps, operator_applications, residual, seconds, .. } = solution.account;
+        let errors = total_errors(self.grid, residual);
+        let far_field = Physical::judge(system.far_field(&solution.field), errors)?;
+        let account = SolveAccount { solver, steps, operator_applications, residual, seconds };
+        let (key, Point { realisation, polarisation, .. }) = (key.to_owned(), *point);
+        Ok(PointRecord::new(key, realisation, polarisation, &far_field, account)?)
+    }
 }
 
 /// The problems of a point's light, one for each polarisation.

@@ -4,7 +4,7 @@ use super::collected::{RunSettings, Stores};
 use super::crew::work_through;
 use super::error::RunError;
 use super::grids::{Grids, Wavelength};
-use super::point::{PointError, is_physical, pack_realisation, solve_point};
+use super::point::{PointError, PointSolver, is_physical, pack_realisation};
 use super::resolve;
 use super::resolve::Resolved;
 use super::watch::{Event, RunWatch};
@@ -26,15 +26,15 @@ pub struct Packings<'a> {
     watch: &'a dyn RunWatch,
     first: Option<Packing>,
     latest: Option<(usize, Packing)>,
-    /// For scalar and for vector waves, of the latest realisation, by grid and error: inks that share a packing
+    /// Of the latest realisation, by wave (vector or not), grid and error: inks that share a packing
     /// share them too, and so do their waves that take turns.
-    geometries: [Vec<((usize, Resolution, f64), Geometry)>; 2],
+    geometries: Vec<((bool, usize, Resolution, f64), Geometry)>,
 }
 
 impl<'a> Packings<'a> {
     /// No packing yet.
     pub fn new(study: &'a Study, watch: &'a dyn RunWatch) -> Self {
-        Self { study, watch, first: None, latest: None, geometries: Default::default() }
+        Self { study, watch, first: None, latest: None, geometries: Vec::new() }
     }
 
     /// The packing of a realisation, made where it is not at hand.
@@ -62,16 +62,16 @@ impl<'a> Packings<'a> {
         resolution: Resolution,
         error: f64,
     ) -> Result<Geometry, RunError> {
-        let (asked, place) = ((realisation, resolution, error), usize::from(wave.is_vector()));
-        if let Some((_, geometry)) = self.geometries[place].iter().find(|(kept, _)| *kept == asked) {
+        let asked = (wave.is_vector(), realisation, resolution, error);
+        if let Some((_, geometry)) = self.geometries.iter().find(|(kept, _)| *kept == asked) {
             return Ok(geometry.clone());
         }
         // Those of another realisation are of no use any more.
-        self.geometries.iter_mut().for_each(|all| all.retain(|((r, ..), _)| *r == realisation));
+        self.geometries.retain(|((_, r, ..), _)| *r == realisation);
         let scene = Scene::from_packing(&self.get(realisation)?);
         let stop = || self.watch.stop();
         let geometry = Geometry::new(wave, &scene, resolution, Precision { error, stop: &stop })?;
-        self.geometries[place].push((asked, geometry.clone()));
+        self.geometries.push((asked, geometry.clone()));
         Ok(geometry)
     }
 }
@@ -129,9 +129,8 @@ impl RealisationRun<'_> {
         let finest = self.resolved.for_cell(&self.study.draw(self.realisation));
         let size = resolve::size(self.study, finest);
         let solver = self.study.solver.build();
-        let solver = size.admit(&*solver, self.settings.memory)?;
-        let jobs = self.jobs(size.bytes(solver.solver()));
-        let solver = solver.with_room(&size, self.settings.memory / jobs as f64);
+        let jobs = self.jobs(size.admit(&*solver, self.settings.memory)?.bytes);
+        let solver = size.admit(&*solver, self.settings.memory / jobs as f64)?;
         let grids = Grids::new(self.study, &packing, self.geometries(packings, &todo)?);
         Ok(failed.len() + self.solve_all(solver.solver(), jobs, &grids, &todo)?)
     }
@@ -220,14 +219,15 @@ impl RealisationRun<'_> {
         keyed @ (point, key): &(Point, Key),
     ) -> io::Result<bool> {
         self.watch.hear(Event::Solving(self.study, point));
-        let (study, grid) = (self.study, self.resolved.grid_error);
+        let point_solver =
+            PointSolver { study: self.study, solver, grid: self.resolved.grid_error, watch: self.watch };
         let made = match shared.take() {
             Some(systems) => Ok(systems),
             None => grids.systems(point).map_err(PointError::Wave),
         };
         let solved = made.and_then(|made| {
             let systems = shared.insert(made);
-            solve_point(study, solver, systems, point, grid, key.as_str(), self.watch)
+            point_solver.solve(systems, point, key.as_str())
         });
         self.watch.hear(Event::Ended);
         match solved {

@@ -136,11 +136,9 @@ fn scenes(
     refusal.filter(|_| scenes.is_empty()).map_or(Ok(scenes), Err)
 }
 
-/// The study's grid if the store has it; a folder that was begun with one grid for all wavelengths goes on with it.
+/// The study's grid if the store has it.
 pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
-    store
-        .get(key(study).as_str())
-        .or_else(|| store.get(key_of(study, study.resolution.on_one_grid(), &[]).as_str()))
+    store.get(key(study).as_str())
 }
 
 /// Realisations whose packings two grids are compared on.
@@ -151,10 +149,6 @@ fn compared(study: &Study) -> usize {
 /// Content hash of all that the choice of the grid and its error depend on. Every packing compared counts: studies may share the
 /// first one and differ in others, since cells are drawn to hold whole grains.
 pub fn key(study: &Study) -> Key {
-    key_of(study, study.resolution, &longer_waves::probes(study, 0))
-}
-
-fn key_of(study: &Study, resolution: WantedResolution, longest: &[Incidence]) -> Key {
     let packing = |realisation: usize| {
         let probes = probes(study, realisation);
         let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();
@@ -162,9 +156,10 @@ fn key_of(study: &Study, resolution: WantedResolution, longest: &[Incidence]) ->
     };
     let packings: Vec<_> = (0..compared(study)).map(packing).collect();
     // Older records hold half the error where a finer grid had to be compared with: they are made again, their solves are not.
-    let method = (resolution, Mean::default(), &study.solver, &study.goal, JUDGEMENT);
+    let method = (study.resolution, Mean::default(), &study.solver, &study.goal, JUDGEMENT);
     // s, p and unpolarised light share a grid.
     let vector = study.wave.is_vector().then_some(());
+    let longest = longer_waves::probes(study, 0);
     match longest.is_empty() {
         true => Key::of_wave("resolution", &(packings, method), vector),
         false => Key::of_wave("resolution", &(packings, method, longest), vector),

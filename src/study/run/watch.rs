@@ -1,7 +1,7 @@
 //! Who looks on while a study runs, and may stop it.
 
 use crate::input::study::{Point, Study};
-use crate::store::queue::Standing;
+use crate::store::queue::QueueStanding;
 
 /// What happens in a run.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +9,7 @@ pub enum Event<'a> {
     /// A stage other than the solves begins, such as "packing realisation 2".
     Stage(&'a str),
     /// How far all workers of a folder are.
-    Standing(&'a Standing),
+    Standing(&'a QueueStanding),
     /// A solve of a study begins.
     Solving(&'a Study, &'a Point),
     /// Number of solves that are in the store already.

@@ -1,6 +1,6 @@
 //! Damaged files of records: put aside, and what is sound taken over.
 
-use super::rows::{End, Row, Rows};
+use super::rows::{End, Rows, StoredRow};
 use super::seal::Sealed;
 use super::slot::Slot;
 use std::collections::HashSet;
@@ -18,7 +18,7 @@ pub(super) enum Interruption {
     There(rusqlite::Error),
     /// The file that is written.
     Here(rusqlite::Error),
-    Contradiction(Box<(Sealed, Row)>),
+    Contradiction(Box<(Sealed, StoredRow)>),
 }
 
 impl From<rusqlite::Error> for Interruption {
@@ -62,7 +62,7 @@ pub(super) fn put_aside(
 pub(super) fn take_over(damaged: &Path, into: &Rows) -> rusqlite::Result<usize> {
     let Ok(from) = Rows::read(damaged) else { return Ok(0) };
     let mut saved = HashSet::new();
-    let mut keep = |row: Row| save(&row, into, &mut saved);
+    let mut keep = |row: StoredRow| save(&row, into, &mut saved);
     into.at_once(|| {
         save_from(&from, End::First, &mut keep)?;
         save_from(&from, End::Last, &mut keep)
@@ -71,7 +71,7 @@ pub(super) fn take_over(damaged: &Path, into: &Rows) -> rusqlite::Result<usize> 
 }
 
 /// Copies a sound record whose kind and key are not among those `saved` before.
-fn save(row: &Row, into: &Rows, saved: &mut HashSet<(String, String)>) -> Result<(), Interruption> {
+fn save(row: &StoredRow, into: &Rows, saved: &mut HashSet<(String, String)>) -> Result<(), Interruption> {
     if row.sealed.check(&row.kind, &row.key).is_ok() && saved.insert((row.kind.clone(), row.key.clone())) {
         into.put(row).map_err(Interruption::Here)?;
     }
@@ -82,7 +82,7 @@ fn save(row: &Row, into: &Rows, saved: &mut HashSet<(String, String)>) -> Result
 fn save_from(
     damaged: &Rows,
     end: End,
-    keep: impl FnMut(Row) -> Result<(), Interruption>,
+    keep: impl FnMut(StoredRow) -> Result<(), Interruption>,
 ) -> rusqlite::Result<()> {
     match damaged.scan(end, keep) {
         Err(Interruption::Here(error)) => Err(error),

@@ -9,7 +9,7 @@ const NAMED: usize = 5;
 
 /// Why a record counts as absent although something is there.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Fault {
+pub enum RecordFault {
     /// Content, kind or name are not those that were sealed.
     Seal,
     /// Sound, but made by another method.
@@ -18,7 +18,7 @@ pub enum Fault {
     Form(String),
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for RecordFault {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Seal => write!(f, "its checksum does not fit its name and content"),
@@ -38,7 +38,7 @@ pub enum Damage {
         /// Its content hash.
         key: String,
         /// What is wrong with it.
-        fault: Fault,
+        fault: RecordFault,
     },
     /// A whole file, or pages of it.
     File {
@@ -111,8 +111,11 @@ mod tests {
 
     #[test]
     fn damage_is_counted_and_named() {
-        let point =
-            |key: &str| Damage::Record { kind: "point".into(), key: key.to_owned(), fault: Fault::Seal };
+        let point = |key: &str| Damage::Record {
+            kind: "point".into(),
+            key: key.to_owned(),
+            fault: RecordFault::Seal,
+        };
         assert_eq!(in_words(&[]), None);
         let told = in_words(&["a", "b", "c", "d", "e", "f", "g"].map(point)).unwrap();
         assert!(told.starts_with("7 records") && told.contains("point a") && told.ends_with("and 2 more"));

@@ -6,7 +6,7 @@
 use super::aside::{DAMAGED, Interruption, ROWS, files_of, put_aside, remove, take_over};
 use super::damage::Damage;
 use super::queue::{Queue, QueueError};
-use super::rows::{End, Row, Rows};
+use super::rows::{End, Rows, StoredRow};
 use super::seal::Sealed;
 use super::slot::Slot;
 use std::collections::{BTreeSet, HashSet};
@@ -117,7 +117,8 @@ impl Database {
     /// # Errors
     /// It cannot be written.
     pub fn put(&self, kind: &str, key: &str, content: Vec<u8>) -> io::Result<()> {
-        let row = Row { kind: kind.to_owned(), key: key.to_owned(), sealed: Sealed::new(kind, key, content) };
+        let row =
+            StoredRow { kind: kind.to_owned(), key: key.to_owned(), sealed: Sealed::new(kind, key, content) };
         self.writing(|rows| rows.put(&row))
     }
 
@@ -150,11 +151,11 @@ impl Database {
         from: &Self,
         kinds: &[&str],
         same: impl Fn(&str, &[u8], &[u8]) -> bool,
-    ) -> io::Result<Option<(Sealed, Row)>> {
+    ) -> io::Result<Option<(Sealed, StoredRow)>> {
         let mut files = lock(&self.files);
         let into = &self.own(&mut files)?.rows;
-        let wanted = |row: &Row| kinds.is_empty() || kinds.contains(&row.kind.as_str());
-        let mut adopt = |row: Row| if wanted(&row) { from.hand_over(row, into, &same) } else { Ok(()) };
+        let wanted = |row: &StoredRow| kinds.is_empty() || kinds.contains(&row.kind.as_str());
+        let mut adopt = |row: StoredRow| if wanted(&row) { from.hand_over(row, into, &same) } else { Ok(()) };
         let others = lock(&from.files);
         let all = into.at_once(|| others.all().try_for_each(|rows| from.scan(rows, &mut adopt)));
         match all {
@@ -168,7 +169,7 @@ impl Database {
     fn scan(
         &self,
         rows: &Rows,
-        each: impl FnMut(Row) -> Result<(), Interruption>,
+        each: impl FnMut(StoredRow) -> Result<(), Interruption>,
     ) -> Result<(), Interruption> {
         match rows.scan(End::First, each) {
             Err(Interruption::There(error)) => Ok(self.note_file(rows.path(), &error.to_string(), None)),
@@ -179,7 +180,7 @@ impl Database {
     /// Copies a sound record of this store into a file that has none of its name; a damaged one is noted.
     fn hand_over(
         &self,
-        row: Row,
+        row: StoredRow,
         into: &Rows,
         same: &dyn Fn(&str, &[u8], &[u8]) -> bool,
     ) -> Result<(), Interruption> {

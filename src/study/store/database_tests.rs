@@ -1,7 +1,7 @@
 //! Several processes, damage, copies.
 
 use super::*;
-use crate::store::damage::Fault;
+use crate::store::damage::RecordFault;
 
 fn open(folder: &tempfile::TempDir) -> Database {
     Database::open(folder.path()).unwrap()
@@ -36,10 +36,10 @@ fn workers_write_their_own_files_and_read_all() {
 fn damage_counts_as_absence_is_told_once_and_heals() {
     let swap = "update records set content = (select content from records as o where o.key != records.key)";
     for (sql, fault) in [
-        ("update records set content = x'03' where key = 'a'", Fault::Seal),
-        ("update records set method = 0 where key = 'a'", Fault::Seal),
-        ("update records set program = 'other' where key = 'a'", Fault::Seal),
-        (swap, Fault::Seal),
+        ("update records set content = x'03' where key = 'a'", RecordFault::Seal),
+        ("update records set method = 0 where key = 'a'", RecordFault::Seal),
+        ("update records set program = 'other' where key = 'a'", RecordFault::Seal),
+        (swap, RecordFault::Seal),
     ] {
         let folder = tempfile::tempdir().unwrap();
         two_records(&folder);

@@ -30,8 +30,6 @@ pub const RESULTS: [&str; 8] = [
 ];
 /// Folders inside that are written to.
 const PARTS: [&str; 3] = [RECORDS, "variants", "inputs"];
-/// Folder in which older versions kept solves as JSON files.
-const OLD_POINTS: &str = "points";
 
 /// Why a folder cannot take results.
 #[derive(Debug, thiserror::Error)]
@@ -251,14 +249,7 @@ fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
     let Ok(entries) = std::fs::read_dir(path) else { return Ok(false) };
     let names: Vec<String> =
         entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
-    let points = names.iter().any(|name| name == OLD_POINTS);
-    let older =
-        points && names.iter().any(|name| name == PARTIAL || name == RESULTS[0] || name == "sweep.json");
     match names.into_iter().find(|name| !name.starts_with('.')) {
-        Some(_) if older => Err(FolderError::Older {
-            path: path_owned(),
-            found: "an older inkwave (a file for each solve)".into(),
-        }),
         // Another process may have marked the folder since: its files are ours.
         Some(_) if Marker::read(path).is_some() => refuse_foreign(path, wanted),
         Some(found) => Err(FolderError::Foreign { path: path_owned(), found }),
@@ -334,12 +325,9 @@ mod tests {
             path
         };
         let open = |path: &Path| OutputFolder::open(path, Holds::Study).map(drop).unwrap_err();
-        // A folder that merely holds points/ is nobody's of ours.
         for (name, file) in [("thesis", "thesis.tex"), ("maps", "points/a.json"), ("other", "inkwave.json")] {
             assert!(matches!(open(&make(name, file, "{}")), FolderError::Foreign { .. }), "{name}");
         }
-        make("old", "points/a.json", "{}");
-        assert!(matches!(open(&make("old", "PARTIAL", "")), FolderError::Older { .. }));
         let later = r#"{"inkwave_folder": "study", "layout": 3, "program": "inkwave 9.0"}"#;
         assert!(matches!(open(&make("later", "inkwave.json", later)), FolderError::Older { .. }));
         let comparison = OutputFolder::open(&root.path().join("comparison"), Holds::Comparison).unwrap();

@@ -10,7 +10,7 @@ use std::fmt;
 
 /// Counts up whenever the same inputs give different numbers, so that stored results of older methods are
 /// not taken for new ones.
-pub const METHOD_VERSION: u32 = 1;
+pub const METHOD_VERSION: u32 = 2;
 
 /// Content hash (BLAKE3, first 128 bits in hexadecimal) of what a result depends on.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -34,10 +34,9 @@ impl Key {
         }
     }
 
-    /// The key of a packing. Sizes that spread were drawn by another rule before, which turned large grains away.
+    /// The key of a packing.
     pub fn of_packing(request: &PackingRequest) -> Self {
-        let strata = request.pigments.iter().any(|pigment| pigment.size.has_spread());
-        if strata { Self::of("packing", &(request, "strata")) } else { Self::of("packing", request) }
+        Self::of("packing", request)
     }
 
     /// The key as text, fit for a file name.

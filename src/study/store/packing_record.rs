@@ -1,8 +1,8 @@
 //! What is kept of one packing: what was asked, what was reached and how.
 
 use super::store::Record;
-use crate::ink::statistics::profile;
-use crate::ink::{Account, Method, Packing, Share};
+use crate::ink::statistics::{ReachedSizes, profile};
+use crate::ink::{Method, Packing, PackingAccount, Share};
 use serde::{Deserialize, Serialize};
 
 /// Slices of the profile.
@@ -46,13 +46,20 @@ pub struct ShareRecord {
     pub grains: usize,
     /// Factor on the drawn sizes (1 unless the share is met by scaling).
     pub size_factor: f64,
+    /// Percentiles of its grains' sizes; none without grains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sizes: Option<ReachedSizes>,
 }
 
 impl PackingRecord {
     /// The record of a packing.
     pub fn new(realisation: usize, packing: &Packing) -> Self {
-        let Account { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
-        let shares = packing.shares().iter().map(ShareRecord::from).collect();
+        let PackingAccount { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
+        let share = |(k, share): (usize, &Share)| ShareRecord {
+            sizes: ReachedSizes::of(packing, k),
+            ..ShareRecord::from(share)
+        };
+        let shares = packing.shares().iter().enumerate().map(share).collect();
         let (period_um, thickness_um) = (packing.period_um(), packing.thickness_um());
         let profile = profile(packing, SLICES);
         Self { realisation, period_um, thickness_um, profile, method, steps, smallest_gap_um, notes, shares }
@@ -62,6 +69,6 @@ impl PackingRecord {
 impl From<&Share> for ShareRecord {
     fn from(share: &Share) -> Self {
         let Share { requested_fraction, achieved_fraction, grains, size_factor, .. } = *share;
-        Self { requested_fraction, achieved_fraction, grains, size_factor }
+        Self { requested_fraction, achieved_fraction, grains, size_factor, sizes: None }
     }
 }

@@ -14,7 +14,7 @@ use tables::{begin, enlist, enter, free_claims_of_the_dead, living, next, open, 
 
 /// One piece of work.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Task {
+pub struct QueuedTask {
     /// In any unit: the costliest is taken first.
     pub cost: f64,
     /// The task that must be finished before.
@@ -23,7 +23,7 @@ pub struct Task {
 
 /// What a worker finds when it asks for work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Claim {
+pub enum Assignment {
     /// This task is its own now.
     Task(usize),
     /// Others hold what is left, or what it waits for: ask again soon.
@@ -34,7 +34,7 @@ pub enum Claim {
 
 /// How far all workers are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Standing {
+pub struct QueueStanding {
     /// Workers at work.
     pub workers: usize,
     /// Tasks finished.
@@ -96,11 +96,11 @@ impl Queue {
     }
 
     /// Puts tasks into the queue under the numbers from `first` on; those that another worker has put there stay as they
-    /// are. Tasks wait for tasks of the same call ([`Task::after`] counts from 0).
+    /// are. Tasks wait for tasks of the same call ([`QueuedTask::after`] counts from 0).
     ///
     /// # Errors
     /// The queue's file cannot be used.
-    pub fn enlist(&self, first: usize, tasks: &[Task]) -> Result<(), QueueError> {
+    pub fn enlist(&self, first: usize, tasks: &[QueuedTask]) -> Result<(), QueueError> {
         self.turn(|transaction| enlist(transaction, first, tasks))
     }
 
@@ -108,25 +108,25 @@ impl Queue {
     ///
     /// # Errors
     /// The queue's file cannot be used.
-    pub fn claim(&self) -> Result<Claim, QueueError> {
+    pub fn claim(&self) -> Result<Assignment, QueueError> {
         self.turn(|transaction| self.claim_in(transaction))
     }
 
     /// A task that is free, or was a dead worker's.
-    fn claim_in(&self, transaction: &Transaction) -> rusqlite::Result<Claim> {
+    fn claim_in(&self, transaction: &Transaction) -> rusqlite::Result<Assignment> {
         if let Some(task) = next(transaction)? {
             take(transaction, task, self.worker)?;
-            return Ok(Claim::Task(task));
+            return Ok(Assignment::Task(task));
         }
         let left: usize =
             transaction.query_row("select count(*) from tasks where not done", [], |row| row.get(0))?;
         if left == 0 {
-            return Ok(Claim::Finished);
+            return Ok(Assignment::Finished);
         }
         free_claims_of_the_dead(transaction, &self.folder)?;
-        let Some(task) = next(transaction)? else { return Ok(Claim::Wait) };
+        let Some(task) = next(transaction)? else { return Ok(Assignment::Wait) };
         take(transaction, task, self.worker)?;
-        Ok(Claim::Task(task))
+        Ok(Assignment::Task(task))
     }
 
     /// A task is finished, with so many solves, of which some have no result.
@@ -169,17 +169,17 @@ impl Queue {
     ///
     /// # Errors
     /// The queue's file cannot be used.
-    pub fn standing(&self) -> Result<Standing, QueueError> {
+    pub fn standing(&self) -> Result<QueueStanding, QueueError> {
         self.turn(|transaction| self.standing_in(transaction))
     }
 
     /// Sums over all tasks, and the workers that live.
-    fn standing_in(&self, transaction: &Transaction) -> rusqlite::Result<Standing> {
+    fn standing_in(&self, transaction: &Transaction) -> rusqlite::Result<QueueStanding> {
         let sql =
             "select coalesce(sum(done), 0), coalesce(sum(solves), 0), coalesce(sum(failed), 0) from tasks";
         let (tasks, solves, failed) =
             transaction.query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?;
-        Ok(Standing { workers: living(transaction, &self.folder)?.len(), tasks, solves, failed })
+        Ok(QueueStanding { workers: living(transaction, &self.folder)?.len(), tasks, solves, failed })
     }
 
     /// True for the one worker that shall write the report.
@@ -224,9 +224,9 @@ fn in_transaction<T>(
 mod tests {
     use super::*;
 
-    fn tasks() -> Vec<Task> {
+    fn tasks() -> Vec<QueuedTask> {
         [(9.0, None), (1.0, Some(0)), (2.0, Some(0)), (5.0, None)]
-            .map(|(cost, after)| Task { cost, after })
+            .map(|(cost, after)| QueuedTask { cost, after })
             .to_vec()
     }
 
@@ -236,26 +236,26 @@ mod tests {
         let slot = Slot::first_free(folder.path()).unwrap();
         let queue = Queue::join(folder.path(), &slot, "work").unwrap();
         queue.enlist(0, &tasks()).unwrap();
-        assert_eq!(queue.claim().unwrap(), Claim::Task(0));
-        assert_eq!(queue.claim().unwrap(), Claim::Task(3));
-        assert_eq!(queue.claim().unwrap(), Claim::Wait);
+        assert_eq!(queue.claim().unwrap(), Assignment::Task(0));
+        assert_eq!(queue.claim().unwrap(), Assignment::Task(3));
+        assert_eq!(queue.claim().unwrap(), Assignment::Wait);
         queue.advance(3, 4).unwrap();
         queue.finish(0, 3, 1).unwrap();
-        assert_eq!(queue.standing().unwrap(), Standing { workers: 1, tasks: 1, solves: 7, failed: 1 });
+        assert_eq!(queue.standing().unwrap(), QueueStanding { workers: 1, tasks: 1, solves: 7, failed: 1 });
         queue.give_back(3).unwrap();
-        assert_eq!(queue.claim().unwrap(), Claim::Task(3));
-        assert_eq!(queue.claim().unwrap(), Claim::Task(2));
-        assert_eq!(queue.claim().unwrap(), Claim::Task(1));
+        assert_eq!(queue.claim().unwrap(), Assignment::Task(3));
+        assert_eq!(queue.claim().unwrap(), Assignment::Task(2));
+        assert_eq!(queue.claim().unwrap(), Assignment::Task(1));
         [1, 2, 3].iter().for_each(|&task| queue.finish(task, 1, 0).unwrap());
-        assert_eq!(queue.claim().unwrap(), Claim::Finished);
+        assert_eq!(queue.claim().unwrap(), Assignment::Finished);
         // What is there already stays finished; what is new waits for its own.
         queue.enlist(0, &tasks()).unwrap();
-        assert_eq!(queue.claim().unwrap(), Claim::Finished);
+        assert_eq!(queue.claim().unwrap(), Assignment::Finished);
         queue.enlist(100, &tasks()[..2]).unwrap();
-        assert_eq!(queue.claim().unwrap(), Claim::Task(100));
-        assert_eq!(queue.claim().unwrap(), Claim::Wait);
+        assert_eq!(queue.claim().unwrap(), Assignment::Task(100));
+        assert_eq!(queue.claim().unwrap(), Assignment::Wait);
         queue.finish(100, 1, 0).unwrap();
-        assert_eq!(queue.claim().unwrap(), Claim::Task(101));
+        assert_eq!(queue.claim().unwrap(), Assignment::Task(101));
     }
 
     #[test]
@@ -278,17 +278,17 @@ mod tests {
         let second = Queue::join(folder.path(), &two, "work").unwrap();
         let other = Queue::join(folder.path(), &two, "other work");
         assert!(matches!(other, Err(QueueError::OtherWork { .. })));
-        assert_eq!(first.claim().unwrap(), Claim::Task(0));
-        assert_eq!(second.claim().unwrap(), Claim::Task(3));
-        assert_eq!(second.claim().unwrap(), Claim::Wait);
+        assert_eq!(first.claim().unwrap(), Assignment::Task(0));
+        assert_eq!(second.claim().unwrap(), Assignment::Task(3));
+        assert_eq!(second.claim().unwrap(), Assignment::Wait);
         drop((first, one));
-        assert_eq!(second.claim().unwrap(), Claim::Task(0));
+        assert_eq!(second.claim().unwrap(), Assignment::Task(0));
         assert!(second.publishes().unwrap());
         drop((second, two));
         let slot = Slot::first_free(folder.path()).unwrap();
         let anew = Queue::join(folder.path(), &slot, "other work").unwrap();
         anew.enlist(0, &tasks()[3..]).unwrap();
-        assert_eq!(anew.claim().unwrap(), Claim::Task(0));
+        assert_eq!(anew.claim().unwrap(), Assignment::Task(0));
         assert_eq!(anew.standing().unwrap().tasks, 0);
     }
 }

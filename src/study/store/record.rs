@@ -1,6 +1,7 @@
 //! What is kept of one solve: its propagating orders, its energy receipt and its account.
 
 use super::store::Record;
+use crate::wave::far_field::FURTHER;
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{FarField, Incidence, Order};
 use num_complex::Complex64;
@@ -31,13 +32,9 @@ pub struct PointRecord {
     /// What the solve took.
     pub account: SolveAccount,
     /// All orders listed.
-    pub orders: Vec<OrderRow>,
+    pub orders: Vec<OrderRecord>,
     /// Polarisation of the light; `None` for the scalar wave.
-    #[serde(default)]
     pub polarisation: Option<Polarisation>,
-    /// Re r, Im r, Re t, Im t of every order into the other polarisation; empty for the scalar wave.
-    #[serde(default)]
-    pub crossed: Vec<[f64; 4]>,
 }
 
 impl Record for PointRecord {
@@ -80,37 +77,64 @@ pub struct SolveAccount {
     pub seconds: f64,
 }
 
-/// One propagating order as a row of numbers, in the order of the tuple below.
+/// One propagating order; its names are short because thousands of orders are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Row", into = "Row")]
-pub struct OrderRow(pub Order);
-
-/// m, n, kx/k0, ky/k0, reflected propagates, transmitted propagates, Re r, Im r, Re t, Im t, e_R, e_T.
-type Row = (i32, i32, f64, f64, bool, bool, f64, f64, f64, f64, f64, f64);
-
-impl From<OrderRow> for Row {
-    fn from(OrderRow(o): OrderRow) -> Row {
-        let ([kx, ky], r, t) = (o.direction, o.reflected, o.transmitted);
-        let efficiencies = (o.reflected_efficiency, o.transmitted_efficiency);
-        let (up, down) = (o.reflected_propagates, o.transmitted_propagates);
-        (o.m, o.n, kx, ky, up, down, r.re, r.im, t.re, t.im, efficiencies.0, efficiencies.1)
-    }
+pub struct OrderRecord {
+    /// Order along x.
+    pub m: i32,
+    /// Order along y.
+    pub n: i32,
+    /// (kx, ky)/k0.
+    #[serde(rename = "k")]
+    pub direction: [f64; 2],
+    /// Whether it propagates: reflected, transmitted.
+    #[serde(rename = "p")]
+    pub propagates: [bool; 2],
+    /// Reflected and transmitted amplitude.
+    #[serde(rename = "a")]
+    pub amplitudes: [Complex64; 2],
+    /// Reflected and transmitted share of the incident power.
+    #[serde(rename = "e")]
+    pub efficiencies: [f64; 2],
+    /// Reflected and transmitted amplitude into the other polarisation; `None` for the scalar wave.
+    #[serde(rename = "x", default, skip_serializing_if = "Option::is_none")]
+    pub crossed: Option<[Complex64; 2]>,
 }
 
-impl From<Row> for OrderRow {
-    fn from((m, n, kx, ky, up, down, r_re, r_im, t_re, t_im, e_r, e_t): Row) -> Self {
-        OrderRow(Order {
-            m,
-            n,
-            direction: [kx, ky],
-            reflected_propagates: up,
-            transmitted_propagates: down,
-            reflected: Complex64::new(r_re, r_im),
-            transmitted: Complex64::new(t_re, t_im),
-            reflected_efficiency: e_r,
-            transmitted_efficiency: e_t,
-            further: Default::default(),
-        })
+impl OrderRecord {
+    fn new(order: &Order, polarisation: Option<Polarisation>) -> Self {
+        Self {
+            m: order.m,
+            n: order.n,
+            direction: order.direction,
+            propagates: [order.reflected_propagates, order.transmitted_propagates],
+            amplitudes: [order.reflected, order.transmitted],
+            efficiencies: [order.reflected_efficiency, order.transmitted_efficiency],
+            crossed: polarisation.map(|_| order.further[0]),
+        }
+    }
+
+    /// The order again.
+    fn order(&self) -> Order {
+        let mut further = <[[Complex64; 2]; FURTHER]>::default();
+        further[0] = self.crossed.unwrap_or_default();
+        Order {
+            m: self.m,
+            n: self.n,
+            direction: self.direction,
+            reflected_propagates: self.propagates[0],
+            transmitted_propagates: self.propagates[1],
+            reflected: self.amplitudes[0],
+            transmitted: self.amplitudes[1],
+            reflected_efficiency: self.efficiencies[0],
+            transmitted_efficiency: self.efficiencies[1],
+            further,
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let amplitudes = self.amplitudes.iter().chain(self.crossed.iter().flatten());
+        amplitudes.into_iter().all(|a| a.is_finite()) && self.efficiencies.iter().all(|e| e.is_finite())
     }
 }
 
@@ -118,17 +142,6 @@ impl From<Row> for OrderRow {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the far field holds a number that is not finite")]
 pub struct NotFinite;
-
-/// Amplitudes and efficiencies of an order.
-fn amplitudes(order: &Order) -> [f64; 6] {
-    let (r, t) = (order.reflected, order.transmitted);
-    [r.re, r.im, t.re, t.im, order.reflected_efficiency, order.transmitted_efficiency]
-}
-
-fn crossed(order: &Order) -> [f64; 4] {
-    let [r, t] = order.further[0];
-    [r.re, r.im, t.re, t.im]
-}
 
 impl PointRecord {
     /// Keeps what a solve found for light of one polarisation, or the scalar wave. Fails when any number is not finite.
@@ -139,7 +152,7 @@ impl PointRecord {
         far_field: &FarField,
         account: SolveAccount,
     ) -> Result<Self, NotFinite> {
-        let propagates = |o: &&Order| o.reflected_propagates || o.transmitted_propagates;
+        let kept = far_field.orders.iter().filter(|o| o.reflected_propagates || o.transmitted_propagates);
         let record = Self {
             key,
             build: super::build::build().to_owned(),
@@ -150,12 +163,8 @@ impl PointRecord {
             transmittance: far_field.transmittance,
             absorptance: far_field.absorptance,
             account,
-            orders: far_field.orders.iter().filter(propagates).copied().map(OrderRow).collect(),
+            orders: kept.map(|order| OrderRecord::new(order, polarisation)).collect(),
             polarisation,
-            crossed: match polarisation {
-                None => Vec::new(),
-                Some(_) => far_field.orders.iter().filter(propagates).map(crossed).collect(),
-            },
         };
         if record.is_finite() { Ok(record) } else { Err(NotFinite) }
     }
@@ -165,20 +174,11 @@ impl PointRecord {
         FarField {
             incidence: self.incidence,
             period_um: self.period_um,
-            orders: self.orders.iter().enumerate().map(|(i, row)| self.order(i, row.0)).collect(),
+            orders: self.orders.iter().map(OrderRecord::order).collect(),
             reflectance: self.reflectance,
             transmittance: self.transmittance,
             absorptance: self.absorptance,
         }
-    }
-
-    /// An order with its crossed amplitudes.
-    fn order(&self, i: usize, order: Order) -> Order {
-        let mut full = order;
-        if let Some([r, r_im, t, t_im]) = self.crossed.get(i) {
-            full.further[0] = [Complex64::new(*r, *r_im), Complex64::new(*t, *t_im)];
-        }
-        full
     }
 
     /// R + T + A − 1.
@@ -188,9 +188,7 @@ impl PointRecord {
 
     fn is_finite(&self) -> bool {
         let totals = [self.reflectance, self.transmittance, self.absorptance, self.account.residual];
-        let amplitudes = self.orders.iter().flat_map(|row| amplitudes(&row.0));
-        let crossed = self.crossed.iter().flatten().copied();
-        totals.into_iter().chain(amplitudes).chain(crossed).all(f64::is_finite)
+        totals.into_iter().all(f64::is_finite) && self.orders.iter().all(OrderRecord::is_finite)
     }
 }
 
@@ -252,7 +250,7 @@ pub(crate) mod tests {
         let store = Store::in_memory().unwrap();
         store.put("k", &record).unwrap();
         let back: PointRecord = store.get("k").unwrap();
-        assert_eq!((back.polarisation, back.crossed.len()), (Some(Polarisation::P), 1));
+        assert_eq!(back.polarisation, Some(Polarisation::P));
         assert_eq!(back.far_field().orders, far_field.orders[..1]);
         far_field.orders[0].further[0][1].re = f64::NAN;
         let refused = PointRecord::new("k".into(), 3, Some(Polarisation::P), &far_field, account());

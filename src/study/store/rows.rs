@@ -29,7 +29,7 @@ pub struct Rows {
 
 /// A record with its kind and name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Row {
+pub struct StoredRow {
     /// Such as `point`.
     pub kind: String,
     /// Content hash of what the record depends on.
@@ -106,7 +106,7 @@ impl Rows {
     }
 
     /// Keeps a record, in place of one of the same name.
-    pub fn put(&self, row: &Row) -> rusqlite::Result<()> {
+    pub fn put(&self, row: &StoredRow) -> rusqlite::Result<()> {
         let sql = "insert or replace into records values (?1, ?2, ?3, ?4, ?5, ?6)";
         let Sealed { method, program, seal, content } = &row.sealed;
         let mut statement = self.connection.prepare_cached(sql)?;
@@ -130,7 +130,7 @@ impl Rows {
     pub fn scan<E: From<rusqlite::Error>>(
         &self,
         from: End,
-        mut each: impl FnMut(Row) -> Result<(), E>,
+        mut each: impl FnMut(StoredRow) -> Result<(), E>,
     ) -> Result<(), E> {
         let order = match from {
             End::First => "asc",
@@ -157,8 +157,8 @@ impl Rows {
         self.connection.query_row("select 1 from records limit 1", [], |_| Ok(())).is_err()
     }
 
-    fn row(row: &rusqlite::Row) -> rusqlite::Result<Row> {
-        Ok(Row { kind: row.get(0)?, key: row.get(1)?, sealed: Self::sealed(row, 2)? })
+    fn row(row: &rusqlite::Row) -> rusqlite::Result<StoredRow> {
+        Ok(StoredRow { kind: row.get(0)?, key: row.get(1)?, sealed: Self::sealed(row, 2)? })
     }
 
     fn sealed(row: &rusqlite::Row, from: usize) -> rusqlite::Result<Sealed> {
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn records_are_kept_replaced_scanned_and_forgotten() {
         let rows = Rows::in_memory().unwrap();
-        let row = |kind: &str, key: &str, content: u8| Row {
+        let row = |kind: &str, key: &str, content: u8| StoredRow {
             kind: kind.into(),
             key: key.into(),
             sealed: Sealed::new(kind, key, vec![content]),

@@ -1,7 +1,7 @@
 //! The seal of a record: what shows that it is whole, of this method, and the one that its name promises.
 
 use super::build::build;
-use super::damage::Fault;
+use super::damage::RecordFault;
 use super::identity::METHOD_VERSION;
 
 /// Bytes of a seal: 128 bits of BLAKE3.
@@ -37,11 +37,11 @@ impl Sealed {
     ///
     /// # Errors
     /// The seal does not fit (a changed digit, another record under this name), or the method is another one.
-    pub fn check(&self, kind: &str, key: &str) -> Result<(), Fault> {
+    pub fn check(&self, kind: &str, key: &str) -> Result<(), RecordFault> {
         if self.seal != self.expected_seal(kind, key) {
-            Err(Fault::Seal)
+            Err(RecordFault::Seal)
         } else if self.method != METHOD_VERSION {
-            Err(Fault::Method(self.method))
+            Err(RecordFault::Method(self.method))
         } else {
             Ok(())
         }
@@ -65,16 +65,16 @@ mod tests {
     fn the_seal_breaks_with_name_kind_method_program_and_every_bit() {
         let whole = Sealed::new("point", "a", vec![1, 2, 3]);
         assert_eq!(whole.check("point", "a"), Ok(()));
-        assert_eq!(whole.check("point", "b"), Err(Fault::Seal));
-        assert_eq!(whole.check("grid", "a"), Err(Fault::Seal));
+        assert_eq!(whole.check("point", "b"), Err(RecordFault::Seal));
+        assert_eq!(whole.check("grid", "a"), Err(RecordFault::Seal));
         let forged = Sealed { method: METHOD_VERSION + 1, ..whole.clone() };
-        assert_eq!(forged.check("point", "a"), Err(Fault::Seal));
+        assert_eq!(forged.check("point", "a"), Err(RecordFault::Seal));
         let renamed = Sealed { program: "another".into(), ..whole.clone() };
-        assert_eq!(renamed.check("point", "a"), Err(Fault::Seal));
+        assert_eq!(renamed.check("point", "a"), Err(RecordFault::Seal));
         for bit in 0..24 {
             let mut damaged = whole.clone();
             damaged.content[bit / 8] ^= 1 << (bit % 8);
-            assert_eq!(damaged.check("point", "a"), Err(Fault::Seal));
+            assert_eq!(damaged.check("point", "a"), Err(RecordFault::Seal));
         }
     }
 
@@ -82,6 +82,6 @@ mod tests {
     fn a_record_of_another_method_is_told_as_such() {
         let other = METHOD_VERSION + 1;
         let record = Sealed::by(other, "inkwave 9", "point", "a", vec![1]);
-        assert_eq!(record.check("point", "a"), Err(Fault::Method(other)));
+        assert_eq!(record.check("point", "a"), Err(RecordFault::Method(other)));
     }
 }

@@ -1,6 +1,6 @@
 //! Records of one kind in a [`Database`].
 
-use super::damage::{Damage, Fault};
+use super::damage::{Damage, RecordFault};
 use super::database::Database;
 use serde::{Serialize, de::DeserializeOwned};
 use std::io;
@@ -59,7 +59,7 @@ impl<R: Record> Store<R> {
         let content = self.database.get(R::KIND, key)?;
         let fault = match rmp_serde::from_slice(&content) {
             Ok(record) => return Some(record),
-            Err(error) => Fault::Form(error.to_string()),
+            Err(error) => RecordFault::Form(error.to_string()),
         };
         self.database.note(Damage::Record { kind: R::KIND.to_owned(), key: key.to_owned(), fault });
         None

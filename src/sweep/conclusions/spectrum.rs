@@ -7,7 +7,7 @@ use crate::sweep::file::Over;
 use crate::sweep::outcome::Outcome;
 
 /// Verdict, measured value, remark; or what is missing.
-type Found = Result<(Verdict, Option<Estimate>, String), String>;
+type SpectrumFound = Result<(Verdict, Option<Estimate>, String), String>;
 
 /// One wavelength's part.
 struct AtWavelength {
@@ -69,7 +69,7 @@ fn at(claim: &Claim, outcomes: &[Outcome], nm: f64) -> Result<(Linked, usize), S
 }
 
 /// The mean over the wavelengths against the bounds.
-fn on_mean(claim: &Claim, outcomes: &[Outcome], nm: &[f64]) -> Found {
+fn on_mean(claim: &Claim, outcomes: &[Outcome], nm: &[f64]) -> SpectrumFound {
     let parts = nm.iter().map(|&one| at(claim, outcomes, one)).collect::<Result<Vec<_>, String>>()?;
     let (Some(first), Some(last)) = (nm.first(), nm.last()) else {
         return Err("no wavelength of the study in the range".into());
@@ -96,7 +96,7 @@ fn mean(numbers: &[Linked]) -> Linked {
     mean
 }
 
-fn one_by_one(claim: &Claim, outcomes: &[Outcome], nm: &[f64], range: [f64; 2]) -> Found {
+fn one_by_one(claim: &Claim, outcomes: &[Outcome], nm: &[f64], range: [f64; 2]) -> SpectrumFound {
     let part = |&one: &f64| at_wavelength(claim, outcomes, one, nm.len());
     let parts: Vec<AtWavelength> = nm.iter().map(part).collect::<Result<_, String>>()?;
     Ok(match claim.over {

@@ -9,7 +9,7 @@ use crate::run::crew::{processor_seconds, work_through};
 use crate::run::grids::Wavelength;
 use crate::run::longer_waves::coarsened;
 use crate::run::memory;
-use crate::run::point::{solve_point, systems_of};
+use crate::run::point::{PointSolver, systems_of};
 use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
 use crate::run::watch::RunWatch;
@@ -188,7 +188,8 @@ pub(crate) fn time_solves(
 /// One solve, whose result is not needed: a failure costs about what a success does.
 fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Point, watch: &dyn RunWatch) {
     if let Ok(systems) = systems_of(study, geometry, point) {
-        let _ = solve_point(study, solver, &systems, point, GridError::default(), "trial", watch);
+        let grid = GridError::default();
+        let _ = PointSolver { study, solver, grid, watch }.solve(&systems, point, "trial");
     }
 }
 

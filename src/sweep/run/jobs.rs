@@ -3,7 +3,7 @@
 use super::super::Sweep;
 use super::super::units::Unit;
 use super::{GRIDS_FIRST, solves_of};
-use crate::store::queue::Task;
+use crate::store::queue::QueuedTask;
 use std::collections::BTreeMap;
 
 /// A task of the queue in full.
@@ -15,14 +15,16 @@ pub(super) enum Job {
 }
 
 impl Job {
-    pub fn task(&self, sweep: &Sweep) -> Task {
+    pub fn task(&self, sweep: &Sweep) -> QueuedTask {
         let volume = |v: &usize| sweep.variants[*v].study.volume_um3();
         match self {
             Self::Grids(variants) => {
-                Task { cost: GRIDS_FIRST * variants.iter().map(volume).sum::<f64>(), after: None }
+                QueuedTask { cost: GRIDS_FIRST * variants.iter().map(volume).sum::<f64>(), after: None }
             }
             // Until the grid is known.
-            Self::Unit(unit, grids) => Task { cost: solves_of(sweep, unit) as f64, after: Some(*grids) },
+            Self::Unit(unit, grids) => {
+                QueuedTask { cost: solves_of(sweep, unit) as f64, after: Some(*grids) }
+            }
         }
     }
 }

@@ -3,13 +3,13 @@
 use crate::run::watch::{Event, RunWatch};
 
 /// Passes on what a variant does, its stages with its name.
-pub(super) struct Named<'a> {
+pub(super) struct NamedWatch<'a> {
     /// Stands before every stage.
     pub prefix: &'a str,
     pub watch: &'a dyn RunWatch,
 }
 
-impl RunWatch for Named<'_> {
+impl RunWatch for NamedWatch<'_> {
     fn stop(&self) -> bool {
         self.watch.stop()
     }
@@ -39,7 +39,7 @@ mod tests {
     #[test]
     fn a_stage_has_the_name_of_its_variant() {
         let heard = Heard::default();
-        let named = Named { prefix: "yellow-0.3: ", watch: &heard };
+        let named = NamedWatch { prefix: "yellow-0.3: ", watch: &heard };
         named.hear(Event::Stage("packing realisation 4/6"));
         named.hear(Event::Ended);
         assert_eq!(

@@ -5,7 +5,7 @@ use inkwave::solve::registry::Entry;
 use inkwave::solve::{
     Born, Direct, Gmres, Goal, Registry, Relaxation, Silent, SolveError, Solver, Step, Watch,
 };
-use inkwave::wave::{Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
+use inkwave::wave::{Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use inkwave_validation::referee;
 use std::ops::ControlFlow;
 
@@ -65,7 +65,7 @@ fn born_agrees_or_says_that_it_diverges() {
 
 /// High contrast and a thick layer: the Born series cannot converge.
 fn strong_problem() -> Problem {
-    let body = Body::new(Shape::CylinderY { x_um: 0.3, z_um: 0.4, radius_um: 0.2 }, 0);
+    let body = Body::new(BodyShape::CylinderY { x_um: 0.3, z_um: 0.4, radius_um: 0.2 }, 0);
     let scene = Scene::layer([0.6, 0.6], 0.8, vec![body]);
     let media = Media {
         incident: 1.0.into(),

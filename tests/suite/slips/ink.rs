@@ -78,6 +78,17 @@ pub const INK: &[Slip] = &[
         "index = { built_in = \"mauve\" }",
         ["pigment[0].index.built_in", "mauve", "red, yellow, blue, green", "csv"],
     ),
+    slip(K, "index = { material = \"chalk\" }", ["pigment[0].index.material", "chalk", "TiO2 rutile", "csv"]),
+    slip(
+        K,
+        "index = { material = \"TiO2 rutile\" }",
+        ["pigment[0].index", "no value at 400 nm", "from 430 to 1530 nm", "where TiO2 rutile is known"],
+    ),
+    slip(
+        K,
+        "index = { material = \"PMMA\", n = 1.5 }",
+        ["pigment[0].index", "n and material", "{ material = ", "{ n = 1.4, k = 0.1 }"],
+    ),
     slip(
         K,
         "index = { csv = \"none.csv\" }",
@@ -117,6 +128,16 @@ pub const INK: &[Slip] = &[
         "[output]",
         "[compare]\nmeasured = \"comma.csv\"\n[output]",
         ["compare.measured", "line 2: 3 cells", "(wavelength_nm,reflectance)", "(wavelength_nm;reflectance)"],
+    ),
+    slip(
+        "[output]",
+        "[compare]\nmeasured = \"dark.csv\"\n[output]",
+        ["compare.measured", "the largest value is 2.9", "compare.unit", "\"percent\" or \"factor\""],
+    ),
+    slip(
+        "[output]",
+        "[compare]\nunit = \"percent\"\n[output]",
+        ["compare.unit", "percent", "a unit beside compare.measured", "add compare.measured"],
     ),
     slip(
         K,
@@ -167,6 +188,21 @@ pub const INK: &[Slip] = &[
         "diameter_nm = 200",
         "diameter_nm = \"big\"",
         ["pigment[0].diameter_nm", "\"big\"", "a number of nm such as 250, or \"molecular\"", "in that form"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "size = { kind = \"log_normal\", median_nm = 150, sigma = 0.1 }",
+        ["pigment[0].size.by", "found nothing", "by = \"number\", as it was meant", "by = \"volume\""],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "size = { kind = \"percentiles\", d10_nm = 200, d50_nm = 150, d90_nm = 250 }",
+        ["pigment[0].size", "d10 200, d50 150, d90 250 nm", "d10_nm below d50_nm", "correct these numbers"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "size = { kind = \"percentiles\", d10_nm = 120, d50_nm = 150, d90_nm = 220 }",
+        ["pigment[0].size", "the log-normal law has d10 110.8", "within 5 %", "kind = \"list\""],
     ),
     slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
     slip(

@@ -4,7 +4,7 @@
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::largest_of_all;
 use inkwave::wave::maxwell::Averaging;
-use inkwave::wave::{FarField, Incidence, Mean, Order, Shape, Side};
+use inkwave::wave::{BodyShape, FarField, Incidence, Mean, Order, Side};
 use inkwave_validation::vector::*;
 use num_complex::Complex64;
 
@@ -90,7 +90,7 @@ fn difference(a: &[FarField], b: &[FarField], map: impl Fn(i32, i32) -> (i32, i3
 
 fn move_balls(case: &mut Case, place: impl Fn([f64; 3]) -> [f64; 3]) {
     for body in &mut case.scene.bodies {
-        let Shape::Balls(balls) = &mut body.shape else { unreachable!("cases of balls only") };
+        let BodyShape::Balls(balls) = &mut body.shape else { unreachable!("cases of balls only") };
         balls.iter_mut().for_each(|b| b.center_um = place(b.center_um));
     }
 }

@@ -3,7 +3,7 @@
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::largest_of_all;
 use inkwave::wave::maxwell::{Averaging, NormalMoments};
-use inkwave::wave::{Ball, Body, Coverage, Mean, Resolution, Scene, Scheme, Shape};
+use inkwave::wave::{Ball, Body, BodyShape, Coverage, Mean, Resolution, Scene, Scheme};
 use inkwave_validation::vector::*;
 
 fn ball(center_um: [f64; 3], radius_um: f64) -> Ball {
@@ -11,14 +11,14 @@ fn ball(center_um: [f64; 3], radius_um: f64) -> Ball {
 }
 
 fn scene(balls: Vec<Ball>) -> Scene {
-    Scene::layer([0.6, 0.6], 0.6, vec![Body::new(Shape::Balls(balls), 0)])
+    Scene::layer([0.6, 0.6], 0.6, vec![Body::new(BodyShape::Balls(balls), 0)])
 }
 
 const GRID: Resolution = Resolution { nx: 15, ny: 15, cells: 8, scheme: Scheme::Quadratic };
 
 fn largest(a: &NormalMoments, b: &NormalMoments) -> f64 {
     let planes = a.planes.iter().zip(&b.planes);
-    let pairs = planes.flat_map(|(a, b)| a.iter().zip(b)).flat_map(|((_, a), (_, b))| a.iter().zip(b));
+    let pairs = planes.flat_map(|(a, b)| a.iter().zip(b)).flat_map(|(a, b)| a.fields.iter().zip(&b.fields));
     pairs.flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 

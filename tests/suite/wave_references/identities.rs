@@ -2,7 +2,7 @@
 
 use super::support::*;
 use inkwave::input::case::Case;
-use inkwave::wave::{Incidence, Order, Resolution, Scheme, Shape, Side};
+use inkwave::wave::{BodyShape, Incidence, Order, Resolution, Scheme, Side};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -90,10 +90,12 @@ fn upside_down(case: &Case) -> Case {
     flipped.scene.strata.reverse();
     for body in &mut flipped.scene.bodies {
         match &mut body.shape {
-            Shape::Balls(balls) => balls.iter_mut().for_each(|b| b.center_um[2] = height - b.center_um[2]),
-            Shape::CylinderY { z_um, .. } => *z_um = height - *z_um,
-            Shape::BarY { z_um, .. } | Shape::Sheet { z_um } => *z_um = flip(*z_um),
-            Shape::Above { .. } => unreachable!("no reference has a relief"),
+            BodyShape::Balls(balls) => {
+                balls.iter_mut().for_each(|b| b.center_um[2] = height - b.center_um[2])
+            }
+            BodyShape::CylinderY { z_um, .. } => *z_um = height - *z_um,
+            BodyShape::BarY { z_um, .. } | BodyShape::Sheet { z_um } => *z_um = flip(*z_um),
+            BodyShape::Above { .. } => unreachable!("no reference has a relief"),
         }
     }
     std::mem::swap(&mut flipped.media.incident, &mut flipped.media.exit);
@@ -125,7 +127,7 @@ fn turning_scene_and_light_by_a_right_angle_changes_nothing() {
         let mut turned = reference.case.clone();
         turned.incidence.azimuth_deg += 90.0;
         for body in &mut turned.scene.bodies {
-            let Shape::Balls(balls) = &mut body.shape else { unreachable!("cases of balls only") };
+            let BodyShape::Balls(balls) = &mut body.shape else { unreachable!("cases of balls only") };
             balls.iter_mut().for_each(|b| {
                 let [x, y, z] = b.center_um;
                 b.center_um = [-y, x, z];
@@ -158,7 +160,9 @@ fn a_doubled_cell_with_four_copies_is_the_same_layer() {
             .flat_map(|shift| {
                 reference.case.scene.bodies.iter().map(move |body| {
                     let mut copy = body.clone();
-                    let Shape::Balls(balls) = &mut copy.shape else { unreachable!("cases of balls only") };
+                    let BodyShape::Balls(balls) = &mut copy.shape else {
+                        unreachable!("cases of balls only")
+                    };
                     balls.iter_mut().for_each(|b| (0..2).for_each(|i| b.center_um[i] += shift[i]));
                     copy
                 })
@@ -191,7 +195,7 @@ fn moving_the_grains_turns_the_phases_of_the_orders() {
     let period = case.scene.period_um;
     let shift = [3.0 * period[0] / resolution.nx as f64, -2.0 * period[1] / resolution.ny as f64];
     for body in &mut case.scene.bodies {
-        let Shape::Balls(balls) = &mut body.shape else { unreachable!("cases of balls only") };
+        let BodyShape::Balls(balls) = &mut body.shape else { unreachable!("cases of balls only") };
         balls.iter_mut().for_each(|b| (0..2).for_each(|i| b.center_um[i] += shift[i]));
     }
     let moved = solve_at(&case, resolution, RESIDUAL);

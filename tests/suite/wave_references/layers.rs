@@ -2,7 +2,7 @@
 
 use super::support::*;
 use inkwave::input::case::Case;
-use inkwave::wave::{Body, Incidence, Mean, Media, Resolution, Scene, Scheme, Shape, Side, Stratum};
+use inkwave::wave::{Body, BodyShape, Incidence, Mean, Media, Resolution, Scene, Scheme, Side, Stratum};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -84,7 +84,7 @@ fn as_sheets(case: &Case) -> Case {
     for stratum in &case.scene.strata {
         let z_um = [bottom, bottom + stratum.thickness_um];
         if stratum.background != 0 {
-            sheets.scene.bodies.push(Body::new(Shape::Sheet { z_um }, stratum.background));
+            sheets.scene.bodies.push(Body::new(BodyShape::Sheet { z_um }, stratum.background));
         }
         bottom = z_um[1];
     }

@@ -20,7 +20,7 @@ const SLOPE_OVER_NM: f64 = 10.0;
 
 /// One end of a grid, and the light beyond it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct End {
+pub(super) struct SpectrumEnd {
     /// Places in the grid: of the end, and of a wavelength inside that tells the slope.
     nodes: [usize; 2],
     /// Between these two, nm.
@@ -29,7 +29,7 @@ pub(super) struct End {
     beyond: Vec<(f64, [f64; 3])>,
 }
 
-impl End {
+impl SpectrumEnd {
     /// Both ends of a grid that is summed in steps of `step_nm`.
     pub(super) fn both(grid: &[f64], step_nm: f64, viewing: &Viewing) -> [Self; 2] {
         let last = grid.len() - 1;
@@ -92,7 +92,7 @@ impl Colorimeter {
     /// What the light beyond each end of the grid may move Lab by, a standard error each; zero where the grid covers
     /// [`COLOUR_RANGE_NM`]. `values` are the spectrum on the grid, `xyz` its tristimulus values.
     pub fn beyond(&self, values: &[f64], xyz: [f64; 3]) -> [[f64; 3]; 2] {
-        let moved = |end: &End, up: bool| self.lab_moved(xyz, end.drift(values, up));
+        let moved = |end: &SpectrumEnd, up: bool| self.lab_moved(xyz, end.drift(values, up));
         self.ends.each_ref().map(|end| longer([moved(end, true), moved(end, false)]))
     }
 
@@ -104,7 +104,7 @@ impl Colorimeter {
 
     /// What it may move Y by, a standard error of both ends together.
     pub fn beyond_luminance(&self, values: &[f64]) -> f64 {
-        let of = |end: &End| end.drift(values, true)[1].max(-end.drift(values, false)[1]);
+        let of = |end: &SpectrumEnd| end.drift(values, true)[1].max(-end.drift(values, false)[1]);
         self.ends.iter().map(of).fold(0.0, f64::hypot)
     }
 }

@@ -104,7 +104,7 @@ impl Agglomeration {
 
 /// One grain of an agglomerate, in the agglomerate's frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedGrain {
     pub spheres: Vec<Sphere>,
     pub axis: V3,
 }
@@ -115,15 +115,15 @@ const GLUE_GAP: f64 = 1e-6;
 
 /// Ballistic aggregation: each grain, turned at random, flies in from a random side along a line through
 /// the bounding sphere of what is there until it touches.
-pub(crate) fn glue(grains: &[Vec<Sphere>], draws: &mut Draws) -> Vec<Placed> {
-    let mut placed: Vec<Placed> = Vec::with_capacity(grains.len());
+pub(crate) fn glue(grains: &[Vec<Sphere>], draws: &mut Draws) -> Vec<PlacedGrain> {
+    let mut placed: Vec<PlacedGrain> = Vec::with_capacity(grains.len());
     for grain in grains {
         let axis = draws.direction();
         let turn = draws.rotation_with_axis(axis);
         let turned = turned(grain, turn);
         let shift = if placed.is_empty() { [0.0; 3] } else { landing(&placed, &turned, draws) };
         let spheres = turned.iter().map(|s| Sphere { center_um: add(s.center_um, shift), ..*s }).collect();
-        placed.push(Placed { spheres, axis: turn.turn([0.0, 0.0, 1.0]) });
+        placed.push(PlacedGrain { spheres, axis: turn.turn([0.0, 0.0, 1.0]) });
     }
     placed
 }
@@ -133,7 +133,7 @@ fn turned(grain: &[Sphere], turn: Rotation) -> Vec<Sphere> {
 }
 
 /// The displacement that brings the incoming grain into first contact.
-fn landing(placed: &[Placed], incoming: &[Sphere], draws: &mut Draws) -> V3 {
+fn landing(placed: &[PlacedGrain], incoming: &[Sphere], draws: &mut Draws) -> V3 {
     let there: Vec<Sphere> = placed.iter().flat_map(|p| p.spheres.iter().copied()).collect();
     let centre = centre_of(&there);
     loop {

@@ -50,7 +50,7 @@ pub enum Orientation {
 
 #[derive(Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-enum Written {
+enum OrientationWritten {
     Random {},
     InPlane { strength: Option<f64> },
     Perpendicular { strength: Option<f64> },
@@ -59,18 +59,18 @@ enum Written {
 
 impl<'de> Deserialize<'de> for Orientation {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(match name_or_table::deserialize::<Written, D>(deserializer)? {
-            Written::Random {} => Self::Random,
-            Written::InPlane { strength } => Self::InPlane { strength },
-            Written::Perpendicular { strength } => Self::Perpendicular { strength },
-            Written::Along { direction, strength } => Self::Along { direction, strength },
+        Ok(match name_or_table::deserialize::<OrientationWritten, D>(deserializer)? {
+            OrientationWritten::Random {} => Self::Random,
+            OrientationWritten::InPlane { strength } => Self::InPlane { strength },
+            OrientationWritten::Perpendicular { strength } => Self::Perpendicular { strength },
+            OrientationWritten::Along { direction, strength } => Self::Along { direction, strength },
         })
     }
 }
 
 /// The field in numbers: weight exp(κ (u·n)²), κ < 0 for a plane, ± ∞ for perfect alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Field {
+pub struct AxisField {
     /// n, a unit vector.
     pub axis: V3,
     /// κ; its sign tells a direction (> 0) from a plane (< 0).
@@ -93,21 +93,21 @@ impl Orientation {
             .then(|| ("orientation.direction", format!("{direction:?}"), "a vector that is not zero"))
     }
 
-    pub(crate) fn field(&self) -> Option<Field> {
+    pub(crate) fn field(&self) -> Option<AxisField> {
         let z = [0.0, 0.0, 1.0];
         let full = |strength: Option<f64>| strength.unwrap_or(f64::INFINITY);
         match *self {
             Self::Random => None,
-            Self::InPlane { strength } => Some(Field { axis: z, kappa: -full(strength) }),
-            Self::Perpendicular { strength } => Some(Field { axis: z, kappa: full(strength) }),
+            Self::InPlane { strength } => Some(AxisField { axis: z, kappa: -full(strength) }),
+            Self::Perpendicular { strength } => Some(AxisField { axis: z, kappa: full(strength) }),
             Self::Along { direction, strength } => {
-                Some(Field { axis: unit(direction), kappa: full(strength) })
+                Some(AxisField { axis: unit(direction), kappa: full(strength) })
             }
         }
     }
 }
 
-impl Field {
+impl AxisField {
     /// An axis drawn from exp(κ (u·n)²).
     pub fn draw_axis(&self, draws: &mut Draws) -> V3 {
         let cosine = self.draw_cosine(draws);
@@ -186,7 +186,7 @@ fn near_plane(kappa: f64, draws: &mut Draws) -> f64 {
 }
 
 /// A uniform rotation, or one whose z axis follows the field.
-pub(crate) fn draw_rotation(field: Option<&Field>, draws: &mut Draws) -> Rotation {
+pub(crate) fn draw_rotation(field: Option<&AxisField>, draws: &mut Draws) -> Rotation {
     let axis = match field {
         Some(field) => field.draw_axis(draws),
         None => draws.direction(),
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn the_order_of_the_watson_distribution_has_its_limits() {
-        let order = |kappa: f64| Field { axis: [0.0, 0.0, 1.0], kappa }.mean_square();
+        let order = |kappa: f64| AxisField { axis: [0.0, 0.0, 1.0], kappa }.mean_square();
         // Orders: 1/3 + 4κ/45 for weak fields, 1/(2|κ|) in a strong plane, 1 − 1/κ along a strong axis.
         assert!((order(1e-3) - 1.0 / 3.0 - 4e-3 / 45.0).abs() < 1e-7);
         assert!((order(-200.0) - 1.0 / 400.0).abs() < 1e-6);
@@ -211,7 +211,7 @@ mod tests {
     fn drawn_axes_follow_the_watson_distribution() {
         let mut draws = Draws::new(11, 0);
         for kappa in [-20.0, -2.0, -0.5, 0.0, 0.5, 3.0, 30.0] {
-            let field = Field { axis: unit([1.0, 2.0, -1.0]), kappa };
+            let field = AxisField { axis: unit([1.0, 2.0, -1.0]), kappa };
             let n = 20_000;
             let mean =
                 (0..n).map(|_| dot(field.draw_axis(&mut draws), field.axis).powi(2)).sum::<f64>() / n as f64;

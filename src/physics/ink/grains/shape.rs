@@ -68,7 +68,7 @@ pub enum Shape {
 /// The shape as it is written, with every default filled in.
 #[derive(Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-enum Written {
+enum ShapeWritten {
     Sphere {},
     Cylinder {
         #[serde(default = "six")]
@@ -114,23 +114,25 @@ fn nine() -> usize {
     9
 }
 
-impl From<Written> for Shape {
-    fn from(written: Written) -> Self {
+impl From<ShapeWritten> for Shape {
+    fn from(written: ShapeWritten) -> Self {
         match written {
-            Written::Sphere {} => Self::Sphere,
-            Written::Cylinder { length_in_radii, spheres } => Self::Cylinder { length_in_radii, spheres },
-            Written::RiceGrain { length_in_radii, tip_in_radii, spheres } => {
+            ShapeWritten::Sphere {} => Self::Sphere,
+            ShapeWritten::Cylinder { length_in_radii, spheres } => {
+                Self::Cylinder { length_in_radii, spheres }
+            }
+            ShapeWritten::RiceGrain { length_in_radii, tip_in_radii, spheres } => {
                 Self::RiceGrain { length_in_radii, tip_in_radii, spheres }
             }
-            Written::Ellipsoid { aspect_ratio, spheres } => Self::Ellipsoid { aspect_ratio, spheres },
-            Written::Cluster { spheres } => Self::Cluster { spheres },
+            ShapeWritten::Ellipsoid { aspect_ratio, spheres } => Self::Ellipsoid { aspect_ratio, spheres },
+            ShapeWritten::Cluster { spheres } => Self::Cluster { spheres },
         }
     }
 }
 
 impl<'de> Deserialize<'de> for Shape {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        super::name_or_table::deserialize::<Written, D>(deserializer).map(Self::from)
+        super::name_or_table::deserialize::<ShapeWritten, D>(deserializer).map(Self::from)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Size distributions of grains, truncated so that the largest grain is known in advance.
 
+pub use super::log_normal::By;
+use super::log_normal::{CUT_AT, LogNormalLaw, TENTH};
 use super::shape::Template;
 use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each};
@@ -17,6 +19,9 @@ const SIGMA: Allowed = Allowed::between(0.0, 2.0, "");
 /// Cut of a law in its deviations.
 const CUT: Allowed = Allowed::above(0.0, 10.0, "");
 
+/// d10 and d90 may be so far off a log-normal law through d50: sizers differ by as much.
+const SKEW: f64 = 0.05;
+
 /// Which length of the grain a size means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -30,7 +35,7 @@ pub enum Measure {
     Length,
 }
 
-/// How the sizes of a pigment's grains are distributed, by number. `of` says which length is meant.
+/// How the sizes of a pigment's grains are distributed, by number unless `by` says otherwise. `of` says which length is meant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SizeDistribution {
@@ -59,11 +64,14 @@ pub enum SizeDistribution {
         #[serde(default)]
         of: Measure,
     },
-    /// ln(size) normal around ln(median) with deviation `sigma`, cut at ± `cut_at_sigmas` (3 unless told).
+    /// ln(size) normal around ln(median) with deviation `sigma`, cut at ± `cut_at_sigmas` (3 unless told), by number or by volume.
     LogNormal {
         /// Median size, nm.
         #[schemars(transform = SIZE_NM.mark(), example = 250)]
         median_nm: f64,
+        /// Whether median and cut are those of the number of grains or of their volume.
+        #[schemars(example = By::Volume)]
+        by: By,
         /// Standard deviation of ln(size) before the cut, 0 to 2.
         #[schemars(transform = SIGMA.mark(), example = 0.2)]
         sigma: f64,
@@ -71,6 +79,24 @@ pub enum SizeDistribution {
         #[serde(default = "three")]
         #[schemars(transform = CUT.mark())]
         cut_at_sigmas: f64,
+        /// The length that is meant.
+        #[serde(default)]
+        of: Measure,
+    },
+    /// The log-normal law through these percentiles, as sizers print them, cut at ± 3 deviations.
+    Percentiles {
+        /// Size that a tenth stays below, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 150)]
+        d10_nm: f64,
+        /// Size that half stays below, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 200)]
+        d50_nm: f64,
+        /// Size that nine tenths stay below, nm.
+        #[schemars(transform = SIZE_NM.mark(), example = 266)]
+        d90_nm: f64,
+        /// Whether these are tenths of the grains' volume, as sizers print, or of their number.
+        #[serde(default = "volume")]
+        by: By,
         /// The length that is meant.
         #[serde(default)]
         of: Measure,
@@ -94,6 +120,10 @@ fn three() -> f64 {
     3.0
 }
 
+fn volume() -> By {
+    By::Volume
+}
+
 impl SizeDistribution {
     /// All grains of one effective diameter.
     pub fn diameter_nm(value_nm: f64) -> Self {
@@ -106,6 +136,7 @@ impl SizeDistribution {
             Self::Constant { of, .. }
             | Self::Normal { of, .. }
             | Self::LogNormal { of, .. }
+            | Self::Percentiles { of, .. }
             | Self::List { of, .. } => *of,
         }
     }
@@ -132,8 +163,24 @@ impl SizeDistribution {
                 let found = format!("median {median_nm}, sigma {sigma}");
                 Some(("size", found, "a median above 0 and sigma from 0 to 2"))
             }
+            Self::Percentiles { d10_nm, d50_nm, d90_nm, .. } => {
+                percentiles_defect([*d10_nm, *d50_nm, *d90_nm])
+            }
             Self::List { values_nm, weights, .. } => list_defect(values_nm, weights),
             _ => None,
+        }
+    }
+
+    /// The law of log-normal sizes; of others one that has no size.
+    pub(super) fn log_normal(&self) -> LogNormalLaw {
+        match *self {
+            Self::LogNormal { median_nm, sigma, by, cut_at_sigmas, .. } => {
+                LogNormalLaw::new(median_nm, sigma, by, cut_at_sigmas)
+            }
+            Self::Percentiles { d10_nm, d50_nm, d90_nm, by, .. } => {
+                LogNormalLaw::new(d50_nm, LogNormalLaw::sigma_of([d10_nm, d90_nm]), by, CUT_AT)
+            }
+            _ => LogNormalLaw::new(f64::NAN, 0.0, By::Number, CUT_AT),
         }
     }
 
@@ -144,9 +191,7 @@ impl SizeDistribution {
             Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
                 mean_nm + cut_at_sigmas * standard_deviation_nm
             }
-            Self::LogNormal { median_nm, sigma, cut_at_sigmas, .. } => {
-                median_nm * (cut_at_sigmas * sigma).exp()
-            }
+            Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().largest_nm(),
             Self::List { values_nm, .. } => values_nm.iter().copied().fold(0.0, f64::max),
         }
     }
@@ -158,8 +203,11 @@ impl SizeDistribution {
             Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
                 mean_nm + standard_deviation_nm * cut_normal(draws, *cut_at_sigmas)
             }
-            Self::LogNormal { median_nm, sigma, cut_at_sigmas, .. } => {
+            Self::LogNormal { median_nm, sigma, cut_at_sigmas, by: By::Number, .. } => {
                 median_nm * (sigma * cut_normal(draws, *cut_at_sigmas)).exp()
+            }
+            Self::LogNormal { .. } | Self::Percentiles { .. } => {
+                self.log_normal().quantile_nm(draws.uniform())
             }
             Self::List { values_nm, weights, .. } => weighted(values_nm, weights, draws.uniform()),
         }
@@ -174,6 +222,26 @@ impl SizeDistribution {
         };
         size_nm * 1e-3 / per_radius
     }
+}
+
+fn percentiles_defect([d10, d50, d90]: [f64; 3]) -> Option<(&'static str, String, &'static str)> {
+    let found = format!("d10 {d10}, d50 {d50}, d90 {d90} nm");
+    if ![d10, d50, d90].iter().all(|d| SIZE_NM.holds(*d)) || d10 >= d50 || d50 >= d90 {
+        return Some((
+            "size",
+            found,
+            "d10_nm below d50_nm below d90_nm, all above 0; kind = \"constant\" for one size",
+        ));
+    }
+    let sigma = LogNormalLaw::sigma_of([d10, d90]);
+    if !SIGMA.holds(sigma) {
+        return Some(("size", found, "a deviation ln(d90/d10)/2.56 of up to 2"));
+    }
+    let through = [d50 * (-TENTH * sigma).exp(), d50 * (TENTH * sigma).exp()];
+    let off = (through[0] / d10 - 1.0).abs();
+    let said = format!("{found}; the log-normal law has d10 {:.1}, d90 {:.1} nm", through[0], through[1]);
+    let allowed = "d10 and d90 within 5 % of the log-normal law through d50 (d50 = √(d10 d90)); for other laws kind = \"list\"";
+    (off > SKEW).then_some(("size", said, allowed))
 }
 
 fn list_defect(values: &[f64], weights: &[f64]) -> Option<(&'static str, String, &'static str)> {
@@ -219,6 +287,7 @@ mod tests {
         let law = SizeDistribution::LogNormal {
             median_nm: 200.0,
             sigma: 0.3,
+            by: By::Number,
             cut_at_sigmas: 3.0,
             of: Measure::EffectiveDiameter,
         };
@@ -229,6 +298,29 @@ mod tests {
         assert!((mean - 200f64.ln()).abs() < 4.0 * 0.0015);
         let widest = logs.iter().map(|l| (l - 200f64.ln()).abs()).fold(0.0, f64::max);
         assert!(widest <= 0.9 + 1e-12 && law.largest_nm() >= 200.0 * widest.exp() * (1.0 - 1e-12));
+    }
+
+    /// Percentiles that are in no order, or that no log-normal law has, are refused; a slight skew is not.
+    #[test]
+    fn percentiles_have_to_be_those_of_a_log_normal_law() {
+        let law = |[d10_nm, d50_nm, d90_nm]: [f64; 3]| SizeDistribution::Percentiles {
+            d10_nm,
+            d50_nm,
+            d90_nm,
+            by: By::Volume,
+            of: Measure::EffectiveDiameter,
+        };
+        assert_eq!(law([100.0, 200.0, 400.0]).defect(), None);
+        assert_eq!(law([104.0, 200.0, 400.0]).defect(), None);
+        for unordered in
+            [[200.0, 100.0, 400.0], [100.0, 100.0, 100.0], [f64::NAN, 1.0, 2.0], [-1.0, 1.0, 2.0]]
+        {
+            assert!(law(unordered).defect().unwrap().2.contains("d10_nm below d50_nm"), "{unordered:?}");
+        }
+        let (_, found, allowed) = law([150.0, 200.0, 400.0]).defect().unwrap();
+        assert!(found.contains("the log-normal law has d10 122.5, d90 326.6 nm"), "{found}");
+        assert!(allowed.contains("within 5 %"), "{allowed}");
+        assert!(law([1.0, 1000.0, 1e6]).defect().is_some());
     }
 
     #[test]

@@ -10,7 +10,7 @@ impl SizeDistribution {
         match self {
             Self::Constant { .. } => false,
             Self::Normal { standard_deviation_nm, .. } => *standard_deviation_nm > 0.0,
-            Self::LogNormal { sigma, .. } => *sigma > 0.0,
+            Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().has_spread(),
             Self::List { values_nm, weights, .. } => {
                 let drawn = |i: usize| weights.is_empty() || weights[i] > 0.0;
                 let mut sizes = (0..values_nm.len()).filter(|&i| drawn(i)).map(|i| values_nm[i]);
@@ -29,12 +29,7 @@ impl SizeDistribution {
                 let square = 1.0 - 2.0 * c * Normal::standard().pdf(*c) / kept(*c);
                 mean_nm.powi(3) + 3.0 * mean_nm * s * s * square
             }
-            Self::LogNormal { median_nm, sigma, cut_at_sigmas: c, .. } => {
-                // ∫ e^{sz} φ(z) dz = e^{s²/2} ∫ φ(z − s) dz
-                let s = 3.0 * sigma;
-                let inside = Normal::standard().cdf(c - s) - Normal::standard().cdf(-c - s);
-                median_nm.powi(3) * (0.5 * s * s).exp() * inside / kept(*c)
-            }
+            Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().mean_cube_nm3(),
             Self::List { values_nm, weights, .. } => {
                 let weight = |i: usize| if weights.is_empty() { 1.0 } else { weights[i] };
                 let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
@@ -52,9 +47,7 @@ impl SizeDistribution {
             Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
                 mean_nm + standard_deviation_nm * cut_quantile(share, *cut_at_sigmas)
             }
-            Self::LogNormal { median_nm, sigma, cut_at_sigmas, .. } => {
-                median_nm * (sigma * cut_quantile(share, *cut_at_sigmas)).exp()
-            }
+            Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().quantile_nm(share),
             Self::List { values_nm, weights, .. } => weighted(values_nm, weights, share),
         }
     }
@@ -85,12 +78,24 @@ fn cut_quantile(share: f64, cut: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::grains::size::Measure;
+    use crate::ink::grains::size::{By, Measure};
 
     fn laws() -> Vec<SizeDistribution> {
         let of = Measure::Radius;
-        let log =
-            |sigma, cut_at_sigmas| SizeDistribution::LogNormal { median_nm: 90.0, sigma, cut_at_sigmas, of };
+        let log = |sigma, cut_at_sigmas| SizeDistribution::LogNormal {
+            median_nm: 90.0,
+            sigma,
+            by: By::Number,
+            cut_at_sigmas,
+            of,
+        };
+        let volume = |sigma, cut_at_sigmas| SizeDistribution::LogNormal {
+            median_nm: 90.0,
+            sigma,
+            by: By::Volume,
+            cut_at_sigmas,
+            of,
+        };
         let normal = |standard_deviation_nm, cut_at_sigmas| SizeDistribution::Normal {
             mean_nm: 100.0,
             standard_deviation_nm,
@@ -102,6 +107,8 @@ mod tests {
             log(0.5, 3.0),
             log(0.2, 10.0),
             log(1.0, 0.5),
+            volume(0.3, 3.0),
+            volume(0.5, 2.0),
             normal(20.0, 3.0),
             normal(9.0, 10.0),
             normal(60.0, 0.5),

@@ -1,19 +1,19 @@
 //! Bodies in the cell: positions, rotations and the spheres they carry.
 
 use super::grain::Grain;
-use super::plan::Body;
+use super::plan::GrainSpheres;
 use crate::ink::grains::sphere::Sphere;
 use crate::numerics::vector::{Rotation, V3, add};
 
 /// The cell: lengths, and the distance after which an image is nearer (infinite across walls).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cell {
+pub(crate) struct CellBox {
     pub size: V3,
     pub walls: bool,
     half: V3,
 }
 
-impl Cell {
+impl CellBox {
     pub fn new(period: [f64; 2], thickness: f64, walls: bool) -> Self {
         let size = [period[0], period[1], thickness];
         let half = [0.5 * size[0], 0.5 * size[1], if walls { f64::INFINITY } else { 0.5 * size[2] }];
@@ -54,8 +54,8 @@ impl Cell {
 
 /// Positions of the first `placed` bodies. Sphere arrays are flat; `first[b]..first[b + 1]` belong to body b.
 pub(crate) struct Bodies<'a> {
-    pub cell: Cell,
-    pub bodies: &'a [Body],
+    pub cell: CellBox,
+    pub bodies: &'a [GrainSpheres],
     pub placed: usize,
     pub centre: Vec<V3>,
     pub rotation: Vec<Rotation>,
@@ -69,7 +69,7 @@ pub(crate) struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
-    pub fn new(cell: Cell, bodies: &'a [Body]) -> Self {
+    pub fn new(cell: CellBox, bodies: &'a [GrainSpheres]) -> Self {
         let mut first = vec![0];
         let mut owner = Vec::new();
         let mut radius = Vec::new();

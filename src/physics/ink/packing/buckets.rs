@@ -1,6 +1,6 @@
 //! A cell grid over the layer that follows single insertions and moves (sequential addition, Monte Carlo).
 
-use super::bodies::Cell;
+use super::bodies::CellBox;
 use crate::numerics::vector::V3;
 
 /// Spheres by grid cell; a sphere can reach only spheres of the neighbouring cells.
@@ -14,7 +14,7 @@ pub(crate) struct Buckets {
 
 impl Buckets {
     /// A grid for so many points whose cells are at least `reach` wide.
-    pub fn new(cell: &Cell, reach: f64, points: usize) -> Self {
+    pub fn new(cell: &CellBox, reach: f64, points: usize) -> Self {
         let count = grid_count(cell, reach, points);
         let scale = std::array::from_fn(|a| count[a] as f64 / cell.size[a]);
         let cells = count.iter().product();
@@ -48,7 +48,7 @@ impl Buckets {
 
 /// Cells per side, at least `reach` wide, and no more of them than a few per point: small grains in a wide layer
 /// would fill the memory with empty cells.
-pub(crate) fn grid_count(cell: &Cell, reach: f64, points: usize) -> [usize; 3] {
+pub(crate) fn grid_count(cell: &CellBox, reach: f64, points: usize) -> [usize; 3] {
     let most = (4 * points + 64) as f64;
     let volume: f64 = cell.size.iter().product();
     let wide = reach.max((volume / most).cbrt());
@@ -66,7 +66,7 @@ fn along(place: usize, count: usize, periodic: bool) -> Vec<usize> {
 }
 
 /// The cells that touch cell `c`, itself included, without repetition, in a fixed order.
-pub(crate) fn neighbours(c: usize, count: [usize; 3], cell: &Cell) -> Vec<u32> {
+pub(crate) fn neighbours(c: usize, count: [usize; 3], cell: &CellBox) -> Vec<u32> {
     let place = [c % count[0], c / count[0] % count[1], c / (count[0] * count[1])];
     let [xs, ys, zs] = [0, 1, 2].map(|a| along(place[a], count[a], cell.periodic(a)));
     let mut all = Vec::with_capacity(27);

@@ -1,8 +1,8 @@
 //! The highest concentration of a packing that was not reached: fewer of the same grains.
 
 use super::bodies::Bodies;
-use super::plan::Plan;
-use super::relaxation::Relaxation;
+use super::plan::PackingPlan;
+use super::relaxation::OverlapRelaxation;
 use super::request::RelaxationSettings;
 use super::strain::strain;
 use super::watch::PackWatch;
@@ -21,7 +21,7 @@ const ROUNDS: usize = 60;
 /// within [`ROUNDS`].
 pub(crate) fn fit_fewer(
     stuck: &Bodies,
-    plan: &Plan,
+    plan: &PackingPlan,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
@@ -34,7 +34,7 @@ pub(crate) fn fit_fewer(
         let mut bodies = Bodies::new(stuck.cell, &plan.bodies);
         state.iter().enumerate().for_each(|(b, (centre, rotation))| bodies.put(b, *centre, *rotation));
         bodies.placed = kept.len();
-        let mut relaxation = Relaxation::new(&mut bodies, &plan, settings);
+        let mut relaxation = OverlapRelaxation::new(&mut bodies, &plan, settings);
         relaxation.inflation = settings.inflation.min(1e-3);
         relaxation.start_all();
         if relaxation.settle(STEPS, draws, watch)?.is_none() {
@@ -54,6 +54,6 @@ pub(crate) fn fit_fewer(
     Ok(None)
 }
 
-fn reached(plan: &Plan) -> Reached {
+fn reached(plan: &PackingPlan) -> Reached {
     Reached { fraction: plan.fraction(), grains: plan.grains() }
 }

@@ -4,14 +4,14 @@ use crate::numerics::vector::{V3, add, cross};
 
 /// What one evaluation of the forces found.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct FoundLoads {
     pub energy: f64,
     pub overlap: f64,
     pub relative: f64,
 }
 
 /// Forces and torques of one step, and the bodies that feel any.
-pub(crate) struct Loads {
+pub(crate) struct OverlapLoads {
     pub force: Vec<V3>,
     pub torque: Vec<V3>,
     pub touched: Vec<bool>,
@@ -20,7 +20,7 @@ pub(crate) struct Loads {
     pub inertia: Vec<f64>,
 }
 
-impl Loads {
+impl OverlapLoads {
     pub fn new(inertia: Vec<f64>) -> Self {
         let n = inertia.len();
         let (force, torque) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
@@ -46,7 +46,7 @@ impl Loads {
     }
 }
 
-impl Found {
+impl FoundLoads {
     #[inline(always)]
     pub fn hear(&mut self, energy: f64, overlap: f64, sum: f64) {
         self.energy += energy;

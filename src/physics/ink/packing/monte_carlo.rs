@@ -5,7 +5,7 @@
 
 use super::bodies::Bodies;
 use super::buckets::Buckets;
-use super::plan::Plan;
+use super::plan::PackingPlan;
 use super::sequential::is_free;
 use super::watch::{PackProgress, PackWatch};
 use crate::ink::error::PackError;
@@ -21,7 +21,7 @@ const TUNING: f64 = 0.2;
 /// Runs `sweeps` sweeps of one trial move per body; returns the share of moves accepted after tuning.
 pub(crate) fn equilibrate(
     bodies: &mut Bodies,
-    plan: &Plan,
+    plan: &PackingPlan,
     sweeps: u64,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
@@ -51,7 +51,7 @@ pub(crate) fn equilibrate(
 
 struct Walk<'w, 'a> {
     bodies: &'w mut Bodies<'a>,
-    plan: &'w Plan,
+    plan: &'w PackingPlan,
     grid: Buckets,
     /// Half the side of the cube of displacements, in radii of the body's first sphere.
     step: f64,
@@ -120,7 +120,7 @@ impl Walk<'_, '_> {
     }
 }
 
-fn report(plan: &Plan, sweep: u64, watch: &mut dyn PackWatch) -> Result<(), PackError> {
+fn report(plan: &PackingPlan, sweep: u64, watch: &mut dyn PackWatch) -> Result<(), PackError> {
     let progress = PackProgress {
         stage: "equilibration",
         step: sweep,

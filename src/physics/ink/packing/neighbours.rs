@@ -1,6 +1,6 @@
 //! Neighbour lists of spheres with a skin, so that they serve many small steps (Verlet's lists).
 
-use super::bodies::{Bodies, Cell};
+use super::bodies::{Bodies, CellBox};
 use super::buckets::{grid_count, neighbours};
 use crate::numerics::vector::{V3, dot};
 
@@ -29,7 +29,7 @@ impl Neighbours {
 
     /// True when the sphere has used up its part of the skin.
     #[inline(always)]
-    pub fn outrun(&self, cell: &Cell, sphere: usize, at: V3) -> bool {
+    pub fn outrun(&self, cell: &CellBox, sphere: usize, at: V3) -> bool {
         let d = cell.delta(self.origin[sphere], at);
         dot(d, d) > 0.25 * self.skin * self.skin
     }

@@ -6,7 +6,7 @@ use super::grain::Grain;
 use crate::ink::error::PackError;
 use crate::ink::grains::sphere::Sphere;
 
-struct Entry {
+struct GridEntry {
     /// Place along x and y within the period.
     x: f64,
     y: f64,
@@ -86,13 +86,13 @@ fn image_gap(a: &Sphere, b: &Sphere, period: [f64; 2], thickness: f64, walls: bo
     (dx * dx + dy * dy + dz * dz).sqrt() - a.radius_um - b.radius_um
 }
 
-fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<Entry> {
+fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<GridEntry> {
     let spheres = grains.iter().enumerate().flat_map(|(grain, g)| g.spheres.iter().map(move |s| (grain, *s)));
     let entry = |(grain, sphere): (usize, Sphere)| {
         let [x, y] = [0, 1].map(|i| sphere.center_um[i].rem_euclid(period[i]));
-        Entry { x, y, grain, sphere }
+        GridEntry { x, y, grain, sphere }
     };
-    let mut entries: Vec<Entry> = spheres.map(entry).collect();
+    let mut entries: Vec<GridEntry> = spheres.map(entry).collect();
     entries.sort_by(|a, b| a.x.total_cmp(&b.x));
     entries
 }

@@ -1,8 +1,8 @@
 //! From a request to a proven packing.
 
-use super::bodies::{Bodies, Cell};
-use super::placed::{Account, Method, Packing};
-use super::plan::Plan;
+use super::bodies::{Bodies, CellBox};
+use super::placed::{Method, Packing, PackingAccount};
+use super::plan::PackingPlan;
 use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest, RelaxationSettings};
 use super::watch::PackWatch;
 use super::{fewer, monte_carlo, relaxation, sequential, settle};
@@ -54,12 +54,12 @@ fn attempt(
     watch: &mut dyn PackWatch,
 ) -> Result<Packing, PackError> {
     let mut draws = Draws::new(request.seed, request.stream);
-    let mut plan = Plan::new(request, &mut draws)?;
+    let mut plan = PackingPlan::new(request, &mut draws)?;
     let method = method.unwrap_or_else(|| suited(request, &plan));
     arrange(&mut plan, method, &mut draws);
-    let cell = Cell::new(request.period_um, request.thickness_um, request.walls);
+    let cell = CellBox::new(request.period_um, request.thickness_um, request.walls);
     let mut bodies = Bodies::new(cell, &plan.bodies);
-    let mut account = Account::new(method, request.seed, request.stream);
+    let mut account = PackingAccount::new(method, request.seed, request.stream);
     account.notes.append(&mut plan.notes);
     if plan.bodies.is_empty() {
         return finish(request, &plan, &bodies, account);
@@ -81,7 +81,7 @@ fn attempt(
 /// Relaxes all grains; returns the number of steps. When they do not fit, the error says how many of them would.
 fn relax(
     bodies: &mut Bodies,
-    plan: &Plan,
+    plan: &PackingPlan,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
@@ -102,12 +102,12 @@ fn relax(
 /// The proof, and the binder's surface if one is asked for.
 fn finish(
     request: &PackingRequest,
-    plan: &Plan,
+    plan: &PackingPlan,
     bodies: &Bodies,
-    account: Account,
+    account: PackingAccount,
 ) -> Result<Packing, PackError> {
     let (period, thickness, shares) = (request.period_um, request.thickness_um, plan.shares.clone());
-    let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), shares, account)?;
+    let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), (shares, account))?;
     Ok(match &request.relief {
         Some(asked) if !packing.grains().is_empty() => {
             let settled = settle::settle(&packing, asked);
@@ -118,11 +118,11 @@ fn finish(
 }
 
 /// The automatic choice looks at the fraction of the volume that centres can use: walls crowd thick grains.
-fn suited(request: &PackingRequest, plan: &Plan) -> Method {
+fn suited(request: &PackingRequest, plan: &PackingPlan) -> Method {
     if crowding(request, plan) <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
 }
 
-fn crowding(request: &PackingRequest, plan: &Plan) -> f64 {
+fn crowding(request: &PackingRequest, plan: &PackingPlan) -> f64 {
     let spheres = || plan.bodies.iter().flat_map(|b| &b.spheres);
     let widest = spheres().map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
     let lost = if request.walls { 0.5 * widest / request.thickness_um } else { 0.0 };
@@ -131,7 +131,7 @@ fn crowding(request: &PackingRequest, plan: &Plan) -> f64 {
 
 /// Sequential addition places large bodies first (the order of equal ones does not matter); relaxation takes
 /// them shuffled, so that every batch holds the same mixture.
-fn arrange(plan: &mut Plan, method: Method, draws: &mut Draws) {
+fn arrange(plan: &mut PackingPlan, method: Method, draws: &mut Draws) {
     match method {
         Method::SequentialAddition => plan.bodies.sort_by(|a, b| b.reach.total_cmp(&a.reach)),
         _ => draws.shuffle(&mut plan.bodies),

@@ -57,7 +57,7 @@ impl Share {
 
 /// How a packing was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Account {
+pub struct PackingAccount {
     /// How the grains came to their places.
     pub method: Method,
     /// Seed of the request.
@@ -76,7 +76,7 @@ pub struct Account {
     pub notes: Vec<String>,
 }
 
-impl Account {
+impl PackingAccount {
     pub(crate) fn new(method: Method, seed: u64, stream: u64) -> Self {
         let (acceptance, smallest_gap_um) = (None, None);
         Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes: Vec::new() }
@@ -107,7 +107,7 @@ pub struct Packing {
     walls: bool,
     grains: Vec<Grain>,
     shares: Vec<Share>,
-    account: Account,
+    account: PackingAccount,
     relief: Option<Relief>,
 }
 
@@ -122,8 +122,8 @@ impl Packing {
         let kinds = grains.iter().map(|g| g.pigment + 1).max().unwrap_or(0);
         let box_um3 = period_um[0] * period_um[1] * thickness_um;
         let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
-        let account = Account::new(Method::Given, 0, 0);
-        Self::proven(period_um, thickness_um, walls, grains, shares, account)
+        let account = PackingAccount::new(Method::Given, 0, 0);
+        Self::proven(period_um, thickness_um, walls, grains, (shares, account))
     }
 
     /// The only way in: every pair is checked here.
@@ -132,8 +132,7 @@ impl Packing {
         thickness_um: f64,
         walls: bool,
         grains: Vec<Grain>,
-        shares: Vec<Share>,
-        mut account: Account,
+        (shares, mut account): (Vec<Share>, PackingAccount),
     ) -> Result<Self, PackError> {
         account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
         Ok(Self { period_um, thickness_um, walls, grains, shares, account, relief: None })
@@ -189,7 +188,7 @@ impl Packing {
     }
 
     /// How the packing was made.
-    pub fn account(&self) -> &Account {
+    pub fn account(&self) -> &PackingAccount {
         &self.account
     }
 

@@ -6,7 +6,7 @@ use super::sizes::{check_presence, draw_sizes, unlike};
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration;
 use crate::ink::grains::agglomeration::Agglomeration;
-use crate::ink::grains::orientation::Field;
+use crate::ink::grains::orientation::AxisField;
 use crate::ink::grains::shape::Template;
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::relief;
@@ -16,7 +16,7 @@ use std::ops::Range;
 
 /// A rigid body in its own frame: one grain, or the grains of one agglomerate.
 #[derive(Clone, Debug)]
-pub(crate) struct Body {
+pub(crate) struct GrainSpheres {
     pub pigment: usize,
     pub spheres: Vec<Sphere>,
     pub parts: Vec<Part>,
@@ -33,9 +33,9 @@ pub(crate) struct Part {
 }
 
 /// Everything the packing methods need to know about the request.
-pub(crate) struct Plan {
-    pub bodies: Vec<Body>,
-    pub fields: Vec<Option<Field>>,
+pub(crate) struct PackingPlan {
+    pub bodies: Vec<GrainSpheres>,
+    pub fields: Vec<Option<AxisField>>,
     pub shares: Vec<Share>,
     /// For the reader: what the cell is too small for.
     pub notes: Vec<String>,
@@ -43,7 +43,7 @@ pub(crate) struct Plan {
     pub box_um3: f64,
 }
 
-impl Plan {
+impl PackingPlan {
     /// Checks the request and draws the grains.
     pub fn new(request: &PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
         request.check()?;
@@ -82,11 +82,11 @@ impl Plan {
 
     /// Pigment volume over cell volume when every grain is in place.
     pub fn fraction(&self) -> f64 {
-        self.bodies.iter().map(Body::volume_um3).sum::<f64>() / self.box_um3
+        self.bodies.iter().map(GrainSpheres::volume_um3).sum::<f64>() / self.box_um3
     }
 }
 
-impl Body {
+impl GrainSpheres {
     pub fn volume_um3(&self) -> f64 {
         self.parts.iter().map(|p| p.volume_um3).sum()
     }
@@ -150,7 +150,7 @@ fn extent(spheres: &[Sphere], n: V3) -> f64 {
     end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max)
 }
 
-fn grain(template: &Template, radius: f64) -> Body {
+fn grain(template: &Template, radius: f64) -> GrainSpheres {
     let spheres: Vec<Sphere> = template
         .spheres
         .iter()
@@ -158,17 +158,17 @@ fn grain(template: &Template, radius: f64) -> Body {
         .collect();
     let volume_um3 = template.volume.um3 * radius.powi(3);
     let part = Part { spheres: 0..spheres.len(), axis: [0.0, 0.0, 1.0], volume_um3 };
-    Body { pigment: 0, reach: reach(&spheres), spheres, parts: vec![part] }
+    GrainSpheres { pigment: 0, reach: reach(&spheres), spheres, parts: vec![part] }
 }
 
 /// Glues the stated share of the grains into agglomerates, in the order in which they were drawn.
 fn group(
     k: usize,
     request: &PackingRequest,
-    mut grains: Vec<Body>,
+    mut grains: Vec<GrainSpheres>,
     template: &Template,
     draws: &mut Draws,
-) -> Result<Vec<Body>, PackError> {
+) -> Result<Vec<GrainSpheres>, PackError> {
     grains.iter_mut().for_each(|g| g.pigment = k);
     let Some(rule) = &request.pigments[k].agglomeration else { return Ok(grains) };
     let sticky = (rule.degree * grains.len() as f64).round() as usize;
@@ -188,10 +188,10 @@ const DRAWS_OF_AGGLOMERATE: usize = 200;
 fn agglomerate(
     k: usize,
     request: &PackingRequest,
-    grains: &[Body],
+    grains: &[GrainSpheres],
     template: &Template,
     draws: &mut Draws,
-) -> Result<Body, PackError> {
+) -> Result<GrainSpheres, PackError> {
     let members: Vec<Vec<Sphere>> = grains.iter().map(|g| g.spheres.clone()).collect();
     let mut best = f64::MAX;
     for _ in 0..DRAWS_OF_AGGLOMERATE {
@@ -206,7 +206,12 @@ fn agglomerate(
     Err(agglomeration::too_large(k, grains.len(), best, widest(request).min(request.thickness_um)))
 }
 
-fn joined(k: usize, grains: &[Body], glued: Vec<agglomeration::Placed>, template: &Template) -> Body {
+fn joined(
+    k: usize,
+    grains: &[GrainSpheres],
+    glued: Vec<agglomeration::PlacedGrain>,
+    template: &Template,
+) -> GrainSpheres {
     let mut spheres: Vec<Sphere> = Vec::new();
     let mut parts = Vec::new();
     for (grain, placed) in grains.iter().zip(glued) {
@@ -221,7 +226,7 @@ fn joined(k: usize, grains: &[Body], glued: Vec<agglomeration::Placed>, template
         crate::numerics::vector::add(c, scale(s.center_um, s.radius_um.powi(3) / total))
     });
     spheres.iter_mut().for_each(|s| s.center_um = crate::numerics::vector::sub(s.center_um, centre));
-    Body { pigment: k, reach: reach(&spheres), spheres, parts }
+    GrainSpheres { pigment: k, reach: reach(&spheres), spheres, parts }
 }
 
 impl Agglomeration {

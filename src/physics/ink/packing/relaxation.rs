@@ -8,9 +8,9 @@ mod forces;
 mod steps;
 
 use super::bodies::Bodies;
-use super::loads::{Found, Loads};
+use super::loads::{FoundLoads, OverlapLoads};
 use super::neighbours::Neighbours;
-use super::plan::Plan;
+use super::plan::PackingPlan;
 use super::request::RelaxationSettings;
 use super::sequential::scatter;
 use super::strain::strain;
@@ -34,21 +34,21 @@ const MOST_THROWS: u64 = 100;
 const REPORT: u64 = 20;
 
 /// How a relaxation ended.
-pub(crate) struct Outcome {
+pub(crate) struct RelaxationOutcome {
     pub steps: u64,
     /// The overlaps of a relaxation that stalled or met its limit of steps; `None` when all bodies came free.
-    pub left: Option<Found>,
+    pub left: Option<FoundLoads>,
 }
 
 /// Places every body of the plan, batch by batch; ends early with the first batch that does not come free.
 pub(crate) fn relax_all(
     bodies: &mut Bodies,
-    plan: &Plan,
+    plan: &PackingPlan,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
-) -> Result<Outcome, PackError> {
-    let mut relaxation = Relaxation::new(bodies, plan, settings);
+) -> Result<RelaxationOutcome, PackError> {
+    let mut relaxation = OverlapRelaxation::new(bodies, plan, settings);
     let batches = settings.batches.min(plan.bodies.len().max(1));
     let mut left = None;
     for batch in 1..=batches {
@@ -59,17 +59,17 @@ pub(crate) fn relax_all(
             break;
         }
     }
-    Ok(Outcome { steps: relaxation.steps, left })
+    Ok(RelaxationOutcome { steps: relaxation.steps, left })
 }
 
-pub(crate) struct Relaxation<'r, 'a> {
+pub(crate) struct OverlapRelaxation<'r, 'a> {
     bodies: &'r mut Bodies<'a>,
-    plan: &'r Plan,
+    plan: &'r PackingPlan,
     settings: &'r RelaxationSettings,
     list: Neighbours,
     moving: Vec<u32>,
     moves: Vec<bool>,
-    loads: Loads,
+    loads: OverlapLoads,
     /// Largest step of each body.
     limit: Vec<f64>,
     pub inflation: f64,
@@ -84,12 +84,13 @@ pub(crate) struct Relaxation<'r, 'a> {
     mean_radius: f64,
 }
 
-impl<'r, 'a> Relaxation<'r, 'a> {
-    pub fn new(bodies: &'r mut Bodies<'a>, plan: &'r Plan, settings: &'r RelaxationSettings) -> Self {
+impl<'r, 'a> OverlapRelaxation<'r, 'a> {
+    pub fn new(bodies: &'r mut Bodies<'a>, plan: &'r PackingPlan, settings: &'r RelaxationSettings) -> Self {
         let n = plan.bodies.len();
         let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
-        let thinnest = |b: &super::plan::Body| b.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
-        let arm2 = |b: &super::plan::Body| {
+        let thinnest =
+            |b: &super::plan::GrainSpheres| b.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
+        let arm2 = |b: &super::plan::GrainSpheres| {
             b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max)
         };
         let limit = plan.bodies.iter().map(|b| settings.step_limit_radii * thinnest(b)).collect();
@@ -101,7 +102,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
             settings,
             moving: Vec::new(),
             moves: vec![false; n],
-            loads: Loads::new(inertia),
+            loads: OverlapLoads::new(inertia),
             limit,
             inflation: settings.inflation,
             step: settings.step,
@@ -147,7 +148,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         limit: u64,
         draws: &mut Draws,
         watch: &mut dyn PackWatch,
-    ) -> Result<Option<Found>, PackError> {
+    ) -> Result<Option<FoundLoads>, PackError> {
         let start = self.steps;
         let (mut before, mut milestone, mut mark) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         loop {
@@ -216,7 +217,7 @@ impl<'r, 'a> Relaxation<'r, 'a> {
         self.inflation >= LEAST_INFLATION
     }
 
-    fn report(&self, found: &Found, watch: &mut dyn PackWatch) -> Result<(), PackError> {
+    fn report(&self, found: &FoundLoads, watch: &mut dyn PackWatch) -> Result<(), PackError> {
         let placed = &self.plan.bodies[..self.bodies.placed];
         let progress = PackProgress {
             stage: "relaxation",

@@ -1,11 +1,11 @@
 //! Random sequential addition (P1 section 3, the dilute case): a grain that overlaps is thrown again.
 
-use super::bodies::{Bodies, Cell};
+use super::bodies::{Bodies, CellBox};
 use super::buckets::Buckets;
-use super::plan::Plan;
+use super::plan::PackingPlan;
 use super::watch::{PackProgress, PackWatch};
 use crate::ink::error::PackError;
-use crate::ink::grains::orientation::{Field, draw_rotation};
+use crate::ink::grains::orientation::{AxisField, draw_rotation};
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3, dot};
 
@@ -18,7 +18,7 @@ const REPORT: u64 = 100_000;
 /// Places every body of the plan, in its order; returns the number of attempts.
 pub(crate) fn add_all(
     bodies: &mut Bodies,
-    plan: &Plan,
+    plan: &PackingPlan,
     attempts_per_grain: u64,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
@@ -50,7 +50,13 @@ pub(crate) fn add_all(
 }
 
 /// One attempt: a uniform place between the walls and a fresh orientation; true when nothing is in the way.
-fn throw(bodies: &mut Bodies, grid: &Buckets, b: usize, field: Option<&Field>, draws: &mut Draws) -> bool {
+fn throw(
+    bodies: &mut Bodies,
+    grid: &Buckets,
+    b: usize,
+    field: Option<&AxisField>,
+    draws: &mut Draws,
+) -> bool {
     let rotation =
         if bodies.bodies[b].single_sphere() { Rotation::IDENTITY } else { draw_rotation(field, draws) };
     let centre = std::array::from_fn(|a| draws.between(0.0, bodies.cell.size[a]));
@@ -78,14 +84,14 @@ fn is_free_sphere(bodies: &Bodies, grid: &Buckets, b: usize, s: usize) -> bool {
     })
 }
 
-fn between_walls(cell: &Cell, centre: V3, span: [f64; 2]) -> bool {
+fn between_walls(cell: &CellBox, centre: V3, span: [f64; 2]) -> bool {
     let margin = MARGIN * cell.size[2];
     centre[2] + span[0] >= margin && centre[2] + span[1] <= cell.size[2] - margin
 }
 
 fn report(
     bodies: &Bodies,
-    plan: &Plan,
+    plan: &PackingPlan,
     attempts: u64,
     volume: f64,
     watch: &mut dyn PackWatch,
@@ -107,7 +113,7 @@ fn report(
     }
 }
 
-fn blocked(bodies: &Bodies, plan: &Plan, attempts: u64, volume: f64) -> PackError {
+fn blocked(bodies: &Bodies, plan: &PackingPlan, attempts: u64, volume: f64) -> PackError {
     PackError::Blocked {
         requested: plan.fraction(),
         reached: volume / plan.box_um3,
@@ -119,7 +125,13 @@ fn blocked(bodies: &Bodies, plan: &Plan, attempts: u64, volume: f64) -> PackErro
 
 /// A random start that may overlap, for the relaxation: at `place`, or between the walls at the same share of
 /// the height that the turned grain can use.
-pub(crate) fn scatter(bodies: &mut Bodies, b: usize, place: V3, field: Option<&Field>, draws: &mut Draws) {
+pub(crate) fn scatter(
+    bodies: &mut Bodies,
+    b: usize,
+    place: V3,
+    field: Option<&AxisField>,
+    draws: &mut Draws,
+) {
     let single = bodies.bodies[b].single_sphere();
     let rotation = if single { Rotation::IDENTITY } else { draw_rotation(field, draws) };
     bodies.put(b, place, rotation);

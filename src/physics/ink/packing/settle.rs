@@ -9,12 +9,12 @@ const PER_RADIUS: f64 = 8.0;
 const MOST: usize = 1024;
 
 /// Pigment along vertical lines: intervals of height above the paper.
-struct Columns {
+struct HeightColumns {
     count: [usize; 2],
     pigment: Vec<Vec<[f64; 2]>>,
 }
 
-impl Columns {
+impl HeightColumns {
     fn new(packing: &Packing) -> Self {
         let period = packing.period_um();
         let spheres = || packing.grains().iter().flat_map(|g| &g.spheres);
@@ -60,7 +60,7 @@ impl Columns {
 
 /// The binder's surface over a packing.
 pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
-    let columns = Columns::new(packing);
+    let columns = HeightColumns::new(packing);
     let thickness = packing.thickness_um();
     let area = packing.period_um()[0] * packing.period_um()[1];
     let tops = columns.tops();
@@ -100,17 +100,17 @@ fn bisect(f: impl Fn(f64) -> f64, target: f64, mut low: f64, mut high: f64) -> f
 }
 
 /// What the rule adds to the level at each column.
-fn deviation(tops: &[f64], columns: &Columns, period: [f64; 2], rule: ReliefRule) -> Vec<f64> {
+fn deviation(tops: &[f64], columns: &HeightColumns, period: [f64; 2], rule: ReliefRule) -> Vec<f64> {
     let ReliefRule::Following { follow, smoothing_um } = rule else { return vec![0.0; tops.len()] };
     let [nx, ny] = columns.count;
-    let in_x = smoothed(tops, nx, ny, 1, nx, smoothing_um * nx as f64 / period[0]);
-    let smooth = smoothed(&in_x, ny, nx, nx, 1, smoothing_um * ny as f64 / period[1]);
+    let in_x = smoothed(tops, [nx, 1], [ny, nx], smoothing_um * nx as f64 / period[0]);
+    let smooth = smoothed(&in_x, [ny, nx], [nx, 1], smoothing_um * ny as f64 / period[1]);
     let centre = mean(&smooth);
     smooth.iter().map(|t| follow * (t - centre)).collect()
 }
 
 /// Periodic Gaussian filter along one axis of `n` points with stride `along`, for `lines` lines `across` apart.
-fn smoothed(values: &[f64], n: usize, lines: usize, along: usize, across: usize, sigma: f64) -> Vec<f64> {
+fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, across]: [usize; 2], sigma: f64) -> Vec<f64> {
     let reach = ((4.0 * sigma).ceil() as usize).min(n / 2);
     let weight = |k: usize| if k == 0 { 1.0 } else { (-0.5 * (k as f64 / sigma).powi(2)).exp() };
     let weights: Vec<f64> = (0..=reach).map(weight).collect();

@@ -149,14 +149,14 @@ pub(super) fn unlike(k: usize, pigment: &PigmentGrains, share: &Share) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::grains::size::{Measure, SizeDistribution};
+    use crate::ink::grains::size::{By, Measure, SizeDistribution};
     use crate::numerics::estimate::Estimate;
 
     const CELLS: u64 = 20_000;
 
     fn law(sigma: f64) -> SizeDistribution {
         let of = Measure::EffectiveDiameter;
-        SizeDistribution::LogNormal { median_nm: 200.0, sigma, cut_at_sigmas: 3.0, of }
+        SizeDistribution::LogNormal { median_nm: 200.0, sigma, by: By::Number, cut_at_sigmas: 3.0, of }
     }
 
     /// Per cell: the volume over that asked, less 1, and the sums over grains of v/v̄ − 1, of d/d̄ − 1 and of (v/v̄)² over its mean, less 1.

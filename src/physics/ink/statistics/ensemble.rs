@@ -2,6 +2,7 @@
 
 use super::orientation::orientation_tensor;
 use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
+use super::reached::ReachedSizes;
 use super::sections::{SectionStatistics, section_statistics};
 use crate::ink::Packing;
 use crate::numerics::estimate::Estimate;
@@ -10,7 +11,7 @@ use serde::Serialize;
 
 /// A function with error bars.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Curve {
+pub struct StatisticCurve {
     /// File stem, e.g. "pair_correlation".
     pub name: String,
     /// Quantity and unit along x.
@@ -29,7 +30,7 @@ pub struct Statistics {
     /// Number of packings.
     pub realisations: usize,
     /// All curves: g(r), nearest neighbours, S2, profiles.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<StatisticCurve>,
     /// Name, unit and value of every scalar.
     pub scalars: Vec<(String, String, Estimate)>,
 }
@@ -61,7 +62,7 @@ fn pointwise<T>(of: &[T], n: usize, entry: impl Fn(&T, usize) -> f64) -> Vec<Est
 
 /// g(r): the error is the scatter of the realisations, at least the counting error; shells in which an ideal gas
 /// would have fewer than ten pairs are left out.
-fn pair_correlation(pairs: &[PairStatistics]) -> Curve {
+fn pair_correlation(pairs: &[PairStatistics]) -> StatisticCurve {
     let n = pairs.iter().map(|p| p.counts.len()).min().unwrap_or(0);
     let gs: Vec<Vec<f64>> = pairs.iter().map(PairStatistics::g).collect();
     let ideal: Vec<f64> = (0..n).map(|i| pairs.iter().map(|p| p.ideal[i]).sum()).collect();
@@ -74,13 +75,13 @@ fn pair_correlation(pairs: &[PairStatistics]) -> Curve {
     curve("pair_correlation", "distance of centres r, µm", "pair correlation g(r)", x, y)
 }
 
-fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>) -> Curve {
+fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>) -> StatisticCurve {
     let (name, x_label, y_label) = (name.into(), x_label.into(), y_label.into());
-    Curve { name, x_label, y_label, x, y }
+    StatisticCurve { name, x_label, y_label, x, y }
 }
 
 /// Density of the distance to the nearest centre, in 40 classes from the smallest to the largest distance.
-fn nearest(pairs: &[PairStatistics]) -> Curve {
+fn nearest(pairs: &[PairStatistics]) -> StatisticCurve {
     const CLASSES: usize = 40;
     let all = || pairs.iter().flat_map(|p| &p.nearest_um).copied().filter(|r| r.is_finite());
     let (low, high) = all().fold((f64::MAX, 0.0), |(l, h): (f64, f64), r| (l.min(r), h.max(r)));
@@ -94,7 +95,7 @@ fn nearest(pairs: &[PairStatistics]) -> Curve {
     curve("nearest_neighbour", "distance to the nearest centre, µm", "density, 1/µm", x, y)
 }
 
-fn two_point(sections: &[SectionStatistics]) -> [Curve; 3] {
+fn two_point(sections: &[SectionStatistics]) -> [StatisticCurve; 3] {
     // Cells of varied size have separations of their own, in the same steps.
     let r = sections.iter().map(|s| &s.r_um).min_by_key(|r| r.len()).map_or(&[][..], Vec::as_slice);
     let named = |name: &str, label: &str, entry: &dyn Fn(&SectionStatistics, usize) -> f64| {
@@ -107,7 +108,7 @@ fn two_point(sections: &[SectionStatistics]) -> [Curve; 3] {
     ]
 }
 
-fn profiles(sections: &[SectionStatistics]) -> Vec<Curve> {
+fn profiles(sections: &[SectionStatistics]) -> Vec<StatisticCurve> {
     let z = &sections[0].z_um;
     let label = "depth z, µm";
     let total = pointwise(sections, z.len(), |s, i| s.profile.iter().map(|p| p[i]).sum());
@@ -150,6 +151,7 @@ fn scalars(
             packings.iter().map(|p| p.shares()[k].grains as f64).collect(),
         );
     }
+    sizes(packings, &mut put);
     put("mean nearest-neighbour distance", "µm", pairs.iter().map(PairStatistics::mean_nearest_um).collect());
     put("smallest gap", "µm", packings.iter().filter_map(|p| p.account().smallest_gap_um).collect());
     put("S2(0) from chords", "1", sections.iter().map(|s| 0.5 * (s.s2_x[0] + s.s2_y[0])).collect());
@@ -159,6 +161,18 @@ fn scalars(
     tensors(packings, &mut put);
     walls(packings, &mut put);
     relief(packings, &mut put);
+}
+
+/// d10, d50 and d90 of every pigment's grains.
+fn sizes(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
+    for k in 0..packings[0].shares().len() {
+        let reached: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();
+        for (i, name) in ["d10", "d50", "d90"].into_iter().enumerate() {
+            let [number, volume] = ["number", "volume"].map(|by| format!("{name} by {by} of pigment {k}"));
+            put(&number, "nm", reached.iter().map(|r| r.by_number_nm[i]).collect());
+            put(&volume, "nm", reached.iter().map(|r| r.by_volume_nm[i]).collect());
+        }
+    }
 }
 
 fn tensors(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {

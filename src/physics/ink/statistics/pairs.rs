@@ -1,7 +1,7 @@
 //! Pairs of grain centres: pair correlation g(r) and nearest neighbours.
 
 use crate::ink::Packing;
-use crate::ink::packing::bodies::Cell;
+use crate::ink::packing::bodies::CellBox;
 use crate::ink::packing::buckets::Buckets;
 use crate::numerics::vector::{V3, norm};
 use std::f64::consts::PI;
@@ -46,7 +46,7 @@ pub fn pair_statistics_to(packing: &Packing, width: f64, furthest: f64) -> PairS
 
 /// The same with shells in µm, so that realisations of different grains share them.
 pub fn pair_statistics(packing: &Packing, width_um: f64, furthest_um: f64) -> PairStatistics {
-    let cell = Cell::new(packing.period_um(), packing.thickness_um(), packing.walls());
+    let cell = CellBox::new(packing.period_um(), packing.thickness_um(), packing.walls());
     let half = (0..3).filter(|a| cell.periodic(*a)).map(|a| 0.5 * cell.size[a]).fold(f64::MAX, f64::min);
     // The small addition keeps 3.0 / 0.02 from losing its last shell to rounding.
     let shells = (half.min(furthest_um) / width_um + 1e-9).floor() as usize;
@@ -59,7 +59,7 @@ pub fn pair_statistics(packing: &Packing, width_um: f64, furthest_um: f64) -> Pa
     PairStatistics { edges_um, counts, ideal, nearest_um }
 }
 
-fn count(cell: &Cell, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>, Vec<f64>) {
+fn count(cell: &CellBox, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>, Vec<f64>) {
     let furthest = edges.last().copied().unwrap_or(0.0).max(width);
     let mut counts = vec![0.0; edges.len().saturating_sub(1)];
     let mut nearest = vec![f64::INFINITY; centres.len()];

@@ -10,7 +10,7 @@ use super::task::{Estimated, Solved, Task};
 use crate::solve::solver::{SolveError, Watch};
 use crate::wave::grid::share_cells;
 use crate::wave::physical::largest;
-use crate::wave::{FarField, Grid, Physical, Resolution, Shape, TotalErrors, WaveError};
+use crate::wave::{BodyShape, FarField, Grid, Physical, Resolution, TotalErrors, WaveError};
 
 /// Share of points or cells that a companion keeps.
 const COMPANION: f64 = 0.8;
@@ -144,7 +144,7 @@ impl Task<'_> {
     /// walls or cylinders, whose edges average out in two dimensions instead of three, and walls along z, whose edges
     /// do so in one. Tents and second differences are of order 2 across z.
     fn orders(&self, own: Resolution) -> [i32; 2] {
-        let upright = self.coverages.scene.bodies.iter().any(|b| matches!(b.shape, Shape::BarY { .. }));
+        let upright = self.coverages.scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::BarY { .. }));
         let sharp =
             i32::from(self.coverages.scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
         let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]

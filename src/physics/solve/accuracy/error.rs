@@ -1,7 +1,7 @@
 //! Why a search for a grid ends without a result.
 
 use crate::solve::demand::{TooLarge, memory_in_words};
-use crate::solve::solver::{GridTrial, SolveError};
+use crate::solve::solver::SolveError;
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::{Resolution, Unphysical, WaveError};
 use thiserror::Error;
@@ -23,48 +23,35 @@ pub enum AccuracyError {
     Memory(#[from] TooLarge),
     /// The next finer grid does not fit into memory.
     #[error(
-        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {nx} × {ny} points and {cells} cells, \
+        "accuracy {asked:.1e} is not reached: the estimate is {reached:.1e} on {} × {} points and {} cells, \
          and the next finer grid would need {} of the {} allowed; ask for less accuracy, \
          a smaller cell, or more memory (tried: {tried})",
-        memory_in_words(*need_gb), memory_in_words(*allowed_gb)
+        .last.nx, .last.ny, .last.cells, memory_in_words(.next.need_gb), memory_in_words(.next.allowed_gb)
     )]
     NotReached {
         /// Amplitude error asked for.
         asked: f64,
         /// Estimate on the finest grid solved.
         reached: f64,
-        /// Points along x of that grid.
-        nx: usize,
-        /// Points along y.
-        ny: usize,
-        /// Cells along z.
-        cells: usize,
-        /// Memory that the next grid would take, GB.
-        need_gb: f64,
-        /// Memory allowed, GB.
-        allowed_gb: f64,
+        /// That grid.
+        last: Resolution,
+        /// Why the next one is refused.
+        next: TooLarge,
         /// Every grid tried, with its estimate and time.
         tried: String,
     },
     /// Not even the coarsest sensible grid fits into memory.
     #[error(
-        "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {nx} × {ny} points and {cells} cells, would need {} of the {} allowed; ask \
-         for less accuracy, a smaller cell, or more memory",
-        memory_in_words(*need_gb), memory_in_words(*allowed_gb)
+        "accuracy {asked:.1e} is not reached: the coarsest grid to start from, {} × {} points and {} cells, would need {} \
+         of the {} allowed; ask for less accuracy, a smaller cell, or more memory",
+        .first.resolution.nx, .first.resolution.ny, .first.resolution.cells,
+        memory_in_words(.first.need_gb), memory_in_words(.first.allowed_gb)
     )]
     TooLarge {
         /// Amplitude error asked for.
         asked: f64,
-        /// Points along x of the coarsest grid.
-        nx: usize,
-        /// Points along y.
-        ny: usize,
-        /// Cells along z.
-        cells: usize,
-        /// Memory it would take, GB.
-        need_gb: f64,
-        /// Memory allowed, GB.
-        allowed_gb: f64,
+        /// Why the coarsest grid is refused.
+        first: TooLarge,
     },
     /// The error does not fall as the grid is refined.
     #[error(
@@ -101,23 +88,4 @@ impl AccuracyError {
         let of_solve = matches!(self, AccuracyError::Solve(SolveError::Cancelled { .. }));
         of_solve || matches!(self, AccuracyError::Wave(WaveError::Stopped))
     }
-}
-
-/// Not even the first grid fits.
-pub(super) fn too_large(asked: f64, refusal: &TooLarge) -> AccuracyError {
-    let TooLarge { resolution: Resolution { nx, ny, cells, .. }, need_gb, allowed_gb } = *refusal;
-    AccuracyError::TooLarge { asked, nx, ny, cells, need_gb, allowed_gb }
-}
-
-/// The next grid does not fit; the last one solved has reached an estimate.
-pub(super) fn not_reached(
-    asked: f64,
-    (reached, last): (f64, Resolution),
-    refusal: &TooLarge,
-    tried: &[GridTrial],
-) -> AccuracyError {
-    let Resolution { nx, ny, cells, .. } = last;
-    let TooLarge { need_gb, allowed_gb, .. } = *refusal;
-    let tried = tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; ");
-    AccuracyError::NotReached { asked, reached, nx, ny, cells, need_gb, allowed_gb, tried }
 }

@@ -7,7 +7,7 @@
 //! means are uncertain by.
 
 use super::error::AccuracyError;
-use super::resolution::{raised, smooth_size};
+use super::resolution::{raised, scaled_cells, smooth_size};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;
@@ -109,9 +109,7 @@ fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec
 /// A grid with about `factor` times the points and cells, different from `r` wherever that has several.
 fn scaled(r: Resolution, factor: f64) -> Resolution {
     let points = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor) };
-    let cells = r.cells as f64 * factor;
-    let cells = if factor < 1.0 { cells.floor() } else { cells.ceil() };
-    Resolution { nx: points(r.nx), ny: points(r.ny), cells: (cells as usize).max(1), ..r }
+    Resolution { nx: points(r.nx), ny: points(r.ny), ..scaled_cells(r, factor) }
 }
 
 fn scaled_points(n: usize, factor: f64) -> usize {

@@ -1,6 +1,6 @@
 //! How fine is fine enough: from a wanted accuracy to the grid that reaches it.
 
-use super::error::{AccuracyError, not_reached, too_large};
+use super::error::AccuracyError;
 use super::resolution::{raised, refine, smooth_size};
 use super::task::{Estimated, Task};
 use crate::solve::demand::TooLarge;
@@ -81,7 +81,7 @@ impl Search<'_> {
     /// The result on the next grid where it is accurate enough; else a finer grid is the next one.
     fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated>, AccuracyError> {
         let (resolution, accuracy) = (self.resolution, self.accuracy);
-        self.task.admitted(resolution).map_err(|refusal| self.beyond_memory(&refusal))?;
+        self.task.admitted(resolution).map_err(|refusal| self.beyond_memory(refusal))?;
         let clock = std::time::Instant::now();
         watch.grid(&GridTrial { resolution, accuracy, estimate: None, seconds: 0.0 });
         let guess = self.last.as_ref().map(|coarser| &*coarser.solved);
@@ -116,10 +116,12 @@ impl Search<'_> {
         Ok(())
     }
 
-    fn beyond_memory(&self, refusal: &TooLarge) -> AccuracyError {
-        let Some(last) = &self.last else { return too_large(self.accuracy, refusal) };
-        let reached = (last.error_estimate, last.system().grid().resolution);
-        not_reached(self.accuracy, reached, refusal, &self.tried)
+    fn beyond_memory(&self, next: TooLarge) -> AccuracyError {
+        let asked = self.accuracy;
+        let Some(last) = &self.last else { return AccuracyError::TooLarge { asked, first: next } };
+        let tried = self.tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; ");
+        let (reached, last) = (last.error_estimate, last.system().grid().resolution);
+        AccuracyError::NotReached { asked, reached, last, next, tried }
     }
 
     fn given_up(self) -> AccuracyError {

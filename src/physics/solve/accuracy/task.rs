@@ -90,8 +90,7 @@ impl Task<'_> {
     /// # Errors
     /// Nothing holds it.
     pub fn admitted(&self, resolution: Resolution) -> Result<Admitted<'_>, TooLarge> {
-        let size = self.size(resolution);
-        Ok(size.admit(self.solver, self.memory)?.with_room(&size, self.memory))
+        self.size(resolution).admit(self.solver, self.memory)
     }
 
     /// The discrete problems on one grid.

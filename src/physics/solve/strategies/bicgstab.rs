@@ -5,7 +5,7 @@
 
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::{dot, norm};
 use crate::wave::{Field, System};
 use num_complex::Complex64;
@@ -60,8 +60,8 @@ impl Solver for Bicgstab {
         Err(ledger.not_converged("the recurrence keeps breaking down; use strategy = \"krylov\""))
     }
 
-    fn most_bytes(&self, size: &Size) -> f64 {
-        size.fields(11.0)
+    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
+        Fit::fixed(size.fields(11.0))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, ratio_of_terms};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::{Field, System};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -53,8 +53,8 @@ impl Solver for Born {
         }
     }
 
-    fn most_bytes(&self, size: &Size) -> f64 {
-        size.fields(6.0)
+    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
+        Fit::fixed(size.fields(6.0))
     }
 }
 

@@ -8,7 +8,7 @@
 use super::relaxation::contrasts;
 use crate::solve::demand::Size;
 use crate::solve::ledger::Ledger;
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, split};
+use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch, split};
 use crate::wave::operator::banded::ShiftedMean;
 use crate::wave::{Field, Problem, System};
 use ndarray::Array2;
@@ -54,7 +54,7 @@ impl Solver for ConvergentBorn {
         if ledger.reached() {
             return Ok(ledger.finish(field));
         }
-        let mut series = Series::new(problem, self, &field);
+        let mut series = BornSeries::new(problem, self, &field);
         ledger.account.bytes = series.bytes();
         loop {
             for _ in 0..self.check_every.max(1) {
@@ -74,9 +74,9 @@ impl Solver for ConvergentBorn {
         }
     }
 
-    fn most_bytes(&self, size: &Size) -> f64 {
+    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
         // Five fields of the series, three of the ledger, and the banded factors with their making.
-        size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0))
+        Fit::fixed(size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
     }
 }
 
@@ -97,7 +97,7 @@ impl ConvergentBorn {
 }
 
 /// The iteration at the points of all planes.
-struct Series<'a> {
+struct BornSeries<'a> {
     problem: &'a Problem,
     shifted: ShiftedMean,
     /// V'/D and step · γ at the points.
@@ -112,8 +112,8 @@ struct Series<'a> {
     harmonics: Field,
 }
 
-impl<'a> Series<'a> {
-    fn new(problem: &'a Problem, settings: &ConvergentBorn, field: &Field) -> Series<'a> {
+impl<'a> BornSeries<'a> {
+    fn new(problem: &'a Problem, settings: &ConvergentBorn, field: &Field) -> BornSeries<'a> {
         let plain = contrasts(problem);
         let largest = plain.iter().map(|v| v.norm()).fold(1e-300, f64::max);
         let shift = Complex64::new(0.0, largest / settings.scale);
@@ -126,7 +126,7 @@ impl<'a> Series<'a> {
         let mut u = Array2::zeros(contrast.dim());
         problem.planes_to_points(&problem.mean.to_planes(field), &mut u);
         let (points, harmonics) = (u.clone(), Field::zeros(problem.shape()));
-        Series { problem, shifted, contrast, gamma, source, u, points, harmonics }
+        BornSeries { problem, shifted, contrast, gamma, source, u, points, harmonics }
     }
 
     fn bytes(&self) -> usize {

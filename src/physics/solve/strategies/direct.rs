@@ -2,7 +2,7 @@
 
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::{Field, System};
 use num_complex::Complex64;
 use schemars::JsonSchema;
@@ -62,10 +62,10 @@ impl Solver for Direct {
         Ok(ledger.finish(field))
     }
 
-    fn most_bytes(&self, size: &Size) -> f64 {
+    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
         // Larger ones it refuses itself, before it assembles anything.
         let unknowns = size.unknowns().min(self.max_unknowns as f64);
-        3.0 * 16.0 * unknowns * unknowns + size.fields(6.0)
+        Fit::fixed(3.0 * 16.0 * unknowns * unknowns + size.fields(6.0))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::numerics::fourier::Real;
 use crate::solve::basis::Basis;
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::norm;
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::{Field, System};
@@ -24,14 +24,11 @@ pub struct Gmres {
     pub restart: usize,
     /// Treatment of the mean slab's guided modes.
     pub guided_modes: GuidedModes,
-    /// Basis vectors that a solve which stalls may grow to, see [`Solver::with_room`]; never more than `restart` unless told.
-    #[serde(skip)]
-    pub longest: usize,
 }
 
 impl Default for Gmres {
     fn default() -> Gmres {
-        Gmres { restart: 150, guided_modes: GuidedModes::default(), longest: 0 }
+        Gmres { restart: 150, guided_modes: GuidedModes::default() }
     }
 }
 
@@ -69,6 +66,50 @@ impl Solver for Gmres {
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
+        Growing { settings: *self, longest: 0 }.solve_from(problem, start, goal, watch)
+    }
+
+    fn fit(&self, size: &Size, bytes: f64) -> Fit {
+        let needs = |settings: &Gmres| settings.vectors_bytes(size) + settings.bytes_of_modes(size);
+        let mut settings = *self;
+        if needs(self) > bytes {
+            settings.guided_modes = self.guided_modes.within(GUIDED_SHARE * bytes);
+            settings.restart = self.restart.min(settings.most_vectors(size, bytes));
+            if settings.restart < LEAST_RESTART.min(self.restart) {
+                return Fit::fixed(needs(self));
+            }
+        }
+        let longest = settings.most_vectors(size, bytes).min(MOST_GROWTH * settings.restart);
+        let grows = longest > settings.restart;
+        let fitted = Growing { settings, longest: if grows { longest } else { 0 } };
+        let solver = (grows || settings != *self).then(|| Box::new(fitted) as Box<dyn Solver>);
+        Fit { bytes: needs(&settings), solver }
+    }
+}
+
+/// GMRES with what the memory leaves for solves that stall.
+struct Growing {
+    settings: Gmres,
+    /// Basis vectors that a solve which stalls may grow to; 0 where it may not.
+    longest: usize,
+}
+
+impl Solver for Growing {
+    fn name(&self) -> &'static str {
+        self.settings.name()
+    }
+
+    fn fit(&self, size: &Size, bytes: f64) -> Fit {
+        self.settings.fit(size, bytes)
+    }
+
+    fn solve_from(
+        &self,
+        problem: &dyn System,
+        start: Option<&Field>,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<Solution, SolveError> {
         let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         if !problem.has_contrast() {
             ledger.note(0.0)?;
@@ -78,10 +119,10 @@ impl Solver for Gmres {
         let field = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
         // The residual of u = 0 is u₀ itself and costs nothing.
         let work = ledger.background.clone();
-        let correction = problem.split().and_then(|p| self.guided_modes.correction(p));
+        let correction = problem.split().and_then(|p| self.settings.guided_modes.correction(p));
         let single = if goal.tolerance >= SINGLE { problem.single() } else { None };
-        let (restart, first_cycle) = (self.restart.max(1), true);
-        let mut run = Run { ledger, field, work, correction, single, restart, first_cycle };
+        let (restart, first_cycle) = (self.settings.restart.max(1), true);
+        let mut run = KrylovRun { ledger, field, work, correction, single, restart, first_cycle };
         let first = if start.is_some() { run.ledger.measure(&run.field, &mut run.work) } else { 1.0 };
         run.ledger.note(first)?;
         while !run.ledger.reached() {
@@ -97,41 +138,34 @@ impl Solver for Gmres {
         }
         Ok(run.ledger.finish(run.field))
     }
-
-    fn most_bytes(&self, size: &Size) -> f64 {
-        size.fields(self.restart as f64 + OTHER_VECTORS) + self.bytes_of_modes(size)
-    }
-
-    fn within(&self, size: &Size, bytes: f64) -> Option<Box<dyn Solver>> {
-        let mut smaller = *self;
-        smaller.guided_modes = self.guided_modes.within(GUIDED_SHARE * bytes);
-        let left = bytes - smaller.bytes_of_modes(size);
-        let vectors = left / size.fields(1.0) - OTHER_VECTORS;
-        smaller.restart = self.restart.min(vectors.max(0.0) as usize);
-        (smaller.restart >= LEAST_RESTART.min(self.restart)).then(|| Box::new(smaller) as Box<dyn Solver>)
-    }
-
-    fn with_room(&self, size: &Size, bytes: f64) -> Option<Box<dyn Solver>> {
-        let vectors = (bytes - self.bytes_of_modes(size)) / size.fields(1.0) - OTHER_VECTORS;
-        let longest = (vectors.max(0.0) as usize).min(MOST_GROWTH * self.restart);
-        (longest > self.restart).then(|| Box::new(Gmres { longest, ..*self }) as Box<dyn Solver>)
-    }
 }
 
 impl Gmres {
+    fn vectors_bytes(&self, size: &Size) -> f64 {
+        size.fields(self.restart as f64 + OTHER_VECTORS)
+    }
+
+    /// Basis vectors that `bytes` hold beside all else.
+    fn most_vectors(&self, size: &Size, bytes: f64) -> usize {
+        let vectors = (bytes - self.bytes_of_modes(size)) / size.fields(1.0) - OTHER_VECTORS;
+        vectors.max(0.0) as usize
+    }
+
     /// Most bytes of guided modes, however hard the solve turns out to be.
     fn bytes_of_modes(&self, size: &Size) -> f64 {
         let hard = self.guided_modes.of_hard_solves();
         self.guided_modes.most_bytes(size).max(hard.most_bytes(size))
     }
+}
 
+impl Growing {
     /// What helps a solve that stalls with so many basis vectors, and has not been tried.
     fn advice(&self, restart: usize) -> String {
         let more = 2 * restart;
         let by_hand = format!("raise restart: strategy = {{ krylov = {{ restart = {more} }} }}");
         let remedy = match self.longest {
             0 => by_hand,
-            most if most < MOST_GROWTH * self.restart => {
+            most if most < MOST_GROWTH * self.settings.restart => {
                 format!(
                     "allow more memory (--memory-gb) or fewer solves at a time (--jobs): the basis may not grow beyond {most}"
                 )
@@ -152,7 +186,7 @@ impl Scatter<f64> for Double<'_> {
 }
 
 /// One solve under way; `work` holds the residual at the start of a cycle.
-struct Run<'a> {
+struct KrylovRun<'a> {
     ledger: Ledger<'a>,
     field: Field,
     work: Field,
@@ -164,7 +198,7 @@ struct Run<'a> {
     first_cycle: bool,
 }
 
-impl Run<'_> {
+impl KrylovRun<'_> {
     /// One restart cycle: builds a basis from the residual in `work` and corrects the field.
     fn cycle<T: Real>(&mut self, operator: &dyn Scatter<T>, restart: usize) -> Result<(), SolveError> {
         let beta = norm(flat(&self.work));
@@ -201,7 +235,7 @@ impl Run<'_> {
     }
 
     /// After a cycle that has left the goal, from the residual `before` it: more modes, a longer basis, double precision, or the end.
-    fn adapt(&mut self, solver: &Gmres, before: f64) -> Result<(), SolveError> {
+    fn adapt(&mut self, solver: &Growing, before: f64) -> Result<(), SolveError> {
         let (after, first) = (self.ledger.account.residual, std::mem::take(&mut self.first_cycle));
         let stalls = self.single.is_none() && after > STALLS * before;
         let advice = solver.advice(self.restart);
@@ -219,8 +253,8 @@ impl Run<'_> {
     }
 
     /// For a solve that has turned out to be hard: guided modes wherever they lie, and a longer basis.
-    fn take_pains(&mut self, solver: &Gmres) {
-        let more = solver.guided_modes.of_hard_solves();
+    fn take_pains(&mut self, solver: &Growing) {
+        let more = solver.settings.guided_modes.of_hard_solves();
         let correction = self.correction.take();
         let problem = self.ledger.problem.split();
         self.correction = correction.or_else(|| problem.and_then(|problem| more.correction(problem)));

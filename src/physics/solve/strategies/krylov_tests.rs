@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::solve::{Born, Direct, Silent, Step};
-use crate::wave::{Ball, Body, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Shape, Side};
+use crate::wave::{Ball, Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use faer::linalg::solvers::Solve;
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ const SCHEMES: [Scheme; 5] =
 /// A cell smaller than the wave, so that even one point in the plane is a valid grid.
 fn problem([nx, ny, cells]: [usize; 3], scheme: Scheme, pigment: Complex64, side: Side) -> Problem {
     let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
-    let body = Body::new(Shape::Balls(vec![ball]), 0);
+    let body = Body::new(BodyShape::Balls(vec![ball]), 0);
     let scene = Scene::layer([0.3, 0.26], 0.16, vec![body]);
     let one = Complex64::ONE;
     let media =
@@ -172,15 +172,16 @@ fn a_basis_that_is_too_short_grows_within_its_leave() {
         Gmres { restart: 512, ..Gmres::default() }.solve(&problem, goal, &mut Silent).expect("converges");
     let goal = Goal { max_applications: 3 * whole.account.operator_applications, ..goal };
     let short = Gmres { restart: 1, ..Gmres::default() };
-    let failed = |solver: Gmres| match solver.solve(&problem, goal, &mut Silent) {
+    let failed = |solver: &dyn Solver| match solver.solve(&problem, goal, &mut Silent) {
         Err(error) => error.to_string(),
         Ok(solution) => format!("{} applications", solution.account.operator_applications),
     };
-    let alone = failed(short);
+    let alone = failed(&short);
     assert!(alone.contains("krylov = { restart = 2 }"), "{alone}");
-    let bound = failed(Gmres { longest: 2, ..short });
+    let bound = failed(&Growing { settings: short, longest: 2 });
     assert!(bound.contains("--memory-gb"), "{bound}");
-    let roomy = Gmres { longest: 512, ..short }.solve(&problem, goal, &mut Silent).expect("converges");
+    let roomy =
+        Growing { settings: short, longest: 512 }.solve(&problem, goal, &mut Silent).expect("converges");
     // Both residuals are 1e-6; the matrix of a strong contrast amplifies them.
     assert!(largest(&roomy.field, &whole.field) < 1e-3);
 }
@@ -190,7 +191,7 @@ fn a_basis_that_is_too_short_grows_within_its_leave() {
 #[test]
 fn a_hard_solve_takes_pains() {
     let centres = [[0.2, 0.2, 0.2], [0.6, 0.3, 0.45], [0.3, 0.6, 0.7], [0.65, 0.65, 0.2], [0.1, 0.45, 0.45]];
-    let ball = |center_um| Body::new(Shape::Balls(vec![Ball { center_um, radius_um: 0.125 }]), 0);
+    let ball = |center_um| Body::new(BodyShape::Balls(vec![Ball { center_um, radius_um: 0.125 }]), 0);
     let scene = Scene::layer([0.8, 0.8], 0.9, centres.map(ball).to_vec());
     let one = Complex64::ONE;
     let (backgrounds, inclusions) = (vec![1.5.into()], vec![2.6.into()]);
@@ -207,8 +208,9 @@ fn a_hard_solve_takes_pains() {
     assert!(restarted.is_err(), "restarts alone do not get there in 2000 applications");
     // One cycle of 60 and one of some 200; two of 60 and one of 200 are beyond.
     let few = Goal { max_applications: 300, ..goal };
-    let pains = Gmres { longest: 240, ..short }.solve(&problem, few, &mut Silent).expect("converges");
-    let whole = Gmres { guided_modes: off, restart: 600, longest: 0 }.solve(&problem, goal, &mut Silent);
+    let pains =
+        Growing { settings: short, longest: 240 }.solve(&problem, few, &mut Silent).expect("converges");
+    let whole = Gmres { guided_modes: off, restart: 600 }.solve(&problem, goal, &mut Silent);
     // Both residuals are at most 1e-4; resonances amplify them.
     assert!(largest(&whole.expect("converges").field, &pains.field) < 0.05);
 }

@@ -13,7 +13,7 @@ pub(crate) use march::contrasts;
 
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Goal, Solution, SolveError, Solver, Watch, split};
+use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch, split};
 use crate::solve::vectors::norm;
 use crate::wave::{Field, Mean, Problem, System};
 use march::March;
@@ -99,10 +99,10 @@ impl Solver for Relaxation {
         }
     }
 
-    fn most_bytes(&self, size: &Size) -> f64 {
+    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
         // Kept candidates hold four fields with their differences; two more are in the making.
         let candidates = 5.0 * (self.memory.max(1) as f64 + 3.0);
-        size.fields(candidates + 9.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0))
+        Fit::fixed(size.fields(candidates + 9.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
     }
 }
 

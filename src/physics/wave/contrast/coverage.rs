@@ -13,7 +13,7 @@ use super::folding::{Folding, Planes, REACH};
 use super::nufft::{SourceTransform, Spreading};
 use super::section::{Demands, GaussRules, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
-use crate::wave::{Body, Grid, Layout, Resolution, Scene, Shape, WaveError};
+use crate::wave::{Body, BodyShape, Grid, Layout, Resolution, Scene, WaveError};
 use cell_sum::CellSum;
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -218,7 +218,7 @@ impl<'a, T: Real> Builder<'a, T> {
         let corner = |share: f64| k(0, share).hypot(k(1, share));
         let loose = (OUTER * error).min(1e-2);
         let demands = Demands([(corner(1.0 / REACH as f64), error), (corner(1.0), loose)]);
-        let round = scene.bodies.iter().any(|b| matches!(b.shape, Shape::Balls(_)));
+        let round = scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Balls(_)));
         let transform = round.then(|| SourceTransform::new(widest[0], widest[1], Spreading::within(error)));
         let sampling = Sampling { demands, degree: grid.element.degree, rules: GaussRules::default() };
         Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: precision.stop }

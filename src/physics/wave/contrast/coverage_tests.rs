@@ -1,7 +1,7 @@
 //! Moments of the grains' indicator functions against closed forms and brute force.
 
 use super::*;
-use crate::wave::{Ball, Scheme, Shape};
+use crate::wave::{Ball, BodyShape, Scheme};
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 const PERIOD: [f64; 2] = [0.8, 1.1];
 const HEIGHT: f64 = 0.6;
 
-fn scene(shape: Shape) -> Scene {
+fn scene(shape: BodyShape) -> Scene {
     Scene::layer(PERIOD, HEIGHT, vec![Body::new(shape, 0)])
 }
 
@@ -17,7 +17,7 @@ fn ball(center_um: [f64; 3], radius_um: f64) -> Ball {
     Ball { center_um, radius_um }
 }
 
-fn coverage(shape: Shape, nx: usize, ny: usize, cells: usize, scheme: Scheme) -> Coverage {
+fn coverage(shape: BodyShape, nx: usize, ny: usize, cells: usize, scheme: Scheme) -> Coverage {
     Coverage::new(&scene(shape), Resolution { nx, ny, cells, scheme }).expect("a grain has a coverage")
 }
 
@@ -84,7 +84,7 @@ fn a_balls_fractions_are_its_segments_volumes() {
         let t = (z - b.center_um[2]).clamp(-b.radius_um, b.radius_um);
         PI * (b.radius_um.powi(2) * t - t.powi(3) / 3.0)
     };
-    let c = coverage(Shape::Balls(vec![b]), 9, 8, 5, Scheme::Cubic);
+    let c = coverage(BodyShape::Balls(vec![b]), 9, 8, 5, Scheme::Cubic);
     for j in 0..5 {
         let (lo, hi) = (c.grid.nodes_um[j], c.grid.nodes_um[j + 1]);
         let exact = (primitive(hi) - primitive(lo)) / (PERIOD[0] * PERIOD[1] * (hi - lo));
@@ -100,7 +100,7 @@ fn a_balls_coefficients_are_bessel_functions() {
     for (scheme, cells) in
         [(Scheme::Tents, 6), (Scheme::Quadratic, 3), (Scheme::Cubic, 2), (Scheme::Quartic, 1)]
     {
-        let c = coverage(Shape::Balls(vec![b]), 9, 8, cells, scheme);
+        let c = coverage(BodyShape::Balls(vec![b]), 9, 8, cells, scheme);
         for plane in 0..c.grid.planes() {
             for order in [[0, 0], [1, 0], [0, -1], [-4, 3], [3, 2], [4, -3]] {
                 let error = coefficient(&c, plane, order[0], order[1]) - ball_moment(&c, &b, plane, order);
@@ -122,12 +122,12 @@ fn overlapping_balls_of_one_grain_count_once() {
     let (a, offset) = (ball([0.35, 0.5, 0.28], 0.2), [0.12, -0.07, 0.09]);
     let b = ball(std::array::from_fn(|i| a.center_um[i] + offset[i]), 0.15);
     let distance = offset.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let c = coverage(Shape::Balls(vec![a, b]), 12, 15, 7, Scheme::Cubic);
+    let c = coverage(BodyShape::Balls(vec![a, b]), 12, 15, 7, Scheme::Cubic);
     // Quadrature in z is stated to about 1e-10 of the cell.
     assert!((volume(&c) - union_volume(0.2, 0.15, distance)).abs() < 1e-9);
     // A ball inside the other, and the same ball twice, add nothing.
     for inside in [ball([0.36, 0.5, 0.29], 0.05), a] {
-        let c = coverage(Shape::Balls(vec![a, inside]), 12, 15, 7, Scheme::Cubic);
+        let c = coverage(BodyShape::Balls(vec![a, inside]), 12, 15, 7, Scheme::Cubic);
         assert!((volume(&c) - 4.0 / 3.0 * PI * 0.2f64.powi(3)).abs() < 1e-9);
     }
 }
@@ -136,7 +136,7 @@ fn overlapping_balls_of_one_grain_count_once() {
 fn a_unions_coefficients_agree_with_a_fine_voxel_sum() {
     let balls =
         vec![ball([0.75, 0.5, 0.2], 0.17), ball([0.88, 0.58, 0.3], 0.15), ball([0.7, 0.6, 0.35], 0.1)];
-    let c = coverage(Shape::Balls(balls.clone()), 8, 9, 1, Scheme::Tents);
+    let c = coverage(BodyShape::Balls(balls.clone()), 8, 9, 1, Scheme::Tents);
     let n = 160;
     let orders = [[0, 0], [1, 0], [0, 1], [-2, 3], [3, -4]];
     let mut sums = [[Complex64::default(); 5]; 2];
@@ -171,7 +171,7 @@ fn a_unions_coefficients_agree_with_a_fine_voxel_sum() {
 fn grains_wrap_periodically() {
     let at = |x: f64, y: f64| {
         let balls = vec![ball([x, y, 0.3], 0.2), ball([x + 0.1, y, 0.35], 0.15)];
-        coverage(Shape::Balls(balls), 10, 11, 4, Scheme::Quadratic)
+        coverage(BodyShape::Balls(balls), 10, 11, 4, Scheme::Quadratic)
     };
     let reference = at(0.0, 0.0);
     for (x, y) in [(PERIOD[0], -PERIOD[1]), (-2.0 * PERIOD[0], 3.0 * PERIOD[1])] {
@@ -192,19 +192,19 @@ fn grains_wrap_periodically() {
 
 #[test]
 fn cylinders_bars_and_sheets_have_their_areas() {
-    let area = |shape: Shape| volume(&coverage(shape, 9, 1, 5, Scheme::Cubic)) / PERIOD[1];
-    let cylinder = Shape::CylinderY { x_um: 0.7, z_um: 0.3, radius_um: 0.21 };
+    let area = |shape: BodyShape| volume(&coverage(shape, 9, 1, 5, Scheme::Cubic)) / PERIOD[1];
+    let cylinder = BodyShape::CylinderY { x_um: 0.7, z_um: 0.3, radius_um: 0.21 };
     // Quadrature in z is stated to about 1e-10; bars and sheets are exact.
     assert!((area(cylinder) - PI * 0.21f64.powi(2)).abs() < 1e-9);
-    assert!((area(Shape::BarY { x_um: [0.6, 1.0], z_um: [0.13, 0.47] }) - 0.4 * 0.34).abs() < 1e-14);
-    assert!((area(Shape::Sheet { z_um: [0.13, 0.47] }) - 0.8 * 0.34).abs() < 1e-14);
+    assert!((area(BodyShape::BarY { x_um: [0.6, 1.0], z_um: [0.13, 0.47] }) - 0.4 * 0.34).abs() < 1e-14);
+    assert!((area(BodyShape::Sheet { z_um: [0.13, 0.47] }) - 0.8 * 0.34).abs() < 1e-14);
 }
 
 #[test]
 fn folded_harmonics_have_the_mean_that_partitioning_predicts() {
     // A bar of full height: moments factor into ∫ψ and sinc, so Σ_q |M_q|²/q² over the outer set is explicit.
     let (x0, x1, nx) = (0.2, 0.55, 8);
-    let c = coverage(Shape::BarY { x_um: [x0, x1], z_um: [0.0, HEIGHT] }, nx, 1, 1, Scheme::Tents);
+    let c = coverage(BodyShape::BarY { x_um: [x0, x1], z_um: [0.0, HEIGHT] }, nx, 1, 1, Scheme::Tents);
     let weight = HEIGHT / 2.0;
     let outer = (4..=7).flat_map(|m| [m, -m]).map(|m: i32| {
         let k = TAU * f64::from(m) / PERIOD[0];
@@ -221,7 +221,7 @@ fn folded_harmonics_have_the_mean_that_partitioning_predicts() {
 #[test]
 fn grains_of_different_media_and_strata_make_channels() {
     let stratum = |background| crate::wave::Stratum { thickness_um: 0.3, background };
-    let body = |z: f64, inclusion| Body::new(Shape::Balls(vec![ball([0.4, 0.4, z], 0.1)]), inclusion);
+    let body = |z: f64, inclusion| Body::new(BodyShape::Balls(vec![ball([0.4, 0.4, z], 0.1)]), inclusion);
     let scene = Scene {
         period_um: PERIOD,
         strata: vec![stratum(0), stratum(1)],

@@ -52,7 +52,7 @@ struct Buffers<T: Real> {
 }
 
 /// One plane's rows of all fields.
-type Rows<'a> = (Vec<ArrayViewMut1<'a, f64>>, Vec<ArrayViewMut1<'a, f64>>);
+type FoldedRows<'a> = (Vec<ArrayViewMut1<'a, f64>>, Vec<ArrayViewMut1<'a, f64>>);
 
 impl<T: Real> Folding<T> {
     /// Plans the transforms of a grid of `period_um`.
@@ -110,7 +110,13 @@ impl<T: Real> Folding<T> {
     }
 
     /// One plane's moments and folded fields on the grid, from what [`Folding::spectra`] left in `buffers`.
-    fn fold(&self, pairs: &[[usize; 2]], weight: T, (mut moments, folded): Rows, buffers: &mut Buffers<T>) {
+    fn fold(
+        &self,
+        pairs: &[[usize; 2]],
+        weight: T,
+        (mut moments, folded): FoldedRows,
+        buffers: &mut Buffers<T>,
+    ) {
         // A channel's moments share a transform with a folded field: both are real.
         for (p, mut out) in folded.into_iter().enumerate() {
             self.product(pairs[p], weight, buffers);
@@ -198,8 +204,8 @@ impl<T: Real> Folding<T> {
 
 impl Planes {
     /// For each plane, its row of every field.
-    fn rows(&mut self, planes: usize) -> Vec<Rows<'_>> {
-        let mut rows: Vec<Rows> = (0..planes).map(|_| (Vec::new(), Vec::new())).collect();
+    fn rows(&mut self, planes: usize) -> Vec<FoldedRows<'_>> {
+        let mut rows: Vec<FoldedRows> = (0..planes).map(|_| (Vec::new(), Vec::new())).collect();
         for field in &mut self.moments {
             rows.iter_mut().zip(field.axis_iter_mut(Axis(0))).for_each(|(row, view)| row.0.push(view));
         }

@@ -5,6 +5,7 @@
 
 use super::cell::{CellCoefficients, CellColumns};
 use crate::numerics::fourier::{PlaneFft, Real};
+use crate::numerics::periodic::bilinear;
 use crate::wave::scene::{Ball, HeightField};
 use gauss_quad::GaussLegendre;
 
@@ -14,16 +15,7 @@ const FINER: usize = 4;
 impl HeightField {
     /// z of the surface at (x, y): bilinear, periodic.
     pub fn z_um(&self, x_um: f64, y_um: f64) -> f64 {
-        let [nx, ny] = self.count;
-        let split = |x: f64, period: f64, n: usize| {
-            let t = (x / period).rem_euclid(1.0) * n as f64;
-            let i = (t as usize).min(n - 1);
-            (i, (i + 1) % n, t - i as f64)
-        };
-        let (i0, i1, u) = split(x_um, self.period_um[0], nx);
-        let (j0, j1, v) = split(y_um, self.period_um[1], ny);
-        let z = |i: usize, j: usize| self.z_um[j * nx + i];
-        (1.0 - v) * ((1.0 - u) * z(i0, j0) + u * z(i1, j0)) + v * ((1.0 - u) * z(i0, j1) + u * z(i1, j1))
+        bilinear(&self.z_um, self.count, self.period_um, [x_um, y_um])
     }
 
     /// Lowest point of the surface, largest z.

@@ -5,7 +5,7 @@
 //! On a ball n dS is the edge's outward normal times its length times dz, ring by ring, and a union of balls has the
 //! rings' arcs outside all other balls.
 
-use crate::wave::scene::{Ball, Shape};
+use crate::wave::scene::{Ball, BodyShape};
 use gauss_quad::GaussLegendre;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -143,9 +143,9 @@ impl Sampling {
     }
 
     /// Heights and weights for the part of a body along y within `range`.
-    pub fn strip_heights(&self, shape: &Shape, range: [f64; 2]) -> Vec<(f64, f64)> {
+    pub fn strip_heights(&self, shape: &BodyShape, range: [f64; 2]) -> Vec<(f64, f64)> {
         let (lo, length) = (range[0], range[1] - range[0]);
-        let round = matches!(shape, Shape::CylinderY { .. });
+        let round = matches!(shape, BodyShape::CylinderY { .. });
         let count = if round { self.height_count(length, false) } else { self.degree };
         let height = |&(x, w): &(f64, f64)| {
             let t = 0.5 * (x + 1.0);
@@ -163,13 +163,13 @@ fn sine_squared(t: f64) -> (f64, f64) {
 }
 
 /// The strip x₀ … x₁ that a body along y covers at height `z`, or all.
-pub fn strip(shape: &Shape, z: f64) -> Option<[f64; 2]> {
+pub fn strip(shape: &BodyShape, z: f64) -> Option<[f64; 2]> {
     match shape {
-        Shape::CylinderY { x_um, z_um, radius_um } => {
+        BodyShape::CylinderY { x_um, z_um, radius_um } => {
             let half = (radius_um.powi(2) - (z - z_um).powi(2)).max(0.0).sqrt();
             Some([x_um - half, x_um + half])
         }
-        Shape::BarY { x_um, .. } => Some(*x_um),
+        BodyShape::BarY { x_um, .. } => Some(*x_um),
         _ => None,
     }
 }
@@ -201,14 +201,15 @@ fn meeting_heights(a: &Ball, b: &Ball) -> Option<[f64; 2]> {
 }
 
 #[derive(Clone, Copy)]
-struct Disc {
+struct SectionDisc {
     center: [f64; 2],
     radius: f64,
 }
 
-fn disc_of(ball: &Ball, z: f64) -> Option<Disc> {
+fn disc_of(ball: &Ball, z: f64) -> Option<SectionDisc> {
     let square = ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2);
-    (square > 0.0).then(|| Disc { center: [ball.center_um[0], ball.center_um[1]], radius: square.sqrt() })
+    (square > 0.0)
+        .then(|| SectionDisc { center: [ball.center_um[0], ball.center_um[1]], radius: square.sqrt() })
 }
 
 fn is_whole(arcs: &[[f64; 2]]) -> bool {
@@ -237,7 +238,7 @@ enum Covered {
     All,
 }
 
-fn covered_angles(a: &Disc, b: &Disc, b_first: bool) -> Covered {
+fn covered_angles(a: &SectionDisc, b: &SectionDisc, b_first: bool) -> Covered {
     let delta = [b.center[0] - a.center[0], b.center[1] - a.center[1]];
     let distance = delta[0].hypot(delta[1]);
     // Of two equal discs the second counts as covered.

@@ -35,7 +35,7 @@ struct Waves {
 }
 
 /// One cell.
-struct Cell<'a> {
+struct AbsorbingCell<'a> {
     index: usize,
     height: f64,
     k2: Complex64,
@@ -47,14 +47,14 @@ impl VectorMean {
     pub(super) fn loss(&self, y: &Field, nodes: &Nodes) -> f64 {
         let rules = GaussRules::default();
         let (heights, mean_k2, lateral) = self.cells();
-        let cell = |index| Cell { index, height: heights[index], k2: mean_k2[index], rules: &rules };
+        let cell = |index| AbsorbingCell { index, height: heights[index], k2: mean_k2[index], rules: &rules };
         let losses: Vec<f64> =
             (0..heights.len()).into_par_iter().map(|index| cell(index).loss(lateral, y, nodes)).collect();
         losses.iter().sum()
     }
 }
 
-impl Cell<'_> {
+impl AbsorbingCell<'_> {
     fn loss(&self, lateral: &[f64], y: &Field, nodes: &Nodes) -> f64 {
         if self.k2.im == 0.0 {
             return 0.0;
@@ -76,11 +76,11 @@ impl Cell<'_> {
             Driven { nodes: at_nodes(1), source: [-(q * z[0] + I * p[1] / self.height), -q * z[1]] };
         let waves = Waves { q, electric, magnetic, sources };
         let rule = self.rules.of(points(x)).iter();
-        rule.map(|&(t, weight)| 0.5 * weight * self.square(&waves, &Basis::new(x, x2, 0.5 * t))).sum()
+        rule.map(|&(t, weight)| 0.5 * weight * self.square(&waves, &CellBasis::new(x, x2, 0.5 * t))).sum()
     }
 
     /// |E|² at the basis' τ.
-    fn square(&self, waves: &Waves, basis: &Basis) -> f64 {
+    fn square(&self, waves: &Waves, basis: &CellBasis) -> f64 {
         let h2 = self.height * self.height;
         let [_, p, z] = waves.sources.map(|[a, b]| a + basis.tau * b);
         let [e, _] = waves.electric.at(basis, h2);
@@ -104,7 +104,7 @@ fn points(x: Complex64) -> usize {
 }
 
 /// The four functions of one τ.
-struct Basis {
+struct CellBasis {
     tau: f64,
     even: WithSlope,
     odd: WithSlope,
@@ -112,26 +112,26 @@ struct Basis {
     odd_source: WithSlope,
 }
 
-impl Basis {
+impl CellBasis {
     /// From decaying exponentials, so that nothing overflows.
-    fn new(x: Complex64, x2: Complex64, tau: f64) -> Basis {
+    fn new(x: Complex64, x2: Complex64, tau: f64) -> CellBasis {
         let [down, up, across] = [0.5 - tau, 0.5 + tau, 1.0].map(|t| (I * x * t).exp());
         let (sum, difference) = (up + down, up - down);
         let even = [sum / (1.0 + across), I * x * difference / (1.0 + across)];
         let odd = [difference / (across - 1.0), I * x * sum / (across - 1.0)];
         let even_source = [(even[0] - 1.0) / x2, even[1] / x2];
         let odd_source = [(odd[0] - 2.0 * tau) / x2, (odd[1] - 2.0) / x2];
-        Basis { tau, even, odd, even_source, odd_source }
+        CellBasis { tau, even, odd, even_source, odd_source }
     }
 }
 
 impl Driven {
     /// Value and derivative by t; `h2` is the cell's height squared.
-    fn at(&self, basis: &Basis, h2: f64) -> WithSlope {
+    fn at(&self, basis: &CellBasis, h2: f64) -> WithSlope {
         let [first, last] = self.nodes;
         let [a, b] = self.source.map(|s| h2 * s);
         let (mean, half) = (0.5 * (first + last), 0.5 * (last - first));
-        let Basis { even, odd, even_source, odd_source, .. } = basis;
+        let CellBasis { even, odd, even_source, odd_source, .. } = basis;
         let driven = |k: usize| a * even_source[k] + 0.5 * b * odd_source[k];
         [0, 1].map(|k| mean * even[k] + half * odd[k] + driven(k))
     }

@@ -8,7 +8,7 @@
 //! The symmetric part keeps reciprocity and energy balance exact. A flat horizontal face gives the harmonic mean for zz
 //! and the arithmetic one for xx and yy.
 
-use super::moments::NormalMoments;
+use super::moments::{ChannelFields, NormalMoments};
 use super::sources::FIELDS;
 use crate::wave::{Media, WaveError};
 use num_complex::Complex64;
@@ -40,39 +40,52 @@ pub(super) fn tensors(
     mean_k2: &[Complex64],
     averaging: Averaging,
 ) -> Result<Vec<Vec<Symmetric>>, WaveError> {
-    let planes = moments.planes.par_iter().enumerate();
-    planes.map(|(plane, _)| plane_tensors(moments, media, k0, mean_k2, averaging, plane)).collect()
+    let (grid, square) = (&moments.grid, |eta: Complex64| eta * eta);
+    let epsilons: Vec<Complex64> =
+        moments.channels.iter().map(|c| square(media.index_of(c.material))).collect();
+    let planes = moments.planes.par_iter().enumerate().map(|(plane, present)| Plane {
+        present,
+        epsilons: &epsilons,
+        background: square(media.backgrounds[grid.background[plane / 2]]),
+        mean: mean_k2[plane / 2],
+        k2: (k0 * k0).into(),
+        averaging,
+    });
+    planes.map(|plane| plane.tensors(grid.points())).collect()
 }
 
-fn plane_tensors(
-    moments: &NormalMoments,
-    media: &Media,
-    k0: f64,
-    mean_k2: &[Complex64],
+/// One Gauss plane, and what its tensors are made from.
+struct Plane<'a> {
+    present: &'a [ChannelFields],
+    /// ε of every channel's material.
+    epsilons: &'a [Complex64],
+    /// ε of the background.
+    background: Complex64,
+    /// k̄².
+    mean: Complex64,
+    /// k0².
+    k2: Complex64,
     averaging: Averaging,
-    plane: usize,
-) -> Result<Vec<Symmetric>, WaveError> {
-    let grid = &moments.grid;
-    let (points, cell) = (grid.points(), plane / 2);
-    let square = |eta: Complex64| eta * eta;
-    let background = square(media.backgrounds[grid.background[cell]]);
-    let (mean, scale) = (mean_k2[cell], Complex64::from(k0 * k0));
-    let present = &moments.planes[plane];
-    let shift = background * scale - mean;
-    if present.is_empty() {
-        // A difference of rounding size is none: homogeneous layers then need no iteration at all.
-        let exact = shift.norm() < 1e-14 * mean.norm();
-        let own = diagonal(shift / points as f64);
-        return Ok(if exact { Vec::new() } else { vec![own; points] });
+}
+
+impl Plane<'_> {
+    fn tensors(&self, points: usize) -> Result<Vec<Symmetric>, WaveError> {
+        let shift = self.background * self.k2 - self.mean;
+        if self.present.is_empty() {
+            // A difference of rounding size is none: homogeneous layers then need no iteration at all.
+            let exact = shift.norm() < 1e-14 * self.mean.norm();
+            let own = diagonal(shift / points as f64);
+            return Ok(if exact { Vec::new() } else { vec![own; points] });
+        }
+        (0..points).map(|point| self.tensor(point, points as f64)).collect()
     }
-    let epsilon: Vec<Complex64> =
-        present.iter().map(|(c, _)| square(media.index_of(moments.channels[*c].material))).collect();
-    let at = |point: usize| {
-        let fields = present.iter().map(|(_, fields)| &fields[point]);
-        let effective = effective(background, epsilon.iter().copied().zip(fields), averaging)?;
-        Ok(less_mean(effective.map(|e| e * scale / points as f64), mean / points as f64))
-    };
-    (0..points).map(at).collect()
+
+    /// V at one of `points` points, over their number.
+    fn tensor(&self, point: usize, points: f64) -> Result<Symmetric, WaveError> {
+        let inclusions = self.present.iter().map(|own| (self.epsilons[own.channel], &own.fields[point]));
+        let effective = effective(self.background, inclusions, self.averaging)?;
+        Ok(less_mean(effective.map(|e| e * self.k2 / points), self.mean / points))
+    }
 }
 
 fn diagonal(value: Complex64) -> Symmetric {

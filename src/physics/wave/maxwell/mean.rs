@@ -13,7 +13,7 @@ use super::cell::cell_functions;
 use super::kernels::{Constants, Loads, Moments, Tables};
 use super::nodes::{BLOCK, NodeSystem};
 use crate::numerics::fourier::{Real, narrow};
-use crate::wave::operator::scattering::row_of;
+use crate::wave::operator::inverse::row_of;
 use crate::wave::operator::sharing::SHARED;
 use crate::wave::{Field, Grid};
 use ndarray::{Array2, ArrayView2, ArrayViewMut1, ArrayViewMut2, Axis};
@@ -30,7 +30,7 @@ pub(super) type Nodes = [Field; 2];
 
 /// A wave that enters through one face in one harmonic: node rows' right-hand sides of the TE and the TM problem.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry {
+pub struct MeanEntry {
     /// Index of the node that the wave enters by: first or last.
     pub node: usize,
     /// Compact index of the incident harmonic.
@@ -104,14 +104,14 @@ impl VectorMean {
     }
 
     /// The wave in the mean medium that enters as `entry` says.
-    pub fn background(&self, entry: Entry) -> Field {
+    pub fn background(&self, entry: MeanEntry) -> Field {
         let mut y = Field::zeros((CELL_ROWS * self.heights.len(), self.lateral.len()));
         self.sweep(&mut y, Some(entry));
         y
     }
 
     /// E_s and h at all nodes of A⁻¹ y and of the wave that enters.
-    pub(super) fn nodes(&self, y: &Field, entry: Entry) -> Nodes {
+    pub(super) fn nodes(&self, y: &Field, entry: MeanEntry) -> Nodes {
         let (nodes, count) = (self.heights.len() + 1, self.lateral.len());
         let mut values = [Field::zeros((nodes, count)), Field::zeros((nodes, count))];
         let [electric, magnetic] = &mut values;
@@ -127,7 +127,7 @@ impl VectorMean {
         &self,
         y: &ArrayView2<Complex64>,
         first: usize,
-        entry: Entry,
+        entry: MeanEntry,
         (mut electric, mut magnetic): (ArrayViewMut2<Complex64>, ArrayViewMut2<Complex64>),
     ) {
         let [mut u, mut w] = [0, 1].map(|_| vec![Complex64::default(); electric.len()]);
@@ -171,7 +171,7 @@ impl<T: Real> VectorMean<T> {
     }
 
     /// One solve: loads, nodes, moments.
-    fn sweep(&self, y: &mut Array2<Complex<T>>, entry: Option<Entry>) {
+    fn sweep(&self, y: &mut Array2<Complex<T>>, entry: Option<MeanEntry>) {
         let shared = y.len() >= SHARED;
         let length = (self.heights.len() + 1) * BLOCK;
         let buffers = || [vec![Complex::<T>::default(); length], vec![Complex::default(); length]];
@@ -189,7 +189,7 @@ impl<T: Real> VectorMean<T> {
         &self,
         mut y: ArrayViewMut2<Complex<T>>,
         first: usize,
-        entry: Option<Entry>,
+        entry: Option<MeanEntry>,
         [u, w]: &mut [Vec<Complex<T>>; 2],
     ) {
         let length = (self.heights.len() + 1) * y.ncols();
@@ -203,7 +203,7 @@ impl<T: Real> VectorMean<T> {
         &self,
         y: &ArrayView2<Complex<T>>,
         first: usize,
-        entry: Option<Entry>,
+        entry: Option<MeanEntry>,
         [u, w]: [&mut [Complex<T>]; 2],
     ) {
         let width = y.ncols();

@@ -8,7 +8,7 @@ use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{Patch, SourceTransform, Spreading};
 use crate::wave::contrast::section::{Demands, GaussRules, Sampling};
-use crate::wave::{Ball, Body, Grid, Layout, Resolution, Scene, Scheme, Shape, WaveError};
+use crate::wave::{Ball, Body, BodyShape, Grid, Layout, Resolution, Scene, Scheme, WaveError};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -16,14 +16,22 @@ use std::f64::consts::TAU;
 /// All fields of one material at the points of a plane (x fastest).
 pub type Fields = Vec<[f64; FIELDS]>;
 
+/// The moments of one channel on a Gauss plane.
+pub struct ChannelFields {
+    /// Index of the channel.
+    pub channel: usize,
+    /// χ and the six components of χN at every point.
+    pub fields: Fields,
+}
+
 /// Moments of every material's indicator and normal tensor on every Gauss plane.
 pub struct NormalMoments {
     /// Points and cells; two Gauss planes a cell.
     pub grid: Grid,
     /// Pairs of materials that share a cell.
     pub channels: Vec<Channel>,
-    /// Per Gauss plane, the channels present there and their fields.
-    pub planes: Vec<Vec<(usize, Fields)>>,
+    /// Per Gauss plane, the channels present there.
+    pub planes: Vec<Vec<ChannelFields>>,
     /// Per channel, mean of χ over each cell of the grid.
     pub fractions: Vec<Vec<f64>>,
     /// Along which axes nothing changes, so that one point is enough.
@@ -32,7 +40,7 @@ pub struct NormalMoments {
     pub seconds: f64,
 }
 
-struct Builder<'a> {
+struct MomentBuilder<'a> {
     scene: &'a Scene,
     grid: &'a Grid,
     channels: &'a [Channel],
@@ -68,7 +76,7 @@ impl NormalMoments {
         check(scene, resolution)?;
         let grid = Grid::new(scene, resolution)?;
         let channels = find_channels(scene, &grid);
-        let builder = Builder::new(scene, &grid, &channels, precision.bounded_error());
+        let builder = MomentBuilder::new(scene, &grid, &channels, precision.bounded_error());
         let cells: Vec<Vec<Option<CellFields>>> = (0..grid.cells())
             .into_par_iter()
             .map(|j| if stop() { Vec::new() } else { builder.cell(j) })
@@ -76,14 +84,14 @@ impl NormalMoments {
         if stop() {
             return Err(WaveError::Stopped);
         }
-        let mut planes: Vec<Vec<(usize, Fields)>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
+        let mut planes: Vec<Vec<ChannelFields>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
         let mut fractions = vec![vec![0.0; grid.cells()]; channels.len()];
         for (j, cell) in cells.into_iter().enumerate() {
-            for (c, fields) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
-                fractions[c][j] = fields.fraction;
-                let [first, second] = fields.planes;
-                planes[2 * j].push((c, first));
-                planes[2 * j + 1].push((c, second));
+            for (channel, own) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
+                fractions[channel][j] = own.fraction;
+                for (q, fields) in own.planes.into_iter().enumerate() {
+                    planes[2 * j + q].push(ChannelFields { channel, fields });
+                }
             }
         }
         let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
@@ -103,7 +111,7 @@ impl NormalMoments {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.planes.iter().flatten().map(|(_, fields)| size_of_val(fields.as_slice())).sum()
+        self.planes.iter().flatten().map(|own| size_of_val(own.fields.as_slice())).sum()
     }
 }
 
@@ -116,7 +124,7 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
             remedy: "leave --scheme out",
         });
     }
-    if scene.bodies.iter().any(|b| matches!(b.shape, Shape::Above { .. })) {
+    if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Above { .. })) {
         return Err(WaveError::NotInVectorMode {
             what: "a rough surface (relief)",
             reason: "its normal-field tensor is not written yet, and averaging without it errs by several per cent",
@@ -126,15 +134,15 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
     Ok(())
 }
 
-impl<'a> Builder<'a> {
-    fn new(scene: &'a Scene, grid: &'a Grid, channels: &'a [Channel], error: f64) -> Builder<'a> {
+impl<'a> MomentBuilder<'a> {
+    fn new(scene: &'a Scene, grid: &'a Grid, channels: &'a [Channel], error: f64) -> MomentBuilder<'a> {
         let [nx, ny] = [grid.resolution.nx, grid.resolution.ny];
         let [mmax, nmax] = [nx, ny].map(|n| (n - 1) / 2);
         let k = |max: usize, period: f64| TAU * max as f64 / period;
         let kmax = k(mmax, grid.period_um[0]).hypot(k(nmax, grid.period_um[1]));
         // All harmonics count, unlike those that the scalar scheme folds: twice as many points as orders.
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
-        Builder {
+        MomentBuilder {
             scene,
             grid,
             channels,
@@ -180,15 +188,15 @@ impl<'a> Builder<'a> {
             return None;
         }
         let slab = Slab { range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]] };
-        let mut sum = CellSum::new(self, slab);
+        let mut sum = MomentSum::new(self, slab);
         present.iter().for_each(|body| sum.add_body(&body.shape));
         Some(sum.finish())
     }
 }
 
 /// The running moments of one channel in one cell.
-struct CellSum<'a> {
-    builder: &'a Builder<'a>,
+struct MomentSum<'a> {
+    builder: &'a MomentBuilder<'a>,
     slab: Slab,
     /// Sources of each field on the fine grid, first plane + i · second plane; empty while there are none.
     sources: Vec<Vec<Complex64>>,
@@ -197,32 +205,32 @@ struct CellSum<'a> {
     direct: Vec<Vec<Complex64>>,
 }
 
-impl<'a> CellSum<'a> {
-    fn new(builder: &'a Builder<'a>, slab: Slab) -> CellSum<'a> {
+impl<'a> MomentSum<'a> {
+    fn new(builder: &'a MomentBuilder<'a>, slab: Slab) -> MomentSum<'a> {
         let direct = vec![vec![Complex64::default(); builder.harmonics.len()]; FIELDS];
-        CellSum { builder, slab, sources: Vec::new(), patch: Patch::empty(), direct }
+        MomentSum { builder, slab, sources: Vec::new(), patch: Patch::empty(), direct }
     }
 
-    fn add_body(&mut self, shape: &Shape) {
+    fn add_body(&mut self, shape: &BodyShape) {
         let (slab, sampling) = (self.slab, &self.builder.sampling);
         match shape {
-            Shape::Balls(balls) => {
+            BodyShape::Balls(balls) => {
                 (0..balls.len()).for_each(|i| self.add_ball(balls, i));
             }
-            Shape::CylinderY { x_um, z_um, radius_um } => {
+            BodyShape::CylinderY { x_um, z_um, radius_um } => {
                 for (x, values) in sources::of_cylinder(*z_um, *radius_um, &slab, sampling) {
                     self.add_lines(&values, |k, lx| Complex64::cis(-k * (x_um + x)) / lx);
                 }
             }
-            Shape::BarY { x_um, z_um } => {
+            BodyShape::BarY { x_um, z_um } => {
                 let values = sources::of_block(*z_um, &slab, true);
                 self.add_lines(&values, |k, lx| strip_coefficient(*x_um, k, lx));
             }
-            Shape::Sheet { z_um } => {
+            BodyShape::Sheet { z_um } => {
                 let values = sources::of_block(*z_um, &slab, false);
                 self.add_lines(&values, |k, _| Complex64::from(f64::from(u8::from(k == 0.0))));
             }
-            Shape::Above { .. } => unreachable!("rough surfaces are refused first"),
+            BodyShape::Above { .. } => unreachable!("rough surfaces are refused first"),
         }
     }
 

@@ -1,8 +1,8 @@
 //! The tridiagonal systems of all harmonics between the nodes: TE for E_s, TM for h with each cell over its k̄².
 
 use crate::numerics::fourier::{Real, narrow};
+use crate::wave::operator::inverse::row_of;
 use crate::wave::operator::mean::guarded_inverse;
-use crate::wave::operator::scattering::row_of;
 use multiversion::multiversion;
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};

@@ -1,13 +1,16 @@
 //! The discrete vector problem e + A⁻¹V e = e₀: mean solve, contrast product, incident waves of both polarisations.
 
 use super::contrast::{Averaging, tensors};
-use super::mean::{CELL_ROWS, Entry, Faces, VectorMean};
+use super::mean::{CELL_ROWS, Faces, MeanEntry, VectorMean};
 use super::moments::NormalMoments;
 use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
 use crate::wave::operator::cell::decaying_root;
+use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::setting::Setting;
-use crate::wave::{Field, Incidence, Mean, Media, Polarisation, Side, WaveError};
+use crate::wave::system::System;
+use crate::wave::{FarField, Field, Grid, Incidence, Mean, Media, Polarisation, Resolution, Side, WaveError};
+use ndarray::ArrayView2;
 use num_complex::Complex64;
 use std::sync::{Arc, OnceLock};
 
@@ -90,16 +93,6 @@ impl VectorProblem {
         Polarised { problem: self.clone(), polarisation }
     }
 
-    /// Rows and columns of a field of moments.
-    pub fn shape(&self) -> (usize, usize) {
-        (CELL_ROWS * self.moments.grid.cells(), self.harmonics.len())
-    }
-
-    /// False for layered media whose mean is exact: nothing is left to iterate on.
-    pub fn has_contrast(&self) -> bool {
-        self.double.has_contrast()
-    }
-
     /// Compact index of the harmonic that the incident wave is, and with it the specular order.
     pub fn incident_harmonic(&self) -> usize {
         self.incident
@@ -120,18 +113,8 @@ impl VectorProblem {
         self.double.directions()
     }
 
-    /// k̄² of each cell, 1/µm².
-    pub fn mean_k2(&self) -> &[Complex64] {
-        self.double.mean.mean_k2()
-    }
-
-    /// Bytes held: tables, tensors and geometry, without solver vectors.
-    pub fn bytes(&self) -> usize {
-        self.moments.bytes() + self.double.bytes() + self.single.get().map_or(0, VectorScattering::bytes)
-    }
-
     /// Right-hand sides of the entry face's nodes: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k, over k²).
-    fn entry(&self, polarisation: Polarisation) -> Entry {
+    fn entry(&self, polarisation: Polarisation) -> MeanEntry {
         let side = self.entry_side();
         let node = if side == 0 { 0 } else { self.moments.grid.cells() };
         let strength = 2.0 * Complex64::I * self.kappa[side][self.incident];
@@ -140,23 +123,7 @@ impl VectorProblem {
             Polarisation::S => [strength, zero],
             Polarisation::P => [zero, strength / self.k[side]],
         };
-        Entry { node, harmonic: self.incident, source }
-    }
-
-    /// e₀, the wave of one polarisation in the mean medium.
-    pub fn background_wave(&self, polarisation: Polarisation) -> Field {
-        self.double.mean.background(self.entry(polarisation))
-    }
-
-    /// A⁻¹V as tables.
-    pub fn double(&self) -> &VectorScattering<f64> {
-        &self.double
-    }
-
-    /// A⁻¹V in single precision, its tables made when first asked for.
-    pub fn single(&self) -> &VectorScattering<f32> {
-        let resolution = self.moments.grid.resolution;
-        self.single.get_or_init(|| self.double.narrowed(PlaneFft::new(resolution.nx, resolution.ny)))
+        MeanEntry { node, harmonic: self.incident, source }
     }
 
     /// E_s and h of every harmonic on both faces, from a solution's moments, and the absorbed share of the incident flux.
@@ -164,9 +131,9 @@ impl VectorProblem {
     /// A is the volume integral of the loss, (1/κ) ∫ Im E†(k̄² + V)E: V's part from the moments e that were found, the mean's
     /// from the field in the cells that V e makes. R + T + A is 1 as far as e solves the problem.
     pub(super) fn leaving(&self, e: &Field, polarisation: Polarisation) -> (Faces, f64) {
-        let mut loads = Field::zeros(self.shape());
+        let mut loads = Field::zeros(e.dim());
         let mut loss = 0.0;
-        if self.has_contrast() {
+        if self.double.has_contrast() {
             self.double.contrast_product(e.view(), &mut loads);
             loss = self.contrast_loss(e, &loads);
             // The scattered wave is −A⁻¹ V e.
@@ -182,6 +149,51 @@ impl VectorProblem {
         let weight = |row: usize| 0.5 * self.moments.grid.height_um(row / CELL_ROWS);
         let rows = e.outer_iter().zip(product.outer_iter()).enumerate();
         rows.map(|(r, (e, v))| weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>()).sum()
+    }
+}
+
+impl System for Polarised {
+    fn grid(&self) -> &Grid {
+        &self.problem.moments.grid
+    }
+
+    fn polarisation(&self) -> Option<Polarisation> {
+        Some(self.polarisation)
+    }
+
+    fn shape(&self) -> (usize, usize) {
+        (CELL_ROWS * self.grid().cells(), self.problem.harmonics.len())
+    }
+
+    fn has_contrast(&self) -> bool {
+        self.problem.double.has_contrast()
+    }
+
+    fn background_wave(&self) -> Field {
+        self.problem.double.mean.background(self.problem.entry(self.polarisation))
+    }
+
+    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.problem.double.scatter(u, out);
+    }
+
+    fn single(&self) -> Option<&dyn Scatter<f32>> {
+        let Resolution { nx, ny, .. } = self.grid().resolution;
+        let narrowed = || self.problem.double.narrowed(PlaneFft::new(nx, ny));
+        Some(self.problem.single.get_or_init(narrowed))
+    }
+
+    fn mean_k2(&self) -> &[Complex64] {
+        self.problem.double.mean.mean_k2()
+    }
+
+    fn far_field(&self, u: &Field) -> FarField {
+        self.problem.far_field(u, self.polarisation)
+    }
+
+    fn bytes(&self) -> usize {
+        let VectorProblem { moments, double, single, .. } = &*self.problem;
+        moments.bytes() + double.bytes() + single.get().map_or(0, VectorScattering::bytes)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::solve::{Gmres, Goal, Silent, Solver};
-use crate::wave::{Ball, Body, FarField, Resolution, Scene, Scheme, Shape};
+use crate::wave::{Ball, Body, BodyShape, FarField, Resolution, Scene, Scheme};
 
 fn problem(pigment: Complex64, scheme: Scheme) -> Result<Arc<VectorProblem>, WaveError> {
     let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
-    let scene = Scene::layer([0.3, 0.26], 0.16, vec![Body::new(Shape::Balls(vec![ball]), 0)]);
+    let scene = Scene::layer([0.3, 0.26], 0.16, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
     let one = Complex64::ONE;
     let media =
         Media { incident: one, exit: one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] };

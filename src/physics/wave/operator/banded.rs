@@ -178,8 +178,8 @@ impl super::mean::MeanOperator {
         for q in 1..degree {
             let amplitude = self.element.amplitudes[bubble][q - 1];
             g[q] = amplitude.into();
-            g[0] -= amplitude * self.left_share[q - 1][[cell, harmonic]];
-            g[degree] -= amplitude * self.left_share[degree - q - 1][[cell, harmonic]];
+            g[0] -= amplitude * self.inverse.left_share[q - 1][[cell, harmonic]];
+            g[degree] -= amplitude * self.inverse.left_share[degree - q - 1][[cell, harmonic]];
         }
         g
     }
@@ -210,7 +210,7 @@ impl super::mean::MeanOperator {
     pub fn to_planes(&self, unknowns: &Array2<Complex64>) -> Array2<Complex64> {
         let mut planes = Array2::zeros(unknowns.dim());
         planes.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, mut row)| {
-            self.plane_values(unknowns.view(), p, row.as_slice_mut().expect("rows are contiguous"));
+            self.inverse.plane_values(&unknowns.view(), p, row.as_slice_mut().expect("rows are contiguous"));
         });
         planes
     }

@@ -6,14 +6,13 @@
 pub use super::cell::{NodeCoefficients, decaying_root, left_share};
 
 use super::cell::cell_factors;
+use super::inverse::MeanInverse;
 use crate::wave::grid::element::{Element, MAX_DEGREE};
 use crate::wave::{Grid, Scheme};
-use ndarray::{Array2, ArrayView1, ArrayView2, ArrayViewMut1, ArrayViewMut2, Axis, s};
+use ndarray::{Array2, ArrayView1, ArrayViewMut1, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
-
-/// Harmonics treated together by one thread: a column of some 50 planes stays in the second-level cache.
-const BLOCK: usize = 192;
+use std::sync::Arc;
 
 /// A, factorised: rows of the arrays are cells or nodes, columns harmonics.
 pub struct MeanOperator {
@@ -27,9 +26,8 @@ pub struct MeanOperator {
     off: Array2<Complex64>,
     /// A cell's share of both its nodes' diagonals.
     diagonal: Array2<Complex64>,
-    inverse_pivot: Array2<Complex64>,
-    /// One array per inner point of a cell.
-    pub(crate) left_share: Vec<Array2<Complex64>>,
+    /// A⁻¹, shared with the tables of A⁻¹V.
+    pub inverse: Arc<MeanInverse>,
 }
 
 impl MeanOperator {
@@ -42,153 +40,32 @@ impl MeanOperator {
     ) -> MeanOperator {
         let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
         let scheme = grid.resolution.scheme;
-        let shape = (heights.len(), lateral_k2.len());
-        let mut operator = MeanOperator {
-            scheme,
-            element: grid.element.clone(),
-            left_share: vec![Array2::zeros(shape); grid.element.degree - 1],
-            off: Array2::zeros(shape),
-            diagonal: Array2::zeros(shape),
-            inverse_pivot: Array2::zeros((shape.0 + 1, shape.1)),
-            heights,
-            mean_k2,
-            lateral_k2,
+        let (element, shape) = (grid.element.clone(), (heights.len(), lateral_k2.len()));
+        let count = element.degree - 1;
+        let mut tables = vec![Array2::zeros(shape); 2 + count];
+        cell_tables([&heights[..], &element.points[1..=count]], &mean_k2, &lateral_k2, scheme, &mut tables);
+        let left_share = tables.split_off(2);
+        let [off, diagonal] = tables.try_into().expect("two tables are left");
+        let (factor, inverse_pivot) = factorised(&off, &diagonal, kappa);
+        let kz2 = |cell: usize, i: usize| mean_k2[cell] - lateral_k2[i];
+        let bubble = |row: usize, i: usize| {
+            let cell = row / count;
+            1.0 / bubble_entry(kz2(cell, i), heights[cell], element.lambda[row % count])
         };
-        operator.cells();
-        operator.factorise(kappa);
-        operator
+        let inverse_bubble =
+            Array2::from_shape_fn((heights.len() * count, shape.1), |(row, i)| bubble(row, i));
+        let bubbles = element.bubbles.clone();
+        let inverse = MeanInverse { bubbles, left_share, factor, inverse_pivot, inverse_bubble }.into();
+        MeanOperator { scheme, element, heights, mean_k2, lateral_k2, off, diagonal, inverse }
     }
 
     pub(crate) fn kz2(&self, cell: usize, harmonic: usize) -> Complex64 {
         self.mean_k2[cell] - self.lateral_k2[harmonic]
     }
 
-    /// Coefficients of every cell.
-    fn cells(&mut self) {
-        let (heights, mean_k2, lateral_k2, scheme) =
-            (&self.heights, &self.mean_k2, &self.lateral_k2, self.scheme);
-        let points = &self.element.points[1..self.element.degree];
-        let mut rows: Vec<Vec<_>> = (0..heights.len()).map(|_| Vec::new()).collect();
-        for table in [&mut self.off, &mut self.diagonal].into_iter().chain(&mut self.left_share) {
-            rows.iter_mut().zip(table.outer_iter_mut()).for_each(|(row, part)| row.push(part));
-        }
-        rows.into_par_iter().enumerate().for_each(|(j, mut tables)| {
-            let factors = |q: f64| cell_factors(mean_k2[j] - q, heights[j], points, scheme);
-            tabulate(lateral_k2, factors, &mut tables);
-        });
-    }
-
-    /// L D Lᵀ of the nodes' system, all harmonics side by side.
-    fn factorise(&mut self, kappa: [&[Complex64]; 2]) {
-        let last = self.heights.len();
-        let mut diagonal: Vec<Complex64> = kappa[0].iter().map(|k| Complex64::I * k).collect();
-        for j in 0..last {
-            let (off, own) = (self.off.row(j), self.diagonal.row(j));
-            for (i, pivot) in self.inverse_pivot.row_mut(j).iter_mut().enumerate() {
-                *pivot = guarded_inverse(diagonal[i] + own[i], off[i]); // 1/d_j
-                diagonal[i] = own[i] - off[i] * off[i] * *pivot; // the next one's, less o²/d_j
-            }
-        }
-        for (i, pivot) in self.inverse_pivot.row_mut(last).iter_mut().enumerate() {
-            *pivot = guarded_inverse(diagonal[i] + Complex64::I * kappa[1][i], self.off[[last - 1, i]]);
-        }
-    }
-
-    /// L (each node's coupling with the next over its pivot) and 1/D.
-    pub(super) fn factors(&self) -> (Array2<Complex64>, &Array2<Complex64>) {
-        let mut lower = self.off.clone();
-        lower.zip_mut_with(&self.inverse_pivot.slice(s![..self.off.nrows(), ..]), |l, p| *l *= p);
-        (lower, &self.inverse_pivot)
-    }
-
     /// Diagonal of A on a bubble.
     pub(crate) fn bubble(&self, cell: usize, bubble: usize, harmonic: usize) -> Complex64 {
-        let h = self.heights[cell];
-        self.kz2(cell, harmonic) * (h * self.element.lambda[bubble]) - 1.0 / h
-    }
-
-    /// Values on a plane from the unknowns: nodes as they are; inside a cell the mean solution and the bubbles.
-    pub fn plane_values(&self, u: ArrayView2<Complex64>, plane: usize, out: &mut [Complex64]) {
-        let degree = self.element.degree;
-        let (cell, point) = (plane / degree, plane % degree);
-        if point == 0 {
-            return out.copy_from_slice(row(&u, plane));
-        }
-        let nodes = row(&u, degree * cell).iter().zip(row(&u, degree * (cell + 1)));
-        let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1].row(cell));
-        for ((out, (a, b)), (l, r)) in out.iter_mut().zip(nodes).zip(left.iter().zip(right)) {
-            *out = l * a + r * b;
-        }
-        for (i, bubble) in self.element.bubbles.iter().enumerate() {
-            let value = bubble[point - 1];
-            out.iter_mut().zip(row(&u, degree * cell + 1 + i)).for_each(|(out, b)| *out += value * b);
-        }
-    }
-
-    /// Loads y_p on planes → right-hand sides of nodes and bubbles, in place (transpose of the plane values).
-    pub fn load(&self, y: &mut Array2<Complex64>) {
-        let degree = self.element.degree;
-        for cell in (0..self.heights.len()).filter(|_| degree > 1) {
-            let (mut before, mut rest) = y.view_mut().split_at(Axis(0), degree * cell + 1);
-            let (mut inner, mut after) = rest.view_mut().split_at(Axis(0), degree - 1);
-            let mut previous = before.row_mut(degree * cell);
-            let mut next = after.row_mut(0);
-            for point in 1..degree {
-                let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1].row(cell));
-                let loads = inner.row(point - 1);
-                ndarray::Zip::from(&mut previous).and(left).and(loads).for_each(|n, &w, &y| *n += w * y);
-                ndarray::Zip::from(&mut next).and(right).and(loads).for_each(|n, &w, &y| *n += w * y);
-            }
-            self.loads_to_bubbles(&mut inner);
-        }
-    }
-
-    fn loads_to_bubbles(&self, inner: &mut ArrayViewMut2<Complex64>) {
-        let count = self.element.degree - 1;
-        for mut column in inner.columns_mut() {
-            let mut loads = [Complex64::default(); MAX_DEGREE];
-            (0..count).for_each(|q| loads[q] = column[q]);
-            for (i, bubble) in self.element.bubbles.iter().enumerate() {
-                column[i] = bubble.iter().zip(&loads).map(|(b, y)| b * y).sum();
-            }
-        }
-    }
-
-    /// A⁻¹ applied in place to rows of nodes and bubbles; to loads on planes see [`super::scattering`].
-    pub fn solve(&self, y: &mut Array2<Complex64>) {
-        y.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter().enumerate().for_each(|(b, mut block)| {
-            let first = b * BLOCK;
-            self.solve_nodes(&mut block, first);
-            self.solve_bubbles(&mut block, first);
-        });
-    }
-
-    fn solve_nodes(&self, y: &mut ArrayViewMut2<Complex64>, first: usize) {
-        let (width, cells, stride) = (y.ncols(), self.heights.len(), self.element.degree);
-        let columns = s![.., first..first + width];
-        let (off, pivot) = (self.off.slice(columns), self.inverse_pivot.slice(columns));
-        y.row_mut(0).zip_mut_with(&pivot.row(0), |y, p| *y *= p); // y_0 ← y_0 / d_0
-        for j in 1..=cells {
-            let (before, here) = y.multi_slice_mut((s![stride * (j - 1), ..], s![stride * j, ..]));
-            let step = ndarray::Zip::from(here).and(before).and(off.row(j - 1)).and(pivot.row(j));
-            step.for_each(|y, &mut b, &o, &p| *y = (*y - o * b) * p); // y_j ← (y_j − o y_{j−1}) / d_j
-        }
-        for j in (0..cells).rev() {
-            let (here, after) = y.multi_slice_mut((s![stride * j, ..], s![stride * (j + 1), ..]));
-            let step = ndarray::Zip::from(here).and(after).and(off.row(j)).and(pivot.row(j));
-            step.for_each(|y, &mut a, &o, &p| *y -= o * a * p); // x_j = y_j − o x_{j+1} / d_j
-        }
-    }
-
-    fn solve_bubbles(&self, y: &mut ArrayViewMut2<Complex64>, first: usize) {
-        let degree = self.element.degree;
-        for cell in 0..self.heights.len() {
-            for bubble in 0..degree - 1 {
-                for (i, value) in y.row_mut(degree * cell + 1 + bubble).iter_mut().enumerate() {
-                    *value /= self.bubble(cell, bubble, first + i);
-                }
-            }
-        }
+        bubble_entry(self.kz2(cell, harmonic), self.heights[cell], self.element.lambda[bubble])
     }
 
     /// A u, from the coefficients themselves; `kappa` as in [`MeanOperator::new`], or zeros for the interior part.
@@ -278,15 +155,61 @@ impl MeanOperator {
         if point == 0 {
             return nodes[cell].into();
         }
-        let [left, right] = [point, degree - point].map(|q| self.left_share[q - 1][[cell, harmonic]]);
+        let [left, right] = [point, degree - point].map(|q| self.inverse.left_share[q - 1][[cell, harmonic]]);
         left * nodes[cell] + right * nodes[cell + 1]
     }
 
-    /// Bytes held.
+    /// Bytes held, without those of the inverse.
     pub fn bytes(&self) -> usize {
-        let shares = self.left_share.iter().map(|s| s.len()).sum::<usize>();
-        (2 * self.off.len() + self.inverse_pivot.len() + shares) * size_of::<Complex64>()
+        2 * self.off.len() * size_of::<Complex64>()
     }
+}
+
+/// (kz² h λ − 1/h), A's entry of a bubble.
+fn bubble_entry(kz2: Complex64, h: f64, lambda: f64) -> Complex64 {
+    kz2 * (h * lambda) - 1.0 / h
+}
+
+/// Off-diagonal, diagonal and left shares of every cell and harmonic, a table each; `heights` of the cells, and inner
+/// `points` of one.
+fn cell_tables(
+    [heights, points]: [&[f64]; 2],
+    mean_k2: &[Complex64],
+    lateral_k2: &[f64],
+    scheme: Scheme,
+    tables: &mut [Array2<Complex64>],
+) {
+    let mut rows: Vec<Vec<_>> = heights.iter().map(|_| Vec::new()).collect();
+    for table in tables {
+        rows.iter_mut().zip(table.outer_iter_mut()).for_each(|(row, part)| row.push(part));
+    }
+    rows.into_par_iter().enumerate().for_each(|(j, mut tables)| {
+        let factors = |q: f64| cell_factors(mean_k2[j] - q, heights[j], points, scheme);
+        tabulate(lateral_k2, factors, &mut tables);
+    });
+}
+
+/// L (each node's coupling with the next over its pivot) and 1/D of the nodes' system, all harmonics side by side.
+fn factorised(
+    off: &Array2<Complex64>,
+    diagonal: &Array2<Complex64>,
+    kappa: [&[Complex64]; 2],
+) -> (Array2<Complex64>, Array2<Complex64>) {
+    let (last, harmonics) = off.dim();
+    let (mut factor, mut inverse_pivot) = (off.clone(), Array2::zeros((last + 1, harmonics)));
+    let mut left: Vec<Complex64> = kappa[0].iter().map(|k| Complex64::I * k).collect();
+    for j in 0..last {
+        for i in 0..harmonics {
+            let (o, own) = (off[[j, i]], diagonal[[j, i]]);
+            let pivot = guarded_inverse(left[i] + own, o); // 1/d_j
+            left[i] = own - o * o * pivot; // the next one's, less o²/d_j
+            (inverse_pivot[[j, i]], factor[[j, i]]) = (pivot, o * pivot);
+        }
+    }
+    for (i, pivot) in inverse_pivot.row_mut(last).iter_mut().enumerate() {
+        *pivot = guarded_inverse(left[i] + Complex64::I * kappa[1][i], off[[last - 1, i]]);
+    }
+    (factor, inverse_pivot)
 }
 
 /// Off-diagonal, diagonal and left shares of one cell, a table each, at every harmonic's kx² + ky².
@@ -301,10 +224,6 @@ fn tabulate(
         let values = [node.off, node.diagonal].into_iter().chain(shares);
         tables.iter_mut().zip(values).for_each(|(table, value)| table[i] = value);
     }
-}
-
-fn row<'a>(u: &'a ArrayView2<Complex64>, index: usize) -> &'a [Complex64] {
-    u.row(index).to_slice().expect("rows are contiguous")
 }
 
 /// 1/pivot; a pivot that vanishes (a guided mode exactly on the grid) is moved by a part in 10¹² of its row.

@@ -1,13 +1,11 @@
 //! The mean operator: exact on the mean medium's own solutions, symmetric, and undone by its solve.
 
 use super::*;
-use crate::numerics::fourier::{Harmonics, PlaneFft, Real, narrow};
+use crate::numerics::fourier::narrow;
 use crate::wave::operator::cell::SMALL;
-use crate::wave::operator::scattering::Scattering;
 use crate::wave::{Resolution, Scene};
 use num_complex::Complex;
 use proptest::prelude::*;
-use std::sync::Arc;
 
 const EXACT: [Scheme; 4] = [Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, Scheme::Quartic];
 const ALL: [Scheme; 5] =
@@ -75,7 +73,7 @@ fn values_inside_a_cell_are_the_mean_mediums_solution() {
                 let step = if point == 0 { 0.0 } else { grid.height_um(cell) * grid.element.points[point] };
                 let expected = standing_wave(kz2, grid.nodes_um[cell] + step);
                 let mut value = [Complex64::new(7.0, 7.0)];
-                a.plane_values(u.view(), plane, &mut value);
+                a.inverse.plane_values(&u.view(), plane, &mut value);
                 let scale = expected.norm().max(1.0);
                 // Identity; evanescent shares are quotients of exponentials with some ten roundings.
                 assert!((value[0] - expected).norm() <= 1e-13 * scale, "{scheme:?} {kz2} plane {plane}");
@@ -170,12 +168,6 @@ fn bilinear(a: &Array2<Complex64>, b: &Array2<Complex64>) -> Complex64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The operator's tables for three harmonics, without a contrast.
-fn tables<T: Real>(grid: &Grid, mean: &MeanOperator) -> Scattering<T> {
-    let weights = Array2::zeros((grid.planes(), 3));
-    Scattering::new(mean, &Arc::new(Harmonics::new(3, 1)), PlaneFft::new(3, 1), weights)
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(30))]
 
@@ -184,7 +176,7 @@ proptest! {
         let (grid, a, kappa) = mixed(cells, ALL[scheme]);
         let u = noise((grid.planes(), 3), seed);
         let mut back = a.apply(&u, [&kappa[0], &kappa[1]]);
-        a.solve(&mut back);
+        a.inverse.solve(&mut back);
         let error = (&back - &u).iter().map(|z| z.norm()).fold(0.0, f64::max);
         // Identity: rounding times the condition number of a few waves' worth of layer, below 1e4.
         prop_assert!(error < 1e-11, "{error:e}");
@@ -196,10 +188,10 @@ proptest! {
         let (u, mut y) = (noise((grid.planes(), 3), seed), noise((grid.planes(), 3), seed + 1));
         let mut values = Array2::zeros(u.dim());
         for (plane, mut row) in values.outer_iter_mut().enumerate() {
-            a.plane_values(u.view(), plane, row.as_slice_mut().expect("contiguous"));
+            a.inverse.plane_values(&u.view(), plane, row.as_slice_mut().expect("contiguous"));
         }
         let forward = bilinear(&y, &values);
-        a.load(&mut y);
+        a.inverse.load(&mut y);
         // Identity: about 100 terms of size one.
         prop_assert!((forward - bilinear(&y, &u)).norm() < 1e-12);
     }
@@ -209,13 +201,13 @@ proptest! {
         let (grid, a, _) = mixed(cells, ALL[scheme]);
         let loads = noise((grid.planes(), 3), seed);
         let (mut one, mut two) = (loads.clone(), loads.clone());
-        tables::<f64>(&grid, &a).mean_solve(&mut one);
-        a.load(&mut two);
-        a.solve(&mut two);
+        a.inverse.solve_loads(&mut one);
+        a.inverse.load(&mut two);
+        a.inverse.solve(&mut two);
         let largest = two.iter().map(|z| z.norm()).fold(0.0, f64::max);
         prop_assert!((&one - &two).iter().all(|z| z.norm() < 1e-12 * (1.0 + largest)));
         let mut single = loads.mapv(narrow::<f32>);
-        tables::<f32>(&grid, &a).mean_solve(&mut single);
+        a.inverse.narrowed::<f32>().solve_loads(&mut single);
         // Roundings of 6e-8 times the condition number of a few waves' worth of layer.
         let error = |(z, w): (&Complex<f32>, &Complex64)| (Complex64::new(z.re.into(), z.im.into()) - w).norm();
         let worst = single.iter().zip(&two).map(error).fold(0.0, f64::max);

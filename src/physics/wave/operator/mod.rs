@@ -2,6 +2,7 @@
 
 pub mod banded;
 pub mod cell;
+pub mod inverse;
 pub mod mean;
 pub(in crate::wave) mod mean_medium;
 pub mod problem;

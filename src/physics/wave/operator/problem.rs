@@ -156,7 +156,7 @@ impl Problem {
     /// u₀ = A⁻¹ b, the wave in the mean medium.
     pub fn background_wave(&self) -> Field {
         let mut b = self.source();
-        self.mean.solve(&mut b);
+        self.mean.inverse.solve(&mut b);
         b
     }
 
@@ -172,14 +172,18 @@ impl Problem {
 
     /// A⁻¹V as tables, made when first asked for.
     pub fn double(&self) -> &Scattering<f64> {
-        let fft = || self.fft.clone();
-        self.double.get_or_init(|| Scattering::new(&self.mean, &self.harmonics, fft(), self.weights()))
+        self.double.get_or_init(|| {
+            let (mean, harmonics) = (self.mean.inverse.clone(), self.harmonics.clone());
+            Scattering::new(mean, harmonics, self.fft.clone(), self.weights())
+        })
     }
 
     /// The same in single precision.
     pub fn single(&self) -> &Scattering<f32> {
-        let fft = || self.coverage.fft_single.clone();
-        self.single.get_or_init(|| Scattering::new(&self.mean, &self.harmonics, fft(), self.weights()))
+        self.single.get_or_init(|| {
+            let (mean, harmonics) = (self.mean.inverse.narrowed().into(), self.harmonics.clone());
+            Scattering::new(mean, harmonics, self.coverage.fft_single.clone(), self.weights())
+        })
     }
 
     /// iκ of both half-spaces for one harmonic.
@@ -198,7 +202,7 @@ impl Problem {
     fn contrast_absorption(&self, u: &Field) -> f64 {
         let mut loads = Field::zeros(self.shape());
         self.contrast_loads(u.view(), &mut loads);
-        self.mean.load(&mut loads);
+        self.mean.inverse.load(&mut loads);
         u.iter().zip(&loads).map(|(u, y)| (u.conj() * y).im).sum()
     }
 

@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::solve::System;
-use crate::wave::{Ball, Body, Resolution, Scheme, Shape};
+use crate::wave::{Ball, Body, BodyShape, Resolution, Scheme};
 
 const SCHEMES: [Scheme; 5] =
     [Scheme::SecondDifference, Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, Scheme::Quartic];
 
 fn scene() -> Scene {
     let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
-    Scene::layer([0.3, 0.26], 0.16, vec![Body::new(Shape::Balls(vec![ball]), 0)])
+    Scene::layer([0.3, 0.26], 0.16, vec![Body::new(BodyShape::Balls(vec![ball]), 0)])
 }
 
 fn media(pigment: Complex64) -> Media {
@@ -34,7 +34,7 @@ fn assemble(problem: &Problem) -> Vec<Vec<Complex64>> {
         unit.as_slice_mut().expect("contiguous")[j] = Complex64::ONE;
         let mut loads = Field::zeros(problem.shape());
         problem.contrast_loads(unit.view(), &mut loads);
-        problem.mean.load(&mut loads);
+        problem.mean.inverse.load(&mut loads);
         loads += &problem.mean.apply(&unit, [&problem.kappa[0], &problem.kappa[1]]);
         loads.into_raw_vec_and_offset().0
     });

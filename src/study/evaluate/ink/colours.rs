@@ -6,9 +6,9 @@ use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::curves::anchors;
-use crate::evaluate::layer::{LayerEnsemble, Mean};
-use crate::evaluate::on_paper::{LayerOnPaper, Measured, Nodes, PolarAngle};
-use crate::evaluate::samples::{Solved, SolvedRealisation, SolvedWavelength};
+use crate::evaluate::layer::{EnsembleMean, LayerEnsemble, Total};
+use crate::evaluate::on_paper::{AngleNodes, LayerOnPaper, Measured, PolarAngle};
+use crate::evaluate::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::SpectralBasis;
 use crate::numerics::estimate::{jackknife_covariance, jackknife_deviations};
 use ndarray::Array2;
@@ -184,12 +184,13 @@ impl InkOnPaper {
         let at = |layer: &LayerEnsemble| {
             anchors(self.anchored, |angle, total| of(layer, layer.column(angle, total)))
         };
-        let mean = |mean: Mean| of(returned, returned.mean_column(mean));
+        let mean = |mean: EnsembleMean| of(returned, returned.mean_column(mean));
         Measured {
             anchors: at(&self.layer),
             returned: at(returned),
-            transmittance: mean(Mean::Transmittance),
-            absorptance: mean(Mean::ExitAbsorptance),
+            straight_on: of(&self.layer, self.layer.column(self.anchored[0], Total::SpecularTransmittance)),
+            transmittance: mean(EnsembleMean::Transmittance),
+            absorptance: mean(EnsembleMean::ExitAbsorptance),
         }
     }
 
@@ -207,7 +208,7 @@ impl InkOnPaper {
         let mut shifted = Vec::new();
         for realisation in solved.iter().take(self.layer.replicates()) {
             let mut values = sight.values(&self.whole, &quantity);
-            let strata: Vec<&[Solved]> =
+            let strata: Vec<&[SolvedDirection]> =
                 realisation.wavelengths.iter().map(|w| w.strata.as_slice()).collect();
             for (value, node) in values.iter_mut().zip(sight.nodes.clone()) {
                 let near = nearest(&realisation.wavelengths, self.nodes.wavelengths_nm[node]);
@@ -245,7 +246,7 @@ impl InkOnPaper {
 }
 
 impl Sight {
-    pub(super) fn new(viewing: &Viewing, places: &Places, nodes: &Nodes) -> Result<Self, ColourError> {
+    pub(super) fn new(viewing: &Viewing, places: &Places, nodes: &AngleNodes) -> Result<Self, ColourError> {
         let tabulated = viewing.summation == Summation::E308;
         let range = if tabulated { &places.outputs } else { &places.colours };
         let meter = Colorimeter::under(&nodes.wavelengths_nm[range.clone()], viewing)?;

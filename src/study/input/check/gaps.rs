@@ -1,6 +1,6 @@
 //! Files whose rows lie far apart: they may be meant so, and are told of.
 
-use crate::input::study::{Material, Study};
+use crate::input::study::{IndexSpectrum, Study};
 use crate::material::gaps::widest_gap_nm;
 use crate::material::spectra::Spectrum;
 
@@ -19,7 +19,7 @@ pub fn bridged(study: &Study) -> Vec<String> {
     remarks
 }
 
-fn materials(study: &Study) -> impl Iterator<Item = &Material> {
+fn materials(study: &Study) -> impl Iterator<Item = &IndexSpectrum> {
     let grains = study.pigments.iter().map(|pigment| &pigment.material);
     let dissolved = study.dissolved.iter().map(|dissolved| &dissolved.material);
     grains.chain(dissolved).chain([&study.layer.binder])

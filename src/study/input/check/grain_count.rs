@@ -16,7 +16,7 @@ pub(super) fn check(
     (layer, [x, y]): (&LayerTable, [f64; 2]),
     faults: &mut Faults,
 ) {
-    let thickness_um = layer.thickness_um.mean;
+    let thickness_um = layer.thickness_um.mean();
     // A cell that is no cell has its own fault.
     if ![x, y, thickness_um].iter().all(|length| length.is_finite() && *length > 0.0) {
         return;

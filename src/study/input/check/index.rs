@@ -3,42 +3,46 @@
 use crate::input::fault::{Fault, Faults, keys_in_words};
 use crate::input::forms::IndexWritten;
 use crate::input::limits;
-use crate::input::study::Material;
+use crate::input::study::IndexSpectrum;
 use crate::material::mixing::MixingRule;
+use crate::material::named::MATERIALS;
 use crate::material::spectra::{Spectrum, SpectrumError};
 use crate::material::synthetic::Synthetic;
 use crate::numerics::allowed::shown;
 use num_complex::Complex64;
 use std::path::Path;
 
-/// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
-pub fn tabulate(
-    field: &str,
-    written: &IndexWritten,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-) -> Material {
-    let vacuum = || vacuum(wavelengths_nm.len());
-    let Some(spectrum) = spectrum(field, written, folder, faults) else { return vacuum() };
-    if let Some(fault) = outside(field, &spectrum, wavelengths_nm) {
-        faults.push(fault);
-        return vacuum();
+/// What indices are wanted at, and where their tables are.
+#[derive(Clone, Copy)]
+pub struct Tabulation<'a> {
+    pub wavelengths_nm: &'a [f64],
+    pub folder: &'a Path,
+}
+
+impl Tabulation<'_> {
+    /// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
+    pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> IndexSpectrum {
+        let vacuum = || vacuum(self.wavelengths_nm.len());
+        let Some(spectrum) = spectrum(field, written, self.folder, faults) else { return vacuum() };
+        if let Some(fault) = outside(field, &spectrum, self.wavelengths_nm) {
+            faults.push(fault);
+            return vacuum();
+        }
+        let values = self.wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
+        // Wavelengths that are no numbers have their own fault.
+        let Ok(index) = values.collect::<Result<Vec<_>, _>>() else { return vacuum() };
+        if let Some(fault) = unsound(field, &index, self.wavelengths_nm) {
+            faults.push(fault);
+            return vacuum();
+        }
+        let (source, dissolved) = (source(&spectrum), Vec::new());
+        IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() }
     }
-    let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3)).collect::<Result<Vec<_>, _>>();
-    // Wavelengths that are no numbers have their own fault.
-    let Ok(index) = values else { return vacuum() };
-    if let Some(fault) = unsound(field, &index, wavelengths_nm) {
-        faults.push(fault);
-        return vacuum();
-    }
-    let (source, dissolved) = (source(&spectrum), Vec::new());
-    Material { source, index, spectrum, dissolved, mixing: MixingRule::default() }
 }
 
 /// The index 1 at so many wavelengths.
-fn vacuum(wavelengths: usize) -> Material {
-    Material {
+fn vacuum(wavelengths: usize) -> IndexSpectrum {
+    IndexSpectrum {
         source: String::new(),
         index: vec![Complex64::ONE; wavelengths],
         spectrum: Spectrum::VACUUM,
@@ -76,25 +80,33 @@ fn source(spectrum: &Spectrum) -> String {
 }
 
 fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
-    match (&written.built_in, &written.csv, &written.yaml, written.n, written.k) {
-        (Some(name), None, None, None, None) => built_in(field, name, faults),
-        (None, Some(csv), None, n, None) => from_csv(field, (&folder.join(csv), n), faults),
-        (None, None, Some(yaml), n, None) => from_yaml(field, (&folder.join(yaml), n), faults),
-        (None, None, None, Some(n), k) => constant(field, n, k.unwrap_or(0.0), faults),
+    let IndexWritten { n, k, built_in: pigment, material: known, csv, yaml } = written;
+    match (pigment, known, csv, yaml, n, k) {
+        (Some(name), None, None, None, None, None) => built_in(field, name, faults),
+        (None, Some(name), None, None, None, None) => material(field, name, faults),
+        (None, None, Some(csv), None, n, None) => from_csv(field, (&folder.join(csv), *n), faults),
+        (None, None, None, Some(yaml), n, None) => from_yaml(field, (&folder.join(yaml), *n), faults),
+        (None, None, None, None, Some(n), k) => constant(field, *n, k.unwrap_or(0.0), faults),
         _ => {
-            let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, with n beside a file of k alone";
-            let remedy = "write for example index = { n = 1.4, k = 0.1 }";
-            let found = keys_in_words([
-                ("n", written.n.is_some()),
-                ("k", written.k.is_some()),
-                ("built_in", written.built_in.is_some()),
-                ("csv", written.csv.is_some()),
-                ("yaml", written.yaml.is_some()),
-            ]);
-            faults.push(Fault::new(field, found, allowed, remedy));
+            faults.push(unclear(field, written));
             None
         }
     }
+}
+
+/// No form of an index, or more than one.
+fn unclear(field: &str, written: &IndexWritten) -> Fault {
+    let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
+                   with n beside a file of k alone";
+    let found = keys_in_words([
+        ("n", written.n.is_some()),
+        ("k", written.k.is_some()),
+        ("built_in", written.built_in.is_some()),
+        ("material", written.material.is_some()),
+        ("csv", written.csv.is_some()),
+        ("yaml", written.yaml.is_some()),
+    ]);
+    Fault::new(field, found, allowed, "write for example index = { n = 1.4, k = 0.1 }")
 }
 
 fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum> {
@@ -112,6 +124,18 @@ fn built_in(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
         let names = Synthetic::ALL.map(Synthetic::name).join(", ");
         let remedy = "take one of these, or your own table with { csv = \"file.csv\" }";
         faults.push(Fault::new(format!("{field}.built_in"), format!("{name:?}"), names, remedy));
+    }
+    found
+}
+
+/// A measured material of the program's list.
+fn material(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
+    let found = Spectrum::material(name).ok();
+    if found.is_none() {
+        let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
+        let remedy = "take one of these, or your own table with { csv = \"file.csv\" }; organic pigments are in no open \
+                      collection of indices";
+        faults.push(Fault::new(format!("{field}.material"), format!("{name:?}"), names, remedy));
     }
     found
 }

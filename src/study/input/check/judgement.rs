@@ -5,11 +5,13 @@ use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
 use crate::input::measured::{MeasuredError, MeasuredSpectrum};
+use crate::input::measured_colour::MeasuredColour;
 use crate::input::study::Judgement;
+use crate::numerics::files;
 use std::path::Path;
 
 pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Judgement {
-    let (viewing, target_lab) = (viewing(file, faults), target(file, faults));
+    let (viewing, mut target_lab) = (viewing(file, faults), target(file, faults));
     if viewing.summation == Summation::E308 && !is_even(wavelengths_nm) {
         let allowed =
             "\"plain\" where the wavelengths are not evenly spaced: ASTM E308 has no weights for them";
@@ -20,7 +22,22 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
         let allowed = "a name beside compare.measured";
         faults.push(Fault::new("compare.patch", format!("{patch:?}"), allowed, "add compare.measured"));
     }
-    let measured = measured(file, folder, faults);
+    if let (Some(unit), None) = (&file.compare.unit, &file.compare.measured) {
+        let allowed = "a unit beside compare.measured";
+        faults.push(Fault::new(
+            "compare.unit",
+            format!("{unit:?}").to_lowercase(),
+            allowed,
+            "add compare.measured",
+        ));
+    }
+    let measured = match measured_colour(file, folder) {
+        Some(colour) => {
+            target_lab = wanted(colour, &viewing, target_lab, faults);
+            None
+        }
+        None => measured(file, folder, faults),
+    };
     if let Some(measured) = &measured {
         faults.0.extend(elsewhere(measured, wavelengths_nm));
     }
@@ -75,20 +92,62 @@ fn viewing_fault(error: ColourError) -> Fault {
 
 fn target(file: &StudyFile, faults: &mut Faults) -> Option<[f64; 3]> {
     let lab = file.colour.target_lab?;
-    if !((0.0..=150.0).contains(&lab[0]) && lab.iter().all(|x| x.abs() <= 300.0)) {
-        let allowed = "L* from 0 to 150, a* and b* from -300 to 300";
+    if !is_lab(lab) {
         let remedy = "write for example target_lab = [85, -10, 80]";
-        faults.push(Fault::new("colour.target_lab", format!("{lab:?}"), allowed, remedy));
+        faults.push(Fault::new("colour.target_lab", format!("{lab:?}"), LAB, remedy));
     }
     Some(lab)
 }
 
+/// Lab that a print may have.
+const LAB: &str = "L* from 0 to 150, a* and b* from -300 to 300";
+
+fn is_lab(lab: [f64; 3]) -> bool {
+    (0.0..=150.0).contains(&lab[0]) && lab.iter().all(|x| x.abs() <= 300.0)
+}
+
+/// The colour in a measured file that has Lab alone; what else is wrong with the file shows where its spectrum is read.
+fn measured_colour(file: &StudyFile, folder: &Path) -> Option<Result<MeasuredColour, String>> {
+    let path = folder.join(file.compare.measured.as_ref()?);
+    let bytes = files::read_bytes(&path, files::TABLE).ok()?;
+    MeasuredColour::parse(&String::from_utf8_lossy(&bytes), file.compare.patch.as_deref()).transpose()
+}
+
+/// The target that a measured colour is, if it is meant under the study's conditions and is the only one.
+fn wanted(
+    colour: Result<MeasuredColour, String>,
+    viewing: &Viewing,
+    target_lab: Option<[f64; 3]>,
+    faults: &mut Faults,
+) -> Option<[f64; 3]> {
+    let allowed = format!("Lab under the conditions of [colour], {}, and stated", viewing.name());
+    let remedy = "write these as [colour] illuminant and observer; where the file does not state them, write its values as \
+                  colour.target_lab instead of the file";
+    let stated = colour.and_then(|colour| Ok((colour.lab, colour.viewing(viewing.summation)?)));
+    let found = match stated {
+        Ok((lab, own)) if own == *viewing && is_lab(lab) && target_lab.is_none() => return Some(lab),
+        Ok((_, own)) if own != *viewing => format!("Lab under {}", own.name()),
+        Ok((lab, _)) if !is_lab(lab) => format!("Lab {lab:?}; allowed are {LAB}"),
+        Ok(_) => {
+            let remedy = "leave out colour.target_lab or compare.measured";
+            let found = "Lab alone, which is a target, beside colour.target_lab";
+            faults.push(Fault::new("compare.measured", found, "one target", remedy));
+            return target_lab;
+        }
+        Err(reason) => format!("Lab alone, and {reason}"),
+    };
+    faults.push(Fault::new("compare.measured", found, allowed, remedy));
+    None
+}
+
 fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<MeasuredSpectrum> {
     let path = folder.join(file.compare.measured.as_ref()?);
-    let fault = |error: MeasuredError| {
-        let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn";
-        let remedy = "correct the file or compare.patch; its path is relative to the study file";
-        faults.push(Fault::new("compare.measured", error, allowed, remedy));
-    };
-    MeasuredSpectrum::read(&path, file.compare.patch.as_deref()).map_err(fault).ok()
+    let read = MeasuredSpectrum::read(&path, file.compare.patch.as_deref(), file.compare.unit);
+    read.map_err(|error| faults.push(unread(error))).ok()
+}
+
+fn unread(error: MeasuredError) -> Fault {
+    let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn, or Lab of the latter";
+    let remedy = "correct the file, compare.patch or compare.unit; its path is relative to the study file";
+    Fault::new("compare.measured", error, allowed, remedy)
 }

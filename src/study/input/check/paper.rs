@@ -68,7 +68,7 @@ fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &m
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Row {
+struct AlbedoRow {
     wavelength_nm: f64,
     albedo: f64,
 }
@@ -77,7 +77,7 @@ fn read(path: &Path, faults: &mut Faults) -> Option<Vec<[f64; 2]>> {
     let mut builder = csv::ReaderBuilder::new();
     let builder = builder.comment(Some(b'#')).trim(csv::Trim::All);
     let rows = files::read_bytes(path, files::TABLE).map_err(csv::Error::from).and_then(|bytes| {
-        builder.from_reader(bytes.as_slice()).deserialize().collect::<Result<Vec<Row>, _>>()
+        builder.from_reader(bytes.as_slice()).deserialize().collect::<Result<Vec<AlbedoRow>, _>>()
     });
     let rows = rows.map_err(|error| faults.push(unreadable(path, &error))).ok()?;
     Some(rows.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())

@@ -1,61 +1,66 @@
 //! Pigments: names, shares, shapes and sizes that fit the layer, and the packing they ask for.
 
-use super::{grain_count, index};
+use super::grain_count;
+use super::index::Tabulation;
 use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::{LayerTable, PigmentTable, StudyFile};
 use crate::input::forms::Diameter;
 use crate::input::limits;
-use crate::input::study::{Dissolved, Material, Pigment};
+use crate::input::study::{Dissolved, IndexSpectrum, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
 use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
-use std::path::Path;
 
+/// The grains of every pigment that has some.
+pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec<PigmentGrains> {
+    let mut all = Vec::new();
+    for (i, table) in file.pigments.iter().enumerate() {
+        let sound = faults.0.len();
+        fraction(i, table, faults);
+        if !is_molecular(table) {
+            all.push(grains_of(i, table, (&file.layer, period_um), faults, sound));
+        }
+    }
+    names(file, faults);
+    total_fraction(file, faults);
+    all
+}
+
+/// The same pigments with their indices.
 pub fn pigments(
     file: &StudyFile,
-    period_um: [f64; 2],
-    wavelengths_nm: &[f64],
-    folder: &Path,
+    grains: Vec<PigmentGrains>,
+    indices: &Tabulation,
     faults: &mut Faults,
 ) -> Vec<Pigment> {
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
-    let pigments: Vec<Pigment> = tables
-        .map(|(i, table)| Pigment {
-            name: name(table),
-            grains: grains(i, table, (&file.layer, period_um), faults),
-            material: index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults),
-        })
-        .collect();
-    names(file, faults);
-    total_fraction(file, faults);
-    pigments
+    let pigment = |((i, table), grains): ((usize, &PigmentTable), _)| Pigment {
+        name: name(i, table),
+        grains,
+        material: indices.tabulate(&of(i, "index"), &table.index, faults),
+    };
+    tables.zip(grains).map(pigment).collect()
 }
 
 /// The pigments without grains.
-pub fn dissolved(
-    file: &StudyFile,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-) -> Vec<Dissolved> {
+pub fn dissolved(file: &StudyFile, indices: &Tabulation, faults: &mut Faults) -> Vec<Dissolved> {
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| is_molecular(table));
-    tables
-        .map(|(i, table)| {
-            fraction(i, table, faults);
-            let material = index::tabulate(&of(i, "index"), &table.index, wavelengths_nm, folder, faults);
-            Dissolved { name: name(table), volume_fraction: table.volume_fraction, material }
-        })
-        .collect()
+    let dissolved = |(i, table): (usize, &PigmentTable)| Dissolved {
+        name: name(i, table),
+        volume_fraction: table.volume_fraction,
+        material: indices.tabulate(&of(i, "index"), &table.index, faults),
+    };
+    tables.map(dissolved).collect()
 }
 
 /// The binder with what is dissolved in it, over the volume that the grains leave.
 pub fn solution(
-    binder: Material,
+    binder: IndexSpectrum,
     dissolved: &[Dissolved],
     grains: &[Pigment],
     mixing: MixingRule,
-) -> Material {
+) -> IndexSpectrum {
     if dissolved.is_empty() {
         return binder;
     }
@@ -64,7 +69,7 @@ pub fn solution(
         let share = |d: &Dissolved| (d.volume_fraction / room, d.material.index[w]);
         mixing.mix(eta, &dissolved.iter().map(share).collect::<Vec<_>>())
     };
-    Material {
+    IndexSpectrum {
         source: binder.source,
         index: binder.index.iter().enumerate().map(mixed).collect(),
         spectrum: binder.spectrum,
@@ -76,13 +81,13 @@ pub fn solution(
     }
 }
 
-/// Filled in already where it was left out.
-fn name(table: &PigmentTable) -> String {
-    table.name.clone().unwrap_or_default()
+/// As written, or by its place in the file.
+fn name(i: usize, table: &PigmentTable) -> String {
+    table.name.clone().unwrap_or_else(|| format!("pigment {}", i + 1))
 }
 
 pub(super) fn is_molecular(table: &PigmentTable) -> bool {
-    table.diameter_nm == Some(Diameter::Molecular)
+    matches!(table.diameter_nm, Some(Diameter::Vanishing(_)))
 }
 
 /// The packing of the nominal cell; a fault of its own check is added unless there are others.
@@ -94,7 +99,7 @@ pub(super) fn packing(
 ) -> PackingRequest {
     let request = PackingRequest {
         period_um,
-        thickness_um: file.layer.thickness_um.mean,
+        thickness_um: file.layer.thickness_um.mean(),
         pigments: pigments.iter().map(|pigment| pigment.grains.clone()).collect(),
         method: file.packing.method,
         seed: file.run.seed,
@@ -112,10 +117,10 @@ pub(super) fn packing(
 }
 
 /// What the packing's own check finds.
-pub(super) fn packing_fault(request: &PackingRequest) -> Option<Fault> {
-    let Err(PackError::BadInput { field, found, allowed, advice }) = request.check() else { return None };
+fn packing_fault(request: &PackingRequest) -> Option<Fault> {
+    let Err(PackError::BadInput { field, found, allowed, remedy }) = request.check() else { return None };
     let field = if field.starts_with("pigment") { field } else { format!("packing.{field}") };
-    Some(Fault::new(field, found, allowed, advice))
+    Some(Fault::new(field, found, allowed, remedy))
 }
 
 fn of(pigment: usize, key: &str) -> String {
@@ -123,11 +128,16 @@ fn of(pigment: usize, key: &str) -> String {
 }
 
 /// A layer and the nominal period of its cells.
-type Room<'a> = (&'a LayerTable, [f64; 2]);
+type NominalCell<'a> = (&'a LayerTable, [f64; 2]);
 
-fn grains(i: usize, table: &PigmentTable, layer: Room, faults: &mut Faults) -> PigmentGrains {
-    let before = faults.0.len();
-    fraction(i, table, faults);
+/// The grains of one pigment, whose faults begin at `before`.
+fn grains_of(
+    i: usize,
+    table: &PigmentTable,
+    layer: NominalCell,
+    faults: &mut Faults,
+    before: usize,
+) -> PigmentGrains {
     let grains = as_written(table, size(i, table, faults));
     let field = of(i, if table.diameter_nm.is_some() { "diameter_nm" } else { "size" });
     fits(&field, &grains, layer, faults);
@@ -203,13 +213,14 @@ fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution
 }
 
 /// Grains fit between the walls and do not meet their own periodic images.
-fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): Room, faults: &mut Faults) {
+fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, faults: &mut Faults) {
     let remedy = "pigment grains measure 50 to 500 nm; take smaller grains or a larger cell";
     if grains.shape.defect().is_some() {
         // The packing's own check tells of the shape.
         return;
     }
     if let Some((_, found, allowed)) = grains.size.defect() {
+        let remedy = "correct these numbers; pigment grains measure 50 to 500 nm";
         faults.push(Fault::new(field, found, allowed, remedy));
         return;
     }
@@ -219,7 +230,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): Room, faults: &
         CellRule::Fixed => "half the layer's period",
         CellRule::Varied => "half the shortest side that a varied cell gets (0.65 layer.period_um)",
     };
-    let thinnest = match layer.thickness_um.std > 0.0 {
+    let thinnest = match layer.thickness_um.std() > 0.0 {
         true => "the thinnest layer drawn, mean - 3 std of layer.thickness_um",
         false => "the layer's thickness",
     };
@@ -234,7 +245,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): Room, faults: &
 
 /// The thinnest layer that a realisation may get, µm.
 fn thinnest_um(layer: &LayerTable) -> f64 {
-    layer.thickness_um.mean - THICKNESS_CUT * layer.thickness_um.std
+    layer.thickness_um.mean() - THICKNESS_CUT * layer.thickness_um.std()
 }
 
 /// Thickness and length of the largest grain.
@@ -250,10 +261,10 @@ pub fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
 }
 
 fn names(file: &StudyFile, faults: &mut Faults) {
-    for (i, pigment) in file.pigments.iter().enumerate() {
-        let repeated = file.pigments[..i].iter().any(|earlier| earlier.name == pigment.name);
-        if repeated || name(pigment).trim().is_empty() {
-            let found = format!("{:?}", name(pigment));
+    let names: Vec<String> = file.pigments.iter().enumerate().map(|(i, table)| name(i, table)).collect();
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].contains(name) || name.trim().is_empty() {
+            let found = format!("{name:?}");
             let allowed = "a name that no other pigment has";
             faults.push(Fault::new(of(i, "name"), found, allowed, "give it another name"));
         }

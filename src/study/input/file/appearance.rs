@@ -4,6 +4,7 @@ use crate::appearance::paper::MirroredSky;
 use crate::appearance::viewing::{Summation, illuminants, observers};
 use crate::input::forms::AlbedoWritten;
 use crate::input::limits;
+use crate::input::measured::MeasuredUnit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -56,12 +57,17 @@ pub struct ColourTable {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompareTable {
-    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17.
+    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17. A CxF3 or CGATS.17 file of Lab alone is a
+    /// target, if it states the illuminant and the observer of `[colour]`.
     #[schemars(example = &"measured.csv")]
     pub measured: Option<String>,
     /// Name of the sample in a CxF3 or CGATS.17 file with several; the first when left out.
     #[schemars(example = &"yellow 100 %")]
     pub patch: Option<String>,
+    /// What a perfect white has in the file: 1 (`"factor"`) or 100 (`"percent"`). When left out, values up to 1 are factors and values
+    /// above 3 percentages; in between it has to be said.
+    #[schemars(example = &"percent")]
+    pub unit: Option<MeasuredUnit>,
 }
 
 /// `[output]`

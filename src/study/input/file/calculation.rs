@@ -1,9 +1,9 @@
 //! How the numbers are come by: realisations, grid, solver.
 
-use crate::input::forms::Strategy;
+use crate::input::forms::strategies;
 use crate::input::limits;
 use crate::input::study::TargetColour;
-use crate::solve::Goal;
+use crate::solve::{Goal, SolverChoice};
 use crate::wave::Scheme;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -69,8 +69,8 @@ pub struct ResolutionTable {
 #[serde(deny_unknown_fields, default)]
 pub struct SolverTable {
     /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
-    #[schemars(extend("default" = "krylov"))]
-    pub strategy: Strategy,
+    #[schemars(schema_with = "strategies", extend("default" = "krylov"))]
+    pub strategy: SolverChoice,
     /// Relative residual at which a solve counts as converged; a hundredth of `resolution.accuracy` when left out, 1e-6
     /// where the grid is given instead.
     #[schemars(transform = limits::TOLERANCE.mark(), example = 1e-4)]
@@ -83,6 +83,6 @@ pub struct SolverTable {
 impl Default for SolverTable {
     fn default() -> Self {
         let max_applications = Goal::default().max_applications;
-        Self { strategy: Strategy::default(), tolerance: None, max_applications }
+        Self { strategy: SolverChoice::default(), tolerance: None, max_applications }
     }
 }

@@ -5,17 +5,15 @@ use crate::ink::{
     SequentialSettings, Shape, ShareRule, SizeDistribution,
 };
 use crate::input::contrast::ContrastPart;
-use crate::input::forms::{Diameter, IndexWritten, Pair, ThicknessWritten};
+use crate::input::forms::{Diameter, IndexForms, IndexWritten, Pair, ThicknessWritten};
 use crate::input::{limits, variation};
 use crate::material::mixing::MixingRule;
-use crate::numerics::written::{Alias, older_place, usual, without_default};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `[layer]`: the periodic cell and what lies above and below it.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(transform = Alias::new("index_in", "index_above"), transform = Alias::new("index_out", "index_below"))]
 pub struct LayerTable {
     /// Whether every realisation has a cell of its own; see [`variation`].
     #[serde(default)]
@@ -28,17 +26,16 @@ pub struct LayerTable {
     pub thickness_um: ThicknessWritten,
     /// The medium between the grains; index 1.558 (P1 section 5) when left out.
     #[serde(default)]
-    #[schemars(transform = usual)]
     pub binder: BinderTable,
     /// Hard walls at both faces; without them grains wrap around in z as well, for packings alone.
     #[serde(default = "yes")]
     pub walls: bool,
     /// Refractive index of the incident side, the half-space that the light comes from.
-    #[serde(default = "vacuum", alias = "index_above")]
+    #[serde(default = "vacuum")]
     #[schemars(transform = limits::INDEX.mark())]
     pub index_in: f64,
     /// Refractive index of the exit side, the half-space behind the layer; 1 for the thin air gap to the paper.
-    #[serde(default = "vacuum", alias = "index_below")]
+    #[serde(default = "vacuum")]
     #[schemars(transform = limits::INDEX.mark())]
     pub index_out: f64,
     /// How `"molecular"` pigments mix with the binder: `"volume-average"` for the scalar wave and `"maxwell-garnett"` for
@@ -50,18 +47,6 @@ pub struct LayerTable {
     pub contrast: ContrastPart,
     /// A binder surface below the tops of the grains, with `index_in` between them.
     pub relief: Option<ReliefRequest>,
-    /// Older place of `packing.method`.
-    #[schemars(transform = older_place, example = &"auto")]
-    pub method: Option<MethodChoice>,
-    /// Older place of `packing.sequential`.
-    #[schemars(transform = older_place, example = SequentialSettings::default())]
-    pub sequential: Option<SequentialSettings>,
-    /// Older place of `packing.relaxation`.
-    #[schemars(transform = older_place, example = RelaxationSettings::default())]
-    pub relaxation: Option<RelaxationSettings>,
-    /// Older place of `packing.equilibration`.
-    #[schemars(transform = older_place, example = EquilibrationSettings { sweeps: 250 })]
-    pub equilibration: Option<EquilibrationSettings>,
 }
 
 fn vacuum() -> f64 {
@@ -77,7 +62,7 @@ fn yes() -> bool {
 #[serde(deny_unknown_fields)]
 pub struct BinderTable {
     /// Its refractive index.
-    #[schemars(example = 1.558)]
+    #[schemars(with = "IndexForms", example = 1.558)]
     pub index: IndexWritten,
 }
 
@@ -99,7 +84,7 @@ pub struct PigmentTable {
     pub shape: Shape,
     /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead. `"molecular"` is the
     /// limit of vanishing grains: nothing is packed, the pigment is dissolved in the binder.
-    #[schemars(transform = usual, example = 250)]
+    #[schemars(example = 250)]
     pub diameter_nm: Option<Diameter>,
     /// Size distribution.
     #[schemars(example = SizeDistribution::diameter_nm(250.0))]
@@ -109,7 +94,7 @@ pub struct PigmentTable {
     pub volume_fraction: f64,
     /// Refractive index; packings alone do without.
     #[serde(default)]
-    #[schemars(transform = without_default, transform = usual, example = std::collections::BTreeMap::from([("built_in", "yellow")]))]
+    #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from([("built_in", "yellow")]))]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
     #[serde(default)]

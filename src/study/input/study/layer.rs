@@ -16,15 +16,12 @@ pub struct Layer {
     /// Thickness, µm.
     pub thickness_um: f64,
     /// Real index of the incident side.
-    #[serde(rename = "index_above")]
     pub index_in: f64,
     /// Real index of the exit side.
-    #[serde(rename = "index_below")]
     pub index_out: f64,
     /// What is between the grains.
-    pub binder: Material,
+    pub binder: IndexSpectrum,
     /// Which part of the contrast scatters.
-    #[serde(default, skip_serializing_if = "ContrastPart::is_full")]
     pub contrast: ContrastPart,
 }
 
@@ -36,7 +33,7 @@ pub struct Pigment {
     /// Shape, sizes and volume fraction of its grains.
     pub grains: PigmentGrains,
     /// Its refractive index.
-    pub material: Material,
+    pub material: IndexSpectrum,
 }
 
 /// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
@@ -47,12 +44,12 @@ pub struct Dissolved {
     /// Share of the layer's volume.
     pub volume_fraction: f64,
     /// The index at each wavelength.
-    pub material: Material,
+    pub material: IndexSpectrum,
 }
 
 /// A material by its index n + iκ at every wavelength of the study.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Material {
+pub struct IndexSpectrum {
     /// For people: a constant, the name of a built-in spectrum, or the path of a table.
     pub source: String,
     /// At the study's wavelengths.
@@ -62,11 +59,10 @@ pub struct Material {
     /// What is dissolved in it: shares of its own volume, and indices.
     pub dissolved: Vec<(f64, Spectrum)>,
     /// How that mixes with it.
-    #[serde(default, skip_serializing_if = "MixingRule::is_volume_average")]
     pub mixing: MixingRule,
 }
 
-impl Material {
+impl IndexSpectrum {
     /// η at a vacuum wavelength within the study's range.
     pub fn index_at(&self, wavelength_um: f64) -> Complex64 {
         // the check has proven the ends of the range, and a spectrum answers between its ends

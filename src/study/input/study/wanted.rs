@@ -43,7 +43,6 @@ pub enum WantedResolution {
         /// Discretisation along z.
         scheme: Scheme,
         /// Whether longer waves may have coarser grids.
-        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         per_wavelength: bool,
     },
     /// Points and planes per µm.
@@ -62,16 +61,6 @@ impl WantedResolution {
     pub fn scheme(&self) -> Scheme {
         match *self {
             Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
-        }
-    }
-
-    /// The same with one grid for all wavelengths.
-    pub fn on_one_grid(self) -> Self {
-        match self {
-            Self::Accuracy { amplitude, scheme, .. } => {
-                Self::Accuracy { amplitude, scheme, per_wavelength: false }
-            }
-            grid @ Self::Grid { .. } => grid,
         }
     }
 

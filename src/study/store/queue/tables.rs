@@ -1,6 +1,6 @@
 //! The queue's tables in SQLite: the session's work, its workers, its tasks.
 
-use super::Task;
+use super::QueuedTask;
 use crate::store::slot::Slot;
 use rusqlite::{Connection, ErrorCode, OptionalExtension, Transaction, params};
 use std::path::Path;
@@ -74,7 +74,7 @@ pub(super) fn begin(transaction: &Transaction, name: &str) -> rusqlite::Result<(
 }
 
 /// Tasks that are there under their numbers stay as they are.
-pub(super) fn enlist(transaction: &Transaction, first: usize, tasks: &[Task]) -> rusqlite::Result<()> {
+pub(super) fn enlist(transaction: &Transaction, first: usize, tasks: &[QueuedTask]) -> rusqlite::Result<()> {
     let sql = "insert or ignore into tasks (id, cost, after) values (?1, ?2, ?3)";
     let mut insert = transaction.prepare_cached(sql)?;
     for (i, task) in tasks.iter().enumerate() {

@@ -1,15 +1,15 @@
 //! Repulsion of overlapping spheres, of each other and of the walls.
 
-use super::Relaxation;
-use crate::ink::packing::loads::Found;
+use super::OverlapRelaxation;
+use crate::ink::packing::loads::FoundLoads;
 use crate::ink::packing::sequential::MARGIN;
 use crate::numerics::Draws;
 use crate::numerics::vector::{dot, scale, sub};
 
-impl Relaxation<'_, '_> {
+impl OverlapRelaxation<'_, '_> {
     /// Forces and torques on the bodies of the moving list and on those they push.
-    pub(super) fn forces(&mut self, draws: &mut Draws) -> Found {
-        let mut found = Found::default();
+    pub(super) fn forces(&mut self, draws: &mut Draws) -> FoundLoads {
+        let mut found = FoundLoads::default();
         for k in 0..self.moving.len() {
             let b = self.moving[k] as usize;
             for s in self.bodies.first[b]..self.bodies.first[b + 1] {
@@ -20,7 +20,7 @@ impl Relaxation<'_, '_> {
         found
     }
 
-    fn pairs(&mut self, b: usize, s: usize, found: &mut Found, draws: &mut Draws) {
+    fn pairs(&mut self, b: usize, s: usize, found: &mut FoundLoads, draws: &mut Draws) {
         let bodies = &*self.bodies;
         let (p, r, wider) = (bodies.at[s], bodies.radius[s], 1.0 + self.inflation);
         let mut push = [0.0; 3];
@@ -56,7 +56,7 @@ impl Relaxation<'_, '_> {
     }
 
     /// A wall repels like the sphere's own image behind it: L = 2 (R (1 + ε) − distance to the wall).
-    fn wall(&mut self, b: usize, s: usize, found: &mut Found) {
+    fn wall(&mut self, b: usize, s: usize, found: &mut FoundLoads) {
         if !self.bodies.cell.walls {
             return;
         }

@@ -1,10 +1,10 @@
 //! Euler steps of the touched bodies, and the field that aligns them on the way.
 
-use super::Relaxation;
-use crate::ink::grains::orientation::Field;
+use super::OverlapRelaxation;
+use crate::ink::grains::orientation::AxisField;
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale};
 
-impl Relaxation<'_, '_> {
+impl OverlapRelaxation<'_, '_> {
     /// One Euler step of every touched body, which then form the new moving list.
     pub(super) fn advance(&mut self) {
         let h = self.step / self.settings.translational_viscosity;
@@ -61,13 +61,13 @@ impl Relaxation<'_, '_> {
 
     /// Pigments whose order still falls short of what their field asks for.
     fn aligning(&self, ramp: f64) -> Vec<bool> {
-        let active = |field: &Field| ramp > 0.0 && field.kappa != 0.0;
+        let active = |field: &AxisField| ramp > 0.0 && field.kappa != 0.0;
         let fields = self.plan.fields.iter().map(|field| field.filter(active)).enumerate();
         fields.map(|(k, field)| field.is_some_and(|field| self.falls_short(k, field))).collect()
     }
 
     /// True when the mean square cosine of a pigment's axes to its field is below what the field asks for.
-    fn falls_short(&self, pigment: usize, field: Field) -> bool {
+    fn falls_short(&self, pigment: usize, field: AxisField) -> bool {
         let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
         let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
         let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));

@@ -7,7 +7,7 @@ use crate::wave::contrast::nufft::{Patch, SourceTransform};
 use crate::wave::contrast::relief;
 use crate::wave::contrast::section::{self, EdgePoint};
 use crate::wave::grid::element::MAX_DEGREE;
-use crate::wave::{Ball, Body, Shape};
+use crate::wave::{Ball, Body, BodyShape};
 use num_complex::{Complex, Complex64};
 use std::f64::consts::TAU;
 
@@ -34,8 +34,8 @@ impl<'a, T: Real> CellSum<'a, T> {
     /// The moments of a body that reaches into the cell over `range`.
     pub(super) fn add_body(&mut self, body: &Body, range: [f64; 2]) {
         match &body.shape {
-            Shape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
-            Shape::Above { surface, balls } => {
+            BodyShape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
+            BodyShape::Above { surface, balls } => {
                 let columns = self.builder.columns(self.cell);
                 relief::add_vacuum(surface, balls, &columns, &mut self.direct);
             }

@@ -1,14 +1,50 @@
 //! Why an export fails.
 
 use crate::evaluate::ink::InkError;
-use crate::export::samples::SampleError;
 use crate::ink::PackError;
 use crate::solve::SolveError;
 use crate::wave::WaveError;
+use std::path::PathBuf;
 
 /// Why something could not be exported.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
+    /// No results there.
+    #[error("{} holds no results of `inkwave run`: {reason}", path.display())]
+    NoResults {
+        /// The folder.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
+    },
+    /// The study in `results.json` is not the one that was run.
+    #[error("{}: the study has hash {found}, its results were made for {expected}", path.display())]
+    Changed {
+        /// The folder.
+        path: PathBuf,
+        /// Content hash of the study.
+        found: String,
+        /// The hash that is written beside it.
+        expected: String,
+    },
+    /// Solves are missing.
+    #[error("{} is not finished: {finished} of {asked} solves are there", path.display())]
+    Unfinished {
+        /// The folder.
+        path: PathBuf,
+        /// Solves that are there.
+        finished: usize,
+        /// Solves of the study.
+        asked: usize,
+    },
+    /// The store cannot be opened.
+    #[error("cannot open the store of {}: {source}", path.display())]
+    Store {
+        /// The folder.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
     /// Colours and materials need the ink on its paper.
     #[error("{format} needs the ink on its paper: {reason}")]
     NoInk {
@@ -52,9 +88,6 @@ pub enum ExportError {
     #[error(transparent)]
     Ink(#[from] InkError),
     /// A table was not made.
-    #[error(transparent)]
-    Sample(#[from] SampleError),
-    /// A table was not made.
     #[error("cannot write a table: {0}")]
     Csv(#[from] csv::Error),
     /// JSON was not made.
@@ -72,4 +105,24 @@ pub enum ExportError {
     /// The near field's solve failed.
     #[error(transparent)]
     Solve(#[from] SolveError),
+}
+
+impl ExportError {
+    /// What to try, where the message does not say it.
+    pub fn remedy(&self) -> Option<&'static str> {
+        match self {
+            Self::NoResults { .. } => Some(
+                "give the folder that `inkwave run STUDY.toml` has written; of a sweep, a folder under variants/",
+            ),
+            Self::Changed { .. } => {
+                Some("results.json was edited or is of another version: run the study again")
+            }
+            Self::Unfinished { .. } => {
+                Some("run the study again in that folder: it goes on where it stopped")
+            }
+            Self::Store { .. } => Some("check the folder's permissions"),
+            Self::Seen(_) => Some("run the study again in a new folder"),
+            _ => None,
+        }
+    }
 }

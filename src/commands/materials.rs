@@ -1,0 +1,41 @@
+//! Lists the measured materials that come with the program.
+
+use super::say::say;
+use clap::Args;
+use inkwave::material::named::{MATERIALS, NamedMaterial};
+
+/// List the materials for index = { material = "…" }: use, range, index at 550 nm, source
+#[derive(Args)]
+pub struct MaterialsArgs {
+    /// Only this material, with its comment
+    pub name: Option<String>,
+}
+
+pub fn run(args: &MaterialsArgs) -> miette::Result<()> {
+    let Some(name) = &args.name else {
+        return MATERIALS.iter().try_for_each(|material| say(format_args!("{}", row(material))));
+    };
+    let known = NamedMaterial::find(name).ok_or_else(|| unknown(name))?;
+    say(format_args!("{}", row(known)))?;
+    for source in known.sources() {
+        say(format_args!("  {}\n  {}", source.reference, source.comment))?;
+    }
+    if known.is_birefringent() {
+        say(format_args!("  Birefringent: the waves see the orientation average, ε = (2 ε_o + ε_e)/3."))?;
+    }
+    say(format_args!("  From the refractiveindex.info database, CC0 1.0."))
+}
+
+fn row(material: &NamedMaterial) -> String {
+    let index = material.index();
+    let [from, to] = index.range_nm();
+    let eta = index.index(0.55);
+    let NamedMaterial { name, what, .. } = material;
+    format!("{name:<14} {what:<38} {from:.0}–{to:.0} nm   {:.3} + {:.4}i at 550 nm", eta.re, eta.im)
+}
+
+fn unknown(name: &str) -> miette::Report {
+    let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
+    let help = "organic pigments are in no open collection of indices: give measured n and κ as csv";
+    miette::miette!(help = help, "no material {name:?}; known are {names}")
+}
