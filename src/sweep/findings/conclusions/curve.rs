@@ -2,7 +2,7 @@
 
 use super::{Claim, no_value};
 use crate::numerics::linked::Linked;
-use crate::sweep::outcome::Outcome;
+use crate::sweep::findings::outcome::Outcome;
 
 /// Place of the value, by straight lines between the curve's points; with the errors of the value and of the curve there.
 ///

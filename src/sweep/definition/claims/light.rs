@@ -3,7 +3,7 @@
 use super::Claim;
 use crate::input::fault::{Fault, Faults};
 use crate::input::study::Study;
-use crate::sweep::file::Quantity;
+use crate::sweep::definition::file::Quantity;
 
 /// Conclusions that their variants cannot answer.
 pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults) {

@@ -1,11 +1,11 @@
 //! Which variants come nearest to the colour that they shall have.
 
 use super::conclusions::{QUANTILE, student};
-use super::load::{Outline, Place};
 use super::outcome::Outcome;
 use super::sweep_page::{NearRow, Nearest};
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
+use crate::sweep::definition::load::{Outline, Place};
 
 /// Most variants in the page's table.
 const MOST_ROWS: usize = 12;

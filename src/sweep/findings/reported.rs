@@ -1,10 +1,10 @@
 //! What a sweep's report has found.
 
 use super::conclusions::Judged;
-use super::load::Sweep;
 use super::outcome::{Outcome, lab};
 use crate::numerics::estimate::Estimate;
 use crate::store::damage::Damage;
+use crate::sweep::definition::load::Sweep;
 
 /// What a report has found.
 #[derive(Clone, Debug)]

@@ -4,11 +4,11 @@ mod curve;
 mod spectrum;
 mod words;
 
-use super::claims::{Claim, Words};
-use super::file::Quantity;
 use super::outcome::Outcome;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
+use crate::sweep::definition::claims::{Claim, Words};
+use crate::sweep::definition::file::Quantity;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

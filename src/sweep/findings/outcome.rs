@@ -1,17 +1,15 @@
 //! What one variant has come to, finished or not.
 
 use super::aim::Aim;
-use super::file::Quantity;
-use super::load::{Sweep, Variant};
-use super::rounds::Standing;
-use super::stored::collect_some;
 use crate::appearance::colour::Colour;
 use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
 use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
-use crate::run::{Collected, Refused, Stores};
+use crate::run::Refused;
+use crate::sweep::definition::file::Quantity;
+use crate::sweep::definition::load::{Sweep, Variant};
 use std::collections::BTreeMap;
 
 /// The numbers of a variant that tables and conclusions use.
@@ -173,15 +171,6 @@ impl Outcome {
 /// L*, a* or b* with its error.
 pub fn lab(colour: &Colour, i: usize) -> Estimate {
     Estimate { value: colour.lab[i], standard_error: colour.lab_standard_error().map(|e| e[i]) }
-}
-
-/// What the store has of a study, without computing anything. `None` before the first packing and grid.
-///
-/// A study that wants a bar ends with the realisation that reaches it, whatever the store has beyond.
-pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
-    let standing = Standing::of(study, stores, 0);
-    let realisations = if standing.enough { standing.border } else { study.realisations };
-    Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@
 //! a run of consecutive units. Groups are ordered by their content hash, which mixes costly and cheap ones, and at most
 //! one group is divided between two neighbouring shards.
 
-use super::load::Sweep;
 use crate::store::identity::Key;
+use crate::sweep::definition::load::Sweep;
 use std::collections::BTreeMap;
 use std::ops::Range;
 

@@ -1,5 +1,6 @@
 //! What the store has of a variant, without computing anything.
 
+use super::rounds::Standing;
 use crate::input::study::Study;
 use crate::run::point::is_physical;
 use crate::run::realisation::point_keys;
@@ -8,6 +9,15 @@ use crate::run::resolve::Resolved;
 use crate::run::{Collected, Realisation, Refused, Stores};
 use crate::store::identity::Key;
 use crate::store::record::PointRecord;
+
+/// What the store has of a study, without computing anything. `None` before the first packing and grid.
+///
+/// A study that wants a bar ends with the realisation that reaches it, whatever the store has beyond.
+pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
+    let standing = Standing::of(study, stores, 0);
+    let realisations = if standing.enough { standing.border } else { study.realisations };
+    Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
+}
 
 /// What the store has of the first realisations.
 pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collected> {
@@ -20,7 +30,7 @@ pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Opti
 }
 
 /// Realisations that have no packing or no grid, as far as that is recorded.
-pub(super) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
+pub(crate) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
     let of = |realisation: usize| {
         let record = stores.failures.get(stage_key(study, realisation).as_str())?;
         Some(Refused { realisation, reason: record.reason })

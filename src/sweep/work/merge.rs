@@ -1,8 +1,5 @@
 //! Joins the stores of several shards into one folder.
 
-use super::Sweep;
-use super::folder;
-use super::folder::OpenError;
 use crate::run::Stores;
 use crate::run::realisation::point_keys;
 use crate::run::resolve::{Resolved, kept};
@@ -13,6 +10,9 @@ use crate::store::record::{FailureRecord, PointRecord};
 use crate::store::rows::StoredRow;
 use crate::store::store::Record;
 use crate::store::{PackingRecord, same};
+use crate::sweep::Sweep;
+use crate::sweep::definition::folder;
+use crate::sweep::definition::folder::OpenError;
 use std::io;
 use std::path::{Path, PathBuf};
 

@@ -104,8 +104,8 @@ fn check_claim(at: &str, claim: &Claim, count: usize) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::file::SheetTable;
-    use crate::sweep::load::AxisOutline;
+    use crate::sweep::definition::file::SheetTable;
+    use crate::sweep::definition::load::AxisOutline;
 
     fn outline() -> Outline {
         let place = |name: &str, k: usize| Place { name: name.into(), place: vec![k] };

@@ -4,7 +4,6 @@ mod deadline;
 mod scaled;
 mod trial;
 
-use super::load::Sweep;
 use super::units::{groups, units};
 use crate::input::study::{Point, Study, WantedResolution};
 use crate::run::realisation::Packings;
@@ -13,6 +12,7 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
+use crate::sweep::definition::load::Sweep;
 use crate::wave::Scene;
 use deadline::Deadline;
 use scaled::scaled;

@@ -4,7 +4,6 @@
 //! Spectra travel as 16-bit steps of 1/20 000, pictures as PNG and numbers to a millionth, so that 260 variants stay below 1 MB;
 //! `sweep.csv` has every digit.
 
-use super::load::Sweep;
 use super::outcome::Outcome;
 use super::reported::shown;
 use super::target;
@@ -13,6 +12,7 @@ use crate::draw::figure::Bitmap;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
 use crate::report::page::hex;
+use crate::sweep::definition::load::Sweep;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
@@ -190,8 +190,8 @@ mod tests {
     use super::*;
     use crate::appearance::colour::{Colorimeter, Colour};
     use crate::evaluate::manifest::Count;
-    use crate::sweep::aim::{Aim, AimFound};
-    use crate::sweep::load::{AxisOutline, Outline, Place};
+    use crate::sweep::definition::load::{AxisOutline, Outline, Place};
+    use crate::sweep::findings::aim::{Aim, AimFound};
     use ndarray::Array2;
 
     /// A variant with every number, noise in all digits.

@@ -1,7 +1,7 @@
 //! Inequalities as people write them.
 
 use super::{Claim, Outcome, Quantity};
-use crate::sweep::file::Over;
+use crate::sweep::definition::file::Over;
 
 /// The bounds in words, such as "C*(a) − C*(b) ≥ 5".
 pub(super) fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {

@@ -1,7 +1,7 @@
 //! Slips in a conclusion's own keys.
 
 use crate::input::fault::{Fault, Faults};
-use crate::sweep::file::{ConclusionTable, Over, Quantity};
+use crate::sweep::definition::file::{ConclusionTable, Over, Quantity};
 
 /// Faults of a conclusion's own numbers: wavelengths, places of a curve, bounds.
 pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {

@@ -5,7 +5,6 @@
 //! follows from the store alone, so that every process of a folder finds the same. Without a wanted bar there is one
 //! round.
 
-use super::load::{Sweep, Variant};
 use super::stored::{collect_some, stage_key};
 use super::units::{Unit, units, units_within};
 use crate::evaluate::summary::enough;
@@ -14,6 +13,7 @@ use crate::run::Stores;
 use crate::run::realisation::point_keys;
 use crate::run::resolve;
 use crate::run::resolve::Resolved;
+use crate::sweep::definition::load::{Sweep, Variant};
 use std::ops::Range;
 
 /// Realisations between two looks at the bar: the same for everybody, so that a study ends at the same realisation again.

@@ -1,9 +1,9 @@
 //! Contact sheets: two axes in rows and columns, one sheet for each place on the others.
 
-use super::load::Outline;
 use super::outcome::Outcome;
 use crate::appearance::picture::InkPicture;
 use crate::draw::contact_sheet::ContactSheet;
+use crate::sweep::definition::load::Outline;
 
 /// A sheet, and the variants on it as \[row\]\[column\].
 pub(crate) struct Sheet {

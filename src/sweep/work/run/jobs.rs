@@ -1,9 +1,9 @@
 //! The tasks of a sweep: grids of groups, and units.
 
-use super::super::Sweep;
 use super::super::units::Unit;
 use super::{GRIDS_FIRST, solves_of};
 use crate::store::queue::QueuedTask;
+use crate::sweep::Sweep;
 use std::collections::BTreeMap;
 
 /// A task of the queue in full.

@@ -1,8 +1,8 @@
 //! One conclusion asked of every value of an axis.
 
 use crate::input::fault::{Fault, Faults};
-use crate::sweep::axes::Axis;
-use crate::sweep::file::{ConclusionTable, Where};
+use crate::sweep::definition::axes::Axis;
+use crate::sweep::definition::file::{ConclusionTable, Where};
 use toml::Value;
 
 /// The conclusions one by one, each with the number of the table that it is written in.

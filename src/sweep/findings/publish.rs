@@ -2,14 +2,11 @@
 
 use super::conclusions::{Judged, judge};
 use super::explore;
-use super::folder::VARIANTS;
-use super::load::Sweep;
-use super::outcome::{Outcome, collect};
+use super::outcome::Outcome;
 use super::page;
 pub use super::reported::Reported;
 use super::reported::numbers;
 use super::sheets::{Sheet, sheets};
-use super::stored::refused;
 use super::target;
 use crate::appearance::picture::InkPicture;
 use crate::draw::OutputError;
@@ -23,6 +20,9 @@ use crate::report::publish::{PublishError, publish_seen};
 use crate::run::Stores;
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
+use crate::sweep::definition::folder::VARIANTS;
+use crate::sweep::definition::load::Sweep;
+use crate::sweep::work::stored::{collect, refused};
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::evaluate::manifest::Count;
-use crate::sweep::aim::{Aim, AimFound};
-use crate::sweep::load::AxisOutline;
+use crate::sweep::definition::load::AxisOutline;
+use crate::sweep::findings::aim::{Aim, AimFound};
 
 /// A variant of three realisations that is so far from its target.
 fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> Outcome {

@@ -2,7 +2,6 @@
 
 use super::conclusions::Judged;
 use super::curves;
-use super::load::Sweep;
 use super::outcome::Outcome;
 use super::reported::{Reported, shown};
 use super::sheets::Sheet;
@@ -13,6 +12,7 @@ use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::manifest::Count;
 use crate::report::page::{Picture, hex, made_by, png_data, svg_data};
 use crate::report::scalar_error;
+use crate::sweep::definition::load::Sweep;
 
 /// Most spectra in one figure: colours of the palette.
 const MOST_CURVES: usize = 7;

@@ -1,13 +1,13 @@
 //! A study alone: a sweep of one variant, with its results at the top of the folder.
 
-use super::load::Sweep;
-use super::outcome::collect;
 use super::run::{Scope, run};
+use super::stored::collect;
 use super::units::Shard;
 use crate::input::study::Study;
 use crate::run::watch::RunWatch;
 use crate::run::{Collected, RunError, RunSettings, Stores};
 use crate::store::folder::OutputFolder;
+use crate::sweep::definition::load::Sweep;
 
 /// What a run of a study has come to, over all processes of its folder.
 #[derive(Debug)]

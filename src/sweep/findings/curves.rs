@@ -1,7 +1,6 @@
 //! Curves against concentration and grain size (P1 section 6): transmittance of the layer where the pigment absorbs most,
 //! and chroma on paper.
 
-use super::load::Sweep;
 use super::outcome::Outcome;
 use super::sheets::Sheet;
 use crate::draw::chart::{Chart, Curve};
@@ -10,6 +9,7 @@ use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
 use crate::input::contrast::ContrastPart;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
+use crate::sweep::definition::load::Sweep;
 use std::collections::{BTreeMap, HashMap};
 
 /// What a variant is made of, as far as curves sort it; sizes in hundredths of a nm, shares in millionths, so that

@@ -3,8 +3,8 @@
 use super::{Claim, QUANTILE, Verdict, decide, margin, measure, no_value};
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
-use crate::sweep::file::Over;
-use crate::sweep::outcome::Outcome;
+use crate::sweep::definition::file::Over;
+use crate::sweep::findings::outcome::Outcome;
 
 /// Verdict, measured value, remark; or what is missing.
 type SpectrumFound = Result<(Verdict, Option<Estimate>, String), String>;

@@ -10,7 +10,6 @@ mod news;
 mod room;
 mod work;
 
-use super::load::Sweep;
 use super::rounds::Rounds;
 use super::units::{Shard, Unit, units};
 use crate::run::crew::Crew;
@@ -21,6 +20,7 @@ use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
 use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
+use crate::sweep::definition::load::Sweep;
 use jobs::{Job, jobs};
 use named::NamedWatch;
 use news::News;
