@@ -38,8 +38,10 @@ pub fn run_study(
             Ok(Ran { collected, publishes: tally.publishes })
         }
         None => {
-            // A folder without a result of any kind is not kept.
-            Stores::open(folder)?.failures.remove_all()?;
+            if tally.publishes {
+                // A folder without a result of any kind is not kept.
+                Stores::open(folder)?.failures.remove_all()?;
+            }
             Err(tally.failure.unwrap_or(RunError::Stopped))
         }
     }
