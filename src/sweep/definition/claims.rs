@@ -146,7 +146,7 @@ fn one_variant(
 #[cfg(test)]
 impl Claim {
     /// C* of two variants, at least 0.
-    pub(super) fn example() -> Self {
+    pub(in crate::sweep) fn example() -> Self {
         Self {
             id: "1".into(),
             statement: String::new(),

@@ -109,7 +109,9 @@ pub fn run(
         let worker = Worker::new((sweep, folder), (&stores, &queue), &turn, (settings, room), watch);
         queue.enlist(turn.first, &turn.tasks(sweep))?;
         // Nothing can be done beside the choice of the only grids: all threads take part in it.
-        if let (1, Some(task)) = (turn.groups(), worker.take()) {
+        if turn.groups() == 1
+            && let Some(task) = worker.take()
+        {
             worker.note(worker.go(task));
         }
         crew.work_off(|| worker.take(), |task| worker.note(worker.go(task)));
