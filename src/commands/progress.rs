@@ -61,6 +61,8 @@ pub struct Progress {
     solved: AtomicUsize,
     left: AtomicUsize,
     busy: Mutex<Busy>,
+    /// Solves that were already stored.
+    kept: AtomicUsize,
     /// Processes that share the work.
     workers: AtomicUsize,
     /// Whether `run.target_delta_e` may end the run before all solves are done.
@@ -86,6 +88,7 @@ impl Progress {
             solved: AtomicUsize::new(0),
             left: AtomicUsize::new(0),
             busy: Mutex::new(Busy::new()),
+            kept: AtomicUsize::new(0),
             workers: AtomicUsize::new(1),
             ends_early: AtomicBool::new(false),
         }
@@ -101,6 +104,10 @@ impl Progress {
     /// Removes the progress bar and prints the throughput.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+        let (kept, all) = (self.kept.load(Ordering::Relaxed), self.bar.length().unwrap_or(0));
+        if kept > 0 {
+            note(format_args!("{kept} of {all} solves were already stored"));
+        }
         let (solved, Ok(busy)) = (self.solved.load(Ordering::Relaxed), self.busy.lock()) else { return };
         if solved > 0 {
             let seconds = busy.begun.elapsed().as_secs_f64();
@@ -178,6 +185,11 @@ impl Progress {
         self.workers.store(standing.workers.max(1), Ordering::Relaxed);
     }
 
+    fn kept(&self, solves: usize) {
+        self.kept.fetch_add(solves, Ordering::Relaxed);
+        self.pass(solves);
+    }
+
     /// Counts solves that need no work.
     fn pass(&self, solves: usize) {
         self.bar.inc(solves as u64);
@@ -233,7 +245,8 @@ impl RunWatch for Progress {
             Event::Stage(what) => self.show_stage(what),
             Event::Standing(standing) => self.standing(standing),
             Event::Solving(study, point) => self.solving(study, point),
-            Event::Kept(solves) | Event::Dropped(solves) => self.pass(solves),
+            Event::Kept(solves) => self.kept(solves),
+            Event::Dropped(solves) => self.pass(solves),
             Event::Ended => self.ended(),
             Event::Solved(point, failure) => self.solved(point, failure),
         }

@@ -68,10 +68,6 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
         super::say::note(format_args!("out of reach: {reason} (--plan gives details; Ctrl-C stops)"));
     }
-    if let Some(kept) = stored(&study, &folder).ok().flatten().filter(|kept| kept.finished() > 0) {
-        let (kept, all) = (kept.finished(), study.solves());
-        super::say::note(format_args!("{kept} of {all} solves are already stored"));
-    }
     let progress = Progress::new(StopFlag::listen());
     progress.expect(study.solves(), study.target_delta_e.is_some());
     let live = Live::new(&folder, &progress, Box::new(|| publish_stored(&study, &folder)));

@@ -65,7 +65,7 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
     }
     assert_eq!(points(&parts).len(), 16);
     let said = succeed(&study_file, &parts, &[]);
-    assert!(said.contains("16 of 24 solves are already stored"), "{said}");
+    assert!(said.contains("16 of 24 solves were already stored"), "{said}");
     assert!(tables(&whole) == tables(&parts) && !parts.join("PARTIAL").exists());
 }
 
@@ -98,14 +98,14 @@ fn a_change_recomputes_what_depends_on_it() {
         assert_ne!(changed, TINY);
         succeed(&study(folder.path(), &changed), &out, &[])
     };
-    let all = "24 of 24 solves are already stored";
+    let all = "24 of 24 solves were already stored";
     assert!(after("[light]", "[paper]\nalbedo = 0.5\n[light]").contains(all), "paper is not in the solves");
     assert!(after("Tiny yellow", "Another title").contains(all));
     let said = after("step_nm = 100", "step_nm = 50");
     // Directions turn on from wavelength to wavelength: only the first wavelength keeps its own.
-    assert!(said.contains("6 of 42 solves are already stored"), "old wavelengths stay: {said}");
+    assert!(said.contains("6 of 42 solves were already stored"), "old wavelengths stay: {said}");
     let said = after("realisations = 2", "realisations = 3");
-    assert!(said.contains("24 of 36 solves are already stored"), "old realisations stay: {said}");
+    assert!(said.contains("24 of 36 solves were already stored"), "old realisations stay: {said}");
     assert!(!after("seed = 7", "seed = 8").contains("already stored"), "another seed, other packings");
 }
 
@@ -199,7 +199,7 @@ fn ctrl_c_stops_cleanly_and_a_kill_loses_nothing_finished() {
     assert!(asked.elapsed() < Duration::from_secs(20));
     let said = String::from_utf8_lossy(&done.stderr).into_owned();
     assert_eq!(done.status.code(), Some(1), "{said}");
-    assert!(said.contains("are already stored") && said.contains("marked as partial"), "{said}");
+    assert!(said.contains("were already stored") && said.contains("marked as partial"), "{said}");
     assert!(out.join("PARTIAL").exists() && out.join("report.html").exists());
     let no_litter =
         std::fs::read_dir(&out).unwrap().all(|f| !f.unwrap().file_name().to_string_lossy().starts_with('.'));
