@@ -10,7 +10,7 @@ use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
 use crate::input::study::{Angles, Study};
 use crate::input::variation::{CellRule, LightRule};
-use crate::run::runner::{Collected, Realisation};
+use crate::run::{Collected, Realisation};
 use crate::store::record::PointRecord;
 use crate::wave::FarField;
 use crate::wave::Wave;
