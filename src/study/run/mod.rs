@@ -7,6 +7,7 @@ pub mod grids;
 pub mod longer_waves;
 pub mod memory;
 pub mod point;
+pub mod portions;
 pub mod realisation;
 pub mod resolve;
 pub mod runner;

@@ -5,7 +5,7 @@
 //! study, are not repeated.
 
 use super::realisation::{Packings, RealisationRun, point_keys};
-use super::resolve::resolve;
+use super::resolve::{Resolved, resolve};
 use super::watch::RunWatch;
 use crate::ink::PackError;
 use crate::input::study::Study;
@@ -44,11 +44,26 @@ pub fn run_until(
     watch: &dyn RunWatch,
     enough: &dyn Fn(&Collected) -> bool,
 ) -> Result<Collected, RunError> {
+    run_on(study, folder, settings, watch, (None, enough))
+}
+
+/// As [`run_until`], on a grid that is known already.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_on(
+    study: &Study,
+    folder: &OutputFolder,
+    settings: RunSettings,
+    watch: &dyn RunWatch,
+    (grid, enough): (Option<Resolved>, &dyn Fn(&Collected) -> bool),
+) -> Result<Collected, RunError> {
     let stores = Stores::open(folder)?;
     stores.database().prepare()?;
     let mut packings = Packings::new(study, watch);
     let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
-    let resolved = resolve(study, &stores.grids, settings.memory, watch, scene).map_err(stopped)?;
+    let chosen = || resolve(study, &stores.grids, settings.memory, watch, scene).map_err(stopped);
+    let resolved = grid.map_or_else(chosen, Ok)?;
     let keys = |realisation| point_keys(study, &resolved, realisation);
     let kept = (0..study.realisations).flat_map(keys).filter(|(_, key)| stores.points.has(key.as_str()));
     let kept = kept.count();
