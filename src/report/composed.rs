@@ -24,6 +24,12 @@ pub struct PublishedLayer {
     pub status: Status,
     /// Its main results, one line each.
     pub lines: Vec<String>,
+    /// The layer at every thickness asked for and wavelength.
+    pub spectra: Vec<ComposedRow>,
+    /// The medium at every wavelength.
+    pub medium: Vec<MediumRow>,
+    /// Thickness that hides, µm.
+    pub hiding_thickness_um: Option<Judged>,
 }
 
 /// Writes `results.json`, tables and page.
@@ -50,7 +56,13 @@ pub fn publish(
     if manifest.status == Status::Complete {
         folder.complete()?;
     }
-    Ok(PublishedLayer { status: manifest.status, lines: lines(&manifest) })
+    Ok(PublishedLayer {
+        status: manifest.status,
+        lines: lines(&manifest),
+        spectra: manifest.spectra,
+        medium: manifest.medium,
+        hiding_thickness_um: manifest.hiding_thickness_um,
+    })
 }
 
 /// Largest overshoot of a share of light that its error can stand for.
@@ -94,7 +106,7 @@ fn spectra<'a>(rows: impl Iterator<Item = &'a ComposedRow> + Clone) -> csv::Resu
 }
 
 /// Names and values of a medium.
-fn coefficients(row: &MediumRow) -> [(&'static str, Judged); 8] {
+pub fn coefficients(row: &MediumRow) -> [(&'static str, Judged); 8] {
     [
         ("effective_index", row.effective_index),
         ("coherent_path_um", row.coherent_path_um),

@@ -263,12 +263,6 @@ impl Reading<'_> {
             }
         };
         match check(&file, self.folder, &draft.name) {
-            Ok(study) if study.layer.composed.is_some() => {
-                let remedy = "`inkwave run` each study; a list of thicknesses needs no sweep";
-                let fault = Fault::new("layer.composed", "given", "layers solved at once in a sweep", remedy);
-                self.fault(draft, fault, faults);
-                Ok(None)
-            }
             Ok(study) => {
                 let mut written = Value::Table(table);
                 self.keep_inputs(&mut written)?;

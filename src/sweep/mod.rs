@@ -15,6 +15,7 @@
 pub mod aim;
 pub mod axes;
 pub mod claims;
+pub mod composed;
 pub mod conclusions;
 mod curves;
 pub mod expand;

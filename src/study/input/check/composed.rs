@@ -93,3 +93,57 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
         faults.push(Fault::new("run.realisations", study.realisations, "2 or more", remedy));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::input::check::check;
+    use crate::input::fault::Fault;
+    use crate::input::study::{Position, Study};
+    use std::path::Path;
+
+    fn study(layer: &str, rest: &str) -> Result<Study, Vec<Fault>> {
+        let text = format!(
+            "title = 't'\n[layer]\nbinder.index = 1.5\n{layer}\n[[pigment]]\nname = 'p'\ndiameter_nm = 250\n\
+             volume_fraction = 0.2\nindex = 2.0\n[light]\nwavelengths_nm = [450, 650]\n{rest}\n"
+        );
+        check(&toml::from_str(&text).expect("a study file"), Path::new("."), "test")
+    }
+
+    #[test]
+    fn a_layer_is_cut_into_slabs_and_skins() {
+        let study = study("thickness_um = [10, 20]\nindex_out = 1.4\n[layer.composed]\nslab_um = 2.2", "[paper]\ncoupling = 'optical_contact'").unwrap();
+        let portions = study.portions();
+        let all: Vec<_> = portions.iter().map(|p| (p.portion.as_ref().unwrap().position, p.layer.thickness_um)).collect();
+        use Position::{Back, Front, Inner};
+        assert_eq!(all, [(Inner, 2.0), (Front, 2.0), (Back, 2.0), (Inner, 1.0), (Front, 1.0), (Back, 1.0)]);
+        // n_eff = √(0.2 · 4 + 0.8 · 2.25), and the media next to each slab
+        let own = 2.6_f64.sqrt();
+        let media = |k: usize| portions[k].media(0.5);
+        assert!((media(0).incident.re - own).abs() < 1e-12 && media(0).exit == media(0).incident);
+        assert_eq!((media(1).incident.re, media(1).exit), (1.0, media(0).exit));
+        assert_eq!((media(2).incident, media(2).exit.re), (media(0).incident, 1.4));
+        // each has packings of its own; what is solved is counted
+        assert!(portions.windows(2).all(|p| p[0].packing.seed != p[1].packing.seed));
+        assert_eq!(study.solves(), portions.iter().map(|p| p.realisations * p.points(0).len()).sum::<usize>());
+    }
+
+    #[test]
+    fn what_cannot_be_composed_is_refused_with_a_remedy() {
+        let composed = "[layer.composed]\nslab_um = 2";
+        let cases = [
+            ("thickness_um = 3", composed, "", "layer.composed.slab_um"),
+            ("thickness_um = [4, 8]", "", "", "layer.thickness_um"),
+            ("thickness_um = [8, 4]", composed, "", "layer.thickness_um[1]"),
+            ("thickness_um = { mean = 8, std = 1 }", composed, "", "layer.thickness_um.std"),
+            ("thickness_um = 8\nrelief = { depth_um = 0.1 }", composed, "", "layer.relief"),
+            ("thickness_um = 8", composed, "[angles]\ncount = 5", "angles"),
+            ("thickness_um = 8", composed, "[run]\nrealisations = 1", "run.realisations"),
+            ("thickness_um = 8", "[layer.composed]\nslab_um = 0.4", "", "pigment[0].diameter_nm"),
+        ];
+        for (layer, table, rest, field) in cases {
+            let faults = study(&format!("{layer}\n{table}"), rest).expect_err(field);
+            assert!(faults.iter().any(|f| f.field == field && !f.remedy.is_empty()), "{field}: {faults:?}");
+        }
+        assert!(study(&format!("thickness_um = 8\n{composed}"), "").is_ok());
+    }
+}
