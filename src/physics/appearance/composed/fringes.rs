@@ -141,3 +141,57 @@ fn lagrange(points: &[f64], x: f64) -> Vec<f64> {
     };
     (0..points.len()).map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::composed::ordinates::Ordinates;
+
+    /// A clear film of four slabs of 1 µm in air, s-polarised: amplitudes of each are known.
+    fn film(index: f64) -> Film {
+        let (slab_um, wavelength_um) = (1.0, 0.55);
+        let medium = |index: f64| Hemisphere {
+            ordinates: Ordinates::new(index, &[], [3, 3]),
+            polarisations: 1,
+            oblique_deg: None,
+        };
+        let media = [medium(1.0), medium(index)];
+        let sines = || [0.0].into_iter().chain(media[0].ordinates.sines.iter().copied());
+        let phase = |s: f64| Complex64::from_polar(1.0, TAU / wavelength_um * (index * index - s * s).sqrt() * slab_um);
+        let fresnel = |s: f64| {
+            let [outer, inner] = [(1.0 - s * s).sqrt(), (index * index - s * s).sqrt()];
+            (outer - inner) / (outer + inner)
+        };
+        let through = |s: f64| (1.0 - fresnel(s).powi(2)).sqrt() * phase(s);
+        let outside = sines().map(|s| vec![[fresnel(s).into(), through(s)]]).collect::<Vec<_>>();
+        let inside = sines().map(|s| vec![[-fresnel(s) * phase(s) * phase(s), through(s)]]).collect::<Vec<_>>();
+        let between = sines().map(|s| vec![[Complex64::ZERO, phase(s)]]).collect::<Vec<_>>();
+        let slabs = [[outside.clone(), inside.clone()], [between.clone(), between], [inside, outside]];
+        Film { slabs, media, slab_um, wavelength_um }
+    }
+
+    /// Airy's film, and its incoherent composition 2R/(1 + R).
+    #[test]
+    fn a_clear_film_has_its_fringes() {
+        let (index, film) = (1.5, film(1.5));
+        let airy = |mu: f64| {
+            let s2 = 1.0 - mu * mu;
+            let inner = (index * index - s2).sqrt();
+            let r = ((mu - inner) / (mu + inner)).powi(2);
+            let half = (TAU / 0.55 * inner * 4.0).sin().powi(2);
+            let coherent = 4.0 * r * half / ((1.0 - r).powi(2) + 4.0 * r * half);
+            [coherent, 2.0 * r / (1.0 + r)]
+        };
+        let nodes = (0..3).map(|i| film.media[0].ordinates.cosine(i));
+        let composed: Vec<[f64; 2]> =
+            [1.0].into_iter().chain(nodes).map(|mu| [airy(mu)[1], 1.0 - airy(mu)[1]]).collect();
+        let oblique = 45.0_f64.to_radians().cos();
+        let [normal, slanted, diffuse] = film.corrections(4, 0, &composed, oblique);
+        let want = |mu: f64| airy(mu)[0] - airy(mu)[1];
+        assert!((normal[0] - want(1.0)).abs() < 1e-9 && (normal[0] + normal[1]).abs() < 1e-9);
+        // Fresnel's amplitudes at the four nodes stand for those between
+        assert!((slanted[0] - want(oblique)).abs() < 3e-3, "{slanted:?} {}", want(oblique));
+        let mean: f64 = gauss(400).into_iter().map(|(mu, weight)| weight * want(mu)).sum();
+        assert!((diffuse[0] - mean).abs() < 3e-3, "{diffuse:?} {mean}");
+    }
+}

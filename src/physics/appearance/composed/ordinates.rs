@@ -5,6 +5,8 @@
 //! With v = √(s₁² − s²) in a zone s₀ < s < s₁, its étendue is ∫ 2v dv, and light of any direction is
 //! shared among the zone's nodes by Lagrange polynomials in v, which keeps its flux. In air, v = cos θ.
 
+use gauss_quad::GaussLegendre;
+
 /// Zones narrower than this in s are part of their neighbour.
 const NARROWEST: f64 = 1e-3;
 /// Steps of the search for the roots of a polynomial of small degree.
@@ -37,6 +39,23 @@ impl Ordinates {
     /// Nodes in a medium of real index: `counts[0]` in the zone from which light reaches air,
     /// `counts[1]` in each zone beyond. Zones end at 1 and at the `borders`, other media's indices.
     pub fn new(index: f64, borders: &[f64], counts: [usize; 2]) -> Self {
+        Self::by(gauss, index, borders, counts)
+    }
+
+    /// As [`Ordinates::new`], with nodes that suit radiative transfer, where sums over dv occur beside
+    /// those over 2v dv: the zeros of Legendre polynomials.
+    pub fn for_transfer(index: f64, counts: [usize; 2]) -> Self {
+        Self::by(gauss_legendre, index, &[], counts)
+    }
+
+    /// Any nodes, for tests against other programs' discretisations.
+    #[cfg(test)]
+    pub fn listed(index: f64, cosines: &[f64], weights: Vec<f64>) -> Self {
+        let sines = cosines.iter().map(|mu| index * (1.0 - mu * mu).sqrt()).collect();
+        Self { index, sines, weights, zones: Vec::new() }
+    }
+
+    fn by(rule: Rule, index: f64, borders: &[f64], counts: [usize; 2]) -> Self {
         let inside = |s: &f64| *s > NARROWEST && *s < index - NARROWEST;
         let mut ends: Vec<f64> = [1.0].iter().chain(borders).copied().filter(inside).collect();
         ends.push(index);
@@ -45,17 +64,17 @@ impl Ordinates {
         let mut all = Self { index, sines: Vec::new(), weights: Vec::new(), zones: Vec::new() };
         let mut from = 0.0;
         for to in ends {
-            all.add_zone(from, to, counts[usize::from(from > 0.0)]);
+            all.add_zone(from, to, rule(counts[usize::from(from > 0.0)]));
             from = to;
         }
         all
     }
 
-    fn add_zone(&mut self, from: f64, to: f64, count: usize) {
+    fn add_zone(&mut self, from: f64, to: f64, rule: Vec<(f64, f64)>) {
         let width = (to * to - from * from).sqrt();
         let (first, mut nodes) = (self.sines.len(), Vec::new());
         // from the normal outwards
-        for (v, weight) in gauss(count).into_iter().rev() {
+        for (v, weight) in rule.into_iter().rev() {
             nodes.push(width * v);
             self.sines.push((to * to - (width * v).powi(2)).sqrt());
             self.weights.push(weight * width * width);
@@ -96,6 +115,18 @@ impl Ordinates {
     pub fn escaping(&self) -> usize {
         self.zones.iter().filter(|zone| zone.from == 0.0).map(|zone| zone.nodes.len()).sum()
     }
+}
+
+/// Nodes and weights on 0 < v < 1 for a number of nodes.
+type Rule = fn(usize) -> Vec<(f64, f64)>;
+
+/// Zeros of Legendre polynomials on 0 < v < 1 with weights 2v dv, rising.
+pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+    let rule = GaussLegendre::new(count.max(2)).expect("two nodes or more");
+    let mut pairs: Vec<(f64, f64)> =
+        rule.iter().map(|&(x, w)| (0.5 * (1.0 + x), 0.5 * (1.0 + x) * w)).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pairs
 }
 
 /// Gaussian nodes and weights of ∫₀¹ 2v f(v) dv, rising: inner nodes of the Radau rule, the roots of

@@ -1,13 +1,13 @@
 //! Radiative transfer in an even medium, and the coefficients of transport that describe a slab.
 
 use super::flux::Hemisphere;
-use super::ordinates::legendre;
+use super::ordinates::{Ordinates, legendre};
 use super::plate::{Plate, total};
 use crate::appearance::kubelka_munk::KubelkaMunk;
 use faer::Mat;
 
-/// Terms of the Henyey–Greenstein function.
-const TERMS: usize = 60;
+/// Nodes of a zone for the medium that a slab is compared with.
+const NODES: usize = 8;
 /// Optical thickness, over the cosine of the flattest direction, of the layer that doubling begins with.
 const THINNEST: f64 = 1e-6;
 /// Rounds of Newton's method, and the step of its differences.
@@ -46,14 +46,20 @@ impl Transport {
         layer
     }
 
-    /// Single scattering: F_ij = k_s d w_i p(μ_i, ±μ_j)/(4 n² μ_i μ_j), scaled to what column j loses.
+    /// Single scattering: F_ij = k_s d w_i p(μ_i, ±μ_j)/(4 n² μ_i μ_j), scaled to what column j loses. The
+    /// nodes carry as many terms of p; the rest of the forward peak goes straight on
+    /// (δ-M, W. J. Wiscombe, J. Atmos. Sci. 34 (1977) 1408).
     fn thin(&self, medium: &Hemisphere, cosines: &[f64], thickness_um: f64) -> Plate {
         let (n, weights) = (cosines.len(), medium.weights());
+        let terms = medium.ordinates.weights.iter().filter(|w| **w > 0.0).count();
         let polynomials: Vec<Vec<f64>> =
-            cosines.iter().map(|&mu| (0..TERMS).map(|l| legendre(l, mu)).collect()).collect();
-        let term = |l: usize, sign: f64| (2 * l + 1) as f64 * (sign * self.asymmetry).powi(l as i32);
+            cosines.iter().map(|&mu| (0..terms).map(|l| legendre(l, mu)).collect()).collect();
+        let straight = self.asymmetry.powi(terms as i32);
+        let scattering = self.scattering_per_um * (1.0 - straight);
+        let moment = |l: usize| (self.asymmetry.powi(l as i32) - straight) / (1.0 - straight);
+        let term = |l: usize, sign: f64| (2 * l + 1) as f64 * sign.powi(l as i32) * moment(l);
         let phase = |i: usize, j: usize, sign: f64| -> f64 {
-            (0..TERMS).map(|l| term(l, sign) * polynomials[i][l] * polynomials[j][l]).sum()
+            (0..terms).map(|l| term(l, sign) * polynomials[i][l] * polynomials[j][l]).sum()
         };
         let shape = |sign: f64| Mat::from_fn(n, n, |i, j| weights[i] / cosines[i] * phase(i, j, sign));
         let [mut back, mut onward] = [shape(-1.0), shape(1.0)];
@@ -61,10 +67,10 @@ impl Transport {
             let sum: f64 = (0..n).map(|i| back[(i, j)] + onward[(i, j)]).sum();
             let path = thickness_um / cosines[j];
             for i in 0..n {
-                back[(i, j)] *= self.scattering_per_um * path / sum;
-                onward[(i, j)] *= self.scattering_per_um * path / sum;
+                back[(i, j)] *= scattering * path / sum;
+                onward[(i, j)] *= scattering * path / sum;
             }
-            onward[(j, j)] += 1.0 - (self.scattering_per_um + self.absorption_per_um) * path;
+            onward[(j, j)] += 1.0 - (scattering + self.absorption_per_um) * path;
         }
         Plate { reflection: [back.clone(), back], transmission: [onward.clone(), onward] }
     }
@@ -74,14 +80,16 @@ impl Transport {
     pub fn of_slab(slab: &Plate, medium: &Hemisphere, thickness_um: f64) -> Option<Self> {
         let extinction = -slab.transmission[0][(0, 0)].ln() / thickness_um;
         let [r, t] = means(slab, medium);
-        let plain = Hemisphere { polarisations: 1, oblique_deg: None, ..medium.clone() };
+        let ordinates = Ordinates::for_transfer(medium.ordinates.index, [NODES; 2]);
+        let plain = Hemisphere { ordinates, polarisations: 1, oblique_deg: None };
         let of = |k: [f64; 2]| Self {
             scattering_per_um: extinction - k[0],
             absorption_per_um: k[0],
             asymmetry: k[1],
         };
+        let own = |k: [f64; 2]| means(&of(k).layer(&plain, thickness_um), &plain);
         let miss = |k: [f64; 2]| {
-            let [own_r, own_t] = means(&of(k).layer(&plain, thickness_um), &plain);
+            let [own_r, own_t] = own(k);
             [own_r + own_t - r - t, own_r - r]
         };
         let mut k = [0.5 * (1.0 - r - t) / thickness_um, 0.5];
