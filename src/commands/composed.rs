@@ -33,6 +33,7 @@ pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::
     let again = format!("to resume: {}", this_command());
     let published = publish(study, &solved, &folder).into_diagnostic();
     let published = published.map_err(|error| miette!(help = again.clone(), "{error}"))?;
+    published.remarks.iter().for_each(super::say::note);
     for line in published.lines {
         say(format_args!("{}: {line}", study.title))?;
     }

@@ -30,6 +30,8 @@ pub struct PublishedLayer {
     pub medium: Vec<MediumRow>,
     /// Thickness that hides, µm.
     pub hiding_thickness_um: Option<Judged>,
+    /// What to change.
+    pub remarks: Vec<String>,
 }
 
 /// Writes `results.json`, tables and page.
@@ -62,6 +64,7 @@ pub fn publish(
         spectra: manifest.spectra,
         medium: manifest.medium,
         hiding_thickness_um: manifest.hiding_thickness_um,
+        remarks: manifest.remarks,
     })
 }
 
@@ -386,6 +389,7 @@ fn limits(manifest: &ComposedManifest) -> Vec<String> {
          thin layers."
             .to_owned(),
     ];
+    lines.extend(manifest.remarks.iter().cloned());
     lines.extend(manifest.no_colour.iter().map(|reason| format!("There is no colour: {reason}.")));
     lines
 }

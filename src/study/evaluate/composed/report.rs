@@ -166,6 +166,8 @@ pub struct ComposedManifest<'a> {
     pub spreading_rate_m2_per_l: Option<Judged>,
     /// Why neither is there.
     pub no_hiding: Option<String>,
+    /// What to change, where slabs are thinner than the mean free path of coherent light.
+    pub remarks: Vec<String>,
     /// Fluxes in the first thickness, on the paper, at one wavelength.
     pub depth: Vec<DepthRow>,
     /// That wavelength, nm.
@@ -206,7 +208,7 @@ pub fn report<'a>(study: &'a Study, solved: &[Solved]) -> Result<ComposedManifes
     let mut rows: Vec<(Vec<ComposedRow>, Option<ComposedColours>)> =
         question.thicknesses_um.iter().map(|&um| layer(&question, um, &mut all)).collect();
     rows.truncate(rows.len() - extra);
-    let medium = study.wavelengths_nm.iter().map(|&nm| medium_row(nm, &mut all)).collect();
+    let medium: Vec<MediumRow> = study.wavelengths_nm.iter().map(|&nm| medium_row(nm, &mut all)).collect();
     let hiding_thickness_um = if question.hides { all.next() } else { None };
     let curve = rows.split_off(asked);
     let (spectra, colours): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
@@ -229,17 +231,32 @@ pub fn report<'a>(study: &'a Study, solved: &[Solved]) -> Result<ComposedManifes
         spectra: spectra.into_iter().flatten().collect(),
         colours: colours.into_iter().flatten().collect(),
         no_colour,
-        medium,
         curve: curve.into_iter().flatten().collect(),
         curve_colours: curve_colours.into_iter().flatten().collect(),
         hiding_thickness_um,
         spreading_rate_m2_per_l: hiding_thickness_um.map(spreading_rate),
         no_hiding,
+        remarks: thin_slabs(composed, &medium).into_iter().collect(),
+        medium,
         depth,
         depth_nm,
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         process_seconds: None,
         study,
+    })
+}
+
+/// Slabs thinner than the mean free path of coherent light, where that is longest.
+fn thin_slabs(composed: &Composed, medium: &[MediumRow]) -> Option<String> {
+    let longest = medium.iter().max_by(|a, b| a.coherent_path_um.value.total_cmp(&b.coherent_path_um.value))?;
+    let (slab_um, path_um) = (composed.slab_um, longest.coherent_path_um.value);
+    (path_um > slab_um).then(|| {
+        format!(
+            "layer.composed.slab_um: found slabs of {slab_um:.2} µm, thinner than the mean free path of coherent light, {path_um:.2} µm \
+             at {} nm; interference between the surfaces is corrected for, that between inner slabs is left to the model's \
+             error bar: take thicker slabs, or solve the layer at once",
+            longest.wavelength_nm
+        )
     })
 }
 
