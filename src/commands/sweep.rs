@@ -123,9 +123,12 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
 
 /// A sweep of composed layers: one after another, in this process.
 fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> miette::Result<()> {
-    if args.plan || args.shard.is_some() || args.grids_only || args.grids.is_some() {
-        let help = "leave the option out; `inkwave run --plan` plans one of its studies";
-        return Err(miette!(help = help, "sweeps of composed layers have no plans, shards and common grids"));
+    if args.plan {
+        return tell_plan(&composed::slabs(sweep), args.json, settings);
+    }
+    if args.shard.is_some() || args.grids_only || args.grids.is_some() {
+        let help = "leave the option out; its studies can be run one by one, on several machines";
+        return Err(miette!(help = help, "sweeps of composed layers have no shards and no common grids"));
     }
     if let Some(other) = sweep.variants.iter().find(|v| v.study.layer.composed.is_none()) {
         let help = "declare all variants composed, or none";

@@ -26,6 +26,19 @@ pub fn is_composed(sweep: &Sweep) -> bool {
     sweep.variants.iter().any(|variant| variant.study.layer.composed.is_some())
 }
 
+/// The slabs of all variants, as a sweep to plan.
+pub fn slabs(sweep: &Sweep) -> Sweep {
+    let mut all = Sweep { variants: Vec::new(), ..sweep.clone() };
+    all.outline.axes.clear();
+    all.outline.variants.clear();
+    for variant in &sweep.variants {
+        let one = Sweep::of_one(&variant.name, variant.study.clone());
+        all.outline.variants.extend(one.outline.variants);
+        all.variants.extend(one.variants);
+    }
+    all
+}
+
 /// Runs and publishes one layer after another, until they are done or the watch says stop.
 ///
 /// # Errors
@@ -81,7 +94,8 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
     let axes = sweep.outline.axes.iter().map(|axis| axis.heading());
     let first = done.iter().find_map(|(_, layer)| layer.medium.first());
     let names = first.map(|row| coefficients(row).map(|(name, _)| name)).into_iter().flatten();
-    let both = names.chain(["hiding_thickness_um"]).flat_map(|name| [name.into(), format!("{name}_standard_error")]);
+    let both =
+        names.chain(["hiding_thickness_um"]).flat_map(|name| [name.into(), format!("{name}_standard_error")]);
     let header = axes.chain(["wavelength_nm".to_owned()]).chain(both);
     let mut all = Vec::new();
     for (k, layer) in done {

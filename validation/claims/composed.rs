@@ -35,7 +35,8 @@ fn measure(level: Level, findings: &mut Findings) {
     for row in &rows {
         let um = &row["thickness_um"];
         for light in ["normal", "45", "diffuse"] {
-            let sum = value(row, &format!("reflectance_{light}")) + value(row, &format!("transmittance_{light}"));
+            let sum =
+                value(row, &format!("reflectance_{light}")) + value(row, &format!("transmittance_{light}"));
             let because = "columns are scaled to R + T = 1 − A, and composing loses nothing: rounding of some hundred products";
             findings.identity(format!("R + T − 1 of {um} µm, {light}"), (sum - 1.0).abs(), 1e-7, because);
         }

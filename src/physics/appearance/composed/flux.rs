@@ -396,7 +396,10 @@ mod tests {
         for (side, states) in [(0, outer.len()), (1, inner.len())] {
             for j in 0..states {
                 let all = [&mean.reflection[side], &mean.transmission[side]];
-                near(all.map(|m| (0..m.nrows()).map(|i| m[(i, j)]).sum::<f64>()).iter().sum(), 1.0 - absorptance);
+                near(
+                    all.map(|m| (0..m.nrows()).map(|i| m[(i, j)]).sum::<f64>()).iter().sum(),
+                    1.0 - absorptance,
+                );
             }
         }
     }

@@ -157,14 +157,17 @@ mod tests {
         };
         let media = [medium(1.0), medium(index)];
         let sines = || [0.0].into_iter().chain(media[0].ordinates.sines.iter().copied());
-        let phase = |s: f64| Complex64::from_polar(1.0, TAU / wavelength_um * (index * index - s * s).sqrt() * slab_um);
+        let phase = |s: f64| {
+            Complex64::from_polar(1.0, TAU / wavelength_um * (index * index - s * s).sqrt() * slab_um)
+        };
         let fresnel = |s: f64| {
             let [outer, inner] = [(1.0 - s * s).sqrt(), (index * index - s * s).sqrt()];
             (outer - inner) / (outer + inner)
         };
         let through = |s: f64| (1.0 - fresnel(s).powi(2)).sqrt() * phase(s);
         let outside = sines().map(|s| vec![[fresnel(s).into(), through(s)]]).collect::<Vec<_>>();
-        let inside = sines().map(|s| vec![[-fresnel(s) * phase(s) * phase(s), through(s)]]).collect::<Vec<_>>();
+        let inside =
+            sines().map(|s| vec![[-fresnel(s) * phase(s) * phase(s), through(s)]]).collect::<Vec<_>>();
         let between = sines().map(|s| vec![[Complex64::ZERO, phase(s)]]).collect::<Vec<_>>();
         let slabs = [[outside.clone(), inside.clone()], [between.clone(), between], [inside, outside]];
         Film { slabs, media, slab_um, wavelength_um }

@@ -150,9 +150,8 @@ fn sorted_surface(air: &Hemisphere, inside: &Hemisphere, n: f64) -> Plate {
     let r = |sine: f64| if sine < 1.0 { fresnel(n, (1.0 - sine * sine).sqrt()) } else { 1.0 };
     let alike = |i: usize, j: usize| outer[i] == inner[j] && (i == 0) == (j == 0);
     let same = |i: usize, j: usize| if alike(i, j) { 1.0 - r(outer[i]) } else { 0.0 };
-    let diagonal = |sines: &[f64]| {
-        Mat::from_fn(sines.len(), sines.len(), |i, j| if i == j { r(sines[i]) } else { 0.0 })
-    };
+    let diagonal =
+        |sines: &[f64]| Mat::from_fn(sines.len(), sines.len(), |i, j| if i == j { r(sines[i]) } else { 0.0 });
     Plate {
         reflection: [diagonal(&outer), diagonal(&inner)],
         transmission: [

@@ -71,9 +71,8 @@ impl PackingRequest {
     fn structure_factor(&self, bodies: &[Bodies]) -> f64 {
         let all: f64 = bodies.iter().map(|b| b.volume_um3).sum();
         let fraction = bodies.iter().map(|b| b.volume_um3 / b.filled).sum::<f64>() / self.window_um3();
-        let mean = |of: &dyn Fn(&Bodies) -> f64| {
-            bodies.iter().map(|b| b.volume_um3 * of(b)).sum::<f64>() / all
-        };
+        let mean =
+            |of: &dyn Fn(&Bodies) -> f64| bodies.iter().map(|b| b.volume_um3 * of(b)).sum::<f64>() / all;
         let diameter = mean(&|b| (6.0 / PI * b.body_um3 / b.filled).cbrt());
         let side = (self.period_um[0] * self.period_um[1]).sqrt();
         if self.equilibration.is_some() {

@@ -248,7 +248,8 @@ pub fn report<'a>(study: &'a Study, solved: &[Solved]) -> Result<ComposedManifes
 
 /// Slabs thinner than the mean free path of coherent light, where that is longest.
 fn thin_slabs(composed: &Composed, medium: &[MediumRow]) -> Option<String> {
-    let longest = medium.iter().max_by(|a, b| a.coherent_path_um.value.total_cmp(&b.coherent_path_um.value))?;
+    let longest =
+        medium.iter().max_by(|a, b| a.coherent_path_um.value.total_cmp(&b.coherent_path_um.value))?;
     let (slab_um, path_um) = (composed.slab_um, longest.coherent_path_um.value);
     (path_um > slab_um).then(|| {
         format!(

@@ -111,9 +111,14 @@ mod tests {
 
     #[test]
     fn a_layer_is_cut_into_slabs_and_skins() {
-        let study = study("thickness_um = [10, 20]\nindex_out = 1.4\n[layer.composed]\nslab_um = 2.2", "[paper]\ncoupling = 'optical_contact'").unwrap();
+        let study = study(
+            "thickness_um = [10, 20]\nindex_out = 1.4\n[layer.composed]\nslab_um = 2.2",
+            "[paper]\ncoupling = 'optical_contact'",
+        )
+        .unwrap();
         let portions = study.portions();
-        let all: Vec<_> = portions.iter().map(|p| (p.portion.as_ref().unwrap().position, p.layer.thickness_um)).collect();
+        let all: Vec<_> =
+            portions.iter().map(|p| (p.portion.as_ref().unwrap().position, p.layer.thickness_um)).collect();
         use Position::{Back, Front, Inner};
         assert_eq!(all, [(Inner, 2.0), (Front, 2.0), (Back, 2.0), (Inner, 1.0), (Front, 1.0), (Back, 1.0)]);
         // n_eff = √(0.2 · 4 + 0.8 · 2.25), and the media next to each slab
@@ -124,7 +129,10 @@ mod tests {
         assert_eq!((media(2).incident, media(2).exit.re), (media(0).incident, 1.4));
         // each has packings of its own; what is solved is counted
         assert!(portions.windows(2).all(|p| p[0].packing.seed != p[1].packing.seed));
-        assert_eq!(study.solves(), portions.iter().map(|p| p.realisations * p.points(0).len()).sum::<usize>());
+        assert_eq!(
+            study.solves(),
+            portions.iter().map(|p| p.realisations * p.points(0).len()).sum::<usize>()
+        );
     }
 
     #[test]
