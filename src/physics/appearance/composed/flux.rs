@@ -93,6 +93,22 @@ pub struct Fluxes {
     beams: Vec<Beam>,
 }
 
+impl Fluxes {
+    /// The mean with another packing in the same cell, solved in the same light.
+    pub fn mean_with(&self, other: &Self) -> Self {
+        let half = |a: f64, b: f64| 0.5 * (a + b);
+        let beam = |(a, b): (&Beam, &Beam)| Beam {
+            amplitudes: [0, 1].map(|k| 0.5 * (a.amplitudes[k] + b.amplitudes[k])),
+            ..*a
+        };
+        Self {
+            all: Mat::from_fn(self.all.nrows(), self.all.ncols(), |i, j| half(self.all[(i, j)], other.all[(i, j)])),
+            absorbed: self.absorbed.iter().zip(&other.absorbed).map(|(&a, &b)| half(a, b)).collect(),
+            beams: self.beams.iter().zip(&other.beams).map(beam).collect(),
+        }
+    }
+}
+
 /// A specular order: amplitudes \[reflected, transmitted\] with the flux of a unit amplitude.
 #[derive(Clone, Copy, Debug)]
 struct Beam {

@@ -3,6 +3,7 @@
 use crate::appearance::composed::flux::{Coherent, Fluxes, Hemisphere, Lit, Sides};
 use crate::appearance::composed::fringes::Film;
 use crate::appearance::composed::plate::Plate;
+use crate::evaluate::seen::complete_cells;
 use crate::input::study::{Position, Study};
 use crate::run::{Collected, Realisation};
 use crate::store::record::PointRecord;
@@ -15,7 +16,7 @@ pub type Solved = (Study, Collected);
 /// One portion at all wavelengths.
 struct Ensemble {
     position: Position,
-    /// \[wavelength\]: its media, and the fluxes of every realisation.
+    /// \[wavelength\]: its media, and the fluxes of every cell.
     wavelengths: Vec<(Sides, Vec<Fluxes>)>,
     /// Expected error of R from the grid.
     grid_error: f64,
@@ -32,7 +33,7 @@ pub struct Level {
 /// What is changed of the ensembles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Change {
-    /// Number of a portion and of its realisation that is left out.
+    /// Number of a portion and of its cell that is left out.
     pub left_out: Option<[usize; 2]>,
     /// Whether R is larger by the grid's error, at the cost of T.
     pub grid: bool,
@@ -61,7 +62,7 @@ impl Level {
         Some(Self { slab_um, portions, wavelengths_um })
     }
 
-    /// Numbers of complete realisations of every portion.
+    /// Numbers of complete cells of every portion.
     pub fn realisations(&self) -> Vec<usize> {
         self.portions.iter().map(|p| p.wavelengths.first().map_or(0, |(_, all)| all.len())).collect()
     }
@@ -107,20 +108,27 @@ impl Slabs {
     }
 }
 
-/// The fluxes of all complete realisations.
+/// The fluxes of all complete cells.
 fn ensemble((study, collected): &Solved) -> Option<Ensemble> {
     let position = study.portion.as_ref()?.position;
     let count = study.wavelengths_nm.len();
-    let complete: Vec<&Realisation> = collected.complete().collect();
+    let cells = complete_cells(study, collected);
     let of = |w: usize| {
-        let sides = study.sides(1e-3 * study.wavelengths_nm[w])?;
-        let fluxes = complete.iter().map(|r| fluxes(&sides, r, 1e-3 * study.wavelengths_nm[w])).collect();
-        Some((sides, fluxes))
+        let wavelength_um = 1e-3 * study.wavelengths_nm[w];
+        let sides = study.sides(wavelength_um)?;
+        let all = cells.iter().map(|cell| mean_fluxes(&sides, cell, wavelength_um)).collect();
+        Some((sides, all))
     };
     let wavelengths = (0..count).map(of).collect::<Option<Vec<_>>>()?;
     let grid = collected.resolved.grid_error;
     let grid_error = grid.reflectance.max(grid.transmittance);
-    (!complete.is_empty()).then_some(Ensemble { position, wavelengths, grid_error })
+    (!cells.is_empty()).then_some(Ensemble { position, wavelengths, grid_error })
+}
+
+/// The flux matrices of one cell at one wavelength, the mean over its packings.
+fn mean_fluxes(sides: &Sides, cell: &[&Realisation], wavelength_um: f64) -> Fluxes {
+    let all = cell.iter().map(|r| fluxes(sides, r, wavelength_um));
+    all.reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
 }
 
 /// The flux matrices of one realisation at one wavelength.
