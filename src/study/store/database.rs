@@ -122,15 +122,6 @@ impl Database {
         self.writing(|rows| rows.put(&row))
     }
 
-    /// Forgets a record, in all files.
-    ///
-    /// # Errors
-    /// They cannot be written to.
-    pub fn remove(&self, kind: &str, key: &str) -> io::Result<()> {
-        let files = lock(&self.files);
-        files.all().try_for_each(|rows| rows.remove(kind, key).map_err(|error| failed(rows.path(), &error)))
-    }
-
     /// Forgets all records of a kind, in all files.
     ///
     /// # Errors
@@ -210,14 +201,6 @@ impl Database {
     /// True when there is no record at all.
     pub fn is_empty(&self) -> bool {
         lock(&self.files).all().all(|rows| rows.is_empty())
-    }
-
-    /// Gets ready to write: takes a place in the folder and takes over what is sound in damaged files.
-    ///
-    /// # Errors
-    /// The folder cannot be written to.
-    pub fn prepare(&self) -> io::Result<()> {
-        self.own(&mut lock(&self.files)).map(drop)
     }
 
     /// Joins the work called `name` in this folder, or begins it.

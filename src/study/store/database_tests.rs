@@ -65,20 +65,20 @@ fn a_damaged_file_is_put_aside_and_what_is_sound_is_saved() {
         damaged[place] ^= 0x55;
         std::fs::write(&path, damaged).unwrap();
         let store = open(&folder);
-        store.prepare().unwrap();
+        drop(store.queue("work").unwrap());
         for (key, content) in [("a", vec![1; 5000]), ("b", vec![2])] {
             assert!(store.get("point", key).is_none_or(|found| found == content), "byte {place}");
             store.put("point", key, content).unwrap();
         }
         drop(store);
         let healed = open(&folder);
-        healed.prepare().unwrap();
+        drop(healed.queue("work").unwrap());
         assert!(healed.get("point", "a").is_some() && healed.damages().is_empty(), "byte {place}");
     }
     for length in [0, 1, 100, whole.len() / 2] {
         std::fs::write(&path, &whole[..length]).unwrap();
         let store = open(&folder);
-        store.prepare().unwrap();
+        drop(store.queue("work").unwrap());
         assert!(store.get("point", "a").is_none() && (length < 2 || !store.damages().is_empty()), "{length}");
     }
 }

@@ -113,11 +113,6 @@ impl Rows {
         statement.execute(params![row.kind, row.key, method, program, seal, content]).map(drop)
     }
 
-    /// Forgets a record, if it is there.
-    pub fn remove(&self, kind: &str, key: &str) -> rusqlite::Result<()> {
-        self.connection.execute("delete from records where kind = ?1 and key = ?2", [kind, key]).map(drop)
-    }
-
     /// Forgets all records of a kind.
     pub fn remove_all(&self, kind: &str) -> rusqlite::Result<()> {
         self.connection.execute("delete from records where kind = ?1", [kind]).map(drop)

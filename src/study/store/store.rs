@@ -79,14 +79,6 @@ impl<R: Record> Store<R> {
         self.database.put(R::KIND, key, content)
     }
 
-    /// Forgets a record, if it is there.
-    ///
-    /// # Errors
-    /// The store cannot be written to.
-    pub fn remove(&self, key: &str) -> io::Result<()> {
-        self.database.remove(R::KIND, key)
-    }
-
     /// Forgets all records of this kind.
     ///
     /// # Errors

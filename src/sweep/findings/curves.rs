@@ -12,6 +12,9 @@ use crate::numerics::estimate::Estimate;
 use crate::sweep::definition::load::Sweep;
 use std::collections::{BTreeMap, HashMap};
 
+/// Maximum number of curves per figure: colours of the palette.
+pub(super) const MOST_CURVES: usize = 7;
+
 /// What a variant is made of, as far as curves sort it; sizes in hundredths of a nm, shares in millionths, so that
 /// equal numbers are equal.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -33,7 +36,7 @@ enum Abscissa {
 }
 
 /// All curves of a sheet; none where neither share nor size has several values.
-pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Chart> {
+pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome]) -> Vec<Chart> {
     let shown = sheet.variants.iter().flatten().flatten();
     let made: Vec<(usize, CurveMaker)> =
         shown.filter_map(|&v| Some((v, CurveMaker::of(&sweep.variants[v].study)?))).collect();
@@ -49,7 +52,7 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_cur
     let mut plots = Vec::new();
     for x in [Abscissa::Share, Abscissa::Size] {
         for (label, y) in [(of_t.as_str(), &transmittance as &dyn Fn(usize) -> _), ("chroma C*", &chroma)] {
-            plots.extend(plot(sheet, &made, x, label, y, most_curves));
+            plots.extend(plot(sheet, &made, x, label, y));
         }
     }
     plots
@@ -84,7 +87,6 @@ fn plot(
     x: Abscissa,
     y_label: &str,
     y: &dyn Fn(usize) -> Option<Estimate>,
-    most_curves: usize,
 ) -> Option<Chart> {
     let mut curves: Vec<Curve> = Vec::new();
     for name in names(made, x) {
@@ -103,7 +105,7 @@ fn plot(
             );
         }
     }
-    curves.truncate(most_curves);
+    curves.truncate(MOST_CURVES);
     if curves.is_empty() {
         return None;
     }

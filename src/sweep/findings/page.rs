@@ -14,8 +14,6 @@ use crate::report::page::{Picture, hex, made_by, png_data, svg_data};
 use crate::report::scalar_error;
 use crate::sweep::definition::load::Sweep;
 
-/// Most spectra in one figure: colours of the palette.
-const MOST_CURVES: usize = 7;
 /// Most figures of spectra on the page.
 const MOST_FIGURES: usize = 24;
 
@@ -128,7 +126,7 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
 fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
     let mut figures = Vec::new();
     for sheet in sheets {
-        for plot in curves::plots(sweep, sheet, outcomes, MOST_CURVES) {
+        for plot in curves::plots(sweep, sheet, outcomes) {
             figures.push(drawn(&plot));
         }
         for (name, row) in sheet.rows.iter().zip(&sheet.variants) {
@@ -153,7 +151,7 @@ fn figure(
         let asked = &sweep.variants[(*v)?].study.wavelengths_nm;
         Some(transmittance(name, &outcomes[(*v)?])?.asked_at(asked))
     };
-    let curves: Vec<Curve> = columns.iter().zip(row).filter_map(curve).take(MOST_CURVES).collect();
+    let curves: Vec<Curve> = columns.iter().zip(row).filter_map(curve).take(curves::MOST_CURVES).collect();
     if curves.is_empty() {
         return Ok(None);
     }
