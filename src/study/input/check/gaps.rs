@@ -1,10 +1,10 @@
-//! Files whose rows lie far apart: they may be meant so, and are told of.
+//! Warns of measured files whose rows are far apart, which may be intended.
 
 use crate::input::study::{IndexSpectrum, Study};
 use crate::material::gaps::widest_gap_nm;
 use crate::material::spectra::Spectrum;
 
-/// A remark for every file with a wide gap inside the study's wavelengths, once.
+/// One remark for every file with a wide gap within the study's wavelengths.
 pub fn bridged(study: &Study) -> Vec<String> {
     let (Some(&from), Some(&to)) = (study.wavelengths_nm.first(), study.wavelengths_nm.last()) else {
         return Vec::new();
