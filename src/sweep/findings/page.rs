@@ -1,4 +1,4 @@
-//! What the page of a sweep says.
+//! Content of a sweep's page.
 
 use super::conclusions::Judged;
 use super::curves;
@@ -14,7 +14,7 @@ use crate::report::page::{Picture, hex, made_by, png_data, svg_data};
 use crate::report::scalar_error;
 use crate::sweep::definition::load::Sweep;
 
-/// Most figures of spectra on the page.
+/// Maximum number of figures with spectra.
 const MOST_FIGURES: usize = 24;
 
 pub(crate) fn page(
@@ -67,7 +67,7 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
     )
 }
 
-/// What each source says, and apart from that the sweep's own questions.
+/// Groups conclusions by source; the sweep's own questions are a group of their own.
 fn conclusions(all: &[Judged]) -> Vec<ConclusionGroup> {
     let mut sources: Vec<Option<&str>> = Vec::new();
     for judged in all {
@@ -76,7 +76,7 @@ fn conclusions(all: &[Judged]) -> Vec<ConclusionGroup> {
             sources.push(source);
         }
     }
-    // the sweep's own questions last
+    // the sweep's own questions come last
     sources.sort_by_key(Option::is_none);
     let quoted = sources.iter().any(Option::is_some);
     let group = |source: &Option<&str>| ConclusionGroup {
@@ -121,8 +121,8 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
     }
 }
 
-/// Curves against concentration and size; then spectra of the layer's transmittance: one figure for each row of each
-/// sheet, one curve for each column.
+/// Curves against concentration and size; then spectra of the layer's transmittance: one figure per
+/// row of each sheet, one curve per column.
 fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
     let mut figures = Vec::new();
     for sheet in sheets {
@@ -159,7 +159,7 @@ fn figure(
     drawn(&Chart { from_zero: true, ..chart }).map(Some)
 }
 
-/// A variant's transmittance against wavelength; `None` where there is none yet.
+/// A variant's transmittance against wavelength; `None` without results.
 fn transmittance(name: &str, outcome: &Outcome) -> Option<Curve> {
     let rows = outcome.at_first_angle();
     (!rows.is_empty()).then(|| Curve::measured(name, rows.iter().map(|r| (r.wavelength_nm, r.transmittance))))
