@@ -101,7 +101,7 @@ fn impossible_factor(e: Estimate) -> Option<String> {
     let error = e.standard_error.unwrap_or(UNKNOWN);
     let words = || format!("{} ± {}", shown(e.value), e.standard_error.map_or("unknown".into(), shown));
     if !e.value.is_finite() || !error.is_finite() || error > MOST_ERROR {
-        return Some(format!("{}, an error too large to mean anything", words()));
+        return Some(format!("{}, an error too large for a meaningful result", words()));
     }
     (e.value < -error - SLACK).then(|| format!("{}, below 0 by more than its error", words()))
 }
@@ -122,7 +122,7 @@ fn shown(value: f64) -> String {
 fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String> {
     let lab = colour.lab.map(shown).join(", ");
     if !colour.lab.iter().chain(error.iter().flatten()).all(|x| x.is_finite()) {
-        return Some(format!("Lab ({lab}) is no number"));
+        return Some(format!("Lab ({lab}) is not a number"));
     }
     let dark = |c: &usize| colour.xyz[*c] < -SLACK * colour.white_xyz[*c];
     if let Some(c) = (0..3).find(dark) {
@@ -137,7 +137,7 @@ fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String>
         ));
     }
     let worst = error?.into_iter().fold(0.0, f64::max);
-    let too_large = || format!("Lab ({lab}) ± {} says nothing", shown(worst));
+    let too_large = || format!("Lab ({lab}) ± {} is not meaningful", shown(worst));
     (worst > MOST_LAB_ERROR).then(too_large)
 }
 

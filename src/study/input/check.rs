@@ -251,7 +251,7 @@ fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults)
 }
 
 fn counts(file: &StudyFile, faults: &mut Faults) {
-    let remedy = "0.1 leaves every tenth out; with more of them the means are those of other cells";
+    let remedy = "0.1 leaves out every tenth; with more of them the means are those of different cells";
     faults.number("run.failed_packings", file.run.failed_packings, limits::FAILED_PACKINGS, remedy);
     if let Some(target) = file.run.target_delta_e {
         let remedy = "0.3 is hard to see; a hundredth of that needs 10 000 times the cells";
@@ -262,7 +262,7 @@ fn counts(file: &StudyFile, faults: &mut Faults) {
                 "run.realisations",
                 1,
                 allowed,
-                "leave it out: as many are run as it takes",
+                "leave it out: the run ends when the target is reached",
             ));
         }
     }

@@ -98,7 +98,7 @@ impl MeasuredSpectrum {
             return Err(format!("{} rows; a spectrum has at least 2", rows.len()));
         }
         if let Some([nm, value]) = rows.iter().find(|row| row.iter().any(|x| !x.is_finite())) {
-            return Err(format!("{value} at {nm} nm is no number"));
+            return Err(format!("{value} at {nm} nm is not a number"));
         }
         if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
             return Err(format!(
@@ -106,13 +106,13 @@ impl MeasuredSpectrum {
             ));
         }
         if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-            return Err(format!("wavelengths do not rise: {} nm after {} nm", pair[1][0], pair[0][0]));
+            return Err(format!("wavelengths do not increase: {} nm after {} nm", pair[1][0], pair[0][0]));
         }
         let white = white(&rows, unit)?;
         let allowed = LEAST_FACTOR..=LARGEST_FACTOR;
         if let Some([nm, value]) = rows.iter().find(|row| !allowed.contains(&(row[1] / white))) {
-            let white = "a perfect white has 1, or 100 in percent";
-            return Err(format!("{value} at {nm} nm is no reflectance factor; {white}"));
+            let white = "a perfect white is 1, or 100 in percent";
+            return Err(format!("{value} at {nm} nm is not a reflectance factor; {white}"));
         }
         rows.iter_mut().for_each(|row| row[1] /= white);
         Ok(Self { source, rows, patches: 1 })

@@ -63,7 +63,7 @@ pub(super) const FORM: &str =
 /// Remedies for keys that older files lack.
 const NEWER: [(&str, &str); 1] = [(
     "by",
-    "write by = \"number\", as it was meant where nothing was said, or by = \"volume\", as sizers print",
+    "write by = \"number\", the meaning of older files, or by = \"volume\", as sizers print",
 )];
 
 impl de::Error for Misfit {
@@ -101,7 +101,7 @@ impl de::Error for Misfit {
     }
 
     fn duplicate_field(key: &'static str) -> Self {
-        Self::new(key, "two values", "one", "an old and a new name of the same key, or a slip: remove one")
+        Self::new(key, "two values", "one", "both names of the same key: remove one")
     }
 }
 

@@ -119,7 +119,7 @@ impl<'de> Visitor<'de> for NodeVisitor {
 }
 
 /// Message for a repeated key.
-const TWICE: &str = "is there twice";
+const TWICE: &str = "occurs twice";
 
 /// Why a text cannot be parsed: the parser's message and the position.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -203,9 +203,9 @@ fn json_fault(text: &str, error: &serde_json::Error) -> SyntaxFault {
 /// Suggests a remedy for invalid JSON.
 fn json_remedy(text: &str, message: &str) -> &'static str {
     if ["NaN", "Infinity"].iter().any(|word| text.contains(word)) {
-        "JSON knows neither NaN nor Infinity: give finite numbers"
+        "JSON has neither NaN nor Infinity: give finite numbers"
     } else if message.ends_with(TWICE) {
-        "keep the value that you mean"
+        "remove one of them"
     } else {
         "correct the JSON here, or write TOML in a file that ends in .toml"
     }

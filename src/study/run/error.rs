@@ -32,7 +32,7 @@ pub enum RunError {
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// A record could not be stored.
-    #[error("cannot keep a result: {0}")]
+    #[error("cannot store a result: {0}")]
     Store(#[from] io::Error),
     /// The queue of tasks failed.
     #[error(transparent)]

@@ -21,9 +21,9 @@ pub enum RecordFault {
 impl fmt::Display for RecordFault {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Seal => write!(f, "its checksum does not fit its name and content"),
+            Self::Seal => write!(f, "its checksum does not match its name and content"),
             Self::Method(found) => write!(f, "made by method {found}, this program's is {METHOD_VERSION}"),
-            Self::Form(why) => write!(f, "not of the form that this program reads: {why}"),
+            Self::Form(why) => write!(f, "not in a format that this program reads: {why}"),
         }
     }
 }
@@ -75,7 +75,7 @@ impl fmt::Display for Damage {
             Self::Record { fault, .. } => write!(f, "{}: {fault}", self.subject()),
             Self::File { reason, saved: None, .. } => write!(f, "{}: {reason}", self.subject()),
             Self::File { reason, saved: Some(saved), .. } => {
-                write!(f, "{}: {reason}; {saved} sound records of it were saved", self.subject())
+                write!(f, "{}: {reason}; {saved} intact records were saved", self.subject())
             }
         }
     }

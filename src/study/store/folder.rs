@@ -61,7 +61,7 @@ pub enum FolderError {
         wanted: Holds,
     },
     /// Part of the folder is a link to another place.
-    #[error("{} is a link to elsewhere, and results are not written through it", path.display())]
+    #[error("{} is a link, and results are not written through links", path.display())]
     Link {
         /// The link.
         path: PathBuf,
@@ -81,13 +81,13 @@ impl FolderError {
     pub fn remedy(&self) -> &'static str {
         match self {
             Self::NotWritable { .. } => {
-                "give a folder that you may write to, on a disk with room: --output DIR"
+                "choose a writable folder, on a disk with free space: --output DIR"
             }
-            Self::Foreign { .. } => "give a new folder, an empty one or one of an earlier run: --output DIR",
-            Self::Other { .. } => "give a folder of its own: --output DIR",
-            Self::Link { .. } => "put what it points to in its place, or give another folder: --output DIR",
+            Self::Foreign { .. } => "choose a new folder, an empty one or that of an earlier run: --output DIR",
+            Self::Other { .. } => "choose another folder: --output DIR",
+            Self::Link { .. } => "replace it by what it points to, or choose another folder: --output DIR",
             Self::Older { .. } => {
-                "give a new folder (--output DIR) to compute everything again, or use the version that wrote it"
+                "choose a new folder (--output DIR) to compute everything again, or use the version that wrote it"
             }
         }
     }

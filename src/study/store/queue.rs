@@ -49,7 +49,7 @@ pub struct QueueStanding {
 #[derive(Debug, thiserror::Error)]
 pub enum QueueError {
     /// Another sweep, or another version of it, is running.
-    #[error("other processes work on another sweep in {}", folder.display())]
+    #[error("other processes are running another study or sweep in {}", folder.display())]
     OtherWork {
         /// Folder of the records.
         folder: PathBuf,

@@ -176,7 +176,7 @@ impl Rows {
         let texts = |row: &rusqlite::Row| Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?));
         match self.connection.query_row(layout, [], texts) {
             Ok((table, encoding)) if table.ends_with(COLUMNS) && encoding == "UTF-8" => {}
-            Ok(_) => return Some("the table of records is not as it was made".into()),
+            Ok(_) => return Some("the table of records has another structure".into()),
             Err(error) => return Some(error.to_string()),
         }
         if self.connection.is_readonly("main").unwrap_or(true) {

@@ -33,7 +33,7 @@ impl Slot {
                 return Ok(slot);
             }
         }
-        Err(io::Error::other(format!("{MOST} processes work in {} already", folder.display())))
+        Err(io::Error::other(format!("{MOST} processes are already working in {}", folder.display())))
     }
 
     /// Takes the slot `number`; `None` if another process holds it.
@@ -102,7 +102,7 @@ fn refuse_what_is_no_lock(path: &Path) -> io::Result<()> {
     {
         return Ok(());
     }
-    let reason = "is no lock of inkwave, and is not overwritten: remove it if nobody needs it";
+    let reason = "is not a lock file of inkwave, and is not overwritten: remove it if it is not needed";
     Err(io::Error::other(format!("{} {reason}", path.display())))
 }
 

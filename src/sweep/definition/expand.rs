@@ -163,7 +163,7 @@ pub fn is_folder_name(name: &str) -> bool {
 fn check_names(drafts: &[Draft], faults: &mut Faults) {
     let mut names: Vec<&str> = drafts.iter().map(|d| d.name.as_str()).collect();
     if let Some(name) = names.iter().find(|name| name.len() > LONGEST_NAME) {
-        let found = format!("labels that make a name of {} characters", name.len());
+        let found = format!("labels that give a name of {} characters", name.len());
         let allowed = format!("at most {LONGEST_NAME}: it is the name of the variant's folder");
         faults.push(Fault::new(
             "axis",

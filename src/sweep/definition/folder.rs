@@ -98,9 +98,9 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
     let texts = texts.collect::<Result<Vec<_>, _>>()?;
     let fitting = seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))?;
     match found {
-        None => return Err(changed("sweep.json has no seal, as those of older versions")),
+        None => return Err(changed("sweep.json has no checksum, like those of older versions")),
         Some(found) if found != fitting => {
-            return Err(changed("the seal of sweep.json does not fit it and the variants' study.toml"));
+            return Err(changed("the checksum of sweep.json does not match it and the variants' study.toml"));
         }
         Some(_) => {}
     }

@@ -93,7 +93,7 @@ fn check_claim(at: &str, claim: &Claim, count: usize) -> Result<(), String> {
     }
     let rising = claim.curve.windows(2).all(|pair| pair[0].0 < pair[1].0);
     if !rising || claim.curve.len() == 1 {
-        return Err(format!("{at}.curve: found places that do not rise; allowed: two or more that do"));
+        return Err(format!("{at}.curve: found places that do not increase; allowed: two or more that do"));
     }
     if claim.at_least.is_none() && claim.at_most.is_none() {
         return Err(format!("{at}.at_least: found nothing; allowed: a bound, at_least, at_most or both"));

@@ -84,8 +84,8 @@ fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>,
 /// Remark for a variant without results.
 fn no_value(outcome: &Outcome) -> String {
     match &outcome.reason {
-        Some(reason) => format!("no value of {}: {reason}", outcome.name),
-        None => format!("no value of {} yet: finish the sweep", outcome.name),
+        Some(reason) => format!("{} has no value: {reason}", outcome.name),
+        None => format!("{} has no value yet: finish the sweep", outcome.name),
     }
 }
 
@@ -149,7 +149,7 @@ fn what_it_takes(chance: f64, error: f64, margin: f64, fewest: usize) -> String 
         let needed = needed.ceil().max(fewest as f64 + 1.0);
         return format!("about {needed:.0} realisations instead of {fewest}, if the value stays");
     }
-    "the value sits on the bound".into()
+    "the value lies on the bound".into()
 }
 
 /// Quantile of Student's t for a mean of n realisations, or of the normal distribution without
@@ -192,6 +192,6 @@ mod tests {
         assert!(what_it_takes(1.0, 1.0, 1.0, 10).starts_with("about 40 realisations instead of 10"));
         // with a grid error of 0.8 no number of realisations brings two standard errors below 1
         assert!(what_it_takes(0.36, 1.0, 1.0, 10).contains("resolution.accuracy"));
-        assert_eq!(what_it_takes(1.0, 1.0, 0.0, 10), "the value sits on the bound");
+        assert_eq!(what_it_takes(1.0, 1.0, 0.0, 10), "the value lies on the bound");
     }
 }

@@ -49,21 +49,21 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
     let unfinished = |o: &&Outcome| o.solves.finished < o.solves.asked;
     if reported.outcomes.iter().filter(unfinished).all(|outcome| outcome.reason.is_some()) {
         return format!(
-            "{complete} of {all} variants are finished; nothing more can be computed of the other {}, for the reasons in the \
-             table. --retry-failed tries them again.",
+            "{complete} of {all} variants are finished; the other {} have no results, for the reasons in the table. \
+             --retry-failed retries them.",
             all - complete
         );
     }
     let failed = match reported.failures() {
         0 => String::new(),
-        failures => format!(" {failures} failures are recorded; --retry-failed tries them again."),
+        failures => format!(" {failures} failures are recorded; --retry-failed retries them."),
     };
     let solves =
         |count: fn(&Count) -> usize| reported.outcomes.iter().map(|o| count(&o.solves)).sum::<usize>();
     let (finished, asked) = (solves(|c| c.finished), solves(|c| c.asked));
     format!(
-        "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A sweep that runs writes this page \
-         anew now and then; one that was stopped goes on when it is run again."
+        "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A running sweep updates this page \
+         regularly; a stopped one resumes when it is run again."
     )
 }
 

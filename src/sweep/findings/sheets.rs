@@ -110,6 +110,6 @@ fn why_blank(outcome: Option<&Outcome>) -> String {
         Some(o) if o.failures > 0 && o.colour.is_none() => format!("{} failed", o.failures),
         Some(o) if o.solves.finished == 0 => "not solved yet".into(),
         Some(o) if o.realisations == 0 => format!("{} of {} solves", o.solves.finished, o.solves.asked),
-        Some(_) => "angles without paper".into(),
+        Some(_) => "no paper at these angles".into(),
     }
 }

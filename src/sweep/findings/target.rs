@@ -73,8 +73,8 @@ fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]
     match tied {
         0 if unknown == 0 && known > 1 => text += " All others are farther with 95 % confidence.",
         0 => {}
-        1 => text += " One other cannot be told apart from it.",
-        n => text += &format!(" {n} others cannot be told apart from it."),
+        1 => text += " One other cannot be distinguished from it.",
+        n => text += &format!(" {n} others cannot be distinguished from it."),
     }
     if unknown > 0 {
         text += &format!(" Of {unknown} that is unknown: two or more realisations are needed.");
@@ -93,7 +93,7 @@ fn at_the_edge(outline: &Outline, variant: usize) -> String {
     if edges.is_empty() {
         return String::new();
     }
-    format!(" It lies at the edge of what was tried ({}): a nearer one may lie beyond.", edges.join(", "))
+    format!(" It lies at the edge of the sweep ({}): there may be a nearer one beyond.", edges.join(", "))
 }
 
 /// Describes whether a label has the smallest or largest number of an axis.
@@ -150,7 +150,7 @@ fn row(rank: usize, near: &Near, outcomes: &[Outcome]) -> NearRow {
             .map_or_else(String::new, |c| with_bar(c, c.standard_error.map(|s| factor_of(&[outcome]) * s))),
         verdict: match (rank, near.is_tied()) {
             (0, _) => "nearest".into(),
-            (_, Some(true)) => "cannot be told apart from it".into(),
+            (_, Some(true)) => "cannot be distinguished from it".into(),
             (_, Some(false)) => format!("farther by {}", with_bar(near.farther, near.bar)),
             (_, None) => "unknown".into(),
         },

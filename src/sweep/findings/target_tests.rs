@@ -82,7 +82,7 @@ fn ties_with_the_nearest_rest_on_the_error_of_the_difference() {
     // moved in the same direction: the difference of 1 is exact
     assert_eq!(told[1], ["same packings", "farther by 1.00"]);
     // moved in opposite directions: 4.303 · 2 · 0.374 = 3.2 exceeds 1.5
-    assert_eq!(told[2], ["other packings", "cannot be told apart from it"]);
+    assert_eq!(told[2], ["other packings", "cannot be distinguished from it"]);
     assert_eq!(told[3], ["one realisation", "unknown"]);
     assert!(told[4][0] == "far" && told[4][1].starts_with("farther by 8.0"), "{told:?}");
     assert_eq!(nearest.target, "L* 70, a* −5, b* 40 (D50, 2° observer)");

@@ -26,7 +26,7 @@ pub enum MergeError {
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// The shards belong to different sweeps.
-    #[error("{} is of another sweep than {}", other.display(), first.display())]
+    #[error("{} belongs to another sweep than {}", other.display(), first.display())]
     OtherSweep {
         /// The first shard.
         first: PathBuf,
@@ -34,7 +34,7 @@ pub enum MergeError {
         other: PathBuf,
     },
     /// Two intact records of the same inputs contain different numbers.
-    #[error("{what} in {} differs from the sound record of the same inputs in another shard ({builds})", shard.display())]
+    #[error("{what} in {} differs from the intact record of the same inputs in another shard ({builds})", shard.display())]
     Contradiction {
         /// The solve, packing or grid.
         what: String,

@@ -68,7 +68,7 @@ pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Resul
     let (mut trials, late) = tried(sweep, representatives(sweep, &groups), jobs, &deadline)?;
     let mut calibration = in_words(sweep, &trials);
     if let Some((name, factor)) = at_full_size(sweep, &trials, jobs, &deadline)? {
-        calibration += &format!("; {name} at full size costs {factor:.2} times as much a µm³");
+        calibration += &format!("; {name} at full size costs {factor:.2} times as much per µm³");
         trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
     }
     let by_size: Vec<Trial> = late.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
@@ -154,7 +154,7 @@ fn late_in_words(sweep: &Sweep, late: &[usize], alone: bool) -> String {
     }
     let names: Vec<&str> = late.iter().map(|&v| sweep.variants[v].name.as_str()).collect();
     let start = if alone { "" } else { "; " };
-    format!("{start}unknowns × operator applications of {}: no trial ended in time", names.join(", "))
+    format!("{start}unknowns × operator applications of {}: no trial finished in time", names.join(", "))
 }
 
 fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {

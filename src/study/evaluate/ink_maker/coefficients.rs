@@ -37,12 +37,12 @@ pub(super) fn kubelka_munk(
 ) -> Result<(Vec<KubelkaMunkRow>, Option<String>), InkError> {
     if let Coupling::OpticalContact { .. } = study.paper.coupling {
         let reason =
-            "K and S are those of a layer between two equal half-spaces, and this one touches its paper";
+            "K and S are defined for a layer between two equal half-spaces, but this one is in contact with its paper";
         return Ok((Vec::new(), Some(reason.to_owned())));
     }
     if study.packing.relief.is_some() {
-        let reason = "K and S need the faces' reflections taken off (Saunderson), which is known for plane faces, and this layer \
-                      has a relief";
+        let reason = "K and S require Saunderson's correction for the faces, which is known for plane faces only, and this \
+                      layer has a relief";
         return Ok((Vec::new(), Some(reason.to_owned())));
     }
     of_plane_layer(ink, uncertainty, study.layer.thickness_um)
@@ -76,13 +76,13 @@ fn straight_on(ink: &InkOnPaper) -> Result<Vec<f64>, InkError> {
 fn in_words(straight: &[f64]) -> String {
     let least = straight.iter().copied().filter(|share| share.is_finite()).fold(f64::INFINITY, f64::min);
     if least <= STRAIGHT_ON || !least.is_finite() {
-        let reason = "too little light comes through, or R and T are those of no layer with plane faces in diffuse light";
+        let reason = "too little light is transmitted, or no layer with plane faces has these R and T in diffuse light";
         return format!("K and S do not follow from this layer: {reason}");
     }
     format!(
-        "K and S describe diffuse light, but of what this layer transmits at the normal {:.0} % or more, standard error \
-         included, goes straight on at every wavelength ({:.0} % at most is allowed): it is too thin, scatters too little \
-         or is not known well enough, and S would depend on its thickness",
+        "K and S describe diffuse light, but at every wavelength {:.0} % or more of what this layer transmits at the normal, \
+         standard error included, is unscattered ({:.0} % at most is allowed): it is too thin, scatters too little or is not \
+         known well enough, and S would depend on its thickness",
         100.0 * least,
         100.0 * STRAIGHT_ON
     )

@@ -34,7 +34,7 @@ fn of_measured(study: &Study, range: [f64; 2]) -> Option<String> {
 fn words(file: &str, [from, to]: [f64; 2]) -> String {
     let width = to - from;
     format!(
-        "{file}: no row between {from} and {to} nm; a straight line bridges these {width} nm: \
+        "{file}: no row between {from} and {to} nm; these {width} nm are interpolated linearly: \
          add rows every 10 or 20 nm if the spectrum bends there"
     )
 }

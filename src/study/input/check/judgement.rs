@@ -48,7 +48,7 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
 pub fn first_of_several(file: &StudyFile, judgement: &Judgement) -> Option<String> {
     let measured = judgement.measured.as_ref().filter(|m| m.patches > 1 && file.compare.patch.is_none())?;
     Some(format!(
-        "compare.measured: taken is {}; compare.patch = \"…\" takes another by its name",
+        "compare.measured: using {}; compare.patch = \"…\" selects another by name",
         measured.source
     ))
 }

@@ -65,8 +65,8 @@ pub fn colour_is_extrapolated(wavelengths_nm: &[f64]) -> Option<String> {
     let (&first, &last) = (wavelengths_nm.first()?, wavelengths_nm.last()?);
     let short = first > from + SLACK_NM || last < to - SLACK_NM;
     let remark = format!(
-        "light: the wavelengths reach from {first} to {last} nm, and colours need {from} to {to} nm: the ends of the spectra stand for \
-         the rest, and the error bars of colours hold what it could be"
+        "light: the wavelengths reach from {first} to {last} nm, and colours need {from} to {to} nm: the spectra are continued by their \
+         values at the ends, and the error bars of colours include what the rest could be"
     );
     (short && Colorimeter::new(wavelengths_nm).is_ok()).then_some(remark)
 }

@@ -43,7 +43,7 @@ pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
         wrong("absolute", "a curve", "sums and differences without a curve");
     }
     if let Some(key) = unowned(table) {
-        wrong(key, "words without a source", "source = \"…\" beside it: whose words these are");
+        wrong(key, "a quotation without a source", "source = \"…\" beside it");
     }
     if table.at_least.is_none() && table.at_most.is_none() {
         wrong("at_least", "nothing", "a bound: at_least, at_most or both");
