@@ -100,13 +100,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// The font fails, which it cannot as it is embedded.
-    pub fn text(
-        &mut self,
-        text: &str,
-        [x, y]: [i32; 2],
-        px: u32,
-        anchor: Anchor,
-    ) -> Result<(), OutputError> {
+    pub fn text(&mut self, text: &str, [x, y]: [i32; 2], px: u32, anchor: Anchor) -> Result<(), OutputError> {
         let horizontal = match anchor {
             Anchor::Left => HPos::Left,
             Anchor::Centre | Anchor::Upwards => HPos::Center,

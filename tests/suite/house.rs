@@ -383,7 +383,8 @@ fn parameter_list(from: &str) -> Option<&str> {
 /// Names and parameters of functions with six or more.
 fn wide_functions(text: &str) -> Vec<String> {
     let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-    let lines = code.char_indices().filter(|&(at, c)| at == 0 || c == '\n').map(|(at, _)| code[at..].trim_start());
+    let lines =
+        code.char_indices().filter(|&(at, c)| at == 0 || c == '\n').map(|(at, _)| code[at..].trim_start());
     let found = lines.filter_map(|from| Some((from.lines().next()?, parameters(parameter_list(from)?))));
     found.filter(|(_, count)| *count > 5).map(|(line, count)| format!("{line} {count}")).collect()
 }
@@ -396,6 +397,7 @@ fn few_functions_have_six_or_more_parameters() {
     let found: Vec<String> = files.iter().flat_map(|(_, text)| wide_functions(text)).collect();
     assert!(found.len() <= 6, "{}", found.join("\n"));
     let planted = "impl A {\n    pub fn f<T: Fn(u8, u8) -> u8>(\n        &self,\n        a: (B, C),\n        b: D<E, F>,\n";
-    let rest = ["        c: [u8; 2],\n        d: u8,\n    ) -> u8 {}\n}\n", "        c: u8, d: u8, e: u8) {}\n}\n"];
+    let rest =
+        ["        c: [u8; 2],\n        d: u8,\n    ) -> u8 {}\n}\n", "        c: u8, d: u8, e: u8) {}\n}\n"];
     assert_eq!(rest.map(|rest| wide_functions(&format!("{planted}{rest}")).len()), [0, 1]);
 }

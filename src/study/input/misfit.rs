@@ -61,10 +61,8 @@ pub(super) const FORM: &str =
     "write the value in that form; `inkwave schema KIND` describes every key of a file";
 
 /// Remedies for keys that older files lack.
-const NEWER: [(&str, &str); 1] = [(
-    "by",
-    "write by = \"number\", the meaning of older files, or by = \"volume\", as sizers print",
-)];
+const NEWER: [(&str, &str); 1] =
+    [("by", "write by = \"number\", the meaning of older files, or by = \"volume\", as sizers print")];
 
 impl de::Error for Misfit {
     /// Types with several forms describe what is allowed; only the reader knows what was found.

@@ -80,10 +80,10 @@ impl FolderError {
     /// Suggests a remedy.
     pub fn remedy(&self) -> &'static str {
         match self {
-            Self::NotWritable { .. } => {
-                "choose a writable folder, on a disk with free space: --output DIR"
+            Self::NotWritable { .. } => "choose a writable folder, on a disk with free space: --output DIR",
+            Self::Foreign { .. } => {
+                "choose a new folder, an empty one or that of an earlier run: --output DIR"
             }
-            Self::Foreign { .. } => "choose a new folder, an empty one or that of an earlier run: --output DIR",
             Self::Other { .. } => "choose another folder: --output DIR",
             Self::Link { .. } => "replace it by what it points to, or choose another folder: --output DIR",
             Self::Older { .. } => {

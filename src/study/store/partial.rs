@@ -9,7 +9,8 @@ const INDENT: &str = "    ";
 
 /// Text of the mark.
 pub(super) fn text(go_on: Option<&str>) -> String {
-    let begun = "The work here is unfinished, and files may be from an earlier run. The same command resumes it";
+    let begun =
+        "The work here is unfinished, and files may be from an earlier run. The same command resumes it";
     match go_on {
         Some(command) => format!("{begun}:\n\n{INDENT}{command}\n"),
         None => format!("{begun}.\n"),

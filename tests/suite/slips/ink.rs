@@ -197,7 +197,12 @@ pub const INK: &[Slip] = &[
     slip(
         "diameter_nm = 200",
         "size = { kind = \"log_normal\", median_nm = 150, sigma = 0.1 }",
-        ["pigment[0].size.by", "found nothing", "by = \"number\", the meaning of older files", "by = \"volume\""],
+        [
+            "pigment[0].size.by",
+            "found nothing",
+            "by = \"number\", the meaning of older files",
+            "by = \"volume\"",
+        ],
     ),
     slip(
         "diameter_nm = 200",

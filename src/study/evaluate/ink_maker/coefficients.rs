@@ -36,8 +36,7 @@ pub(super) fn kubelka_munk(
     study: &Study,
 ) -> Result<(Vec<KubelkaMunkRow>, Option<String>), InkError> {
     if let Coupling::OpticalContact { .. } = study.paper.coupling {
-        let reason =
-            "K and S are defined for a layer between two equal half-spaces, but this one is in contact with its paper";
+        let reason = "K and S are defined for a layer between two equal half-spaces, but this one is in contact with its paper";
         return Ok((Vec::new(), Some(reason.to_owned())));
     }
     if study.packing.relief.is_some() {
