@@ -118,11 +118,10 @@ impl RealisationRun<'_> {
         let lacking: Vec<&(Point, Key)> = keyed.iter().filter(|keyed| !self.is_kept(keyed)).collect();
         let (failed, todo): (Vec<_>, Vec<_>) =
             lacking.iter().partition(|keyed| self.stores.failure(keyed).is_some());
-        self.watch.hear(Event::Kept(keyed.len() - lacking.len()));
-        self.watch.hear(Event::Dropped(failed.len()));
+        let kept = keyed.len() - lacking.len();
         let packing_key = Key::of_packing(&self.study.packing_request(self.realisation));
         if todo.is_empty() && self.stores.packings.has(packing_key.as_str()) {
-            return Ok(failed.len());
+            return Ok(self.pass(kept, failed.len()));
         }
         let packing = packings.get(self.realisation)?;
         self.stores.packings.put(packing_key.as_str(), &PackingRecord::new(self.realisation, &packing))?;
@@ -132,7 +131,14 @@ impl RealisationRun<'_> {
         let jobs = self.jobs(size.admit(&*solver, self.settings.memory)?.bytes);
         let solver = size.admit(&*solver, self.settings.memory / jobs as f64)?;
         let grids = Grids::new(self.study, &packing, self.geometries(packings, &todo)?);
-        Ok(failed.len() + self.solve_all(solver.solver(), jobs, &grids, &todo)?)
+        Ok(self.pass(kept, failed.len()) + self.solve_all(solver.solver(), jobs, &grids, &todo)?)
+    }
+
+    /// Reports the solves that need no work; returns the number of those without a result.
+    fn pass(&self, kept: usize, failed: usize) -> usize {
+        self.watch.hear(Event::Kept(kept));
+        self.watch.hear(Event::Dropped(failed));
+        failed
     }
 
     /// Whether the store has a valid result of this solve.
