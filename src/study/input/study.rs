@@ -6,7 +6,7 @@ mod wanted;
 pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
 pub use wanted::{Angles, Judgement, Output, WantedResolution};
 
-use super::variation::{Draw, Turn, Variation, stratified_deg};
+use super::variation::{CellRule, Draw, Turn, Variation, signs, stratified_deg};
 use crate::ink::PackingRequest;
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
@@ -105,12 +105,29 @@ impl Study {
     /// The packing of a realisation, with its own cell and its own random stream.
     pub fn packing_request(&self, realisation: usize) -> PackingRequest {
         let draw = self.draw(realisation);
-        PackingRequest {
+        let request = PackingRequest {
             stream: realisation as u64,
             period_um: draw.period_um,
             thickness_um: draw.thickness_um,
             ..self.packing.clone()
+        };
+        match self.partner(realisation) {
+            Some(_) => request.fluctuating(&signs(realisation, self.pigments.len())),
+            None => request,
         }
+    }
+
+    /// The other realisation in the same cell, whose pigment volumes deviate from the requested ones
+    /// by the opposite amounts, as in windows of a wide layer ([`PackingRequest::fluctuating`]);
+    /// `None` for cells that do not vary, without grains, and for the last of an odd number.
+    pub fn partner(&self, realisation: usize) -> Option<usize> {
+        let other = realisation ^ 1;
+        (self.pairs_cells() && other < self.realisations).then_some(other)
+    }
+
+    /// Whether realisations share cells in pairs.
+    pub(super) fn pairs_cells(&self) -> bool {
+        self.variation.cell == CellRule::Varied && !self.pigments.is_empty()
     }
 
     /// Content hash of everything that the packings of all realisations depend on. The first

@@ -90,6 +90,17 @@ pub fn stratified_deg(strata: usize, share: f64) -> Vec<f64> {
     (0..strata).rev().map(|k| squared(k).sqrt().acos().to_degrees()).collect()
 }
 
+/// Sign of the deviation of each pigment's volume in a realisation: opposite in the two of a pair;
+/// with several pigments all combinations of signs take turns.
+pub(super) fn signs(realisation: usize, pigments: usize) -> Vec<f64> {
+    let own = |bit: usize| if bit.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let pair = realisation / 2;
+    let of = |k: usize| {
+        own(realisation) * if k == 0 { 1.0 } else { own(pair.checked_shr(k as u32 - 1).unwrap_or(0)) }
+    };
+    (0..pigments).map(of).collect()
+}
+
 /// The shortest possible side of a cell of this nominal period, µm.
 pub fn shortest_side_um(cell: CellRule, [x, y]: [f64; 2]) -> f64 {
     match cell {

@@ -87,6 +87,22 @@ impl Agglomeration {
         (!sound).then(|| ("agglomeration.grains", format!("{:?}", self.grains), allowed))
     }
 
+    /// Mean number of grains of a body, weighted by volume; single grains count.
+    pub(crate) fn mean_body(&self) -> f64 {
+        let mean = |values: &[usize], weight: &dyn Fn(usize) -> f64| {
+            let sum = |power: i32| -> f64 {
+                values.iter().enumerate().map(|(i, &n)| weight(i) * (n as f64).powi(power)).sum()
+            };
+            sum(2) / sum(1)
+        };
+        let together = match &self.grains {
+            GrainCount::Constant(n) => *n as f64,
+            GrainCount::Uniform(r) => mean(&(r.from..=r.to).collect::<Vec<_>>(), &|_| 1.0),
+            GrainCount::List(list) => mean(&list.values, &|i| list.weights[i]),
+        };
+        1.0 + self.degree * (together - 1.0)
+    }
+
     pub(crate) fn draw_count(&self, draws: &mut Draws) -> usize {
         match &self.grains {
             GrainCount::Constant(n) => *n,
