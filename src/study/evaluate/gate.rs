@@ -124,8 +124,7 @@ fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String>
     if !colour.lab.iter().chain(error.iter().flatten()).all(|x| x.is_finite()) {
         return Some(format!("Lab ({lab}) is not a number"));
     }
-    let dark = |c: &usize| colour.xyz[*c] < -SLACK * colour.white_xyz[*c];
-    if let Some(c) = (0..3).find(dark) {
+    if let Some(c) = (0..3).find(|c: &usize| colour.xyz[*c] < -SLACK * colour.white_xyz[*c]) {
         let (name, value) = (["X", "Y", "Z"][c], shown(colour.xyz[c]));
         return Some(format!("Lab ({lab}) has {name} = {value}, below 0"));
     }
@@ -137,8 +136,7 @@ fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String>
         ));
     }
     let worst = error?.into_iter().fold(0.0, f64::max);
-    let too_large = || format!("Lab ({lab}) ± {} is not meaningful", shown(worst));
-    (worst > MOST_LAB_ERROR).then(too_large)
+    (worst > MOST_LAB_ERROR).then(|| format!("Lab ({lab}) ± {} is not meaningful", shown(worst)))
 }
 
 #[cfg(test)]

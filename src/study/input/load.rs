@@ -33,8 +33,7 @@ fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
     let (text, file): (String, StudyFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
-    let values = |faults| StudyError::Values { path: path.to_owned(), text, faults };
-    check(&file, folder, &name).map_err(values)
+    check(&file, folder, &name).map_err(|faults| StudyError::Values { path: path.to_owned(), text, faults })
 }
 
 /// Reads a TOML file; returns its text and its content.

@@ -155,9 +155,8 @@ fn slug(label: &str) -> String {
 
 /// Whether a name is that of a single folder, on every operating system.
 pub fn is_folder_name(name: &str) -> bool {
-    let kept = |c: char| c.is_ascii_alphanumeric() || "._+-".contains(c);
     let speaks = name.chars().any(|c| c.is_ascii_alphanumeric());
-    speaks && name.chars().all(kept)
+    speaks && name.chars().all(|c: char| c.is_ascii_alphanumeric() || "._+-".contains(c))
 }
 
 fn check_names(drafts: &[Draft], faults: &mut Faults) {

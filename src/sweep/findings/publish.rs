@@ -145,8 +145,7 @@ fn draw(
     pictures: &[Option<InkPicture>],
     outcomes: &[Outcome],
 ) -> Result<Vec<Vec<u8>>, PublishError> {
-    let one = |sheet: &Sheet| Ok(png(&sheet.contact_sheet(title, pictures, outcomes))?);
-    sheets.iter().map(one).collect()
+    sheets.iter().map(|sheet: &Sheet| Ok(png(&sheet.contact_sheet(title, pictures, outcomes))?)).collect()
 }
 
 /// A contact sheet as PNG, with its title.

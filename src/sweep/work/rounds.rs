@@ -82,9 +82,8 @@ fn has_failed(study: &Study, stores: &Stores, realisation: usize) -> bool {
 fn has_ended(study: &Study, stores: &Stores, realisations: usize) -> bool {
     let resolved = resolve::kept(study, &stores.grids);
     let solved = |r: usize| resolved.as_ref().is_some_and(|grid| has_all_solves(study, stores, grid, r));
-    let ended = |r: usize| has_failed(study, stores, r) || solved(r);
     // checked backwards, because the last ones are the most likely to be missing
-    (0..realisations).rev().all(ended)
+    (0..realisations).rev().all(|r: usize| has_failed(study, stores, r) || solved(r))
 }
 
 /// Whether all solves of a realisation are recorded, with or without a result.

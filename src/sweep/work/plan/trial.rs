@@ -150,8 +150,7 @@ fn grid_for(
         return Ok((None, (full_resolution(trial, study), trial.longer_waves)));
     }
     let store = Store::in_memory()?;
-    let search = || resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone()));
-    let (seconds, found) = timed(search)?;
+    let (seconds, found) = timed(|| resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone())))?;
     Ok((Some(seconds), (found.resolution, found.longer_waves)))
 }
 
