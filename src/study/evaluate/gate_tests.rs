@@ -37,8 +37,8 @@ fn colours_that_cannot_be_are_withheld() {
         (-0.01, small, "below 0"),
         (1.1, small, "lighter than white"),
         (1.2, None, "lighter than white"),
-        (0.5, Some([4.0, 80.0, 3.0]), "says nothing"),
-        (0.5, Some([f64::NAN; 3]), "no number"),
+        (0.5, Some([4.0, 80.0, 3.0]), "is not meaningful"),
+        (0.5, Some([f64::NAN; 3]), "not a number"),
     ] {
         let reason = impossible_colour(&of(value), error).unwrap();
         assert!(reason.contains(word), "{reason}");

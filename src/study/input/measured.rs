@@ -214,7 +214,7 @@ mod tests {
         );
         assert_eq!(rows([0.2, 1.0], None).unwrap(), [0.2, 1.0]);
         assert!(
-            rows([20.0, 90.0], some(MeasuredUnit::Factor)).unwrap_err().contains("no reflectance factor")
+            rows([20.0, 90.0], some(MeasuredUnit::Factor)).unwrap_err().contains("not a reflectance factor")
         );
     }
 
@@ -248,12 +248,12 @@ mod tests {
     fn files_without_a_spectrum_are_refused_with_their_reason() {
         let reason = |text: &str| read(text).unwrap_err().to_string();
         assert!(reason("wavelength_nm,lab\n400,1\n").contains("column reflectance is missing"));
-        assert!(reason("wavelength_nm,reflectance\n410,1\n400,1\n").contains("do not rise"));
+        assert!(reason("wavelength_nm,reflectance\n410,1\n400,1\n").contains("do not increase"));
         assert!(
             reason("wavelength_nm,reflectance\n410,\n420,1\n")
                 .contains("line 2, column reflectance: an empty cell")
         );
-        assert!(reason("wavelength_nm,reflectance\n410,NaN\n420,1\n").contains("no number"));
+        assert!(reason("wavelength_nm,reflectance\n410,NaN\n420,1\n").contains("not a number"));
         assert!(reason("wavelength_nm,reflectance\n0.41,1\n0.42,1\n").contains("these look like µm"));
         assert!(reason("wavelength_nm,reflectance\n410,0,5\n").contains("(wavelength_nm;reflectance)"));
         assert!(reason("<CxF/>").contains("no ReflectanceSpectrum"));

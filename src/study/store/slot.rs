@@ -144,7 +144,7 @@ mod tests {
         std::fs::hard_link(&thesis, folder.path().join("2.lock")).unwrap();
         for number in [1, 2] {
             let refused = Slot::take(folder.path(), number).unwrap_err().to_string();
-            assert!(refused.contains("is no lock of inkwave"), "{refused}");
+            assert!(refused.contains("is not a lock file of inkwave"), "{refused}");
         }
         assert_eq!(std::fs::read_to_string(thesis).unwrap(), "words");
     }

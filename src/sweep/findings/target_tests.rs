@@ -88,7 +88,7 @@ fn ties_with_the_nearest_rest_on_the_error_of_the_difference() {
     assert_eq!(nearest.target, "L* 70, a* −5, b* 40 (D50, 2° observer)");
     let said = &nearest.summary;
     assert!(
-        said.starts_with("best is nearest. One other cannot be told apart") && said.contains("Of 1"),
+        said.starts_with("best is nearest. One other cannot be distinguished") && said.contains("Of 1"),
         "{said}"
     );
     // ± 4.303 · 0.374
