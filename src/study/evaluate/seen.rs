@@ -118,8 +118,8 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     Ok(Seen { realisations, cells, bdfs: distributions(study, &fields)?, solved, layer, ink })
 }
 
-/// The complete realisations whose partner in the same cell is complete, too: one alone contains too
-/// much pigment or too little.
+/// The complete realisations whose partner in the same cell is complete, too: one alone contains
+/// too much pigment or too little.
 fn complete<'a>(study: &Study, collected: &'a Collected) -> Vec<&'a Realisation> {
     let all: Vec<&Realisation> = collected.complete().collect();
     let has = |number: usize| all.iter().any(|r| r.packing.realisation == number);

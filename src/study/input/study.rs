@@ -65,6 +65,11 @@ pub struct Study {
     pub remarks: Vec<String>,
 }
 
+/// Minimum number of realisations for cells to be shared in pairs. The scatter of fewer than four
+/// pairs is too uncertain, and chance moves the mean of so few cells more than their constant
+/// volume fraction does.
+const FEWEST_PAIRED: usize = 8;
+
 /// One solve of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
@@ -117,9 +122,10 @@ impl Study {
         }
     }
 
-    /// The other realisation in the same cell, whose pigment volumes deviate from the requested ones
-    /// by the opposite amounts, as in windows of a wide layer ([`PackingRequest::fluctuating`]);
-    /// `None` for cells that do not vary, without grains, and for the last of an odd number.
+    /// The other realisation in the same cell, whose pigment volumes deviate from the requested
+    /// ones by the opposite amounts, as in windows of a wide layer
+    /// ([`PackingRequest::fluctuating`]); `None` for cells that do not vary, without grains, for
+    /// fewer than eight realisations, and for the last of an odd number.
     pub fn partner(&self, realisation: usize) -> Option<usize> {
         let other = realisation ^ 1;
         (self.pairs_cells() && other < self.realisations).then_some(other)
@@ -127,7 +133,9 @@ impl Study {
 
     /// Whether realisations share cells in pairs.
     pub(super) fn pairs_cells(&self) -> bool {
-        self.variation.cell == CellRule::Varied && !self.pigments.is_empty()
+        self.variation.cell == CellRule::Varied
+            && !self.pigments.is_empty()
+            && self.realisations >= FEWEST_PAIRED
     }
 
     /// Content hash of everything that the packings of all realisations depend on. The first

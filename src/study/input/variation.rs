@@ -7,6 +7,12 @@
 //! [`Sequence`](crate::numerics::sequence::Sequence), together with the directions over the
 //! hemisphere and the wavelengths. Realisation r has the same draws whatever the number of
 //! realisations, so that a study can be extended.
+//!
+//! Two packings share each cell with its directions and wavelengths: one contains more pigment than
+//! requested, the other less, as do windows of the cell's size in a wide layer. Cells that all
+//! contain the requested fraction absorb too much where the ink absorbs: T of 30 % yellow, 250 nm,
+//! at 460 nm is 0.1693 ± 0.0004 in them, 0.1719 ± 0.0005 in these, 0.1719 ± 0.0004 in cells of
+//! 2.4 µm and more.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -76,8 +76,8 @@ pub struct SolverTable {
     /// Strategy: `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
     #[schemars(schema_with = "strategies", extend("default" = "krylov"))]
     pub strategy: SolverChoice,
-    /// Relative residual at which a solve has converged (default: a hundredth of
-    /// `resolution.accuracy`, or 1e-6 if the grid is given).
+    /// Relative residual at which a solve has converged (default: a tenth of
+    /// `resolution.accuracy`, at most 1e-3, or 1e-6 if the grid is given).
     #[schemars(transform = limits::TOLERANCE.mark(), example = 1e-4)]
     pub tolerance: Option<f64>,
     /// Maximum number of operator applications per solve.
