@@ -383,8 +383,11 @@ fn parameter_list(from: &str) -> Option<&str> {
 /// Names and parameters of functions with six or more.
 fn wide_functions(text: &str) -> Vec<String> {
     let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-    let lines =
-        code.char_indices().filter(|&(at, c)| at == 0 || c == '\n').map(|(at, _)| code[at..].trim_start());
+    let mut at = 0;
+    let lines = code.split_inclusive('\n').map(|line| {
+        at += line.len();
+        code[at - line.len()..].trim_start_matches(' ')
+    });
     let found = lines.filter_map(|from| Some((from.lines().next()?, parameters(parameter_list(from)?))));
     found.filter(|(_, count)| *count > 5).map(|(line, count)| format!("{line} {count}")).collect()
 }
