@@ -123,6 +123,15 @@ impl Database {
         self.writing(|rows| rows.put(&row))
     }
 
+    /// Deletes a record from all files.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn remove(&self, kind: &str, key: &str) -> io::Result<()> {
+        let files = lock(&self.files);
+        files.all().try_for_each(|rows| rows.remove(kind, key).map_err(|error| failed(rows.path(), &error)))
+    }
+
     /// Deletes all records of a kind from all files.
     ///
     /// # Errors

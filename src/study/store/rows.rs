@@ -116,6 +116,11 @@ impl Rows {
         statement.execute(params![row.kind, row.key, method, program, seal, content]).map(drop)
     }
 
+    /// Deletes a record if it exists.
+    pub fn remove(&self, kind: &str, key: &str) -> rusqlite::Result<()> {
+        self.connection.execute("delete from records where kind = ?1 and key = ?2", [kind, key]).map(drop)
+    }
+
     /// Deletes all records of a kind.
     pub fn remove_all(&self, kind: &str) -> rusqlite::Result<()> {
         self.connection.execute("delete from records where kind = ?1", [kind]).map(drop)

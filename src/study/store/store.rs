@@ -79,6 +79,14 @@ impl<R: Record> Store<R> {
         self.database.put(R::KIND, key, content)
     }
 
+    /// Deletes a record if it exists.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn remove(&self, key: &str) -> io::Result<()> {
+        self.database.remove(R::KIND, key)
+    }
+
     /// Deletes all records of this kind.
     ///
     /// # Errors
