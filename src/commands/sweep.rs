@@ -2,22 +2,22 @@
 
 use super::again::this_command;
 use super::diagnostics::study_report;
-use super::live::LiveSweep;
+use super::live::Live;
 use super::mixed_up::{Kind, not_for};
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
 use super::say::{note, say};
 use super::stop::StopFlag;
 use clap::Args;
-use inkwave::run::runner::RunSettings;
+use inkwave::run::RunSettings;
 use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::outcome::Outcome;
-use inkwave::sweep::publish::{Reported, publish};
+use inkwave::sweep::publish::{Publisher, Reported, publish};
 use inkwave::sweep::run::Scope;
 use inkwave::sweep::units::Shard;
-use inkwave::sweep::{Sweep, folder, load, plan, run as runner};
+use inkwave::sweep::{Sweep, composed, folder, load, plan, run as runner};
 use miette::{IntoDiagnostic, miette};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -73,6 +73,10 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
     remarks.into_iter().for_each(note);
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
+    let settings = RunSettings { retry_failed: args.retry_failed, ..settings };
+    if composed::is_composed(&sweep) {
+        return composed_sweep(&sweep, args, settings);
+    }
     if args.plan {
         return tell_plan(&sweep, args.json, settings);
     }
@@ -88,7 +92,8 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
     let ends_early = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
     progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early);
-    let live = LiveSweep::new(&sweep, &folder, &progress);
+    let mut publisher = Publisher::new(&sweep);
+    let live = Live::new(&folder, &progress, Box::new(|| publisher.publish(&folder).is_ok()));
     let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
     let tally = runner::run(&sweep, &folder, (part, scope), settings, watch);
     progress.finish();
@@ -108,14 +113,47 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
     if !tally.publishes {
-        say(format_args!(
-            "Other processes are still working in {} and will write the report.",
-            folder.path().display()
-        ))?;
-        return Ok(());
+        return tell_others(&folder);
     }
     let reported = publish(&sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, progress.stopped(), &this_command())
+}
+
+/// Says that other processes continue here.
+pub(super) fn tell_others(folder: &OutputFolder) -> miette::Result<()> {
+    say(format_args!(
+        "Other processes are still working in {} and will write the report.",
+        folder.path().display()
+    ))
+}
+
+/// A sweep of composed layers: one after another, in this process.
+fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> miette::Result<()> {
+    if args.plan {
+        return tell_plan(&composed::slabs(sweep), args.json, settings);
+    }
+    if args.shard.is_some() || args.grids_only || args.grids.is_some() {
+        let help = "leave the option out; its studies can be run one by one, on several machines";
+        return Err(miette!(help = help, "sweeps of composed layers have no shards and no common grids"));
+    }
+    if let Some(other) = sweep.variants.iter().find(|v| v.study.layer.composed.is_none()) {
+        let help = "declare all variants composed, or none";
+        return Err(miette!(help = help, "variant {} is not composed, and others are", other.name));
+    }
+    let folder = OutputFolder::open(&output_path(args, None), Holds::Sweep).map_err(folder_report)?;
+    let folder = folder.going_on_with(this_command());
+    folder::write(sweep, &folder).map_err(folder_report)?;
+    let progress = Progress::new(StopFlag::listen());
+    let ended = composed::run(sweep, &folder, settings, &progress);
+    progress.finish();
+    let done = ended.map_err(run_report)?;
+    let page = composed::publish(sweep, &done, &folder).into_diagnostic()?;
+    say(format_args!("Report: {}", page.display()))?;
+    if done.len() < sweep.variants.len() {
+        let help = format!("to resume: {}", this_command());
+        return Err(miette!(help = help, "{} of {} layers are there", done.len(), sweep.variants.len()));
+    }
+    Ok(())
 }
 
 /// Opens the output folder, writes the sweep to it and applies `--retry-failed` and `--grids`.
@@ -124,9 +162,6 @@ fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputF
     let folder = folder.going_on_with(this_command());
     folder.begin().map_err(folder_report)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
-    if args.retry_failed {
-        runner::forget_failures(&folder).into_diagnostic()?;
-    }
     if let Some(from) = &args.grids {
         let taken =
             folder::take_grids(from, &folder).map_err(|e| miette!("--grids {}: {e}", from.display()))?;

@@ -110,7 +110,8 @@ impl Packed {
                 remedy: "leave it out, and write wave = \"vector\" in the comparison",
             });
         }
-        Ok(study)
+        // of a composed layer, an inner slab
+        Ok(study.portions().into_iter().next().unwrap_or(study))
     }
 
     /// Packs the first realisation.

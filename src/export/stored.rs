@@ -4,9 +4,9 @@
 use super::error::ExportError;
 use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
-use crate::run::runner::{Collected, Stores};
+use crate::run::{Collected, Stores};
 use crate::store::database::RECORDS;
-use crate::sweep::outcome::collect;
+use crate::sweep::work::stored::collect;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -37,6 +37,9 @@ impl Stored {
     /// No results there, an unfinished study, or results and store that do not fit.
     pub fn read(path: &Path) -> Result<Self, ExportError> {
         let study = study(path)?;
+        if study.layer.composed.is_some() {
+            return Err(ExportError::Composed { path: path.to_owned() });
+        }
         let stores = stores(path)?;
         let missing =
             || ExportError::Unfinished { path: path.to_owned(), finished: 0, asked: study.solves() };

@@ -12,8 +12,8 @@ use crate::evaluate::manifest::{Manifest, Status, Withheld};
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
+use crate::run::Collected;
 use crate::run::crew::processor_seconds;
-use crate::run::runner::Collected;
 use crate::store::folder::{FolderError, OutputFolder};
 
 /// Rows and columns of the picture.
@@ -37,6 +37,9 @@ pub enum PublishError {
          grains per packing. A larger run.failed_packings gives the numbers, with error bars that include the largest bias"
     )]
     NoRoom(String),
+    /// Too few solves of a composed layer.
+    #[error("{0}: nothing is published; every solve is kept")]
+    Slabs(String),
     /// A plot or picture.
     #[error(transparent)]
     Figure(#[from] OutputError),

@@ -13,7 +13,7 @@ use super::uncertainty::{Shift, Sure, UNMOVED, Uncertainty, lit, natural_light};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
-use crate::run::runner::{Collected, Failure, Refused};
+use crate::run::{Collected, Failure, Refused};
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
 use crate::wave::physical::largest;

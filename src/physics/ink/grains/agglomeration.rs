@@ -89,16 +89,12 @@ impl Agglomeration {
 
     /// Mean number of grains of a body, weighted by volume; single grains count.
     pub(crate) fn mean_body(&self) -> f64 {
-        let mean = |values: &[usize], weight: &dyn Fn(usize) -> f64| {
-            let sum = |power: i32| -> f64 {
-                values.iter().enumerate().map(|(i, &n)| weight(i) * (n as f64).powi(power)).sum()
-            };
-            sum(2) / sum(1)
-        };
         let together = match &self.grains {
             GrainCount::Constant(n) => *n as f64,
-            GrainCount::Uniform(r) => mean(&(r.from..=r.to).collect::<Vec<_>>(), &|_| 1.0),
-            GrainCount::List(list) => mean(&list.values, &|i| list.weights[i]),
+            GrainCount::Uniform(r) => weighted_mean((r.from..=r.to).map(|n| (n, 1.0))),
+            GrainCount::List(list) => {
+                weighted_mean(list.values.iter().copied().zip(list.weights.iter().copied()))
+            }
         };
         1.0 + self.degree * (together - 1.0)
     }
@@ -117,6 +113,15 @@ impl Agglomeration {
             }
         }
     }
+}
+
+/// Mean of numbers n, each weighted by n and its own weight.
+fn weighted_mean(numbers: impl Iterator<Item = (usize, f64)>) -> f64 {
+    let add = |(sum, squares): (f64, f64), (n, weight): (usize, f64)| {
+        (sum + weight * n as f64, squares + weight * (n * n) as f64)
+    };
+    let (sum, squares) = numbers.fold((0.0, 0.0), add);
+    squares / sum
 }
 
 /// One grain of an agglomerate, in the agglomerate's frame.

@@ -1,6 +1,6 @@
 //! How much the pigment in a window of a wide layer differs from window to window.
 //!
-//! A small periodic cell that always holds the volume fraction asked lacks these fluctuations, and
+//! A small periodic cell that always holds the requested volume fraction lacks these fluctuations, and
 //! absorbs more than the layer: T is convex in the pigment's volume, so a window with less of it
 //! transmits more than its share. Cells that hold more and less by the standard deviation of the
 //! window, in turns, have the mean of the layer (the grand-canonical ensemble in place of the
@@ -27,7 +27,7 @@ const CROWDING: f64 = 58.0;
 const QUANTILES: usize = 64;
 
 /// One pigment's bodies: grains, or agglomerates of them.
-struct Bodies {
+struct PigmentInWindow {
     /// Volume of the pigment in the window, µm³.
     volume_um3: f64,
     /// Mean volume of a body, weighted by volume, µm³.
@@ -37,11 +37,11 @@ struct Bodies {
 }
 
 impl PackingRequest {
-    /// The same cell with other volumes of its pigments, each away from what is asked by one
-    /// standard deviation of a window of the cell's size in a wide layer. `signs`, ± 1 for each
-    /// pigment, choose which way; over all of them mean and covariance are those of the windows.
+    /// This cell with volume fractions that differ from those requested by one standard deviation
+    /// of a window of the cell's size in a wide layer. `signs`, ± 1 for each pigment, choose the
+    /// direction; over all choices mean and covariance are those of the windows.
     pub fn fluctuating(&self, signs: &[f64]) -> Self {
-        let bodies: Vec<Bodies> = self.pigments.iter().map(|p| self.bodies(p)).collect();
+        let bodies: Vec<PigmentInWindow> = self.pigments.iter().map(|p| self.bodies(p)).collect();
         let factor = cholesky(&relative_covariance(&bodies, self.structure_factor(&bodies)));
         let mut moved = self.clone();
         for (i, pigment) in moved.pigments.iter_mut().enumerate() {
@@ -57,9 +57,9 @@ impl PackingRequest {
         self.period_um[0] * self.period_um[1] * (self.thickness_um - depth)
     }
 
-    fn bodies(&self, pigment: &PigmentGrains) -> Bodies {
+    fn bodies(&self, pigment: &PigmentGrains) -> PigmentInWindow {
         let together = pigment.agglomeration.as_ref().map_or(1.0, |rule| rule.mean_body());
-        Bodies {
+        PigmentInWindow {
             volume_um3: pigment.volume_fraction * self.window_um3(),
             body_um3: mean_grain_um3(pigment) * together,
             filled: if together > 1.0 { FILLED } else { 1.0 },
@@ -68,10 +68,10 @@ impl PackingRequest {
 
     /// Structure factor of the bodies' places, averaged over the wave vectors that belong to the
     /// window: the variance of their number over its mean.
-    fn structure_factor(&self, bodies: &[Bodies]) -> f64 {
+    fn structure_factor(&self, bodies: &[PigmentInWindow]) -> f64 {
         let all: f64 = bodies.iter().map(|b| b.volume_um3).sum();
         let fraction = bodies.iter().map(|b| b.volume_um3 / b.filled).sum::<f64>() / self.window_um3();
-        let mean = |of: &dyn Fn(&Bodies) -> f64| {
+        let mean = |of: &dyn Fn(&PigmentInWindow) -> f64| {
             bodies.iter().map(|b| b.volume_um3 * of(b)).sum::<f64>() / all
         };
         let diameter = mean(&|b| (6.0 / PI * b.body_um3 / b.filled).cbrt());
@@ -128,7 +128,7 @@ fn percus_yevick(fraction: f64) -> f64 {
 
 /// Relative covariance of the pigments' volumes, where all bodies' places have the structure factor
 /// S and which pigment has which place is chance: Σ n v² δ_ij − (1 − S) w_i w_j / Σ w, w = n v².
-fn relative_covariance(bodies: &[Bodies], structure_factor: f64) -> Vec<Vec<f64>> {
+fn relative_covariance(bodies: &[PigmentInWindow], structure_factor: f64) -> Vec<Vec<f64>> {
     let weights: Vec<f64> = bodies.iter().map(|b| b.volume_um3 * b.body_um3).collect();
     let sum: f64 = weights.iter().sum();
     let entry = |i: usize, j: usize| {
@@ -201,8 +201,8 @@ mod tests {
             let asked = of(&[fraction], 1.6);
             let moved = asked.fluctuating(&[1.0]).pigments[0].volume_fraction / fraction - 1.0;
             let truth = measured(fraction, 1.6).sqrt();
-            // 6 × 12 independent modes, whose squares scatter by 100 %: 12 % of the variance, and a fit
-            // within a fifth of it: together 23 % of the variance, 12 % of the deviation; three of them
+            // The squares of 72 independent modes scatter by 100 % each, which leaves 12 % of the
+            // variance, and the fit is good to 20 %: 12 % of the deviation, three times
             assert!((moved / truth - 1.0).abs() < 0.36, "{fraction}: {moved} {truth}");
         }
     }
@@ -216,7 +216,7 @@ mod tests {
             [all[0].volume_fraction / 0.2 - 1.0, all[1].volume_fraction / 0.1 - 1.0]
         });
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| moved.iter().map(of).sum::<f64>() / 4.0;
-        let bodies: Vec<Bodies> = asked.pigments.iter().map(|p| asked.bodies(p)).collect();
+        let bodies: Vec<PigmentInWindow> = asked.pigments.iter().map(|p| asked.bodies(p)).collect();
         let covariance = relative_covariance(&bodies, asked.structure_factor(&bodies));
         for (i, j) in [(0, 0), (0, 1), (1, 1)] {
             let found = mean(&|x| x[i] * x[j]);
@@ -226,7 +226,7 @@ mod tests {
         assert!(mean(&|x| x[0]).abs() < 1e-12 && mean(&|x| x[1]).abs() < 1e-12);
         // together they fluctuate as one pigment of 30 % does
         let one = of(&[0.3], 20.0);
-        let whole: Vec<Bodies> = one.pigments.iter().map(|p| one.bodies(p)).collect();
+        let whole: Vec<PigmentInWindow> = one.pigments.iter().map(|p| one.bodies(p)).collect();
         let single = relative_covariance(&whole, one.structure_factor(&whole))[0][0];
         let [a, b] = [2.0 / 3.0, 1.0 / 3.0];
         let sum = a * a * covariance[0][0] + 2.0 * a * b * covariance[0][1] + b * b * covariance[1][1];

@@ -1,0 +1,378 @@
+//! From a sweep file to checked variants.
+
+use super::axes::{Axis, plain};
+use super::claims;
+use super::claims::Claim;
+use super::expand::{Draft, expand};
+use super::file::{Base, SheetTable, SweepFile, Where};
+use crate::input::check::check;
+use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::file::StudyFile;
+use crate::input::load::read_file;
+use crate::input::read::read;
+use crate::input::study::Study;
+use crate::numerics::files;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Faults of variants that are shown; the others mostly repeat them.
+const SHOWN_FAULTS: usize = 5;
+
+/// A sweep whose variants are all checked.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// Axes, sheet and conclusions.
+    pub outline: Outline,
+    /// All variants, in their order.
+    pub variants: Vec<Variant>,
+    /// Tables that the variants read, kept with the results.
+    pub inputs: Vec<Input>,
+}
+
+/// All of a sweep but its studies: the file `sweep.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outline {
+    /// Title, for people.
+    pub title: String,
+    /// The axes, in their order.
+    pub axes: Vec<AxisOutline>,
+    /// How the contact sheets are laid out.
+    pub sheet: SheetTable,
+    /// The variant that colour differences refer to.
+    pub reference: usize,
+    /// Whether the file names that variant.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub reference_asked: bool,
+    /// Conclusions to be judged.
+    pub claims: Vec<Claim>,
+    /// Where each variant lies on the axes.
+    pub variants: Vec<Place>,
+}
+
+/// An axis and the captions of its values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AxisOutline {
+    /// Name of the axis.
+    pub name: String,
+    /// Labels of its settings.
+    pub labels: Vec<String>,
+    /// Unit of the labels, where they are numbers that have one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+}
+
+impl AxisOutline {
+    /// A value's caption where it stands alone: `paper 0.9`, but `yellow` rather than `ink yellow`.
+    pub fn named(&self, k: usize) -> String {
+        let label = self.caption(k);
+        let speaks = label.chars().next().is_some_and(char::is_alphabetic);
+        if speaks { label } else { format!("{} {label}", self.plain_name()) }
+    }
+
+    /// A label with its unit, where it is a number that has one.
+    pub fn caption(&self, k: usize) -> String {
+        let label = &self.labels[k];
+        let bare = self.unit.is_empty() || label.parse::<f64>().is_err();
+        if bare { label.clone() } else { format!("{label}\u{a0}{}", self.unit) }
+    }
+
+    /// The name without the unit that it ends with.
+    pub fn plain_name(&self) -> &str {
+        if self.unit.is_empty() { &self.name } else { plain(&self.name) }
+    }
+
+    /// The number of a label, alone or before its unit: `0.9`, `15 %`, `200 nm`.
+    pub fn number(&self, k: usize) -> Option<f64> {
+        let mut words = self.labels.get(k)?.split_whitespace();
+        let number = words.next()?.parse().ok().filter(|x: &f64| x.is_finite())?;
+        (words.count() < 2).then_some(number)
+    }
+
+    /// The name as it stands at an axis or over a column, with the unit: `diameter, nm`.
+    pub fn heading(&self) -> String {
+        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", self.plain_name(), self.unit) }
+    }
+}
+
+/// A variant's name and its place on every axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Name of the variant.
+    pub name: String,
+    /// Number of its setting on each axis.
+    pub place: Vec<usize>,
+}
+
+/// One study of the sweep.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Name of the variant.
+    pub name: String,
+    /// Its study, checked.
+    pub study: Study,
+    /// The study as a file of its own, to be put into `variants/<name>`.
+    pub text: String,
+}
+
+/// A table read by some variant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// Relative to the sweep's folder.
+    pub path: String,
+    /// Content of the file.
+    pub bytes: Vec<u8>,
+}
+
+impl Input {
+    /// A table that a variant names `name`, in the folder of its content's checksum.
+    fn new(name: &str, bytes: Vec<u8>) -> Self {
+        Self { path: format!("inputs/{}/{name}", Self::checksum(&bytes)), bytes }
+    }
+
+    /// Whether the content is that which the folder's name speaks of.
+    pub fn is_whole(&self) -> bool {
+        Path::new(&self.path).starts_with(Path::new("inputs").join(Self::checksum(&self.bytes)))
+    }
+
+    fn checksum(bytes: &[u8]) -> String {
+        blake3::hash(bytes).to_hex()[..8].to_owned()
+    }
+}
+
+impl Sweep {
+    /// A study alone, as a sweep of one variant; a composed layer's slabs are one each.
+    pub fn of_one(name: &str, study: Study) -> Self {
+        let portions = study.portions();
+        let title = study.title.clone();
+        let all = if portions.is_empty() { vec![study] } else { portions };
+        let named = |(k, study): (usize, Study)| {
+            let slab = study.portion.as_ref().map(|_| format!("{name} slab {}", k + 1));
+            Variant { name: slab.unwrap_or_else(|| name.to_owned()), study, text: String::new() }
+        };
+        let variants: Vec<Variant> = all.into_iter().enumerate().map(named).collect();
+        let outline = Outline {
+            title,
+            axes: Vec::new(),
+            sheet: SheetTable::default(),
+            reference: 0,
+            reference_asked: false,
+            claims: Vec::new(),
+            variants: variants.iter().map(|v| Place { name: v.name.clone(), place: Vec::new() }).collect(),
+        };
+        Self { outline, variants, inputs: Vec::new() }
+    }
+}
+
+/// Reads and checks the sweep file at `path`, and every variant of it.
+///
+/// # Errors
+/// The file or its base cannot be read, is no TOML, or some variant is not allowed.
+pub fn load(path: &Path) -> Result<Sweep, StudyError> {
+    let (text, file): (String, SweepFile) = read_file(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let base = match &file.base {
+        Base::Table(table) => table.clone(),
+        Base::Path(base) => read_file::<Table>(&folder.join(base))?.1,
+    };
+    let mut faults = Faults::default();
+    let axes: Vec<Axis> =
+        file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
+    check_fields(&file, &mut faults);
+    let drafts = expand(&file, &base, &axes, &mut faults);
+    let stem = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
+    let title = file.title.clone().unwrap_or(stem);
+    let base_folder = match &file.base {
+        Base::Path(base) => folder.join(base).parent().map_or_else(PathBuf::new, Path::to_owned),
+        Base::Table(_) => folder.to_owned(),
+    };
+    let mut reading = Reading { title: &title, axes: &axes, folder: &base_folder, inputs: Vec::new() };
+    let mut variants = Vec::new();
+    for draft in &drafts {
+        variants.extend(reading.variant(draft, &mut faults)?);
+    }
+    let outline = outline(&file, title.clone(), &axes, &drafts, &mut faults);
+    if faults.0.is_empty() {
+        let studies: Vec<_> = variants.iter().map(|variant| &variant.study).collect();
+        claims::check_variants(&outline.claims, &studies, &mut faults);
+    }
+    if faults.0.is_empty() {
+        return Ok(Sweep { outline, variants, inputs: reading.inputs });
+    }
+    let more = faults.0.len().saturating_sub(SHOWN_FAULTS);
+    faults.0.truncate(SHOWN_FAULTS);
+    if let (Some(last), true) = (faults.0.last_mut(), more > 0) {
+        last.remedy.push_str(&format!(" ({more} more of this kind)"));
+    }
+    Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
+}
+
+fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
+    let names = |axis: &Axis| axis.settings.iter().map(|s| s.label.clone()).collect();
+    let shown = |a: &Axis| AxisOutline { name: a.name.clone(), labels: names(a), unit: a.unit.clone() };
+    let known = |name: &String| axes.iter().any(|axis| axis.name == *name);
+    for (key, name) in [("rows", &file.sheet.rows), ("columns", &file.sheet.columns)] {
+        if let Some(name) = name.as_ref().filter(|name| !known(name)) {
+            let field = format!("sheet.{key}");
+            faults.push(Fault::new(
+                field,
+                format!("{name:?}"),
+                "the name of an axis",
+                "name one of the axes",
+            ));
+        }
+    }
+    let sound = faults.0.is_empty();
+    let claims = if sound { claims::claims(&file.conclusion, axes, drafts, faults) } else { Vec::new() };
+    let everything = Where::new();
+    let reference = file.reference.as_ref().unwrap_or(&everything);
+    let first = drafts.iter().position(|d| super::expand::matches(reference, axes, &d.place));
+    if first.is_none() && sound {
+        let remedy = "name axes and values of a variant that is not excluded";
+        faults.push(Fault::new("reference", "no such variant", "a variant of the sweep", remedy));
+    }
+    Outline {
+        title,
+        axes: axes.iter().map(shown).collect(),
+        sheet: file.sheet.clone(),
+        reference: first.unwrap_or(0),
+        reference_asked: file.reference.is_some(),
+        claims,
+        variants: drafts.iter().map(|d| Place { name: d.name.clone(), place: d.place.clone() }).collect(),
+    }
+}
+
+/// What reading the variants needs.
+struct Reading<'a> {
+    title: &'a str,
+    axes: &'a [Axis],
+    folder: &'a Path,
+    inputs: Vec<Input>,
+}
+
+impl Reading<'_> {
+    /// `None` after a fault of the values.
+    fn variant(&mut self, draft: &Draft, faults: &mut Faults) -> Result<Option<Variant>, StudyError> {
+        let mut table = draft.study.clone();
+        table.insert("title".into(), Value::String(self.heading(draft)));
+        let file: StudyFile = match read(table.clone().into()) {
+            Ok(file) => file,
+            Err(found) => {
+                found.into_iter().for_each(|fault| self.fault(draft, fault, faults));
+                return Ok(None);
+            }
+        };
+        match check(&file, self.folder, &draft.name) {
+            Ok(study) => {
+                let mut written = Value::Table(table);
+                self.keep_inputs(&mut written)?;
+                let text = toml::to_string(&written).unwrap_or_default();
+                Ok(Some(Variant { name: draft.name.clone(), study, text }))
+            }
+            Err(found) => {
+                found.into_iter().for_each(|fault| self.fault(draft, fault, faults));
+                Ok(None)
+            }
+        }
+    }
+
+    fn heading(&self, draft: &Draft) -> String {
+        let labels = self.axes.iter().zip(&draft.place).map(|(axis, &k)| axis.settings[k].label.as_str());
+        let labels = labels.collect::<Vec<_>>().join(", ");
+        if labels.is_empty() { self.title.to_owned() } else { format!("{}: {labels}", self.title) }
+    }
+
+    /// A variant's fault, said once: at the axis that set the field, else at the base.
+    fn fault(&self, draft: &Draft, fault: Fault, faults: &mut Faults) {
+        let sets = |axis: &Axis, k: usize| {
+            axis.settings[k].set.keys().any(|name| same_field(&draft.study, name, &fault.field))
+        };
+        let axis = self.axes.iter().zip(&draft.place).position(|(axis, &k)| sets(axis, k));
+        let field = axis.map_or(format!("base.{}", fault.field), |a| format!("axis[{a}].values"));
+        let end = format!("for {}", fault.field);
+        let known =
+            |f: &Fault| f.field == field && f.found.starts_with(&fault.found) && f.found.ends_with(&end);
+        if !faults.0.iter().any(known) {
+            let found = format!("{} in variant {} {end}", fault.found, draft.name);
+            faults.push(Fault { field, found, ..fault });
+        }
+    }
+
+    /// Copies the files that the study names, and names the copies instead.
+    fn keep_inputs(&mut self, study: &mut Value) -> Result<(), StudyError> {
+        for path in FILES {
+            for value in at_path(study, path) {
+                if let Value::String(name) = value {
+                    self.keep_input(name)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn keep_input(&mut self, name: &mut String) -> Result<(), StudyError> {
+        let from = self.folder.join(name.as_str());
+        let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
+        let bytes = files::read_bytes(&from, files::TABLE).map_err(unreadable)?;
+        let file = from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
+        let input = Input::new(&file, bytes);
+        *name = format!("../../{}", input.path);
+        if !self.inputs.contains(&input) {
+            self.inputs.push(input);
+        }
+        Ok(())
+    }
+}
+
+/// `pigment.0.index`, `pigment.yellow.index` and `pigment[0].index.k` speak of the same field of `study`, as far
+/// as the shorter one goes.
+fn same_field(study: &Table, one: &str, other: &str) -> bool {
+    let steps = |name: &str| -> Vec<String> {
+        name.split(['.', '[', ']']).filter(|step| !step.is_empty()).map(str::to_owned).collect()
+    };
+    let (one, other) = (steps(one), steps(other));
+    let name_of = |array: &str, i: &str| -> Option<String> {
+        Some(study.get(array)?.get(i.parse::<usize>().ok()?)?.get("name")?.as_str()?.to_owned())
+    };
+    let same = |k: usize| {
+        let named = || k == 1 && name_of(&other[0], &other[1]).is_some_and(|name| name == one[1]);
+        one[k] == other[k] || one[k] == "*" || named()
+    };
+    (0..one.len().min(other.len())).all(same)
+}
+
+/// Keys of a study that name files; `*` stands for every entry of a list.
+const FILES: [&[&str]; 6] = [
+    &["layer", "binder", "index", "csv"],
+    &["layer", "binder", "index", "yaml"],
+    &["pigment", "*", "index", "csv"],
+    &["pigment", "*", "index", "yaml"],
+    &["paper", "albedo", "csv"],
+    &["compare", "measured"],
+];
+
+/// The values at a path, as far as they are there.
+fn at_path<'a>(value: &'a mut Value, path: &[&str]) -> Vec<&'a mut Value> {
+    match (path, value) {
+        ([], value) => vec![value],
+        (["*", rest @ ..], Value::Array(items)) => items.iter_mut().flat_map(|v| at_path(v, rest)).collect(),
+        ([key, rest @ ..], Value::Table(table)) => table.get_mut(*key).map_or(vec![], |v| at_path(v, rest)),
+        _ => Vec::new(),
+    }
+}
+
+/// Two axes of one field: the later one would decide, and the captions of the earlier one lie.
+fn check_fields(file: &SweepFile, faults: &mut Faults) {
+    for (i, table) in file.axis.iter().enumerate() {
+        let Some(field) = &table.field else { continue };
+        if file.axis[..i].iter().any(|earlier| earlier.field.as_ref() == Some(field)) {
+            let remedy = "keep one of them, with all values";
+            faults.push(Fault::new(
+                format!("axis[{i}].field"),
+                format!("{field} twice"),
+                "a field of one axis",
+                remedy,
+            ));
+        }
+    }
+}
