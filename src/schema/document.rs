@@ -2,7 +2,7 @@
 
 use super::tidy::{tidy, without_null};
 use crate::compare::experiment::ComparisonFile;
-use crate::compare::external::protocol::Protocol;
+use crate::compare::external::Protocol;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
 use crate::sweep::file::SweepFile;
