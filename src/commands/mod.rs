@@ -17,6 +17,7 @@ pub mod run;
 pub mod say;
 pub mod schema;
 pub mod solve;
+mod solve_gradient;
 mod solve_light;
 mod solve_report;
 pub mod stop;
