@@ -3,8 +3,10 @@
 mod again;
 pub mod compare;
 pub mod completions;
+pub mod design;
 pub mod diagnostics;
 pub mod export;
+pub mod fit;
 mod live;
 pub mod materials;
 pub mod memory;

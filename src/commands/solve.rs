@@ -140,11 +140,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
 }
 
 /// Solves on the grid given, or searches for one; with the derivatives that were asked for.
-fn estimate(
-    args: &SolveArgs,
-    case: &Case,
-    coverages: &Coverages,
-) -> Result<(Estimated, Vec<Gradient>)> {
+fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Estimated, Vec<Gradient>)> {
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
         coverages,

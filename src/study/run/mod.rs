@@ -10,4 +10,5 @@ pub mod point;
 pub mod realisation;
 pub mod resolve;
 pub mod runner;
+pub mod tangents;
 pub mod watch;

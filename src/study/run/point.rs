@@ -47,7 +47,7 @@ pub fn pack_realisation(
 /// How many times the errors of R and T at the probes others may have.
 const BEYOND_PROBES: f64 = 3.0;
 
-fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
+pub(super) fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
     TotalErrors::of_totals([grid.reflectance, grid.transmittance].map(|e| BEYOND_PROBES * e), residual)
 }
 
