@@ -5,10 +5,11 @@ use inkwave::evaluate::seen::{Seen, see};
 use inkwave::evaluate::summary::summarise;
 use inkwave::input::load::load;
 use inkwave::input::study::Study;
-use inkwave::run::runner::{Collected, RunSettings, run};
+use inkwave::run::{Collected, RunSettings};
 use inkwave::solve::accuracy::grid_error::GridError;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
+use inkwave::sweep::alone::run_study;
 use serde_json::Value;
 use std::path::Path;
 
@@ -54,7 +55,7 @@ fn checked(text: &str) -> Study {
 
 fn solved(study: &Study, folder: &Path) -> Collected {
     let output = OutputFolder::open(folder, Holds::Study).expect("a folder for the study");
-    run(study, &output, RunSettings::default(), &()).expect("a study that runs")
+    run_study(study, &output, RunSettings::default(), &()).expect("a study that runs").collected
 }
 
 fn told(study: &Study, collected: &Collected) -> Done {

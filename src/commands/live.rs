@@ -3,15 +3,8 @@
 
 use super::progress::Progress;
 use super::say::note;
-use inkwave::input::study::{Point, Study};
-use inkwave::report::publish::publish;
-use inkwave::run::runner::Collected;
-use inkwave::run::watch::RunWatch;
+use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::folder::OutputFolder;
-use inkwave::store::queue::QueueStanding;
-use inkwave::sweep::Sweep;
-use inkwave::sweep::publish::Publisher;
-use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -57,80 +50,40 @@ fn is_new(page: &Path) -> bool {
     age.is_ok_and(|age| age < PAUSE)
 }
 
-/// Keeps the page of a running study up to date.
-pub struct LivePage<'a> {
-    study: &'a Study,
-    folder: &'a OutputFolder,
-    rhythm: RefCell<Rhythm>,
-}
-
-impl<'a> LivePage<'a> {
-    /// Schedules the first page after a pause.
-    pub fn new(study: &'a Study, folder: &'a OutputFolder) -> Self {
-        Self { study, folder, rhythm: RefCell::new(Rhythm::new()) }
-    }
-
-    /// Writes the page when it is due.
-    pub fn show(&self, collected: &Collected) {
-        let write = || publish(self.study, collected, self.folder).is_ok();
-        self.rhythm.borrow_mut().keep(self.folder, write);
-    }
-}
-
-/// Forwards a sweep's progress and keeps its pages up to date.
-pub struct LiveSweep<'a> {
+/// Forwards the progress of a run and keeps its pages up to date.
+pub struct Live<'a> {
     progress: &'a Progress,
     folder: &'a OutputFolder,
-    page: Mutex<(Rhythm, Publisher<'a>)>,
+    pages: Mutex<(Rhythm, Box<Write<'a>>)>,
 }
 
-impl<'a> LiveSweep<'a> {
+/// Writes the pages; false if that fails.
+pub type Write<'a> = dyn FnMut() -> bool + Send + 'a;
+
+impl<'a> Live<'a> {
     /// Schedules the first page after a pause.
-    pub fn new(sweep: &'a Sweep, folder: &'a OutputFolder, progress: &'a Progress) -> Self {
-        Self { progress, folder, page: Mutex::new((Rhythm::new(), Publisher::new(sweep))) }
+    pub fn new(folder: &'a OutputFolder, progress: &'a Progress, write: Box<Write<'a>>) -> Self {
+        Self { progress, folder, pages: Mutex::new((Rhythm::new(), write)) }
     }
 
     /// Writes the pages if they are due, while the other threads continue.
     fn show(&self) {
         // another thread is writing them now, or has panicked while doing so
-        let Ok(mut page) = self.page.try_lock() else { return };
-        let (rhythm, publisher) = &mut *page;
-        rhythm.keep(self.folder, || !self.progress.stop() && publisher.publish(self.folder).is_ok());
+        let Ok(mut pages) = self.pages.try_lock() else { return };
+        let (rhythm, write) = &mut *pages;
+        rhythm.keep(self.folder, || !self.progress.stop() && write());
     }
 }
 
-impl RunWatch for LiveSweep<'_> {
+impl RunWatch for Live<'_> {
     fn stop(&self) -> bool {
         self.progress.stop()
     }
 
-    fn begins(&self, study: &Study, kept: usize) {
-        self.progress.begins(study, kept);
-    }
-
-    fn stage(&self, what: &str) {
-        self.progress.stage(what);
-    }
-
-    fn standing(&self, standing: &QueueStanding) {
-        self.progress.standing(standing);
-    }
-
-    fn solving(&self, study: &Study, point: &Point) {
-        self.progress.solving(study, point);
-    }
-
-    fn kept(&self, study: &Study, solves: usize) {
-        self.progress.kept(study, solves);
-        self.show();
-    }
-
-    fn ended(&self) {
-        self.progress.ended();
-    }
-
-    fn solved(&self, study: &Study, point: &Point, failure: Option<&str>) {
-        self.progress.solved(study, point, failure);
-        self.show();
+    fn hear(&self, event: Event) {
+        self.progress.hear(event);
+        if matches!(event, Event::Kept(_) | Event::Solved(..)) {
+            self.show();
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! `--memory-gb` and the memory limits of the process.
 
+use inkwave::run::RunSettings;
 use inkwave::run::memory::allowed;
-use inkwave::run::runner::RunSettings;
 use miette::{Result, miette};
 
 /// Converts GB to bytes, capped by the process's limits.
@@ -22,7 +22,7 @@ pub fn bytes(gb: f64) -> Result<f64> {
 pub fn settings(jobs: Option<u16>, memory_gb: Option<f64>) -> Result<RunSettings> {
     let otherwise = RunSettings::default();
     let memory = memory_gb.map_or(Ok(otherwise.memory), bytes)?;
-    Ok(RunSettings { jobs: jobs.map(usize::from), memory })
+    Ok(RunSettings { jobs: jobs.map(usize::from), memory, ..otherwise })
 }
 
 /// Memory needed besides the solves, bytes: thread stacks, packings, pages and pictures.

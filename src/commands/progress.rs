@@ -4,7 +4,7 @@ use super::say::note;
 use super::stop::StopFlag;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use inkwave::input::study::{Point, Study};
-use inkwave::run::watch::RunWatch;
+use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::queue::QueueStanding;
 use inkwave::wave::Side;
 use std::io::IsTerminal;
@@ -61,8 +61,8 @@ pub struct Progress {
     solved: AtomicUsize,
     left: AtomicUsize,
     busy: Mutex<Busy>,
-    /// Whether a whole sweep is counted rather than one study.
-    whole: AtomicBool,
+    /// Solves that were already stored.
+    kept: AtomicUsize,
     /// Processes that share the work.
     workers: AtomicUsize,
     /// Whether `run.target_delta_e` may end the run before all solves are done.
@@ -88,7 +88,7 @@ impl Progress {
             solved: AtomicUsize::new(0),
             left: AtomicUsize::new(0),
             busy: Mutex::new(Busy::new()),
-            whole: AtomicBool::new(false),
+            kept: AtomicUsize::new(0),
             workers: AtomicUsize::new(1),
             ends_early: AtomicBool::new(false),
         }
@@ -97,7 +97,6 @@ impl Progress {
     /// Sets the number of solves to come; with `ends_early`, `run.target_delta_e` may need fewer.
     pub fn expect(&self, solves: usize, ends_early: bool) {
         self.ends_early.store(ends_early, Ordering::Relaxed);
-        self.whole.store(true, Ordering::Relaxed);
         self.bar.set_length(solves as u64);
         self.left.store(solves, Ordering::Relaxed);
     }
@@ -105,6 +104,10 @@ impl Progress {
     /// Removes the progress bar and prints the throughput.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+        let (kept, all) = (self.kept.load(Ordering::Relaxed), self.bar.length().unwrap_or(0));
+        if kept > 0 {
+            note(format_args!("{kept} of {all} solves were already stored"));
+        }
         let (solved, Ok(busy)) = (self.solved.load(Ordering::Relaxed), self.busy.lock()) else { return };
         if solved > 0 {
             let seconds = busy.begun.elapsed().as_secs_f64();
@@ -174,24 +177,6 @@ impl Progress {
             note(format_args!("{done}/{all} solves, {}, {}", self.bar.message(), self.time_left()));
         }
     }
-}
-
-impl RunWatch for Progress {
-    fn stop(&self) -> bool {
-        self.waiting_line();
-        self.stop.is_raised()
-    }
-
-    fn begins(&self, study: &Study, kept: usize) {
-        let all = study.solves();
-        self.ends_early.store(study.target_delta_e.is_some(), Ordering::Relaxed);
-        self.bar.set_length(all as u64);
-        self.bar.set_position(kept as u64);
-        self.left.store(all.saturating_sub(kept), Ordering::Relaxed);
-        if kept > 0 {
-            self.say(&format!("{kept} of {all} solves are already stored"));
-        }
-    }
 
     fn standing(&self, standing: &QueueStanding) {
         let (all, done) = (self.bar.length().unwrap_or(0), self.bar.position().max(standing.solves as u64));
@@ -200,14 +185,18 @@ impl RunWatch for Progress {
         self.workers.store(standing.workers.max(1), Ordering::Relaxed);
     }
 
-    fn kept(&self, _study: &Study, solves: usize) {
-        if self.whole.load(Ordering::Relaxed) {
-            self.bar.inc(solves as u64);
-            self.fewer_left(solves);
-        }
+    fn kept(&self, solves: usize) {
+        self.kept.fetch_add(solves, Ordering::Relaxed);
+        self.pass(solves);
     }
 
-    fn stage(&self, what: &str) {
+    /// Counts solves that need no work.
+    fn pass(&self, solves: usize) {
+        self.bar.inc(solves as u64);
+        self.fewer_left(solves);
+    }
+
+    fn show_stage(&self, what: &str) {
         self.bar.set_message(what.to_owned());
         if self.last_line.is_some() {
             note(format_args!("{what}"));
@@ -233,7 +222,7 @@ impl RunWatch for Progress {
         }
     }
 
-    fn solved(&self, _study: &Study, point: &Point, failure: Option<&str>) {
+    fn solved(&self, point: &Point, failure: Option<&str>) {
         self.solved.fetch_add(1, Ordering::Relaxed);
         self.fewer_left(1);
         self.bar.inc(1);
@@ -242,5 +231,24 @@ impl RunWatch for Progress {
             self.say(&format!("no result at {nm:.0} nm, {:.0}°: {failure}", point.incidence.polar_deg));
         }
         self.line_when_due();
+    }
+}
+
+impl RunWatch for Progress {
+    fn stop(&self) -> bool {
+        self.waiting_line();
+        self.stop.is_raised()
+    }
+
+    fn hear(&self, event: Event) {
+        match event {
+            Event::Stage(what) => self.show_stage(what),
+            Event::Standing(standing) => self.standing(standing),
+            Event::Solving(study, point) => self.solving(study, point),
+            Event::Kept(solves) => self.kept(solves),
+            Event::Dropped(solves) => self.pass(solves),
+            Event::Ended => self.ended(),
+            Event::Solved(point, failure) => self.solved(point, failure),
+        }
     }
 }

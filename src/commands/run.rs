@@ -2,12 +2,12 @@
 
 use super::again::this_command;
 use super::diagnostics::study_report;
-use super::live::LivePage;
+use super::live::Live;
 use super::mixed_up::{Kind, not_for};
 use super::progress::Progress;
 use super::say::say;
 use super::stop::StopFlag;
-use super::sweep::tell_plan;
+use super::sweep::{tell_others, tell_plan};
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
 use inkwave::evaluate::summary;
@@ -15,14 +15,14 @@ use inkwave::ink::PackError;
 use inkwave::input::load::load;
 use inkwave::input::study::Study;
 use inkwave::report::publish::{Published, publish};
-use inkwave::run::runner;
-use inkwave::run::runner::{Collected, RunError};
+use inkwave::run::{Collected, RunError};
 use inkwave::solve::SolveError;
 use inkwave::solve::accuracy::AccuracyError;
 use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::{FolderError, OutputFolder};
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
+use inkwave::sweep::alone::{Ran, run_study, stored};
 use inkwave::sweep::plan::by_size;
 use miette::{IntoDiagnostic, miette};
 use std::path::{Path, PathBuf};
@@ -69,20 +69,23 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
         super::say::note(format_args!("out of reach: {reason} (--plan gives details; Ctrl-C stops)"));
     }
     let progress = Progress::new(StopFlag::listen());
-    let live = LivePage::new(&study, &folder);
-    let enough = |collected: &Collected| {
-        live.show(collected);
-        collected.tried().is_multiple_of(runner::BATCH) && summary::enough(&study, collected)
-    };
-    let collected = runner::run_until(&study, &folder, settings, &progress, &enough);
+    progress.expect(study.solves(), study.target_delta_e.is_some());
+    let live = Live::new(&folder, &progress, Box::new(|| publish_stored(&study, &folder)));
+    let ran = run_study(&study, &folder, settings, &live).inspect_err(|_| folder.discard_when_empty());
     progress.finish();
-    let collected = collected.map_err(|error| {
-        folder.discard_when_empty();
-        run_report(error)
-    })?;
+    let Ran { collected, publishes } = ran.map_err(run_report)?;
     tell_damages(&collected.damages);
+    if !publishes {
+        return tell_others(&folder);
+    }
     let published = publish(&study, &collected, &folder).into_diagnostic()?;
     tell(&study, &collected, &published, &folder, progress.stopped())
+}
+
+/// Publishes what is finished; false if that fails.
+fn publish_stored(study: &Study, folder: &OutputFolder) -> bool {
+    let collected = stored(study, folder).ok().flatten();
+    collected.is_some_and(|collected| publish(study, &collected, folder).is_ok())
 }
 
 /// Prints the colour, or why there is none, and every other number that is missing.
@@ -137,7 +140,7 @@ fn tell(
     };
     let why = match (stopped, failed) {
         (true, _) => "stopped".to_owned(),
-        (false, 0) => format!("{refused} of {} packings have no room", collected.tried()),
+        (false, 0) => format!("{refused} of {} realisations have no result", collected.tried()),
         _ => format!("{failed} solves have no result"),
     };
     Err(miette!(

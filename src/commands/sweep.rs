@@ -2,19 +2,19 @@
 
 use super::again::this_command;
 use super::diagnostics::study_report;
-use super::live::LiveSweep;
+use super::live::Live;
 use super::mixed_up::{Kind, not_for};
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
 use super::say::{note, say};
 use super::stop::StopFlag;
 use clap::Args;
-use inkwave::run::runner::RunSettings;
+use inkwave::run::RunSettings;
 use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::outcome::Outcome;
-use inkwave::sweep::publish::{Reported, publish};
+use inkwave::sweep::publish::{Publisher, Reported, publish};
 use inkwave::sweep::run::Scope;
 use inkwave::sweep::units::Shard;
 use inkwave::sweep::{Sweep, folder, load, plan, run as runner};
@@ -73,6 +73,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
     remarks.into_iter().for_each(note);
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
+    let settings = RunSettings { retry_failed: args.retry_failed, ..settings };
     if args.plan {
         return tell_plan(&sweep, args.json, settings);
     }
@@ -88,7 +89,8 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
     let ends_early = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
     progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early);
-    let live = LiveSweep::new(&sweep, &folder, &progress);
+    let mut publisher = Publisher::new(&sweep);
+    let live = Live::new(&folder, &progress, Box::new(|| publisher.publish(&folder).is_ok()));
     let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
     let tally = runner::run(&sweep, &folder, (part, scope), settings, watch);
     progress.finish();
@@ -108,14 +110,18 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
     if !tally.publishes {
-        say(format_args!(
-            "Other processes are still working in {} and will write the report.",
-            folder.path().display()
-        ))?;
-        return Ok(());
+        return tell_others(&folder);
     }
     let reported = publish(&sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, progress.stopped(), &this_command())
+}
+
+/// Says that other processes continue here.
+pub(super) fn tell_others(folder: &OutputFolder) -> miette::Result<()> {
+    say(format_args!(
+        "Other processes are still working in {} and will write the report.",
+        folder.path().display()
+    ))
 }
 
 /// Opens the output folder, writes the sweep to it and applies `--retry-failed` and `--grids`.
@@ -124,9 +130,6 @@ fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputF
     let folder = folder.going_on_with(this_command());
     folder.begin().map_err(folder_report)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
-    if args.retry_failed {
-        runner::forget_failures(&folder).into_diagnostic()?;
-    }
     if let Some(from) = &args.grids {
         let taken =
             folder::take_grids(from, &folder).map_err(|e| miette!("--grids {}: {e}", from.display()))?;

@@ -11,9 +11,11 @@ use crate::evaluate::ink::InkError;
 use crate::evaluate::seen::see;
 use crate::evaluate::summary::summarise;
 use crate::numerics::estimate::Estimate;
-use crate::run::runner::{RunError, RunSettings, run};
 use crate::run::watch::RunWatch;
+use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
+use crate::store::marker::Holds;
+use crate::sweep::alone::run_study;
 use map::{Map, OF_CONTRAST, even_point, spread, values};
 use serde::Serialize;
 use thiserror::Error;
@@ -188,7 +190,10 @@ impl DesignRun<'_> {
         if let (true, Some(realisations)) = (verifying, task.settings.realisations) {
             study.realisations = realisations;
         }
-        let collected = run(&study, self.folder, self.settings, self.watch)?;
+        // a folder of its own: processes that help find this study alone in its queue
+        let path = self.folder.path().join("runs").join(study.key().short());
+        let folder = OutputFolder::open(&path, Holds::Study).map_err(RunError::from)?;
+        let collected = run_study(&study, &folder, self.settings, self.watch)?.collected;
         if self.watch.stop() {
             return Err(RunError::Stopped.into());
         }

@@ -4,9 +4,9 @@
 use super::error::ExportError;
 use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
-use crate::run::runner::{Collected, Stores};
+use crate::run::{Collected, Stores};
 use crate::store::database::RECORDS;
-use crate::sweep::outcome::collect;
+use crate::sweep::work::stored::collect;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -20,7 +20,7 @@ const BRIGHTEST: f64 = 1.02;
 /// Least one: noise of an instrument at its black.
 const DARKEST: f64 = -0.02;
 /// Fewest cells whose differences give an error.
-const FEWEST_CELLS: usize = 4;
+const FEWEST_CELLS: usize = 6;
 
 /// A layer on a backing, and what was measured of it.
 #[derive(Clone, Debug)]

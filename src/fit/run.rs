@@ -114,7 +114,7 @@ impl<'a> FitRun<'a> {
             let mut packings = crate::run::realisation::Packings::new(&study, watch);
             let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
             let found = resolve(&study, &stores.stores.grids, settings.memory, watch, scene);
-            let found = found.map_err(crate::run::runner::stopped)?;
+            let found = found.map_err(RunError::stopped)?;
             cells.push(Tangents::new((&study, task.pigment), found, &stores.tangents, settings, watch)?);
             resolved.push(found);
         }

@@ -12,8 +12,8 @@ use crate::evaluate::manifest::{Manifest, Status, Withheld};
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
+use crate::run::Collected;
 use crate::run::crew::processor_seconds;
-use crate::run::runner::Collected;
 use crate::store::folder::{FolderError, OutputFolder};
 
 /// Rows and columns of the picture.

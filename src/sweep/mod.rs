@@ -5,6 +5,9 @@
 //! → [`publish`](mod@publish) (table, contact sheets, [`conclusions`], pages). [`plan`](mod@plan) says beforehand what it costs,
 //! [`merge`](mod@merge) joins the stores of several machines.
 //!
+//! Three rooms, each of which uses those before it alone: `definition ← work ← findings`. A study alone is a sweep of one
+//! variant ([`alone`]).
+//!
 //! # The store
 //! All variants share one store of sealed records, named by the content hash of what they depend on (see
 //! [`crate::store::database`]). Variants that differ in their paper alone share their solves; those that differ in the
@@ -12,32 +15,11 @@
 //! solves in flight and nothing else, and any number of processes of one machine may work in one folder. Machines that share
 //! no disk, or a network disk, take shards in folders of their own. `sweep.csv` is the table for spreadsheets, R and Python.
 
-pub mod aim;
-pub mod axes;
-pub mod claims;
-pub mod conclusions;
-mod curves;
-pub mod expand;
-mod explore;
-pub mod field;
-pub mod file;
-mod file_schema;
-pub mod folder;
-pub mod load;
-pub mod merge;
-pub mod outcome;
-mod page;
-pub mod plan;
-pub mod publish;
-pub mod reported;
-mod rounds;
-pub mod run;
-mod seal;
-mod sheets;
-mod sound;
-mod stored;
-pub mod sweep_page;
-mod target;
-pub mod units;
+pub mod definition;
+pub mod findings;
+pub mod work;
 
-pub use load::{Sweep, Variant};
+pub use definition::load::{Sweep, Variant};
+pub use definition::{axes, claims, expand, field, file, folder, load};
+pub use findings::{aim, conclusions, outcome, publish, reported, sweep_page};
+pub use work::{alone, merge, plan, run, units};

@@ -254,7 +254,8 @@ fn a_sweep_has_its_golden_numbers() {
 }
 
 /// The golden numbers of every method: the version, and the digest of the files that hold them. A line is added, never changed.
-const METHODS: [(u32, &str); 2] = [(1, "f8549ee6fb120b47"), (2, "69a87c405875bd13")];
+// Method 3 draws other cells; what follows from given solves is as in method 2.
+const METHODS: [(u32, &str); 3] = [(1, "f8549ee6fb120b47"), (2, "69a87c405875bd13"), (3, "69a87c405875bd13")];
 
 /// Published numbers and the method's version change together, so that stored results of an older method are never taken for new ones.
 #[test]

@@ -70,10 +70,17 @@ impl House {
 
     /// Uses of a folder from one that the order puts before it.
     fn against_the_order(&self, order: &[Vec<String>]) -> Vec<String> {
-        let rank = |m: &Module| order.iter().position(|row| m.first().is_some_and(|f| row.contains(f)));
+        self.against_the_order_in(&[], order)
+    }
+
+    /// The same of the folders inside one.
+    fn against_the_order_in(&self, inside: &[String], order: &[Vec<String>]) -> Vec<String> {
+        let depth = inside.len();
+        let rank = |m: &Module| order.iter().position(|row| m.get(depth).is_some_and(|f| row.contains(f)));
         let mut found = Vec::new();
-        for (module, used) in self.edges() {
-            for other in used.iter().filter(|o| o.first() != module.first()) {
+        for (module, used) in self.edges().into_iter().filter(|(module, _)| module.starts_with(inside)) {
+            let others = used.iter().filter(|o| o.starts_with(inside) && o.get(depth) != module.get(depth));
+            for other in others {
                 match (rank(module), rank(other)) {
                     (Some(own), Some(other)) if other < own => {}
                     _ => found.push(format!("{} uses {}", module.join("::"), other.join("::"))),
@@ -211,9 +218,13 @@ fn is_crate_root(name: &str) -> bool {
 
 /// The order as `src/lib.rs` states it: folders between commas stand side by side.
 fn order() -> Vec<Vec<String>> {
-    let lib = include_str!("../../src/lib.rs");
-    let block = lib.split("//! ```text\n").nth(1).and_then(|rest| rest.split("//! ```").next());
-    let stated = block.expect("lib.rs states the order in a block").replace("//!", "");
+    order_in(include_str!("../../src/lib.rs"))
+}
+
+/// The order that a text states in a block, with arrows.
+fn order_in(text: &str) -> Vec<Vec<String>> {
+    let block = text.split("//! ```text\n").nth(1).and_then(|rest| rest.split("//! ```").next());
+    let stated = block.expect("the order is stated in a block").replace("//!", "");
     stated.split('←').map(|row| row.split(',').map(|f| f.trim().to_string()).collect()).collect()
 }
 
@@ -221,6 +232,14 @@ fn order() -> Vec<Vec<String>> {
 fn folders_depend_one_way_only() {
     let found = House::new(&library()).against_the_order(&order());
     assert!(found.is_empty(), "against the order of src/lib.rs:\n{}", found.join("\n"));
+}
+
+#[test]
+fn rooms_of_a_sweep_depend_one_way_only() {
+    let order = order_in(include_str!("../../src/sweep/mod.rs"));
+    assert_eq!(order.len(), 3);
+    let found = House::new(&library()).against_the_order_in(&["sweep".to_string()], &order);
+    assert!(found.is_empty(), "against the order of src/sweep/mod.rs:\n{}", found.join("\n"));
 }
 
 #[test]

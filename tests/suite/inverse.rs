@@ -6,7 +6,7 @@ use std::path::Path;
 
 const INK: &str = "[layer]\nthickness_um = 1.0\nbinder.index = 1.5\n[[pigment]]\nname = \"a\"\ndiameter_nm = 200\n\
                    volume_fraction = 0.2\nindex = { built_in = \"yellow\" }\n[light]\nwavelengths_nm = [500, 600]\n\
-                   [run]\nrealisations = 4\n";
+                   [run]\nrealisations = 6\n";
 const CARD: &str = "wavelength_nm,reflectance\n400,0.5\n700,0.6\n";
 
 /// The faults that a reader finds in a file beside an ink and a spectrum.

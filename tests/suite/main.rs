@@ -31,6 +31,7 @@ mod run_continue;
 mod run_fields;
 mod run_results;
 mod run_support;
+mod run_together;
 mod schema;
 mod slips;
 mod study_features;

@@ -2,14 +2,13 @@
 
 use crate::run_support::{TINY, study, succeed};
 use inkwave::input::load::load;
-use inkwave::input::study::{Point, Study};
 use inkwave::report::publish::publish;
-use inkwave::run::runner;
-use inkwave::run::runner::RunSettings;
-use inkwave::run::watch::RunWatch;
+use inkwave::run::RunSettings;
+use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::store::{PointRecord, Record, Store};
+use inkwave::sweep::alone::run_study;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -36,9 +35,11 @@ impl RunWatch for StopAfter {
         self.done.load(Ordering::SeqCst) >= self.solves
     }
 
-    fn solved(&self, _: &Study, _: &Point, failure: Option<&str>) {
-        assert_eq!(failure, None);
-        self.done.fetch_add(1, Ordering::SeqCst);
+    fn hear(&self, event: Event) {
+        if let Event::Solved(_, failure) = event {
+            assert_eq!(failure, None);
+            self.done.fetch_add(1, Ordering::SeqCst);
+        }
     }
 }
 
@@ -54,7 +55,7 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
         let watch = StopAfter { solves, done: AtomicUsize::new(0) };
         let output = OutputFolder::open(&parts, Holds::Study).unwrap();
         let settings = RunSettings { jobs: Some(1), ..RunSettings::default() };
-        let collected = runner::run(&checked, &output, settings, &watch).unwrap();
+        let collected = run_study(&checked, &output, settings, &watch).unwrap().collected;
         publish(&checked, &collected, &output).unwrap();
         assert!(parts.join("PARTIAL").exists());
         let page = std::fs::read_to_string(parts.join("report.html")).unwrap();
@@ -64,7 +65,7 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
     }
     assert_eq!(points(&parts).len(), 16);
     let said = succeed(&study_file, &parts, &[]);
-    assert!(said.contains("16 of 24 solves are already stored"), "{said}");
+    assert!(said.contains("16 of 24 solves were already stored"), "{said}");
     assert!(tables(&whole) == tables(&parts) && !parts.join("PARTIAL").exists());
 }
 
@@ -97,15 +98,15 @@ fn a_change_recomputes_what_depends_on_it() {
         assert_ne!(changed, TINY);
         succeed(&study(folder.path(), &changed), &out, &[])
     };
-    let all = "24 of 24 solves are already stored";
+    let all = "24 of 24 solves were already stored";
     assert!(after("[light]", "[paper]\nalbedo = 0.5\n[light]").contains(all), "paper is not in the solves");
     assert!(after("Tiny yellow", "Another title").contains(all));
     let said = after("step_nm = 100", "step_nm = 50");
     // Directions turn on from wavelength to wavelength: only the first wavelength keeps its own.
-    assert!(said.contains("6 of 42 solves are already stored"), "old wavelengths stay: {said}");
+    assert!(said.contains("6 of 42 solves were already stored"), "old wavelengths stay: {said}");
     let said = after("realisations = 2", "realisations = 3");
-    assert!(said.contains("24 of 36 solves are already stored"), "old realisations stay: {said}");
-    assert!(!after("seed = 7", "seed = 8").contains("there already"), "another seed, other packings");
+    assert!(said.contains("24 of 36 solves were already stored"), "old realisations stay: {said}");
+    assert!(!after("seed = 7", "seed = 8").contains("already stored"), "another seed, other packings");
 }
 
 #[test]
@@ -198,7 +199,7 @@ fn ctrl_c_stops_cleanly_and_a_kill_loses_nothing_finished() {
     assert!(asked.elapsed() < Duration::from_secs(20));
     let said = String::from_utf8_lossy(&done.stderr).into_owned();
     assert_eq!(done.status.code(), Some(1), "{said}");
-    assert!(said.contains("are already stored") && said.contains("marked as partial"), "{said}");
+    assert!(said.contains("were already stored") && said.contains("marked as partial"), "{said}");
     assert!(out.join("PARTIAL").exists() && out.join("report.html").exists());
     let no_litter =
         std::fs::read_dir(&out).unwrap().all(|f| !f.unwrap().file_name().to_string_lossy().starts_with('.'));

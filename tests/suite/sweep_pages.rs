@@ -2,9 +2,8 @@
 
 use crate::sweep_support::{Place, TINY, results, succeed};
 use base64::prelude::{BASE64_STANDARD, Engine};
-use inkwave::input::study::{Point, Study};
-use inkwave::run::runner::RunSettings;
-use inkwave::run::watch::RunWatch;
+use inkwave::run::RunSettings;
+use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::folder;
@@ -24,8 +23,10 @@ impl RunWatch for Impatient {
         self.0.load(Ordering::Relaxed) == 0
     }
 
-    fn solved(&self, _: &Study, _: &Point, _: Option<&str>) {
-        let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
+    fn hear(&self, event: Event) {
+        if let Event::Solved(..) = event {
+            let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
+        }
     }
 }
 

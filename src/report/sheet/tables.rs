@@ -169,12 +169,13 @@ fn without_grains(pigment: &Dissolved) -> Named {
 fn held(study: &Study) -> &'static str {
     match (study.variation.cell, study.variation.light) {
         (CellRule::Varied, LightRule::Shifted { .. }) => {
-            "Error bars include the spread over packings, cells, directions and wavelengths (every realisation has its own; \
-             jackknife over realisations), the grid and the solver's residual."
+            "Error bars include the spread over packings, cells, directions and wavelengths (two packings share theirs, one with \
+             more pigment and one with less, as windows of a wide layer have; jackknife over such pairs), the grid and the \
+             solver's residual."
         }
         (CellRule::Varied, LightRule::Listed) => {
-            "Error bars include the spread over packings, cells and directions (every realisation has its own; jackknife over \
-             realisations), the grid and the solver's residual. The wavelengths were listed: what lies between them is not included."
+            "Error bars include the spread over packings, cells and directions (two packings share theirs, one with more pigment \
+             and one with less, as windows of a wide layer have; jackknife over such pairs), the grid and the solver's residual. The wavelengths were listed: what lies between them is not included."
         }
         (CellRule::Fixed, _) => {
             "The cell is fixed: error bars include the spread over packings and directions (jackknife over realisations), the grid and \

@@ -61,6 +61,26 @@ impl From<&FarField> for SolvedDirection {
     }
 }
 
+impl SolvedDirection {
+    /// The mean with the same solve of another packing in the same cell.
+    fn mean_with(&self, other: &Self) -> Self {
+        let half = |of: fn(&Self) -> f64| 0.5 * (of(self) + of(other));
+        let orders = self.scattered.iter().zip(&other.scattered);
+        Self {
+            polar_deg: self.polar_deg,
+            reflectance: half(|s| s.reflectance),
+            specular_reflectance: half(|s| s.specular_reflectance),
+            transmittance: half(|s| s.transmittance),
+            specular_transmittance: half(|s| s.specular_transmittance),
+            absorptance: half(|s| s.absorptance),
+            order_area: self.order_area,
+            scattered: orders
+                .map(|(a, b)| Scattered { density: 0.5 * (a.density + b.density), ..*a })
+                .collect(),
+        }
+    }
+}
+
 /// All solves of a realisation at one wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolvedWavelength {
@@ -74,13 +94,30 @@ pub struct SolvedWavelength {
     pub exit: Vec<SolvedDirection>,
 }
 
-/// One realisation of the layer.
+/// One realisation of the layer, or the mean of two that share a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolvedRealisation {
     /// Its thickness, µm.
     pub thickness_um: f64,
     /// Its wavelengths, rising.
     pub wavelengths: Vec<SolvedWavelength>,
+}
+
+impl SolvedRealisation {
+    /// The mean with another packing in the same cell, solved in the same light.
+    pub fn mean_with(&self, other: &Self) -> Self {
+        let all = |a: &[SolvedDirection], b: &[SolvedDirection]| {
+            a.iter().zip(b).map(|(a, b)| a.mean_with(b)).collect()
+        };
+        let both = |(a, b): (&SolvedWavelength, &SolvedWavelength)| SolvedWavelength {
+            wavelength_nm: a.wavelength_nm,
+            exact: all(&a.exact, &b.exact),
+            strata: all(&a.strata, &b.strata),
+            exit: all(&a.exit, &b.exit),
+        };
+        let wavelengths = self.wavelengths.iter().zip(&other.wavelengths).map(both).collect();
+        Self { thickness_um: self.thickness_um, wavelengths }
+    }
 }
 
 /// Mean of a quantity over solves that stand for equal shares.

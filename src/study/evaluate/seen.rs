@@ -10,7 +10,7 @@ use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
 use crate::input::study::{Angles, Study};
 use crate::input::variation::{CellRule, LightRule};
-use crate::run::runner::{Collected, Realisation};
+use crate::run::{Collected, Realisation};
 use crate::store::record::PointRecord;
 use crate::wave::FarField;
 use crate::wave::Wave;
@@ -21,7 +21,9 @@ use num_complex::Complex64;
 pub struct Seen {
     /// The realisations in every number, by theirs.
     pub realisations: Vec<usize>,
-    /// Their solves.
+    /// The first realisation of every cell: packings that share one are one sample of the layer.
+    pub cells: Vec<usize>,
+    /// The solves of every cell.
     pub solved: Vec<SolvedRealisation>,
     /// The layer alone, once a realisation is complete.
     pub layer: Option<LayerSeen>,
@@ -88,12 +90,12 @@ impl LayerSeen {
 /// # Errors
 /// None is complete, or as [`NoInk`] says.
 pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
-    let complete: Vec<&Realisation> = collected.complete().collect();
+    let complete = complete(study, collected);
     if complete.is_empty() {
         return Err(NoInk::Unfinished);
     }
-    let of = |r: &&Realisation| solved(study, r, &far_fields(study, r, study.wave));
-    let solved: Vec<SolvedRealisation> = complete.iter().map(of).collect();
+    let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(study, r, study.wave)).collect();
+    let solved = by_cell(study, &complete, &fields);
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, mean_profile(&complete), &indices);
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
@@ -129,14 +131,13 @@ fn films<'a>(study: &Study, profile: Profile, indices: &'a Indices<'a>) -> Films
 /// # Errors
 /// Records that do not belong together, which is a fault of the program or of the store.
 pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
-    let complete: Vec<&Realisation> = collected.complete().collect();
+    let complete = complete(study, collected);
     if complete.is_empty() {
-        let ink = Err(NoInk::Unfinished);
-        return Ok(Seen { realisations: Vec::new(), solved: Vec::new(), layer: None, bdfs: Vec::new(), ink });
+        let (realisations, cells, solved, bdfs) = Default::default();
+        return Ok(Seen { realisations, cells, solved, layer: None, bdfs, ink: Err(NoInk::Unfinished) });
     }
     let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(study, r, study.wave)).collect();
-    let solved: Vec<SolvedRealisation> =
-        complete.iter().zip(&fields).map(|(r, fields)| solved(study, r, fields)).collect();
+    let solved = by_cell(study, &complete, &fields);
     let returned = returned(study, &complete);
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, mean_profile(&complete), &indices);
@@ -145,8 +146,33 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let wavelengths_nm = study.wavelengths_nm.clone();
     let at_outputs = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
     let layer = Some(LayerSeen { ensemble, films: at_outputs, wavelengths_nm });
-    let realisations = complete.iter().map(|r| r.packing.realisation).collect();
-    Ok(Seen { realisations, bdfs: distributions(study, &fields)?, solved, layer, ink })
+    let realisations: Vec<usize> = complete.iter().map(|r| r.packing.realisation).collect();
+    let begins = |r: &usize| study.partner(*r).is_none_or(|other| *r < other);
+    let cells = realisations.iter().copied().filter(begins).collect();
+    Ok(Seen { realisations, cells, bdfs: distributions(study, &fields)?, solved, layer, ink })
+}
+
+/// The realisations of which every solve is there, and those of a partner in the same cell: one alone holds too much pigment or
+/// too little.
+fn complete<'a>(study: &Study, collected: &'a Collected) -> Vec<&'a Realisation> {
+    let all: Vec<&Realisation> = collected.complete().collect();
+    let has = |number: usize| all.iter().any(|r| r.packing.realisation == number);
+    let is_whole = |r: &&Realisation| study.partner(r.packing.realisation).is_none_or(has);
+    all.iter().copied().filter(is_whole).collect()
+}
+
+/// The solves of every cell, by the far fields of its realisations.
+fn by_cell(study: &Study, complete: &[&Realisation], fields: &[Vec<FarField>]) -> Vec<SolvedRealisation> {
+    let mut cells: Vec<SolvedRealisation> = Vec::new();
+    for (r, fields) in complete.iter().zip(fields) {
+        let own = solved(study, r, fields);
+        let second = study.partner(r.packing.realisation).is_some_and(|other| other < r.packing.realisation);
+        match cells.last_mut().filter(|_| second) {
+            Some(first) => *first = first.mean_with(&own),
+            None => cells.push(own),
+        }
+    }
+    cells
 }
 
 /// Far fields of a complete realisation in one light, direction by direction.
@@ -168,8 +194,8 @@ fn in_light(records: &[&PointRecord], wave: Wave) -> FarField {
 fn returned(study: &Study, complete: &[&Realisation]) -> Option<Vec<SolvedRealisation>> {
     let wave = study.wave.returned();
     let other = wave != study.wave && study.angles.no_paper.is_none();
-    let of = |r: &&Realisation| solved(study, r, &far_fields(study, r, wave));
-    other.then(|| complete.iter().map(of).collect())
+    let fields = || complete.iter().map(|r| far_fields(study, r, wave)).collect::<Vec<_>>();
+    other.then(|| by_cell(study, complete, &fields()))
 }
 
 /// Functions of the wavelength: as many pieces as each realisation has wavelengths.

@@ -13,7 +13,7 @@ use super::uncertainty::{Shift, Sure, UNMOVED, Uncertainty, lit, natural_light};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
-use crate::run::runner::{Collected, Failure, Refused};
+use crate::run::{Collected, Failure, Refused};
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
 use crate::wave::physical::largest;
@@ -22,6 +22,10 @@ use crate::wave::physical::largest;
 pub const LIT_AT_45: &str = "45°:0°";
 /// Name of a uniform sky, seen along the normal.
 pub const NATURAL_LIGHT: &str = "natural light";
+
+/// Packings before the first look at an interval that may end the run: fewer say too little of their own spread, and those that
+/// happen to spread least would end first.
+const FEWEST: usize = 16;
 
 /// The program and its version.
 pub fn program() -> String {
@@ -92,7 +96,7 @@ fn looks(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Looks {
         }
         Err(reason) => (Vec::new(), Some(reason), Vec::new()),
     };
-    let maker = |ink| ink_maker(study, ink, uncertainty, &seen.realisations);
+    let maker = |ink| ink_maker(study, ink, uncertainty, &seen.cells);
     let (mut ink_maker, mut no_ink_maker) = match seen.ink.as_ref().map(maker) {
         Ok(Ok(numbers)) => (Some(numbers), None),
         Ok(Err(reason)) => (None, no_colour.is_none().then(|| reason.to_string())),
@@ -111,6 +115,9 @@ fn looks(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Looks {
 /// True when the 95 % interval of every colour meant is as narrow as the study wants it (ΔE₀₀); never without such a wish.
 pub fn enough(study: &Study, collected: &Collected) -> bool {
     let Some(target) = study.target_delta_e else { return false };
+    if collected.realisations.len() < FEWEST {
+        return false;
+    }
     let Ok(seen) = see(study, collected) else { return false };
     let manifest = summarise(study, collected, &seen);
     let narrow = |note: &ColourNote| note.delta_e_2000_95.is_some_and(|bar| bar <= target);
@@ -152,7 +159,7 @@ fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> 
     let count = records.len().max(1) as f64;
     let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
-    let degrees_of_freedom = seen.realisations.len().saturating_sub(1);
+    let degrees_of_freedom = seen.cells.len().saturating_sub(1);
     let ink = seen.ink.as_ref().ok();
     Certainty {
         amplitude_error_estimate: collected.resolved.error_estimate,
@@ -256,7 +263,7 @@ fn colours_of(
 }
 
 fn note(conditions: &str, Sure { colour, budget, deviations }: Sure, seen: &Seen) -> ColourNote {
-    let factor = coverage_factor_95(seen.realisations.len().saturating_sub(1));
+    let factor = coverage_factor_95(seen.cells.len().saturating_sub(1));
     ColourNote {
         conditions: conditions.to_owned(),
         chroma: colour.chroma(),
@@ -264,7 +271,7 @@ fn note(conditions: &str, Sure { colour, budget, deviations }: Sure, seen: &Seen
         lab_standard_error: colour.lab_standard_error(),
         delta_e_2000_95: colour.delta_e_2000_noise().zip(factor).map(|(noise, factor)| factor * noise),
         budget,
-        deviations: seen.realisations.iter().copied().zip(deviations).collect(),
+        deviations: seen.cells.iter().copied().zip(deviations).collect(),
         colour,
     }
 }
@@ -297,7 +304,7 @@ fn rows_of(
 ) -> Vec<SpectrumRow> {
     let totals = AngleTotals::new(layer, angle, uncertainty);
     let wavelengths = study.wavelengths_nm.iter().enumerate();
-    wavelengths.map(|(i, &nm)| totals.row(i, nm, &seen.realisations)).collect()
+    wavelengths.map(|(i, &nm)| totals.row(i, nm, &seen.cells)).collect()
 }
 
 /// The layer's totals at one angle against wavelength, with all errors.

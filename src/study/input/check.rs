@@ -239,11 +239,11 @@ fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
 
 fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults) -> Goal {
     let tolerance = table.tolerance.unwrap_or(match resolution {
-        // Three times the residual is what it may do to an amplitude: a few percent of the accuracy.
-        WantedResolution::Accuracy { amplitude, .. } => (1e-2 * amplitude).clamp(1e-13, 1e-3),
+        // Three times the residual is what it may do to an amplitude: a third of the accuracy, at random from solve to solve.
+        WantedResolution::Accuracy { amplitude, .. } => (0.1 * amplitude).clamp(1e-13, 1e-3),
         WantedResolution::Grid { .. } => Goal::default().tolerance,
     });
-    let remedy = "leave it out: a hundredth of resolution.accuracy is ample";
+    let remedy = "leave it out: a tenth of resolution.accuracy is ample";
     faults.number("solver.tolerance", tolerance, limits::TOLERANCE, remedy);
     whole("solver.max_applications", table.max_applications, limits::APPLICATIONS, "2000 is usual", faults);
     Goal { tolerance, max_applications: table.max_applications }

@@ -18,7 +18,7 @@ impl Study {
     /// What realisation `r` has drawn.
     pub fn draw(&self, r: usize) -> Draw {
         let [area, aspect, azimuth, direction, wavelength, thickness] =
-            Sequence::<COORDINATES>::new(self.packing.seed).point(r);
+            Sequence::<COORDINATES>::new(self.packing.seed).point(if self.pairs_cells() { r / 2 } else { r });
         let layer = &self.layer;
         let thickness_um = thickness_um(layer.thickness_um, self.variation.thickness_std_um, thickness);
         let (period_um, turn) = match self.variation.cell {

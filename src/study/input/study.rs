@@ -6,7 +6,7 @@ mod wanted;
 pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
 pub use wanted::{Angles, Judgement, Output, WantedResolution};
 
-use super::variation::{Draw, Turn, Variation, stratified_deg};
+use super::variation::{CellRule, Draw, Turn, Variation, signs, stratified_deg};
 use crate::ink::PackingRequest;
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
@@ -64,6 +64,10 @@ pub struct Study {
     pub remarks: Vec<String>,
 }
 
+/// Realisations from which on two share a cell each. Fewer than four pairs say too little of their spread, and chance moves the mean
+/// of so few cells more than their constant share does.
+const FEWEST_PAIRED: usize = 8;
+
 /// One solve of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
@@ -103,12 +107,31 @@ impl Study {
     /// The packing of a realisation: its own cell, and its own stream of the study's seed.
     pub fn packing_request(&self, realisation: usize) -> PackingRequest {
         let draw = self.draw(realisation);
-        PackingRequest {
+        let request = PackingRequest {
             stream: realisation as u64,
             period_um: draw.period_um,
             thickness_um: draw.thickness_um,
             ..self.packing.clone()
+        };
+        match self.partner(realisation) {
+            Some(_) => request.fluctuating(&signs(realisation, self.pigments.len())),
+            None => request,
         }
+    }
+
+    /// The other realisation of the same cell, whose pigments are as far above what is asked as those of this one are below it,
+    /// as in windows of a wide layer ([`PackingRequest::fluctuating`]); `None` for cells that do not vary, without grains, for
+    /// fewer than eight realisations, and for the last of an odd number.
+    pub fn partner(&self, realisation: usize) -> Option<usize> {
+        let other = realisation ^ 1;
+        (self.pairs_cells() && other < self.realisations).then_some(other)
+    }
+
+    /// Whether two realisations share a cell each.
+    pub(super) fn pairs_cells(&self) -> bool {
+        self.variation.cell == CellRule::Varied
+            && !self.pigments.is_empty()
+            && self.realisations >= FEWEST_PAIRED
     }
 
     /// Content hash of all that the packings of every realisation depend on. The first one is not enough: cells are drawn to hold

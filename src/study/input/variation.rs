@@ -5,6 +5,10 @@
 //! Ceperley 2001). Here the lattice itself varies: area, aspect and azimuth, all drawn evenly by a
 //! [`Sequence`](crate::numerics::sequence::Sequence), together with the directions over the hemisphere and the wavelengths. Realisation r has the
 //! same draws however many there are, so that a study may be extended.
+//!
+//! Two packings share each cell with its directions and wavelengths: one holds more pigment than is asked, one less, as windows of the
+//! cell's size in a wide layer do. Cells that all hold the asked share absorb too much where ink absorbs: T of 30 % yellow, 250 nm,
+//! at 460 nm is 0.1693 ± 0.0004 in them, 0.1719 ± 0.0005 in these, 0.1719 ± 0.0004 in cells of 2.4 µm and more.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -85,6 +89,17 @@ pub struct Turn {
 pub fn stratified_deg(strata: usize, share: f64) -> Vec<f64> {
     let squared = |k: usize| ((k as f64 + share) / strata as f64).max(LEAST_SQUARED_COSINE);
     (0..strata).rev().map(|k| squared(k).sqrt().acos().to_degrees()).collect()
+}
+
+/// Which way each pigment's volume is moved in a realisation: both of a pair opposite ways, and all ways of several pigments
+/// in turns.
+pub(super) fn signs(realisation: usize, pigments: usize) -> Vec<f64> {
+    let own = |bit: usize| if bit.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let pair = realisation / 2;
+    let of = |k: usize| {
+        own(realisation) * if k == 0 { 1.0 } else { own(pair.checked_shr(k as u32 - 1).unwrap_or(0)) }
+    };
+    (0..pigments).map(of).collect()
 }
 
 /// The shortest side that a cell of this nominal period may get, µm.

@@ -20,11 +20,13 @@ pub struct RunSettings {
     pub jobs: Option<usize>,
     /// Bytes that all solves at a time may take.
     pub memory: f64,
+    /// Tries again what has failed before, unless other processes are at work.
+    pub retry_failed: bool,
 }
 
 impl Default for RunSettings {
     fn default() -> Self {
-        Self { jobs: None, memory: super::memory::usable() }
+        Self { jobs: None, memory: super::memory::usable(), retry_failed: false }
     }
 }
 
@@ -103,8 +105,8 @@ pub struct Stores {
     pub packings: Store<PackingRecord>,
     /// Grids that were searched.
     pub grids: Store<Resolved>,
-    /// Solves that have failed before and are not tried again; a study of its own tries them anew.
-    pub failures: Option<Store<FailureRecord>>,
+    /// Solves, packings and grids that have failed, and are not tried again before that is asked.
+    pub failures: Store<FailureRecord>,
 }
 
 impl Stores {
@@ -116,18 +118,14 @@ impl Stores {
     /// The stores of a folder that is only read.
     pub fn at(path: &Path) -> io::Result<Self> {
         let database = Arc::new(Database::open(path)?);
-        let (points, packings, grids) = (Store::of(&database), Store::of(&database), Store::of(&database));
-        Ok(Self { points, packings, grids, failures: None, database })
+        let (points, packings) = (Store::of(&database), Store::of(&database));
+        let (grids, failures) = (Store::of(&database), Store::of(&database));
+        Ok(Self { points, packings, grids, failures, database })
     }
 
-    /// The store, with failures recorded.
-    pub fn with_failures(self) -> Self {
-        Self { failures: Some(Store::of(&self.database)), ..self }
-    }
-
-    /// How a solve has failed before; `None` where it has not, and where that is not remembered.
+    /// How a solve has failed before; `None` where it has not.
     pub fn failure(&self, (point, key): &(Point, Key)) -> Option<Failure> {
-        let record = self.failures.as_ref()?.get(key.as_str())?;
+        let record = self.failures.get(key.as_str())?;
         Some(Failure { point: *point, reason: record.reason })
     }
 

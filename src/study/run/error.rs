@@ -46,6 +46,17 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// With all that a stop looks like as [`RunError::Stopped`]: it is no failure of packing or grid.
+    pub fn stopped(self) -> Self {
+        match self {
+            Self::Packing { source: PackError::Stopped { .. }, .. } | Self::Wave(WaveError::Stopped) => {
+                Self::Stopped
+            }
+            Self::Resolution(error) if error.is_stop() => Self::Stopped,
+            other => other,
+        }
+    }
+
     /// True when the grains of one realisation found no room, which says nothing of the others.
     pub fn has_no_room(&self) -> bool {
         let no_room =

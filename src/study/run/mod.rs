@@ -1,4 +1,5 @@
-//! Carries a study out: a point (one solve), a realisation (one packing), the study, its resolution, work side by side.
+//! Carries a study out: a point (one solve), a realisation (one packing), its resolution, work side by side. Who takes which
+//! realisation is a sweep's business.
 
 pub mod collected;
 pub mod crew;
@@ -9,6 +10,8 @@ pub mod memory;
 pub mod point;
 pub mod realisation;
 pub mod resolve;
-pub mod runner;
 pub mod tangents;
 pub mod watch;
+
+pub use collected::{Collected, Failure, Realisation, Refused, RunSettings, Stores};
+pub use error::RunError;

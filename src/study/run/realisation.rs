@@ -1,21 +1,22 @@
 //! One realisation of a run: its packing, its coverage, its solves.
 
-use super::collected::{Failure, Realisation, RunSettings, Stores};
+use super::collected::{RunSettings, Stores};
 use super::crew::work_through;
 use super::error::RunError;
 use super::grids::{Grids, Wavelength};
 use super::point::{PointError, PointSolver, is_physical, pack_realisation};
 use super::resolve;
 use super::resolve::Resolved;
-use super::watch::RunWatch;
+use super::watch::{Event, RunWatch};
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::solve::Solver;
 use crate::store::identity::Key;
 use crate::store::packing_record::PackingRecord;
-use crate::store::record::{FailureRecord, PointRecord};
+use crate::store::record::FailureRecord;
 use crate::wave::{Geometry, Mean, Precision, Resolution, Scene, System, Wave};
 use std::io;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Packings on demand; the first one serves the choice of the resolution too, and the latest one all studies
@@ -111,45 +112,33 @@ pub struct RealisationRun<'a> {
 }
 
 impl RealisationRun<'_> {
-    /// Solves what the store lacks, and gives all records.
-    pub fn finish(&self, packings: &mut Packings) -> Result<Realisation, RunError> {
+    /// Solves what the store lacks; gives the number of solves that have no result.
+    pub fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
         let keyed = point_keys(self.study, self.resolved, self.realisation);
-        let mut points: Vec<Option<PointRecord>> =
-            keyed.iter().map(|(_, key)| self.stores.points.get(key.as_str())).collect();
-        for point in &mut points {
-            *point = point.take().filter(|record| is_physical(record, self.resolved.grid_error));
-        }
-        let (mut missing, mut failures) = (Vec::new(), Vec::new());
-        for i in (0..points.len()).filter(|&i| points[i].is_none()) {
-            match self.stores.failure(&keyed[i]) {
-                Some(failure) => failures.push(failure),
-                None => missing.push(i),
-            }
-        }
-        self.watch.kept(self.study, points.len() - missing.len());
+        let lacking: Vec<&(Point, Key)> = keyed.iter().filter(|keyed| !self.is_kept(keyed)).collect();
+        let (failed, todo): (Vec<_>, Vec<_>) =
+            lacking.iter().partition(|keyed| self.stores.failure(keyed).is_some());
+        self.watch.hear(Event::Kept(keyed.len() - lacking.len()));
+        self.watch.hear(Event::Dropped(failed.len()));
         let packing_key = Key::of_packing(&self.study.packing_request(self.realisation));
-        let kept = self.stores.packings.get(packing_key.as_str());
-        if let (true, Some(packing)) = (missing.is_empty(), kept) {
-            return Ok(Realisation { packing, points, failures });
+        if todo.is_empty() && self.stores.packings.has(packing_key.as_str()) {
+            return Ok(failed.len());
         }
         let packing = packings.get(self.realisation)?;
-        let record = PackingRecord::new(self.realisation, &packing);
-        self.stores.packings.put(packing_key.as_str(), &record)?;
+        self.stores.packings.put(packing_key.as_str(), &PackingRecord::new(self.realisation, &packing))?;
         let finest = self.resolved.for_cell(&self.study.draw(self.realisation));
-        let todo: Vec<&(Point, Key)> = missing.iter().map(|&i| &keyed[i]).collect();
         let size = resolve::size(self.study, finest);
         let solver = self.study.solver.build();
         let jobs = self.jobs(size.admit(&*solver, self.settings.memory)?.bytes);
         let solver = size.admit(&*solver, self.settings.memory / jobs as f64)?;
         let grids = Grids::new(self.study, &packing, self.geometries(packings, &todo)?);
-        for (&i, result) in missing.iter().zip(self.solve_all(solver.solver(), jobs, &grids, &todo)?) {
-            match result {
-                Some(Ok(point)) => points[i] = Some(point),
-                Some(Err(reason)) => failures.push(self.note_failure(&keyed[i], reason)?),
-                None => {}
-            }
-        }
-        Ok(Realisation { packing: record, points, failures })
+        Ok(failed.len() + self.solve_all(solver.solver(), jobs, &grids, &todo)?)
+    }
+
+    /// Whether the store has a sound result of this solve.
+    fn is_kept(&self, (_, key): &(Point, Key)) -> bool {
+        let record = self.stores.points.get(key.as_str());
+        record.is_some_and(|record| is_physical(&record, self.resolved.grid_error))
     }
 
     /// The packing on the grids of all these solves.
@@ -180,73 +169,56 @@ impl RealisationRun<'_> {
         asked.min(fitting.max(1))
     }
 
-    fn note_failure(&self, (point, key): &(Point, Key), reason: String) -> io::Result<Failure> {
-        if let Some(store) = &self.stores.failures {
-            let (variant, realisation) = (self.study.title.clone(), point.realisation);
-            let incidence = Some(point.incidence);
-            store.put(
-                key.as_str(),
-                &FailureRecord { variant, realisation, incidence, reason: reason.clone() },
-            )?;
-        }
-        Ok(Failure { point: *point, reason })
+    /// Records that a solve has no result.
+    fn note_failure(&self, (point, key): &(Point, Key), reason: String) -> io::Result<()> {
+        let (variant, realisation) = (self.study.title.clone(), point.realisation);
+        let record = FailureRecord { variant, realisation, incidence: Some(point.incidence), reason };
+        self.stores.failures.put(key.as_str(), &record)
     }
 
-    /// Solves side by side, those of one problem after one another; `None` for those that a stop left out.
+    /// Solves side by side, those of one problem after one another; gives the number of those without a result.
     fn solve_all(
         &self,
         solver: &dyn Solver,
         jobs: usize,
         grids: &Grids,
         todo: &[&(Point, Key)],
-    ) -> Result<Vec<RealisationSolved>, RunError> {
-        let results: Vec<Mutex<RealisationSolved>> = todo.iter().map(|_| Mutex::new(None)).collect();
-        let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
+    ) -> Result<usize, RunError> {
+        let (failed, trouble) = (AtomicUsize::new(0), Mutex::new(None));
         let stop = || self.watch.stop() || lock(&trouble).is_some();
         let groups: Vec<&[&(Point, Key)]> =
             todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
-        let places: Vec<usize> = starts(&groups);
-        work_through(groups.len(), jobs, stop, |g| {
-            let own = &results[places[g]..places[g] + groups[g].len()];
-            let ended = self.solve_group(solver, grids, groups[g], own);
-            ended.unwrap_or_else(|error| *lock(&trouble) = Some(error));
+        work_through(groups.len(), jobs, stop, |g| match self.solve_group(solver, grids, groups[g]) {
+            Ok(more) => _ = failed.fetch_add(more, Ordering::Relaxed),
+            Err(error) => *lock(&trouble) = Some(error),
         })?;
         match trouble.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(RunError::Store(error)),
-            None => Ok(results
-                .into_iter()
-                .map(|r| r.into_inner().unwrap_or_else(PoisonError::into_inner))
-                .collect()),
+            None => Ok(failed.into_inner()),
         }
     }
 
     /// The solves of one wavelength and direction, whose problem they share. The error is the store's alone.
-    fn solve_group(
-        &self,
-        solver: &dyn Solver,
-        grids: &Grids,
-        group: &[&(Point, Key)],
-        results: &[Mutex<RealisationSolved>],
-    ) -> io::Result<()> {
-        let mut systems = None;
-        for ((point, key), result) in group.iter().zip(results) {
+    fn solve_group(&self, solver: &dyn Solver, grids: &Grids, group: &[&(Point, Key)]) -> io::Result<usize> {
+        let (mut systems, mut failed) = (None, 0);
+        for keyed in group {
             if self.watch.stop() {
                 break;
             }
-            *lock(result) = self.solve_one(solver, (grids, &mut systems), point, key)?;
+            failed += usize::from(!self.solve_one(solver, (grids, &mut systems), keyed)?);
         }
-        Ok(())
+        Ok(failed)
     }
 
-    /// One solve, in the store when it returns; the problems are made for the first of a group. The error is the store's alone.
+    /// One solve, in the store when it returns; the problems are made for the first of a group. False for one that fails. The
+    /// error is the store's alone.
     fn solve_one(
         &self,
         solver: &dyn Solver,
         (grids, shared): (&Grids, &mut Option<Vec<Box<dyn System>>>),
-        point: &Point,
-        key: &Key,
-    ) -> io::Result<RealisationSolved> {
-        self.watch.solving(self.study, point);
+        keyed @ (point, key): &(Point, Key),
+    ) -> io::Result<bool> {
+        self.watch.hear(Event::Solving(self.study, point));
         let point_solver =
             PointSolver { study: self.study, solver, grid: self.resolved.grid_error, watch: self.watch };
         let made = match shared.take() {
@@ -257,35 +229,22 @@ impl RealisationRun<'_> {
             let systems = shared.insert(made);
             point_solver.solve(systems, point, key.as_str())
         });
-        self.watch.ended();
+        self.watch.hear(Event::Ended);
         match solved {
             Ok(record) => {
                 self.stores.points.put(key.as_str(), &record)?;
-                self.watch.solved(self.study, point, None);
-                Ok(Some(Ok(record)))
+                self.watch.hear(Event::Solved(point, None));
+                Ok(true)
             }
-            Err(error) if PointError::is_stop(&error) => Ok(None),
+            Err(error) if PointError::is_stop(&error) => Ok(true),
             Err(error) => {
                 let reason = error.to_string();
-                self.watch.solved(self.study, point, Some(&reason));
-                Ok(Some(Err(reason)))
+                self.watch.hear(Event::Solved(point, Some(&reason)));
+                self.note_failure(keyed, reason)?;
+                Ok(false)
             }
         }
     }
-}
-
-/// A record, the reason why there is none, or nothing when the run was stopped before.
-type RealisationSolved = Option<Result<PointRecord, String>>;
-
-/// Places of the first members of groups that lie one after another.
-fn starts<T>(groups: &[&[T]]) -> Vec<usize> {
-    let mut next = 0;
-    let place = |group: &&[T]| {
-        let start = next;
-        next += group.len();
-        start
-    };
-    groups.iter().map(place).collect()
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

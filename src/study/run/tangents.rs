@@ -8,7 +8,7 @@ use super::crew::{processor_seconds, work_through};
 use super::error::RunError;
 use super::point::{PointError, Stopper, pack_realisation, systems_of, total_errors};
 use super::resolve::{Resolved, size};
-use super::watch::RunWatch;
+use super::watch::{Event, RunWatch};
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::material::mixing::MixingRule;
@@ -153,7 +153,7 @@ impl<'a> Tangents<'a> {
         for realisation in 0..study.realisations {
             watch.stage(&format!("packing realisation {}/{}", realisation + 1, study.realisations));
             let packed = pack_realisation(study, realisation, watch)
-                .map_err(|source| super::runner::stopped(RunError::Packing { realisation, source }));
+                .map_err(|source| RunError::Packing { realisation, source }.stopped());
             match packed {
                 Ok(packing) => cells.push(TangentCell::new(study, realisation, packing)),
                 Err(error) if error.has_no_room() => refusal = Some(error),
@@ -225,7 +225,7 @@ impl<'a> Tangents<'a> {
         let keys: Vec<Key> = points.iter().map(key).collect();
         let found: Vec<_> = keys.iter().map(|key| Mutex::new(self.store.get(key.as_str()))).collect();
         let todo: Vec<usize> = (0..points.len()).filter(|&i| lock(&found[i]).is_none()).collect();
-        watch.kept(study, points.len() - todo.len());
+        watch.hear(Event::Kept(points.len() - todo.len()));
         let (solver, jobs) = self.solver(study, cell)?;
         let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
         let stop = || watch.stop() || lock(&trouble).is_some();
@@ -252,18 +252,18 @@ impl<'a> Tangents<'a> {
         (point, key): (&Point, &Key),
         (solver, watch): (&dyn Solver, &dyn RunWatch),
     ) -> io::Result<Option<TangentRecord>> {
-        watch.solving(study, point);
+        watch.hear(Event::Solving(study, point));
         let solved = self.solve(study, cell, (point, key), (solver, watch));
-        watch.ended();
+        watch.hear(Event::Ended);
         match solved {
             Ok(record) => {
                 self.store.put(key.as_str(), &record)?;
-                watch.solved(study, point, None);
+                watch.hear(Event::Solved(point, None));
                 Ok(Some(record))
             }
             Err(error) => {
                 let reason = error.to_string();
-                (!error.is_stop()).then(|| watch.solved(study, point, Some(&reason)));
+                (!error.is_stop()).then(|| watch.hear(Event::Solved(point, Some(&reason))));
                 Ok(None)
             }
         }

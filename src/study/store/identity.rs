@@ -10,7 +10,7 @@ use std::fmt;
 
 /// Counts up whenever the same inputs give different numbers, so that stored results of older methods are
 /// not taken for new ones.
-pub const METHOD_VERSION: u32 = 2;
+pub const METHOD_VERSION: u32 = 3;
 
 /// Content hash (BLAKE3, first 128 bits in hexadecimal) of what a result depends on.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -87,6 +87,18 @@ impl Agglomeration {
         (!sound).then(|| ("agglomeration.grains", format!("{:?}", self.grains), allowed))
     }
 
+    /// Mean number of grains of a body, weighted by volume; single grains count.
+    pub(crate) fn mean_body(&self) -> f64 {
+        let together = match &self.grains {
+            GrainCount::Constant(n) => *n as f64,
+            GrainCount::Uniform(r) => weighted_mean((r.from..=r.to).map(|n| (n, 1.0))),
+            GrainCount::List(list) => {
+                weighted_mean(list.values.iter().copied().zip(list.weights.iter().copied()))
+            }
+        };
+        1.0 + self.degree * (together - 1.0)
+    }
+
     pub(crate) fn draw_count(&self, draws: &mut Draws) -> usize {
         match &self.grains {
             GrainCount::Constant(n) => *n,
@@ -101,6 +113,15 @@ impl Agglomeration {
             }
         }
     }
+}
+
+/// Mean of numbers n, each weighted by n and its own weight.
+fn weighted_mean(numbers: impl Iterator<Item = (usize, f64)>) -> f64 {
+    let add = |(sum, squares): (f64, f64), (n, weight): (usize, f64)| {
+        (sum + weight * n as f64, squares + weight * (n * n) as f64)
+    };
+    let (sum, squares) = numbers.fold((0.0, 0.0), add);
+    squares / sum
 }
 
 /// One grain of an agglomerate, in the agglomerate's frame.

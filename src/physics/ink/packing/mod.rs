@@ -8,6 +8,7 @@
 pub(crate) mod bodies;
 pub(crate) mod buckets;
 mod fewer;
+mod fluctuation;
 pub mod grain;
 mod loads;
 mod monte_carlo;

@@ -71,7 +71,7 @@ pub struct SolverTable {
     /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
     #[schemars(schema_with = "strategies", extend("default" = "krylov"))]
     pub strategy: SolverChoice,
-    /// Relative residual at which a solve counts as converged; a hundredth of `resolution.accuracy` when left out, 1e-6
+    /// Relative residual at which a solve counts as converged; a tenth of `resolution.accuracy`, at most 1e-3, when left out, 1e-6
     /// where the grid is given instead.
     #[schemars(transform = limits::TOLERANCE.mark(), example = 1e-4)]
     pub tolerance: Option<f64>,

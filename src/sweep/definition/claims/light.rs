@@ -1,0 +1,89 @@
+//! What the variants must have for a conclusion: its wavelengths, and a target where it asks for the distance to it.
+
+use super::Claim;
+use crate::input::fault::{Fault, Faults};
+use crate::input::study::Study;
+use crate::sweep::definition::file::Quantity;
+
+/// Conclusions that their variants cannot answer.
+pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults) {
+    let light: Vec<&[f64]> = studies.iter().map(|study| study.wavelengths_nm.as_slice()).collect();
+    check_light(claims, &light, faults);
+    let aimless = |v: &&usize| studies[**v].judgement.target_lab.is_none();
+    for claim in claims.iter().filter(|claim| claim.quantity == Quantity::DeltaEToTarget) {
+        if named(claim).any(|v| aimless(&v)) {
+            let found = format!("{:?} in {:?}, of a variant without a target", "delta_e_to_target", claim.id);
+            let remedy = "set base.colour.target_lab = [L, a, b]";
+            faults.push(Fault::new("conclusion.quantity", found, "variants with a target colour", remedy));
+        }
+    }
+}
+
+/// Every variant that a claim speaks of.
+fn named(claim: &Claim) -> impl Iterator<Item = &usize> {
+    let curve = claim.curve.iter().map(|(_, v)| v);
+    claim.plus.iter().chain(&claim.minus).chain(&claim.absorbed_by).chain(curve)
+}
+
+/// A claim about light speaks of wavelengths that its variants are seen at: `wavelengths_nm` has those of each variant.
+fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Faults) {
+    for (i, claim) in claims.iter().enumerate() {
+        let one = claim.wavelength_nm.map(|nm| [nm - 1e-6, nm + 1e-6]);
+        let Some([from, to]) = claim.range_nm.or(one) else { continue };
+        let dark = |v: &&usize| !wavelengths_nm[**v].iter().any(|nm| (from..=to).contains(nm));
+        let Some(&v) = named(claim).find(dark) else {
+            faults.0.extend(claim.range_nm.and_then(|range| uneven(claim, i, wavelengths_nm, range)));
+            continue;
+        };
+        let (key, found) = match claim.wavelength_nm {
+            Some(nm) => ("wavelength_nm", nm.to_string()),
+            None => ("range_nm", format!("[{from}, {to}]")),
+        };
+        let listed: Vec<String> = wavelengths_nm[v].iter().map(f64::to_string).collect();
+        let allowed = format!("wavelengths of the study, {} nm", listed.join(", "));
+        let remedy = "name one of these, or add it to [light]";
+        faults.push(Fault::new(format!("conclusion[{i}].{key}"), found, allowed, remedy));
+    }
+}
+
+/// A range holds wavelength by wavelength, so that all variants must be seen at the same ones of it.
+fn uneven(claim: &Claim, i: usize, wavelengths_nm: &[&[f64]], [from, to]: [f64; 2]) -> Option<Fault> {
+    let of = |v: usize| -> Vec<f64> {
+        wavelengths_nm[v].iter().copied().filter(|nm| (from..=to).contains(nm)).collect()
+    };
+    let mut all = claim.plus.iter().chain(&claim.minus).chain(&claim.absorbed_by).map(|&v| of(v));
+    let first = all.next()?;
+    let near = |a: &f64, b: &f64| (a - b).abs() < 1e-6;
+    let same =
+        |other: &Vec<f64>| other.len() == first.len() && other.iter().zip(&first).all(|(a, b)| near(a, b));
+    let other = all.find(|other| !same(other))?;
+    let [first, other] =
+        [&first, &other].map(|nm| nm.iter().map(f64::to_string).collect::<Vec<_>>().join(", "));
+    let (field, found) =
+        (format!("conclusion[{i}].range_nm"), format!("{first} nm of one variant, {other} nm of another"));
+    let remedy = "give them the same [light], or a range in which they agree";
+    Some(Fault::new(field, found, "the same wavelengths of the range in all variants", remedy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_needs_the_same_wavelengths_in_all_variants() {
+        let (quantity, range_nm) = (Quantity::Reflectance, Some([500.0, 600.0]));
+        let claim = Claim { quantity, range_nm, ..Claim::example() };
+        let told = |a: &[f64], b: &[f64]| {
+            let mut faults = Faults::default();
+            check_light(std::slice::from_ref(&claim), &[a, b], &mut faults);
+            faults.to_string()
+        };
+        assert_eq!(told(&[450.0, 500.0, 550.0], &[500.0, 550.0, 650.0]), "");
+        let uneven = told(&[500.0, 550.0], &[500.0, 560.0]);
+        assert!(
+            uneven.contains("conclusion[0].range_nm: found 500, 550 nm of one variant, 500, 560 nm"),
+            "{uneven}"
+        );
+        assert!(told(&[500.0, 550.0], &[500.0]).contains("the same wavelengths"));
+    }
+}

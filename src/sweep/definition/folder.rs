@@ -1,0 +1,161 @@
+//! The folder of a sweep.
+//!
+//! ```text
+//! sweep.json                       axes, variants, conclusions        inputs/…             tables that variants read
+//! variants/<name>/study.toml       each variant as a study of its own, beside its results
+//! records/                         the store that all variants share      inkwave.json     marks the folder
+//! sweep.csv  conclusions.csv  contact-sheet*.png  report.html          PARTIAL while not all is finished
+//! ```
+
+use super::load::{Input, Place, Sweep, Variant};
+use super::seal::{SealedOutline, seal};
+use super::sound;
+use crate::input::fault::StudyError;
+use crate::run::resolve::Resolved;
+use crate::store::Record;
+use crate::store::database::Database;
+use crate::store::folder::{FolderError, OutputFolder};
+use crate::store::marker::{Holds, Marker};
+use crate::store::record::FailureRecord;
+use std::fmt::Display;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Outline of the sweep.
+pub const OUTLINE: &str = "sweep.json";
+/// One folder for each variant.
+pub const VARIANTS: &str = "variants";
+
+/// Why a folder holds no sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The folder holds no sweep.
+    #[error("{} holds no sweep: {reason}", path.display())]
+    NoSweep {
+        /// The folder.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
+    },
+    /// Files that are not those that were written.
+    #[error("{} was changed since it was written: {what}", path.display())]
+    Changed {
+        /// The folder.
+        path: PathBuf,
+        /// What does not fit.
+        what: String,
+    },
+    /// A variant's study.
+    #[error(transparent)]
+    Variant(#[from] StudyError),
+}
+
+/// Writes all that the folder needs to be reported without the sweep file.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
+    let make = |path: PathBuf| -> Result<(), FolderError> {
+        std::fs::create_dir_all(&path).map_err(|source| FolderError::NotWritable { path, source })
+    };
+    for Input { path, bytes } in &sweep.inputs {
+        make(folder.path().join(path).parent().unwrap_or(Path::new("")).to_owned())?;
+        folder.write(path, bytes)?;
+    }
+    for Variant { name, text, .. } in &sweep.variants {
+        make(folder.path().join(VARIANTS).join(name))?;
+        folder.write(&format!("{VARIANTS}/{name}/study.toml"), text.as_bytes())?;
+    }
+    let outline = sealed(sweep).map_err(|error| FolderError::NotWritable {
+        path: folder.path().join(OUTLINE),
+        source: error.into(),
+    })?;
+    folder.write(OUTLINE, &outline)
+}
+
+/// The bytes of `sweep.json`.
+fn sealed(sweep: &Sweep) -> serde_json::Result<Vec<u8>> {
+    let seal = Some(seal(&sweep.outline, sweep.variants.iter().map(|variant| variant.text.as_str()))?);
+    serde_json::to_vec_pretty(&SealedOutline { outline: sweep.outline.clone(), seal })
+}
+
+/// Reads the sweep back from its folder.
+///
+/// # Errors
+/// No sweep there, or files of it that were changed or lost.
+pub fn read(path: &Path) -> Result<Sweep, OpenError> {
+    let no_sweep = |reason: String| no_sweep(path, reason);
+    let unreadable = |error: &dyn Display| no_sweep(format!("{OUTLINE}: {error}"));
+    let text = std::fs::read(path.join(OUTLINE)).map_err(|e| unreadable(&e))?;
+    let kept: SealedOutline = serde_json::from_slice(&text).map_err(|e| unreadable(&e))?;
+    let SealedOutline { outline, seal: found } = kept;
+    sound::check(&outline).map_err(|reason| unreadable(&reason))?;
+    let changed = |what: &str| OpenError::Changed { path: path.to_owned(), what: what.to_owned() };
+    let texts = outline.variants.iter().map(|place| text_of(path, place));
+    let texts = texts.collect::<Result<Vec<_>, _>>()?;
+    let fitting = seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))?;
+    match found {
+        None => return Err(changed("sweep.json has no seal, as those of older versions")),
+        Some(found) if found != fitting => {
+            return Err(changed("the seal of sweep.json does not fit it and the variants' study.toml"));
+        }
+        Some(_) => {}
+    }
+    let variants = outline.variants.iter().zip(texts).map(|(place, text)| variant(path, place, text));
+    let variants = variants.collect::<Result<Vec<_>, _>>()?;
+    sound::check_wavelengths(&outline.claims, &variants).map_err(|reason| unreadable(&reason))?;
+    let inputs = inputs(path).map_err(|e| no_sweep(format!("inputs: {e}")))?;
+    match inputs.iter().find(|input| !input.is_whole()) {
+        Some(input) => Err(changed(&format!("{} is not the table that was read", input.path))),
+        None => Ok(Sweep { outline, variants, inputs }),
+    }
+}
+
+/// The refusal of a folder.
+fn no_sweep(path: &Path, reason: String) -> OpenError {
+    OpenError::NoSweep { path: path.to_owned(), reason }
+}
+
+/// One variant from its own folder.
+fn variant(path: &Path, place: &Place, text: String) -> Result<Variant, OpenError> {
+    let study = crate::input::load::load(&study_file(path, place))?;
+    Ok(Variant { name: place.name.clone(), study, text })
+}
+
+fn text_of(path: &Path, place: &Place) -> Result<String, OpenError> {
+    let file = study_file(path, place);
+    std::fs::read_to_string(&file).map_err(|error| no_sweep(path, format!("{}: {error}", file.display())))
+}
+
+fn study_file(path: &Path, place: &Place) -> PathBuf {
+    path.join(VARIANTS).join(&place.name).join("study.toml")
+}
+
+/// Copies the grids that another folder has, with those that could not be chosen; gives their number.
+///
+/// # Errors
+/// The other folder holds no sweep, or the records cannot be written.
+pub fn take_grids(from: &Path, folder: &OutputFolder) -> io::Result<usize> {
+    if Marker::read(from).is_none_or(|marker| marker.inkwave_folder != Holds::Sweep || !marker.is_readable())
+    {
+        return Err(io::Error::other("no folder of a sweep: write one with --grids-only"));
+    }
+    let (from, into) = (Database::open(from)?, Database::open(folder.path())?);
+    let wanted = [Resolved::KIND, FailureRecord::KIND];
+    into.adopt(&from, &wanted, |_, _, _| true)?;
+    Ok(from.keys(Resolved::KIND).len())
+}
+
+fn inputs(path: &Path) -> io::Result<Vec<Input>> {
+    let mut found = Vec::new();
+    let Ok(folders) = std::fs::read_dir(path.join("inputs")) else { return Ok(found) };
+    for folder in folders {
+        for file in std::fs::read_dir(folder?.path())? {
+            let file = file?.path();
+            let name = file.strip_prefix(path).unwrap_or(&file).to_string_lossy().into_owned();
+            found.push(Input { path: name, bytes: std::fs::read(&file)? });
+        }
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(found)
+}

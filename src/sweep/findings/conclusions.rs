@@ -1,0 +1,194 @@
+//! Conclusions as inequalities: statement, measured value with its standard error, verdict.
+
+mod curve;
+mod spectrum;
+mod words;
+
+use super::outcome::Outcome;
+use crate::numerics::estimate::Estimate;
+use crate::numerics::linked::Linked;
+use crate::sweep::definition::claims::{Claim, Words};
+use crate::sweep::definition::file::Quantity;
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// Two-sided confidence of a verdict: 95 %.
+pub(super) const QUANTILE: f64 = 0.975;
+
+/// What the sweep says about a claim.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judged {
+    /// Short name.
+    pub id: String,
+    /// The conclusion as one sentence.
+    pub statement: String,
+    /// Whose sentence it is.
+    pub words: Words,
+    /// In words, such as "C*(a) − C*(b) ≥ 5".
+    pub inequality: String,
+    /// What was measured, with its error; `None` when a variant is missing.
+    pub measured: Option<Estimate>,
+    /// What the numbers say.
+    pub verdict: Verdict,
+    /// Why it is undecided, and what a decision would take.
+    pub remark: String,
+}
+
+/// Confirmed and refuted hold with 95 % confidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The inequality holds with 95 % confidence.
+    Confirmed,
+    /// It fails with 95 % confidence.
+    Refuted,
+    /// Neither is certain, or numbers are missing.
+    Undecided,
+}
+
+impl Verdict {
+    /// The verdict as a word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Confirmed => "confirmed",
+            Self::Refuted => "refuted",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// Judges a claim by the outcomes of all variants.
+pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
+    let (verdict, measured, remark) = match claim.range_nm {
+        Some(range) => spectrum::judge(claim, outcomes, range),
+        None => judge_one(claim, outcomes),
+    };
+    let (id, statement, words) = (claim.id.clone(), claim.statement.clone(), claim.words.clone());
+    Judged { id, statement, words, inequality: words::inequality(claim, outcomes), measured, verdict, remark }
+}
+
+fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>, String) {
+    let measured = measure(claim, outcomes).and_then(|(sum, fewest)| {
+        let place = if claim.curve.is_empty() { sum } else { curve::place(claim, outcomes, &sum)? };
+        Ok((place, fewest))
+    });
+    match measured {
+        Err(missing) => (Verdict::Undecided, None, missing),
+        Ok((measured, fewest)) => {
+            let (verdict, remark) = decide(claim, &measured, fewest, QUANTILE);
+            (verdict, Some(measured.estimate), remark)
+        }
+    }
+}
+
+/// What a verdict says of a variant that is not there.
+fn no_value(outcome: &Outcome) -> String {
+    match &outcome.reason {
+        Some(reason) => format!("no value of {}: {reason}", outcome.name),
+        None => format!("no value of {} yet: finish the sweep", outcome.name),
+    }
+}
+
+/// The measured value, and the fewest realisations behind it; 0 where chance plays no part.
+fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), String> {
+    let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
+    let behind = all().chain(claim.curve.iter().map(|&(_, v)| &outcomes[v])).map(|o| o.realisations);
+    let fewest = behind.filter(|&n| n > 1).min().unwrap_or(0);
+    if claim.quantity == Quantity::DeltaE {
+        let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
+        let missing = || no_value(if a.colour.is_none() { a } else { b });
+        return Ok((a.difference(b).ok_or_else(missing)?, fewest));
+    }
+    let of = |outcome: &Outcome| {
+        outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(outcome))
+    };
+    let numbers = all().map(of).collect::<Result<Vec<Linked>, String>>()?;
+    let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
+    let mut sum = Linked::sum(signs.zip(&numbers));
+    if claim.quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
+        // Hues on both sides of red are near each other.
+        sum.estimate.value = 180.0 - (180.0 - sum.estimate.value).rem_euclid(360.0);
+    }
+    Ok((sum, fewest))
+}
+
+/// The verdict at a one-sided confidence, and what a decision would take.
+fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Verdict, String) {
+    let Some(error) = measured.estimate.standard_error else {
+        return (
+            Verdict::Undecided,
+            "the standard error is unknown: 2 or more realisations are needed".into(),
+        );
+    };
+    let margin = margin(claim, measured.estimate.value);
+    let reach = error * student(fewest, quantile);
+    if margin.abs() > reach || error == 0.0 {
+        return (if margin >= 0.0 { Verdict::Confirmed } else { Verdict::Refuted }, String::new());
+    }
+    (Verdict::Undecided, what_it_takes(measured.chance_variance(), error, margin, fewest))
+}
+
+/// Distance to the nearer bound: negative beyond it.
+fn margin(claim: &Claim, value: f64) -> f64 {
+    let value = if claim.absolute { value.abs() } else { value };
+    let above = claim.at_least.map(|bound| value - bound);
+    let below = claim.at_most.map(|bound| bound - value);
+    above.into_iter().chain(below).fold(f64::INFINITY, f64::min)
+}
+
+/// Realisations that would bring two standard errors below the margin, where the part that they do not lessen leaves room.
+fn what_it_takes(chance: f64, error: f64, margin: f64, fewest: usize) -> String {
+    let room = (0.5 * margin).powi(2) - (error * error - chance).max(0.0);
+    let needed = fewest as f64 * chance / room;
+    if room <= 0.0 && 2.0 * (error * error - chance).max(0.0).sqrt() > 1e-3 * margin.abs().max(error) {
+        return "the grid leaves it open: a smaller resolution.accuracy, if the value stays".into();
+    }
+    if room > 0.0 && needed < 1e6 {
+        let needed = needed.ceil().max(fewest as f64 + 1.0);
+        return format!("about {needed:.0} realisations instead of {fewest}, if the value stays");
+    }
+    "the value sits on the bound".into()
+}
+
+/// Quantile of Student's t for a mean of n realisations; the normal law's where chance plays no part.
+pub(super) fn student(realisations: usize, quantile: f64) -> f64 {
+    if realisations == 0 {
+        return Normal::standard().inverse_cdf(quantile);
+    }
+    let freedom = realisations.saturating_sub(1).max(1) as f64;
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(quantile))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(value: f64, error: f64, n: usize) -> Verdict {
+        let claim = Claim { at_least: Some(5.0), ..Claim::example() };
+        let estimate = Estimate { value, standard_error: Some(error) };
+        let measured = Linked { estimate, deviations: [(0, error)].into() };
+        decide(&claim, &measured, n, QUANTILE).0
+    }
+
+    #[test]
+    fn a_verdict_needs_a_margin_beyond_students_t() {
+        // t of 3 degrees of freedom is 3.18
+        assert_eq!(verdict(8.3, 1.0, 4), Verdict::Confirmed);
+        assert_eq!(verdict(8.0, 1.0, 4), Verdict::Undecided);
+        assert_eq!(verdict(1.7, 1.0, 4), Verdict::Refuted);
+        assert_eq!(verdict(7.1, 1.0, 100), Verdict::Confirmed);
+        assert_eq!(verdict(5.1, 0.0, 0), Verdict::Confirmed);
+        // no chance: the normal law's 1.96
+        assert_eq!(verdict(7.0, 1.0, 0), Verdict::Confirmed);
+        assert_eq!(verdict(6.9, 1.0, 0), Verdict::Undecided);
+    }
+
+    #[test]
+    fn what_a_decision_takes_depends_on_what_leaves_it_open() {
+        // two errors of chance alone against a margin of 1: four times the realisations
+        assert!(what_it_takes(1.0, 1.0, 1.0, 10).starts_with("about 40 realisations instead of 10"));
+        // a grid error of 0.8 beside it: no number of realisations brings two errors below 1
+        assert!(what_it_takes(0.36, 1.0, 1.0, 10).contains("resolution.accuracy"));
+        assert_eq!(what_it_takes(1.0, 1.0, 0.0, 10), "the value sits on the bound");
+    }
+}

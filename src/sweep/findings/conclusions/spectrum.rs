@@ -1,0 +1,171 @@
+//! A conclusion about a range of wavelengths: it must hold at every one of them, at some, or on their mean.
+
+use super::{Claim, QUANTILE, Verdict, decide, margin, measure, no_value};
+use crate::numerics::estimate::Estimate;
+use crate::numerics::linked::Linked;
+use crate::sweep::definition::file::Over;
+use crate::sweep::findings::outcome::Outcome;
+
+/// Verdict, measured value, remark; or what is missing.
+type SpectrumFound = Result<(Verdict, Option<Estimate>, String), String>;
+
+/// One wavelength's part.
+struct AtWavelength {
+    nm: f64,
+    measured: Estimate,
+    verdict: Verdict,
+    /// The verdict that stands even though all wavelengths had their chance to err (Bonferroni).
+    together: Verdict,
+    /// Distance to the nearer bound.
+    margin: f64,
+}
+
+impl AtWavelength {
+    /// The distance in standard errors: negative beyond the bound.
+    fn clearness(&self) -> f64 {
+        self.margin / self.measured.standard_error.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// The verdict on the wavelengths of a range that count.
+pub(super) fn judge(
+    claim: &Claim,
+    outcomes: &[Outcome],
+    range: [f64; 2],
+) -> (Verdict, Option<Estimate>, String) {
+    let found = wavelengths(claim, outcomes, range).and_then(|nm| match claim.over {
+        Over::Mean => on_mean(claim, outcomes, &nm),
+        Over::Every | Over::Some => one_by_one(claim, outcomes, &nm, range),
+    });
+    found.unwrap_or_else(|missing| (Verdict::Undecided, None, missing))
+}
+
+/// The wavelengths that count: all of the range, or those that a variant absorbs well.
+fn wavelengths(claim: &Claim, outcomes: &[Outcome], [from, to]: [f64; 2]) -> Result<Vec<f64>, String> {
+    let rows = claim.plus.iter().chain(&claim.minus).flat_map(|&v| &outcomes[v].spectra);
+    let mut nm: Vec<f64> = rows.map(|row| row.wavelength_nm).filter(|nm| (from..=to).contains(nm)).collect();
+    nm.sort_by(f64::total_cmp);
+    nm.dedup();
+    let Some(absorber) = claim.absorbed_by.map(|v| &outcomes[v]) else { return Ok(nm) };
+    let seen = absorber.at_first_angle().iter().map(|row| (row.wavelength_nm, row.transmittance.value));
+    let seen: Vec<(f64, f64)> = seen.filter(|(nm, _)| (from..=to).contains(nm)).collect();
+    if seen.is_empty() {
+        return Err(no_value(absorber));
+    }
+    let absorbed = absorbed(&seen);
+    nm.retain(|nm| absorbed.iter().any(|other| (nm - other).abs() < 1e-6));
+    Ok(nm)
+}
+
+/// Wavelengths whose transmittance is in the lower half between the least and the greatest.
+fn absorbed(seen: &[(f64, f64)]) -> Vec<f64> {
+    let least = seen.iter().map(|row| row.1).fold(f64::INFINITY, f64::min);
+    let most = seen.iter().map(|row| row.1).fold(f64::NEG_INFINITY, f64::max);
+    seen.iter().filter(|row| row.1 <= 0.5 * (least + most)).map(|row| row.0).collect()
+}
+
+fn at(claim: &Claim, outcomes: &[Outcome], nm: f64) -> Result<(Linked, usize), String> {
+    measure(&Claim { wavelength_nm: Some(nm), ..claim.clone() }, outcomes)
+}
+
+/// The mean over the wavelengths against the bounds.
+fn on_mean(claim: &Claim, outcomes: &[Outcome], nm: &[f64]) -> SpectrumFound {
+    let parts = nm.iter().map(|&one| at(claim, outcomes, one)).collect::<Result<Vec<_>, String>>()?;
+    let (Some(first), Some(last)) = (nm.first(), nm.last()) else {
+        return Err("no wavelength of the study in the range".into());
+    };
+    let fewest = parts.iter().map(|(_, fewest)| *fewest).min().unwrap_or(0);
+    let numbers: Vec<Linked> = parts.into_iter().map(|(number, _)| number).collect();
+    let mean = mean(&numbers);
+    let (verdict, remark) = decide(claim, &mean, fewest, QUANTILE);
+    let over = format!("mean over {} wavelengths from {first:.0} to {last:.0} nm", nm.len());
+    let remark = if remark.is_empty() { over } else { format!("{over}; {remark}") };
+    Ok((verdict, Some(mean.estimate), remark))
+}
+
+/// What realisations move is added wavelength by wavelength; the rest, the grid's above all, errs to one side at all of them.
+fn mean(numbers: &[Linked]) -> Linked {
+    let share = 1.0 / numbers.len() as f64;
+    let mut mean = Linked::sum(numbers.iter().map(|number| (share, number)));
+    let own = |number: &Linked| {
+        let error = number.estimate.standard_error?;
+        Some((error * error - number.chance_variance()).max(0.0).sqrt())
+    };
+    let own: Option<f64> = numbers.iter().map(own).sum();
+    mean.estimate.standard_error = own.map(|own| (share * own).hypot(mean.chance_variance().sqrt()));
+    mean
+}
+
+fn one_by_one(claim: &Claim, outcomes: &[Outcome], nm: &[f64], range: [f64; 2]) -> SpectrumFound {
+    let part = |&one: &f64| at_wavelength(claim, outcomes, one, nm.len());
+    let parts: Vec<AtWavelength> = nm.iter().map(part).collect::<Result<_, String>>()?;
+    Ok(match claim.over {
+        Over::Some => some(&parts, range),
+        Over::Every | Over::Mean => every(&parts, range),
+    })
+}
+
+fn at_wavelength(claim: &Claim, outcomes: &[Outcome], nm: f64, count: usize) -> Result<AtWavelength, String> {
+    let (measured, fewest) = at(claim, outcomes, nm)?;
+    let corrected = 1.0 - (1.0 - QUANTILE) / count as f64;
+    let (verdict, _) = decide(claim, &measured, fewest, QUANTILE);
+    let together = decide(claim, &measured, fewest, corrected).0;
+    let measured = measured.estimate;
+    Ok(AtWavelength { nm, measured, verdict, together, margin: margin(claim, measured.value) })
+}
+
+fn none([from, to]: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
+    (Verdict::Undecided, None, format!("no wavelength of the study from {from} to {to} nm"))
+}
+
+/// Confirmed where every wavelength confirms it (the intersection of tests needs no correction), refuted where one of
+/// them does although all had their chance; measured is the value where it is refuted most clearly, or else nearest to that.
+fn every(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
+    let refuted = parts.iter().filter(|part| part.together == Verdict::Refuted);
+    let clearest = refuted.min_by(|a, b| a.clearness().total_cmp(&b.clearness()));
+    let nearest = || parts.iter().min_by(|a, b| a.margin.total_cmp(&b.margin));
+    let Some(worst) = clearest.or_else(nearest) else { return none(range) };
+    let verdict = match clearest {
+        _ if parts.iter().all(|part| part.verdict == Verdict::Confirmed) => Verdict::Confirmed,
+        Some(_) => Verdict::Refuted,
+        None => Verdict::Undecided,
+    };
+    let why = if clearest.is_some() { "refuted most clearly" } else { "worst" };
+    let remark = format!("measured at {:.0} nm, where it is {why}", worst.nm);
+    let others = listed(parts, &[("refuted", Verdict::Refuted), ("undecided", Verdict::Undecided)]);
+    (verdict, Some(worst.measured), remark + &others)
+}
+
+/// The other way round: confirmed where one wavelength confirms it although all had their chance, refuted where every one
+/// refutes it; measured is the value where it is confirmed most clearly, or else nearest to that.
+fn some(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
+    let confirmed = parts.iter().filter(|part| part.together == Verdict::Confirmed);
+    let clearest = confirmed.max_by(|a, b| a.clearness().total_cmp(&b.clearness()));
+    let nearest = || parts.iter().max_by(|a, b| a.margin.total_cmp(&b.margin));
+    let Some(best) = clearest.or_else(nearest) else { return none(range) };
+    let verdict = match clearest {
+        Some(_) => Verdict::Confirmed,
+        _ if parts.iter().all(|part| part.verdict == Verdict::Refuted) => Verdict::Refuted,
+        None => Verdict::Undecided,
+    };
+    let why = if clearest.is_some() { "confirmed most clearly" } else { "nearest to its bound" };
+    let remark = format!("measured at {:.0} nm, where it is {why}", best.nm);
+    (verdict, Some(best.measured), remark + &listed(parts, &[("confirmed", Verdict::Confirmed)]))
+}
+
+/// "; refuted at 500, 520 nm" for each verdict that some wavelengths have and others do not.
+fn listed(parts: &[AtWavelength], verdicts: &[(&str, Verdict)]) -> String {
+    let mut text = String::new();
+    for (word, which) in verdicts {
+        let there = parts.iter().filter(|part| part.verdict == *which);
+        let there: Vec<String> = there.map(|part| format!("{:.0}", part.nm)).collect();
+        if !there.is_empty() && there.len() < parts.len() {
+            text += &format!("; {word} at {} nm", there.join(", "));
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+#[path = "spectrum_tests.rs"]
+mod tests;

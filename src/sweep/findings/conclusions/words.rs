@@ -1,0 +1,54 @@
+//! Inequalities as people write them.
+
+use super::{Claim, Outcome, Quantity};
+use crate::sweep::definition::file::Over;
+
+/// The bounds in words, such as "C*(a) − C*(b) ≥ 5".
+pub(super) fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
+    let at = match (claim.wavelength_nm, claim.range_nm) {
+        (Some(nm), _) => format!("{nm:.0}"),
+        (None, Some([from, to])) => format!("{from:.0}–{to:.0}"),
+        (None, None) => String::new(),
+    };
+    let symbol = match claim.quantity {
+        Quantity::Chroma => "C*".to_owned(),
+        Quantity::Lightness => "L*".to_owned(),
+        Quantity::Hue => "h".to_owned(),
+        Quantity::Transmittance => format!("T{at}"),
+        Quantity::Reflectance => format!("R{at}"),
+        Quantity::ContrastRatio => "contrast ratio".to_owned(),
+        Quantity::DeltaEToTarget => "ΔE₀₀ to the target".to_owned(),
+        Quantity::DeltaE => {
+            let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));
+            return bounded(claim, &format!("ΔE₀₀({}; {})", name(&claim.plus), name(&claim.minus)));
+        }
+    };
+    let term = |v: &usize| format!("{symbol}({})", outcomes[*v].labels.join(", "));
+    let plus: Vec<String> = claim.plus.iter().map(term).collect();
+    let minus: String = claim.minus.iter().map(|v| format!(" − {}", term(v))).collect();
+    let sum = format!("{}{minus}", plus.join(" + "));
+    let sum = if claim.absolute { format!("|{sum}|") } else { sum };
+    let what = if claim.curve.is_empty() { sum } else { format!("place with the same {sum}") };
+    bounded(claim, &what) + &wavelengths(claim, outcomes)
+}
+
+fn bounded(claim: &Claim, what: &str) -> String {
+    let bound = |x: f64| x.to_string().replace('-', "−");
+    match (claim.at_least, claim.at_most) {
+        (Some(low), Some(high)) => format!("{} ≤ {what} ≤ {}", bound(low), bound(high)),
+        (Some(low), None) => format!("{what} ≥ {}", bound(low)),
+        (_, high) => format!("{what} ≤ {}", bound(high.unwrap_or(f64::INFINITY))),
+    }
+}
+
+/// Which wavelengths of a range count, and how; nothing where all of them do.
+fn wavelengths(claim: &Claim, outcomes: &[Outcome]) -> String {
+    let over = match claim.over {
+        Over::Every => "",
+        Over::Some => ", at some wavelength",
+        Over::Mean => ", on the mean",
+    };
+    let absorbed = claim.absorbed_by.map(|v| outcomes[v].labels.join(", "));
+    let absorbed = absorbed.map(|name| format!(", where {name} absorbs well (lower half of its T)"));
+    format!("{over}{}", absorbed.unwrap_or_default())
+}

@@ -1,0 +1,234 @@
+//! Curves against concentration and grain size (P1 section 6): transmittance of the layer where the pigment absorbs most,
+//! and chroma on paper.
+
+use super::outcome::Outcome;
+use super::sheets::Sheet;
+use crate::draw::chart::{Chart, Curve};
+use crate::evaluate::manifest::SpectrumRow;
+use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
+use crate::input::contrast::ContrastPart;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use crate::sweep::definition::load::Sweep;
+use std::collections::{BTreeMap, HashMap};
+
+/// What a variant is made of, as far as curves sort it; sizes in hundredths of a nm, shares in millionths, so that
+/// equal numbers are equal.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct CurveMaker {
+    share: u64,
+    size: u64,
+    /// Pigments, shapes, orientations, agglomeration; the same for molecular mixtures of the same pigments.
+    kind: String,
+    pigments: String,
+    /// Captions on the axes that change nothing of the above, such as the paper or the wave.
+    others: String,
+}
+
+/// The number that a curve runs over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Abscissa {
+    Share,
+    Size,
+}
+
+/// All curves of a sheet; none where neither share nor size has several values.
+pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Chart> {
+    let shown = sheet.variants.iter().flatten().flatten();
+    let made: Vec<(usize, CurveMaker)> =
+        shown.filter_map(|&v| Some((v, CurveMaker::of(&sweep.variants[v].study)?))).collect();
+    let made = with_others(sweep, made);
+    let Some(&(first, _)) = made.first() else { return Vec::new() };
+    let nm = strongest_nm(&sweep.variants[first].study);
+    let transmittance = |v: usize| {
+        let near = |row: &&SpectrumRow| (row.wavelength_nm - nm).abs() < 1e-6;
+        Some(outcomes[v].spectra.iter().find(near)?.transmittance)
+    };
+    let chroma = |v: usize| Some(outcomes[v].colour.as_ref()?.chroma());
+    let of_t = format!("transmittance at {nm:.0} nm");
+    let mut plots = Vec::new();
+    for x in [Abscissa::Share, Abscissa::Size] {
+        for (label, y) in [(of_t.as_str(), &transmittance as &dyn Fn(usize) -> _), ("chroma C*", &chroma)] {
+            plots.extend(plot(sheet, &made, x, label, y, most_curves));
+        }
+    }
+    plots
+}
+
+/// Tells apart what is made alike but stands on other papers, is seen by another wave, and so on.
+fn with_others(sweep: &Sweep, mut made: Vec<(usize, CurveMaker)>) -> Vec<(usize, CurveMaker)> {
+    let place = |v: usize| &sweep.outline.variants[v].place;
+    let axes = 0..sweep.outline.axes.len();
+    let axes: Vec<usize> = axes.filter(|&a| tells_apart(sweep, &made, a)).collect();
+    for (v, make) in &mut made {
+        let captions = axes.iter().map(|&a| sweep.outline.axes[a].named(place(*v)[a]));
+        make.others = captions.collect::<Vec<_>>().join(", ");
+    }
+    made
+}
+
+/// Whether an axis alone tells two variants of one make apart; grains speak for molecular mixtures.
+fn tells_apart(sweep: &Sweep, made: &[(usize, CurveMaker)], axis: usize) -> bool {
+    let all_dissolved = made.iter().all(|(_, make)| make.size == 0);
+    let mut seen: HashMap<(Vec<usize>, &CurveMaker), usize> = HashMap::new();
+    made.iter().filter(|(_, make)| all_dissolved || make.size > 0).any(|(v, make)| {
+        let mut elsewhere = sweep.outline.variants[*v].place.clone();
+        let here = elsewhere.remove(axis);
+        *seen.entry((elsewhere, make)).or_insert(here) != here
+    })
+}
+
+fn plot(
+    sheet: &Sheet,
+    made: &[(usize, CurveMaker)],
+    x: Abscissa,
+    y_label: &str,
+    y: &dyn Fn(usize) -> Option<Estimate>,
+    most_curves: usize,
+) -> Option<Chart> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for name in names(made, x) {
+        let (mut points, mut asked): (BTreeMap<u64, Estimate>, Vec<f64>) = Default::default();
+        for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
+            asked.push(in_units(make.at(x), x));
+            if let Some(value) = y(*v) {
+                points.entry(make.at(x)).or_insert(value);
+            }
+        }
+        // A molecular mixture alone is no curve.
+        if points.len() > 1 {
+            curves.push(
+                Curve::measured(name.in_words(made), points.into_iter().map(|(k, y)| (in_units(k, x), y)))
+                    .asked_at(&asked),
+            );
+        }
+    }
+    curves.truncate(most_curves);
+    if curves.is_empty() {
+        return None;
+    }
+    let x_label = match x {
+        Abscissa::Share => "pigment volume concentration, %",
+        Abscissa::Size => "effective grain diameter, nm (0: molecular)",
+    };
+    let title = if sheet.caption.is_empty() { String::new() } else { format!("{}: ", sheet.caption) };
+    let against = if x == Abscissa::Share { "concentration" } else { "grain size" };
+    let title = format!("{title}{y_label} against {against}");
+    Some(Chart { from_zero: true, ..Chart::linear(&title, x_label, y_label, curves) })
+}
+
+/// Makes that differ in more than the abscissa, in their order of appearance; molecular mixtures belong to all sizes.
+fn names(made: &[(usize, CurveMaker)], x: Abscissa) -> Vec<CurveMaker> {
+    let mut names: Vec<CurveMaker> = Vec::new();
+    for (_, make) in made {
+        let name = match x {
+            Abscissa::Share => CurveMaker { share: 0, ..make.clone() },
+            Abscissa::Size if make.size == 0 => continue,
+            Abscissa::Size => CurveMaker { size: 0, ..make.clone() },
+        };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+fn in_units(k: u64, x: Abscissa) -> f64 {
+    match x {
+        Abscissa::Share => k as f64 * 1e-4,
+        Abscissa::Size => k as f64 * 1e-2,
+    }
+}
+
+impl CurveMaker {
+    /// `None` for layers without pigment and for grains of several sizes.
+    fn of(study: &Study) -> Option<Self> {
+        let grains = || study.pigments.iter().map(|p| &p.grains);
+        let dissolved = study.dissolved.iter().map(|d| d.volume_fraction);
+        let share: f64 = grains().map(|g| g.volume_fraction).chain(dissolved).sum();
+        let sizes: Option<Vec<f64>> = grains().map(one_size).collect();
+        let sizes = sizes?;
+        let size = sizes.first().copied().unwrap_or(0.0);
+        if share == 0.0 || sizes.iter().any(|&s| s != size) || (size > 0.0 && !study.dissolved.is_empty()) {
+            return None;
+        }
+        let names = study.pigments.iter().map(|p| p.name.as_str());
+        let mut names: Vec<&str> = names.chain(study.dissolved.iter().map(|d| d.name.as_str())).collect();
+        names.sort_unstable();
+        let mut kinds: Vec<String> = grains().map(kind).collect();
+        kinds.dedup();
+        let relief = if study.packing.relief.is_some() { ", relief" } else { "" };
+        let contrast = match study.layer.contrast {
+            ContrastPart::Real if size > 0.0 => ", Re η² alone",
+            ContrastPart::Imaginary if size > 0.0 => ", Im η² alone",
+            _ => "",
+        };
+        Some(Self {
+            share: (share * 1e6).round() as u64,
+            size: (size * 1e2).round() as u64,
+            kind: kinds.join(" and ") + relief + contrast,
+            pigments: names.join(" + "),
+            others: String::new(),
+        })
+    }
+
+    fn at(&self, x: Abscissa) -> u64 {
+        if x == Abscissa::Share { self.share } else { self.size }
+    }
+
+    fn belongs(&self, name: &Self, x: Abscissa) -> bool {
+        let same_ink = self.pigments == name.pigments && self.others == name.others;
+        let same_kind = self.kind == name.kind;
+        match x {
+            Abscissa::Share => same_ink && same_kind && self.size == name.size,
+            Abscissa::Size => same_ink && self.share == name.share && (same_kind || self.size == 0),
+        }
+    }
+
+    /// The curve's name; the pigments only where they differ.
+    fn in_words(&self, made: &[(usize, Self)]) -> String {
+        let mut words = Vec::new();
+        if made.iter().any(|(_, other)| other.pigments != self.pigments) {
+            words.push(self.pigments.clone());
+        }
+        if self.share > 0 {
+            words.push(format!("{} %", in_units(self.share, Abscissa::Share)));
+        }
+        match (self.size, self.kind.is_empty()) {
+            (0, true) => words.push("molecular".into()),
+            (0, false) => words.push(self.kind.clone()),
+            (size, _) => words.push(format!("{} nm {}", in_units(size, Abscissa::Size), self.kind)),
+        }
+        words.extend(Some(self.others.clone()).filter(|others| !others.is_empty()));
+        words.join(", ")
+    }
+}
+
+fn one_size(grains: &PigmentGrains) -> Option<f64> {
+    match grains.size {
+        SizeDistribution::Constant { value_nm, .. } => Some(value_nm),
+        _ => None,
+    }
+}
+
+fn kind(grains: &PigmentGrains) -> String {
+    let orientation = match grains.orientation {
+        Orientation::Random => "",
+        Orientation::InPlane { .. } => ", lying",
+        Orientation::Perpendicular { .. } => ", standing",
+        Orientation::Along { .. } => ", aligned",
+    };
+    let agglomerated = grains.agglomeration.as_ref().is_some_and(|a| a.degree > 0.0);
+    let agglomerated = if agglomerated { ", agglomerated" } else { "" };
+    format!("{}s{orientation}{agglomerated}", grains.shape.name())
+}
+
+/// The wavelength at which the strongest pigment absorbs most.
+fn strongest_nm(study: &Study) -> f64 {
+    let materials =
+        || study.pigments.iter().map(|p| &p.material).chain(study.dissolved.iter().map(|d| &d.material));
+    let kappa = |w: usize| materials().map(|m| m.index[w].im).fold(0.0, f64::max);
+    let all = 0..study.wavelengths_nm.len();
+    let strongest = all.max_by(|&a, &b| kappa(a).total_cmp(&kappa(b)));
+    study.wavelengths_nm[strongest.unwrap_or(0)]
+}

@@ -1,0 +1,294 @@
+//! A page to explore a sweep by hand: sliders over its axes, and of the variant they point at the swatch, spectra, numbers with
+//! their errors and the picture. One file, no network.
+//!
+//! Spectra travel as 16-bit steps of 1/20 000, pictures as PNG and numbers to a millionth, so that 260 variants stay below 1 MB;
+//! `sweep.csv` has every digit.
+
+use super::outcome::Outcome;
+use super::reported::shown;
+use super::target;
+use crate::appearance::picture::InkPicture;
+use crate::draw::figure::Bitmap;
+use crate::evaluate::manifest::SpectrumRow;
+use crate::numerics::estimate::Estimate;
+use crate::report::page::hex;
+use crate::sweep::definition::load::Sweep;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+
+/// Steps of a spectrum's values per unit; the largest value is 3.2767 − 0.1.
+const STEPS: f64 = 20_000.0;
+/// Added before the steps are counted: values may be slightly negative.
+const LOWEST: f64 = -0.1;
+/// Steps of the numbers per unit: no error is shown with more decimals.
+const NUMBERS: f64 = 1e6;
+/// What stands for an unknown value or error.
+const UNKNOWN: u16 = u16::MAX;
+
+const TEMPLATE: &str = include_str!("explore.html");
+const STYLE: &str = crate::report::page::STYLE;
+
+#[derive(Serialize)]
+struct ExplorePage<'a> {
+    title: &'a str,
+    program: String,
+    reference: &'a str,
+    /// The wanted colour, where there is one.
+    target: Option<Wanted>,
+    axes: Vec<AxisOf<'a>>,
+    wavelengths_nm: Vec<f64>,
+    /// Names of the spectra in their order.
+    spectra: [&'static str; 4],
+    /// What each is a share of, at its axis.
+    units: [&'static str; 4],
+    steps: f64,
+    lowest: f64,
+    variants: Vec<VariantOf<'a>>,
+}
+
+/// The wanted colour in words, and which variant is nearest.
+#[derive(Serialize)]
+struct Wanted {
+    colour: String,
+    nearest: String,
+}
+
+#[derive(Serialize)]
+struct AxisOf<'a> {
+    name: String,
+    labels: &'a [String],
+}
+
+#[derive(Serialize)]
+struct VariantOf<'a> {
+    name: &'a str,
+    place: &'a [usize],
+    hex: Option<String>,
+    /// \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀; with a target ΔE₀₀ to it and the contrast ratio.
+    numbers: Option<Vec<[Option<f64>; 2]>>,
+    realisations: usize,
+    state: String,
+    /// Base64 of u16: for every spectrum all values, then all errors.
+    spectra: String,
+    /// Angles along an edge of the picture.
+    angles: usize,
+    /// Base64 of a PNG: the strip is its first column, the square the rest.
+    picture: String,
+}
+
+/// The page as HTML.
+pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]) -> String {
+    let outline = &sweep.outline;
+    let axes =
+        outline.axes.iter().map(|axis| AxisOf { name: axis.heading(), labels: &axis.labels }).collect();
+    let wavelengths_nm = wavelengths_nm(outcomes);
+    let reference = &outcomes[outline.reference];
+    let variant =
+        |(number, (picture, place))| variant((sweep, outcomes, number), picture, place, &wavelengths_nm);
+    let places = outline.variants.iter().map(|v| v.place.as_slice());
+    let variants = pictures.iter().zip(places).enumerate().map(variant).collect();
+    let data = ExplorePage {
+        title: &outline.title,
+        program: crate::report::page::made_by(),
+        reference: &reference.name,
+        target: target::nearest(outline, outcomes)
+            .map(|nearest| Wanted { colour: nearest.target, nearest: nearest.summary }),
+        axes,
+        spectra: [
+            "under a uniform sky",
+            "lit at 45°, seen at 0°",
+            "transmittance of the layer",
+            "reflectance of the layer",
+        ],
+        units: [
+            "share of a perfect white",
+            "share of a perfect white",
+            "share of the light",
+            "share of the light",
+        ],
+        steps: STEPS,
+        lowest: LOWEST,
+        variants,
+        wavelengths_nm: wavelengths_nm.clone(),
+    };
+    // "</script" would end the script element, "<!--<script>" hide its end
+    let json = serde_json::to_string(&data).unwrap_or_default().replace('<', "\\u003c");
+    TEMPLATE.replace("/*style*/", STYLE).replace("/*data*/null", &json)
+}
+
+/// Wavelengths of the variant that has most.
+fn wavelengths_nm(outcomes: &[Outcome]) -> Vec<f64> {
+    let longest = outcomes.iter().map(Outcome::at_first_angle).max_by_key(|rows| rows.len());
+    longest.unwrap_or(&[]).iter().map(|row| row.wavelength_nm).collect()
+}
+
+fn variant<'a>(
+    (sweep, outcomes, number): (&Sweep, &'a [Outcome], usize),
+    picture: &Option<InkPicture>,
+    place: &'a [usize],
+    wavelengths_nm: &[f64],
+) -> VariantOf<'a> {
+    let outcome = &outcomes[number];
+    let finite = |x: f64| Some((x * NUMBERS).round() / NUMBERS).filter(|x| x.is_finite());
+    let both = |e: Estimate| [finite(e.value), e.standard_error.and_then(finite)];
+    let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], both));
+    let to_target = to_target.into_iter().filter(|_| outcome.aim.is_some());
+    let hex = outcome.colour.as_ref().map(|c| hex(c.srgb8));
+    let (finished, asked) = (outcome.solves.finished, outcome.solves.asked);
+    let missing = if finished < asked { format!("{finished} of {asked} solves") } else { String::new() };
+    VariantOf {
+        name: &outcome.name,
+        place,
+        hex,
+        numbers: shown(sweep, number, outcomes)
+            .map(|all| all.into_iter().map(both).chain(to_target).collect()),
+        realisations: outcome.realisations,
+        state: outcome.reason.clone().unwrap_or(missing),
+        spectra: spectra(&outcome.spectra, wavelengths_nm),
+        angles: picture.as_ref().map_or(0, |p| p.strip.len()),
+        picture: picture.as_ref().map_or_else(String::new, pixels),
+    }
+}
+
+fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
+    let at = |nm: f64| rows.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6);
+    let kinds: [fn(&SpectrumRow) -> Option<Estimate>; 4] =
+        [|r| r.natural_light, |r| r.lit_at_45, |r| Some(r.transmittance), |r| Some(r.reflectance)];
+    let mut bytes = Vec::new();
+    for kind in kinds {
+        let estimates: Vec<Option<Estimate>> =
+            wavelengths_nm.iter().map(|&nm| at(nm).and_then(kind)).collect();
+        let values = estimates.iter().map(|e| e.map(|e| e.value - LOWEST));
+        let errors = estimates.iter().map(|e| e.and_then(|e| e.standard_error));
+        values.chain(errors).for_each(|x| bytes.extend(counted(x).to_le_bytes()));
+    }
+    STANDARD.encode(bytes)
+}
+
+fn counted(value: Option<f64>) -> u16 {
+    value
+        .filter(|v| v.is_finite())
+        .map_or(UNKNOWN, |v| (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16)
+}
+
+fn pixels(picture: &InkPicture) -> String {
+    let side = picture.strip.len();
+    // A picture without rows has nothing to show.
+    let Ok(mut bitmap) = Bitmap::white(side + 1, side) else { return String::new() };
+    for (y, colour) in picture.strip.iter().enumerate() {
+        bitmap.fill([0, y], [1, 1], colour.srgb8);
+    }
+    for ((y, x), colour) in picture.square.indexed_iter() {
+        bitmap.fill([x + 1, y], [1, 1], colour.srgb8);
+    }
+    bitmap.png(&[]).map_or_else(|_| String::new(), |png| STANDARD.encode(png))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::colour::{Colorimeter, Colour};
+    use crate::evaluate::manifest::Count;
+    use crate::sweep::definition::load::{AxisOutline, Outline, Place};
+    use crate::sweep::findings::aim::{Aim, AimFound};
+    use ndarray::Array2;
+
+    /// A variant with every number, noise in all digits.
+    fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> (Outcome, InkPicture) {
+        let mut draws = crate::numerics::Draws::new(seed, 0);
+        let mut number = || Estimate { value: draws.uniform(), standard_error: Some(0.01 * draws.uniform()) };
+        let mut row = |polar_deg: f64, &wavelength_nm: &f64| SpectrumRow {
+            wavelength_nm,
+            polar_deg,
+            reflectance: number(),
+            specular_reflectance: number(),
+            transmittance: number(),
+            specular_transmittance: number(),
+            absorptance: number(),
+            natural_light: Some(number()),
+            lit_at_45: Some(number()),
+            deviations: Vec::new(),
+        };
+        let at = |polar_deg: f64| wavelengths_nm.iter().map(move |nm| (polar_deg, nm));
+        let spectra: Vec<SpectrumRow> = at(0.0).chain(at(45.0)).map(|(deg, nm)| row(deg, nm)).collect();
+        let values: Vec<f64> =
+            spectra[..wavelengths_nm.len()].iter().map(|row| row.reflectance.value).collect();
+        let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
+        let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
+        let colour = Colour { lab_covariance: covariance, ..colour };
+        let found = Some(AimFound {
+            delta_e_2000: number(),
+            deviations: Vec::new(),
+            contrast_ratio: number(),
+            hex: "#a0b0c0".into(),
+        });
+        let solves = Count { asked: 24, finished: 24 };
+        let labels = vec![name.clone(), name.clone(), name.clone()];
+        // Colours that change from angle to angle, as those of inks do.
+        let at = |x: usize, y: usize| {
+            let srgb8 = [250 - 2 * x - y, 230 - x - 2 * y, 90 + x * y / 16].map(|c| c as u8);
+            Colour { srgb8, ..colour }
+        };
+        let picture = InkPicture {
+            angles_deg: vec![0.0; 31],
+            strip: (0..31).map(|y| at(0, y)).collect(),
+            square: Array2::from_shape_fn((31, 31), |(y, x)| at(x, y)),
+        };
+        let outcome = Outcome {
+            name,
+            labels,
+            solves,
+            failures: 0,
+            reason: None,
+            realisations: 24,
+            certain: false,
+            colour: Some(colour),
+            lab_deviations: Default::default(),
+            contrast: None,
+            aim: Some(Aim { lab: [70.1, -5.2, 40.3], conditions: "D65, 2° observer".into(), found }),
+            spectra,
+        };
+        (outcome, picture)
+    }
+
+    /// The paper's study: 5 × 4 × 13 variants, 16 wavelengths at two angles, pictures of 31 × 31. *Planted*: pictures without
+    /// compression are 1 MB more; with the wavelengths of both angles the curves would run back.
+    #[test]
+    fn a_page_of_260_variants_stays_below_1_megabyte() {
+        let nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
+        let axis = |name: &str, n: usize| AxisOutline {
+            name: name.into(),
+            labels: (0..n).map(|k| format!("{name} number {k}")).collect(),
+            unit: String::new(),
+        };
+        let place = |i: usize| Place {
+            name: format!("a_rather_long_name_of_a_variant_of_the_study-{i}"),
+            place: vec![i / 52, i / 13 % 4, i % 13],
+        };
+        let outline = Outline {
+            title: "The paper's study".into(),
+            axes: vec![axis("ink", 5), axis("share", 4), axis("grains", 13)],
+            sheet: Default::default(),
+            reference: 0,
+            reference_asked: false,
+            claims: Vec::new(),
+            variants: (0..260).map(place).collect(),
+        };
+        let all = (0..260).map(|i| finished(outline.variants[i].name.clone(), &nm, i as u64));
+        let (outcomes, pictures): (Vec<Outcome>, Vec<_>) = all.map(|(o, p)| (o, Some(p))).unzip();
+        let sweep = Sweep { outline, variants: Vec::new(), inputs: Vec::new() };
+        assert_eq!(wavelengths_nm(&outcomes), nm);
+        let bytes = page(&sweep, &outcomes, &pictures).len();
+        assert!((200_000..1_000_000).contains(&bytes), "{bytes} bytes");
+    }
+
+    #[test]
+    fn values_travel_to_a_twenty_thousandth() {
+        let there = |x: f64| f64::from(counted(Some(x - LOWEST))) / STEPS + LOWEST;
+        for x in [-0.05, 0.0, 0.123_456, 1.0, 1.3] {
+            assert!((there(x) - x).abs() <= 0.5 / STEPS + 1e-12, "{x}");
+        }
+        assert_eq!((counted(None), counted(Some(f64::NAN))), (UNKNOWN, UNKNOWN));
+    }
+}

@@ -1,0 +1,13 @@
+//! What a sweep has found: outcomes, conclusions, tables, sheets and pages.
+
+pub mod aim;
+pub mod conclusions;
+mod curves;
+mod explore;
+pub mod outcome;
+mod page;
+pub mod publish;
+pub mod reported;
+mod sheets;
+pub mod sweep_page;
+mod target;

@@ -1,0 +1,232 @@
+//! What one variant has come to, finished or not.
+
+use super::aim::Aim;
+use crate::appearance::colour::Colour;
+use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
+use crate::evaluate::summary::NATURAL_LIGHT;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use crate::numerics::linked::Linked;
+use crate::run::Refused;
+use crate::sweep::definition::file::Quantity;
+use crate::sweep::definition::load::{Sweep, Variant};
+use std::collections::BTreeMap;
+
+/// The numbers of a variant that tables and conclusions use.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Name of the variant.
+    pub name: String,
+    /// Captions of its place on every axis.
+    pub labels: Vec<String>,
+    /// Solves asked for and finished.
+    pub solves: Count,
+    /// Solves that failed; packings and grids that failed count as one.
+    pub failures: usize,
+    /// Why it has no results, if it has none.
+    pub reason: Option<String>,
+    /// Complete realisations.
+    pub realisations: usize,
+    /// True when chance plays no part: no grains.
+    pub certain: bool,
+    /// Under natural light, seen along the normal.
+    pub colour: Option<Colour>,
+    /// What each realisation, by its number, moves its Lab by.
+    pub lab_deviations: BTreeMap<usize, [f64; 3]>,
+    /// Y over black divided by Y over white, with the number of each realisation and what it moves the ratio by.
+    pub contrast: Option<(Estimate, Vec<(usize, f64)>)>,
+    /// The colour that it shall have, where its study states one.
+    pub aim: Option<Aim>,
+    /// One row for each wavelength and angle.
+    pub spectra: Vec<SpectrumRow>,
+}
+
+impl Outcome {
+    /// A variant of which there is nothing yet.
+    pub fn nothing(sweep: &Sweep, number: usize) -> Self {
+        let Variant { name, study, .. } = &sweep.variants[number];
+        let outline = &sweep.outline;
+        let labels = outline.axes.iter().zip(&outline.variants[number].place);
+        Self {
+            name: name.clone(),
+            labels: labels.map(|(axis, &k)| axis.labels[k].clone()).collect(),
+            solves: Count { asked: study.solves(), finished: 0 },
+            failures: 0,
+            reason: None,
+            realisations: 0,
+            certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
+            colour: None,
+            lab_deviations: BTreeMap::new(),
+            contrast: None,
+            aim: Aim::of(study),
+            spectra: Vec::new(),
+        }
+    }
+
+    /// The numbers of a variant's manifest.
+    pub fn with(self, manifest: &Manifest<&Study>) -> Self {
+        let natural = manifest.colours.iter().find(|note| note.conditions == NATURAL_LIGHT);
+        Self {
+            solves: manifest.solves,
+            failures: manifest.failures.len(),
+            reason: manifest.failures.first().map(|failure| failure.reason.clone()),
+            realisations: manifest.realisations.finished,
+            colour: natural.map(|note| note.colour),
+            lab_deviations: natural.map(|note| note.deviations.iter().copied().collect()).unwrap_or_default(),
+            contrast: manifest
+                .ink_maker
+                .as_ref()
+                .map(|maker| (maker.contrast_ratio, maker.contrast_deviations.clone())),
+            aim: self.aim.map(|aim| aim.with(manifest.ink_maker.as_ref())),
+            spectra: manifest.spectra.clone(),
+            ..self
+        }
+    }
+
+    /// With the packings and grids that failed.
+    pub fn with_failed_stages(self, refused: Vec<Refused>) -> Self {
+        let failures = refused.len();
+        Self { failures, reason: refused.into_iter().next().map(|r| r.reason), ..self }
+    }
+
+    /// One number, if it is there, with its error and what each realisation moves it by. An unfinished variant counts with its complete
+    /// realisations; one in which nothing is uncertain is exact.
+    pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Linked> {
+        let of_lab = |estimate: Estimate, gradient: [f64; 3]| {
+            let moved = |by: &[f64; 3]| (0..3).map(|i| gradient[i] * by[i]).sum();
+            self.linked(estimate, self.lab_deviations.iter().map(|(&r, by)| (r, moved(by))))
+        };
+        let of_row = |of: fn(&SpectrumRow) -> Estimate, place: usize| {
+            let row = self.row(wavelength_nm)?;
+            Some(self.linked(of(row), row.deviations.iter().map(|(r, by)| (*r, by[place]))))
+        };
+        let colour = self.colour.as_ref();
+        match quantity {
+            Quantity::Chroma => colour.map(|c| of_lab(c.chroma(), c.chroma_gradient())),
+            Quantity::Hue => colour.map(|c| of_lab(c.hue_deg(), c.hue_gradient())),
+            Quantity::Lightness => colour.map(|c| of_lab(lab(c, 0), [1.0, 0.0, 0.0])),
+            Quantity::Transmittance => of_row(|row| row.transmittance, 1),
+            Quantity::Reflectance => of_row(|row| row.reflectance, 0),
+            Quantity::ContrastRatio => {
+                let (ratio, deviations) = self.contrast.as_ref()?;
+                Some(self.linked(*ratio, deviations.iter().copied()))
+            }
+            Quantity::DeltaEToTarget => self.to_target(),
+            Quantity::DeltaE => None,
+        }
+    }
+
+    fn row(&self, wavelength_nm: Option<f64>) -> Option<&SpectrumRow> {
+        let near = |row: &&SpectrumRow| (row.wavelength_nm - wavelength_nm.unwrap_or(f64::NAN)).abs() < 1e-6;
+        self.spectra.iter().find(near).filter(|_| self.realisations > 0)
+    }
+
+    /// ΔE₀₀ to the colour that it shall have.
+    pub fn to_target(&self) -> Option<Linked> {
+        let found = self.aim.as_ref()?.found.as_ref()?;
+        Some(self.linked(found.delta_e_2000, found.deviations.iter().copied()))
+    }
+
+    fn linked(&self, estimate: Estimate, deviations: impl Iterator<Item = (usize, f64)>) -> Linked {
+        let standard_error = estimate.standard_error.or(self.certain.then_some(0.0));
+        Linked { estimate: Estimate { standard_error, ..estimate }, deviations: deviations.collect() }
+    }
+}
+
+impl Outcome {
+    /// Rows of the first angle, one for each wavelength: what a curve shows.
+    pub fn at_first_angle(&self) -> &[SpectrumRow] {
+        let first = self.spectra.first().map(|row| row.polar_deg);
+        &self.spectra[..self.spectra.iter().take_while(|row| Some(row.polar_deg) == first).count()]
+    }
+
+    /// ΔE₀₀ to another variant's colour, of which realisations of the same numbers are the same draws of cells, directions and
+    /// wavelengths, often the same packings; a colour in which nothing is uncertain counts as exact.
+    pub fn difference(&self, other: &Self) -> Option<Linked> {
+        let colour = |o: &Self| {
+            let exact = o.certain.then_some([[0.0; 3]; 3]);
+            o.colour.map(|c| Colour { lab_covariance: c.lab_covariance.or(exact), ..c })
+        };
+        let [here, there] = [colour(self)?, colour(other)?];
+        let [by_here, by_there] = here.delta_e_2000_gradients(&there);
+        let (mut common, mut deviations) = ([[0.0; 3]; 3], BTreeMap::new());
+        for realisation in self.lab_deviations.keys().chain(other.lab_deviations.keys()) {
+            let of = |o: &Self| o.lab_deviations.get(realisation).copied().unwrap_or_default();
+            let [a, b] = [of(self), of(other)];
+            deviations.insert(*realisation, (0..3).map(|i| by_here[i] * a[i] + by_there[i] * b[i]).sum());
+        }
+        for (realisation, a) in &self.lab_deviations {
+            let b = other.lab_deviations.get(realisation).copied().unwrap_or_default();
+            (0..9).for_each(|k| common[k / 3][k % 3] += a[k / 3] * b[k % 3]);
+        }
+        Some(Linked { estimate: here.delta_e_2000_among(&there, &common), deviations })
+    }
+
+    /// ΔE₀₀ to another outcome, without the contributions of each realisation.
+    pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
+        Some(self.difference(other)?.estimate)
+    }
+}
+
+/// L*, a* or b* with its error.
+pub fn lab(colour: &Colour, i: usize) -> Estimate {
+    Estimate { value: colour.lab[i], standard_error: colour.lab_standard_error().map(|e| e[i]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::colour::Colorimeter;
+
+    /// A yellow of two realisations that move b* by ± `by`, and a variance of 0.01 in L* of its own.
+    fn outcome(values: [f64; 4], by: f64) -> Outcome {
+        let meter = Colorimeter::new(&[400.0, 500.0, 600.0, 700.0]).unwrap();
+        let mut covariance = [[0.0; 3]; 3];
+        (covariance[0][0], covariance[2][2]) = (0.01, 2.0 * by * by);
+        let colour = Colour { lab_covariance: Some(covariance), ..meter.colour(&values).unwrap() };
+        Outcome {
+            name: "yellow".into(),
+            labels: Vec::new(),
+            solves: Count { asked: 2, finished: 2 },
+            failures: 0,
+            reason: None,
+            realisations: 2,
+            certain: false,
+            colour: Some(colour),
+            lab_deviations: [(0, [0.0, 0.0, by]), (1, [0.0, 0.0, -by])].into(),
+            contrast: None,
+            aim: None,
+            spectra: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn realisations_in_common_move_both_colours() {
+        let (pale, deep) = ([0.5, 0.8, 0.9, 0.9], [0.2, 0.6, 0.9, 0.9]);
+        let error = |a: &Outcome, b: &Outcome| a.difference(b).unwrap().estimate.standard_error.unwrap();
+        let [together, apart] = [0.3, -0.3].map(|by| error(&outcome(pale, 0.3), &outcome(deep, by)));
+        let other_draws = Outcome { lab_deviations: BTreeMap::new(), ..outcome(deep, 0.3) };
+        let independent = error(&outcome(pale, 0.3), &other_draws);
+        assert!(
+            together < 0.5 * independent && independent < 0.8 * apart,
+            "{together} {independent} {apart}"
+        );
+        // what each realisation moves the difference by is what its error holds but for L*'s own part
+        let linked = outcome(pale, 0.3).difference(&outcome(deep, -0.3)).unwrap();
+        let own = apart * apart - linked.chance_variance();
+        assert!(own > 0.0 && own < 0.02 && linked.deviations.len() == 2, "{own}");
+    }
+
+    #[test]
+    fn chroma_and_hue_have_the_errors_of_their_colour() {
+        let yellow = outcome([0.5, 0.8, 0.9, 0.9], 0.3);
+        for quantity in [Quantity::Chroma, Quantity::Hue] {
+            let number = yellow.quantity(quantity, None).unwrap();
+            let error = number.estimate.standard_error.unwrap();
+            // L* moves neither: all of it is what the realisations bring; gradients to 1e-6
+            assert!((number.chance_variance().sqrt() / error - 1.0).abs() < 1e-5, "{quantity:?} {number:?}");
+        }
+        let lightness = yellow.quantity(Quantity::Lightness, None).unwrap();
+        assert_eq!((lightness.chance_variance(), lightness.estimate.standard_error), (0.0, Some(0.1)));
+    }
+}

@@ -1,0 +1,172 @@
+//! What the page of a sweep says.
+
+use super::conclusions::Judged;
+use super::curves;
+use super::outcome::Outcome;
+use super::reported::{Reported, shown};
+use super::sheets::Sheet;
+use super::sweep_page::{ConclusionGroup, ConclusionRow, SweepPage, VariantRow};
+use super::target;
+use crate::draw::OutputError;
+use crate::draw::chart::{Chart, Curve};
+use crate::evaluate::manifest::Count;
+use crate::report::page::{Picture, hex, made_by, png_data, svg_data};
+use crate::report::scalar_error;
+use crate::sweep::definition::load::Sweep;
+
+/// Most spectra in one figure: colours of the palette.
+const MOST_CURVES: usize = 7;
+/// Most figures of spectra on the page.
+const MOST_FIGURES: usize = 24;
+
+pub(crate) fn page(
+    sweep: &Sweep,
+    reported: &Reported,
+    sheets: &[Sheet],
+    drawn: &[Vec<u8>],
+) -> Result<SweepPage, OutputError> {
+    let outline = &sweep.outline;
+    let reference = &reported.outcomes[outline.reference];
+    let (complete, all) = (reported.complete(), sweep.variants.len());
+    let partial = (complete < all).then(|| partial(reported, complete, all));
+    let picture =
+        |(sheet, png): (&Sheet, &Vec<u8>)| Picture { data: png_data(png), caption: sheet.caption.clone() };
+    Ok(SweepPage {
+        title: outline.title.clone(),
+        summary: format!("{all} variants over {} axes.", outline.axes.len()),
+        partial,
+        scalar_error: scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
+        sheets: sheets.iter().zip(drawn).map(picture).collect(),
+        conclusions: conclusions(&reported.conclusions),
+        nearest: target::nearest(outline, &reported.outcomes),
+        axes: outline.axes.iter().map(|axis| axis.heading()).collect(),
+        reference: reference.name.clone(),
+        variants: (0..all).map(|v| row(sweep, v, &reported.outcomes)).collect(),
+        figures: figures(sweep, sheets, &reported.outcomes)?,
+        program: made_by(),
+    })
+}
+
+fn partial(reported: &Reported, complete: usize, all: usize) -> String {
+    let unfinished = |o: &&Outcome| o.solves.finished < o.solves.asked;
+    if reported.outcomes.iter().filter(unfinished).all(|outcome| outcome.reason.is_some()) {
+        return format!(
+            "{complete} of {all} variants are finished; nothing more can be computed of the other {}, for the reasons in the \
+             table. --retry-failed tries them again.",
+            all - complete
+        );
+    }
+    let failed = match reported.failures() {
+        0 => String::new(),
+        failures => format!(" {failures} failures are recorded; --retry-failed tries them again."),
+    };
+    let solves =
+        |count: fn(&Count) -> usize| reported.outcomes.iter().map(|o| count(&o.solves)).sum::<usize>();
+    let (finished, asked) = (solves(|c| c.finished), solves(|c| c.asked));
+    format!(
+        "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A sweep that runs writes this page \
+         anew now and then; one that was stopped goes on when it is run again."
+    )
+}
+
+/// What each source says, and apart from that the sweep's own questions.
+fn conclusions(all: &[Judged]) -> Vec<ConclusionGroup> {
+    let mut sources: Vec<Option<&str>> = Vec::new();
+    for judged in all {
+        let source = judged.words.source.as_deref();
+        if !sources.contains(&source) {
+            sources.push(source);
+        }
+    }
+    // the sweep's own questions last
+    sources.sort_by_key(Option::is_none);
+    let quoted = sources.iter().any(Option::is_some);
+    let group = |source: &Option<&str>| ConclusionGroup {
+        heading: match source {
+            Some(source) => Some(format!("What {source} says")),
+            None => quoted.then(|| "Our own questions".to_owned()),
+        },
+        rows: all.iter().filter(|j| j.words.source.as_deref() == *source).map(conclusion).collect(),
+    };
+    sources.iter().map(group).collect()
+}
+
+fn conclusion(judged: &Judged) -> ConclusionRow {
+    ConclusionRow {
+        id: judged.id.clone(),
+        statement: judged.statement.clone(),
+        inequality: judged.inequality.clone(),
+        measured: judged.measured.map_or_else(|| "–".into(), |m| m.in_words(4)),
+        verdict: judged.verdict.name().into(),
+        remark: judged.remark.clone(),
+        quote: judged.words.quote.clone(),
+        translation: judged.words.translation.clone(),
+        because: judged.words.because.clone(),
+    }
+}
+
+fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
+    let (outcome, numbers) = (&outcomes[number], shown(sweep, number, outcomes));
+    let all = outcome.solves;
+    let state = match (&outcome.reason, all.finished) {
+        (Some(reason), _) => format!("{} failed: {reason}", outcome.failures),
+        (None, 0) => "not computed".into(),
+        (None, n) if n < all.asked => format!("{n} of {} solves", all.asked),
+        _ => String::new(),
+    };
+    VariantRow {
+        labels: outcome.labels.clone(),
+        link: (all.finished > 0).then(|| format!("variants/{}/report.html", outcome.name)),
+        hex: outcome.colour.as_ref().map(|c| hex(c.srgb8)),
+        numbers: (0..6).map(|i| numbers.map_or_else(String::new, |n| n[i].in_words(2))).collect(),
+        state,
+    }
+}
+
+/// Curves against concentration and size; then spectra of the layer's transmittance: one figure for each row of each
+/// sheet, one curve for each column.
+fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
+    let mut figures = Vec::new();
+    for sheet in sheets {
+        for plot in curves::plots(sweep, sheet, outcomes, MOST_CURVES) {
+            figures.push(drawn(&plot));
+        }
+        for (name, row) in sheet.rows.iter().zip(&sheet.variants) {
+            let words = [sheet.caption.as_str(), &sheet.row_axis, name];
+            let caption = words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" · ");
+            figures.extend(figure((sweep, outcomes), &caption, &sheet.columns, row).transpose());
+            if figures.len() >= MOST_FIGURES {
+                return figures.into_iter().collect();
+            }
+        }
+    }
+    figures.into_iter().collect()
+}
+
+fn figure(
+    (sweep, outcomes): (&Sweep, &[Outcome]),
+    caption: &str,
+    columns: &[String],
+    row: &[Option<usize>],
+) -> Result<Option<Picture>, OutputError> {
+    let curve = |(name, v): (&String, &Option<usize>)| {
+        let asked = &sweep.variants[(*v)?].study.wavelengths_nm;
+        Some(transmittance(name, &outcomes[(*v)?])?.asked_at(asked))
+    };
+    let curves: Vec<Curve> = columns.iter().zip(row).filter_map(curve).take(MOST_CURVES).collect();
+    if curves.is_empty() {
+        return Ok(None);
+    }
+    let chart = Chart::linear(caption, "wavelength, nm", "transmittance of the layer", curves);
+    drawn(&Chart { from_zero: true, ..chart }).map(Some)
+}
+
+/// A variant's transmittance against wavelength; `None` where there is none yet.
+fn transmittance(name: &str, outcome: &Outcome) -> Option<Curve> {
+    let rows = outcome.at_first_angle();
+    (!rows.is_empty()).then(|| Curve::measured(name, rows.iter().map(|r| (r.wavelength_nm, r.transmittance))))
+}
+
+fn drawn(plot: &Chart) -> Result<Picture, OutputError> {
+    Ok(Picture { data: svg_data(&plot.svg()?), caption: plot.title.clone() })
+}

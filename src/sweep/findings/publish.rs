@@ -1,0 +1,207 @@
+//! From the store to what a person opens, at any time: every variant's page, table, contact sheets, conclusions.
+
+use super::conclusions::{Judged, judge};
+use super::explore;
+use super::outcome::Outcome;
+use super::page;
+pub use super::reported::Reported;
+use super::reported::numbers;
+use super::sheets::{Sheet, sheets};
+use super::target;
+use crate::appearance::picture::InkPicture;
+use crate::draw::OutputError;
+use crate::draw::contact_sheet::ContactSheet;
+use crate::draw::picture::PictureStyle;
+use crate::evaluate::seen::{Seen, see};
+use crate::evaluate::summary::summarise;
+use crate::input::study::Study;
+use crate::report::cell;
+use crate::report::publish::{PublishError, publish_seen};
+use crate::run::Stores;
+use crate::store::damage::Damage;
+use crate::store::folder::OutputFolder;
+use crate::sweep::definition::folder::VARIANTS;
+use crate::sweep::definition::load::Sweep;
+use crate::sweep::work::stored::{collect, refused};
+
+/// Rows and columns of a picture on a contact sheet.
+const SHEET_ANGLES: usize = 31;
+const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap_px: 4, labels: false };
+
+/// Writes everything that the store allows; takes the partial mark away when all variants are finished.
+///
+/// # Errors
+/// Files that cannot be written, or records that do not belong together.
+pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, PublishError> {
+    Publisher::new(sweep).publish(folder)
+}
+
+/// Writes the pages of a sweep as often as is asked, such as while it runs; variants that are finished are seen once.
+#[derive(Debug)]
+pub struct Publisher<'a> {
+    sweep: &'a Sweep,
+    /// What came of the variants that are finished.
+    finished: Vec<Option<Told>>,
+}
+
+/// What came of a variant, and its picture.
+type Told = (Outcome, Option<InkPicture>);
+
+impl<'a> Publisher<'a> {
+    /// Nothing is seen yet.
+    pub fn new(sweep: &'a Sweep) -> Self {
+        Self { sweep, finished: vec![None; sweep.variants.len()] }
+    }
+
+    /// Writes everything that the store allows now. A page that is there stays until the new one takes its place.
+    ///
+    /// # Errors
+    /// As [`publish`].
+    pub fn publish(&mut self, folder: &OutputFolder) -> Result<Reported, PublishError> {
+        folder.mark_partial()?;
+        let stores = Stores::open(folder)?;
+        let (mut outcomes, mut pictures) = (Vec::new(), Vec::new());
+        for (number, finished) in self.finished.iter_mut().enumerate() {
+            let (outcome, picture) = match finished {
+                Some(told) => told.clone(),
+                None => variant(self.sweep, number, &stores, folder)?,
+            };
+            if outcome.solves.finished == outcome.solves.asked {
+                *finished = Some((outcome.clone(), picture.clone()));
+            }
+            outcomes.push(outcome);
+            pictures.push(picture);
+        }
+        report(self.sweep, folder, (outcomes, &pictures), stores.database().damages())
+    }
+}
+
+/// Contact sheets, tables and pages of the whole.
+fn report(
+    sweep: &Sweep,
+    folder: &OutputFolder,
+    (outcomes, pictures): (Vec<Outcome>, &[Option<InkPicture>]),
+    damages: Vec<Damage>,
+) -> Result<Reported, PublishError> {
+    let conclusions: Vec<Judged> = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
+    let nearest =
+        target::nearest(&sweep.outline, &outcomes).map(|n| format!("Target {}: {}", n.target, n.summary));
+    let reported = Reported { outcomes, conclusions, nearest, damages };
+    let sheets = sheets(&sweep.outline);
+    let drawn = draw(&sweep.outline.title, &sheets, pictures, &reported.outcomes)?;
+    for (i, png) in drawn.iter().enumerate() {
+        folder.write(&sheet_name(i, drawn.len()), png)?;
+    }
+    folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
+    folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
+    folder.write("explore.html", explore::page(sweep, &reported.outcomes, pictures).as_bytes())?;
+    let html = page::page(sweep, &reported, &sheets, &drawn)?.html()?;
+    folder.write("report.html", html.as_bytes())?;
+    if reported.complete() == sweep.variants.len() {
+        folder.complete()?;
+    }
+    Ok(reported)
+}
+
+/// `contact-sheet.png`, or numbered from 1 where there are several.
+fn sheet_name(i: usize, count: usize) -> String {
+    if count == 1 { "contact-sheet.png".into() } else { format!("contact-sheet-{}.png", i + 1) }
+}
+
+fn variant(
+    sweep: &Sweep,
+    number: usize,
+    stores: &Stores,
+    folder: &OutputFolder,
+) -> Result<(Outcome, Option<InkPicture>), PublishError> {
+    let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
+    let Some(collected) = collect(study, stores) else {
+        return Ok((nothing.with_failed_stages(refused(study, stores, study.realisations)), None));
+    };
+    let seen = see(study, &collected)?;
+    let manifest = summarise(study, &collected, &seen);
+    let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
+    match publish_seen(study, &manifest, &seen, &of_variant) {
+        // One variant without a result is no reason to keep back the others.
+        Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
+            let (solves, failures) = (manifest.solves, 1 + manifest.failures.len());
+            Ok((Outcome { solves, failures, reason: Some(none.to_string()), ..nothing }, None))
+        }
+        published => published.map(|_| (nothing.with(&manifest), picture(study, &seen))),
+    }
+}
+
+fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {
+    let step = study.angles.picture_max_deg / (SHEET_ANGLES - 1) as f64;
+    let angles: Vec<f64> = (0..SHEET_ANGLES).map(|i| i as f64 * step).collect();
+    seen.ink.as_ref().ok()?.picture(&angles, study.output.mirrored_sky).ok()
+}
+
+/// Every contact sheet as PNG.
+fn draw(
+    title: &str,
+    sheets: &[Sheet],
+    pictures: &[Option<InkPicture>],
+    outcomes: &[Outcome],
+) -> Result<Vec<Vec<u8>>, PublishError> {
+    let one = |sheet: &Sheet| Ok(png(&sheet.contact_sheet(title, pictures, outcomes))?);
+    sheets.iter().map(one).collect()
+}
+
+/// A contact sheet as PNG with its title.
+fn png(sheet: &ContactSheet) -> Result<Vec<u8>, OutputError> {
+    sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])
+}
+
+const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
+
+/// `sweep.csv`: one row a variant; what came later stands at the end, where it was asked for.
+fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
+    let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
+    let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
+    let aims = target::columns(outcomes);
+    let names = NUMBERS.iter().chain(aims);
+    let columns = names.flat_map(|name| [(*name).to_owned(), format!("{name}_standard_error")]);
+    let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
+    let reference = &outcomes[sweep.outline.reference];
+    cell::table(header, outcomes.iter().map(|outcome| outcome_row(outcome, reference, aims.len())))
+}
+
+/// A variant's names, counts and numbers, with so many of its aims.
+fn outcome_row(o: &Outcome, reference: &Outcome, aims: usize) -> impl Iterator<Item = String> {
+    let all = o.solves;
+    let counts = [all.asked, all.finished, o.failures, o.realisations].map(|n| n.to_string());
+    let numbers = numbers(o, reference);
+    let of_aims = target::numbers(o).into_iter().take(aims);
+    let estimates = (0..NUMBERS.len()).map(move |i| numbers.map(|n| n[i])).chain(of_aims);
+    let names = std::iter::once(&o.name).chain(&o.labels).map(|words| cell::text(words));
+    names.chain(counts).chain(estimates.flat_map(cell::numbers))
+}
+
+/// `conclusions.csv`.
+fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
+    let header = [
+        "id",
+        "statement",
+        "inequality",
+        "measured",
+        "standard_error",
+        "verdict",
+        "remark",
+        "source",
+        "quote",
+        "translation",
+        "because",
+    ];
+    cell::table(header, conclusions.iter().map(judged_row))
+}
+
+fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
+    let [value, error] = cell::numbers(c.measured);
+    let [id, statement, inequality] = [&c.id, &c.statement, &c.inequality].map(|words| cell::text(words));
+    let verdict = c.verdict.name().to_owned();
+    let words = [&c.words.source, &c.words.quote, &c.words.translation, &c.words.because];
+    let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));
+    let judged = [id, statement, inequality, value, error, verdict, cell::text(&c.remark)];
+    judged.into_iter().chain(words)
+}

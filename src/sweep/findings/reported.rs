@@ -1,0 +1,63 @@
+//! What a sweep's report has found.
+
+use super::conclusions::Judged;
+use super::outcome::{Outcome, lab};
+use crate::numerics::estimate::Estimate;
+use crate::store::damage::Damage;
+use crate::sweep::definition::load::Sweep;
+
+/// What a report has found.
+#[derive(Clone, Debug)]
+pub struct Reported {
+    /// What came of each variant.
+    pub outcomes: Vec<Outcome>,
+    /// The conclusions with their verdicts.
+    pub conclusions: Vec<Judged>,
+    /// Which variant comes nearest to the wanted colour, in words; none where there is no such colour.
+    pub nearest: Option<String>,
+    /// What was found damaged in the store.
+    pub damages: Vec<Damage>,
+}
+
+impl Reported {
+    /// Variants of which every solve is there.
+    pub fn complete(&self) -> usize {
+        self.outcomes.iter().filter(|o| o.solves.finished == o.solves.asked).count()
+    }
+
+    /// Solves that have failed, over all variants.
+    pub fn failures(&self) -> usize {
+        self.outcomes.iter().map(|o| o.failures).sum()
+    }
+}
+
+/// The numbers of a variant that a page shows: no ΔE₀₀ to a reference of another ink, unless the file names the reference.
+pub(crate) fn shown(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Option<[Estimate; 6]> {
+    let outline = &sweep.outline;
+    let mut numbers = numbers(&outcomes[number], &outcomes[outline.reference])?;
+    if !(outline.reference_asked || inks(sweep, number) == inks(sweep, outline.reference)) {
+        numbers[5] = Estimate::unknown_error(f64::NAN);
+    }
+    Some(numbers)
+}
+
+/// Names of a variant's pigments.
+fn inks(sweep: &Sweep, number: usize) -> Vec<&str> {
+    let study = sweep.variants.get(number).map(|variant| &variant.study);
+    let grains = study.iter().flat_map(|s| &s.pigments).map(|p| p.name.as_str());
+    let mut names: Vec<&str> =
+        grains.chain(study.iter().flat_map(|s| &s.dissolved).map(|d| d.name.as_str())).collect();
+    names.sort_unstable();
+    names
+}
+
+/// L*, a*, b*, C*, h and ΔE₀₀ to the reference; `None` without a colour.
+pub(crate) fn numbers(outcome: &Outcome, reference: &Outcome) -> Option<[Estimate; 6]> {
+    let colour = outcome.colour.as_ref()?;
+    let difference = match outcome.delta_e_2000(reference) {
+        // No difference to itself, and no error of it.
+        Some(_) if outcome.name == reference.name => Estimate::unknown_error(0.0),
+        difference => difference.unwrap_or(Estimate::unknown_error(f64::NAN)),
+    };
+    Some([lab(colour, 0), lab(colour, 1), lab(colour, 2), colour.chroma(), colour.hue_deg(), difference])
+}

@@ -1,0 +1,160 @@
+//! Which variants come nearest to the colour that they shall have.
+
+use super::conclusions::{QUANTILE, student};
+use super::outcome::Outcome;
+use super::sweep_page::{NearRow, Nearest};
+use crate::numerics::estimate::Estimate;
+use crate::numerics::linked::Linked;
+use crate::sweep::definition::load::{Outline, Place};
+
+/// Most variants in the page's table.
+const MOST_ROWS: usize = 12;
+
+/// A variant's place in the order of nearness.
+struct Near {
+    variant: usize,
+    /// ΔE₀₀ to its target.
+    to_target: Linked,
+    /// How much farther it is than the nearest.
+    farther: Estimate,
+    /// Half of the 95 % interval of that; none where an error is unknown.
+    bar: Option<f64>,
+}
+
+impl Near {
+    /// Whether chance and grid explain that it is farther than the nearest; `None` where that is unknown.
+    fn is_tied(&self) -> Option<bool> {
+        Some(self.farther.value <= self.bar?)
+    }
+}
+
+/// Columns of `sweep.csv` for variants that shall have a colour; none where no variant states one.
+pub(crate) fn columns(outcomes: &[Outcome]) -> &'static [&'static str] {
+    let asked = outcomes.iter().any(|outcome| outcome.aim.is_some());
+    if asked { &["delta_e_2000_to_target", "contrast_ratio"] } else { &[] }
+}
+
+/// Their numbers, as the variant's own `results.json` has them.
+pub(crate) fn numbers(outcome: &Outcome) -> [Option<Estimate>; 2] {
+    let found = outcome.aim.as_ref().and_then(|aim| aim.found.as_ref());
+    [found.map(|found| found.delta_e_2000), found.map(|found| found.contrast_ratio)]
+}
+
+/// The wanted colour in words; `None` where no variant states one.
+pub(crate) fn in_words(outcomes: &[Outcome]) -> Option<String> {
+    let mut wanted =
+        outcomes.iter().filter_map(|outcome| outcome.aim.as_ref()).map(super::aim::Aim::in_words);
+    let first = wanted.next()?;
+    let same = wanted.all(|other| other == first);
+    Some(if same { first } else { "each variant's own".into() })
+}
+
+/// The part of the page that says which variants come nearest.
+pub(crate) fn nearest(outline: &Outline, outcomes: &[Outcome]) -> Option<Nearest> {
+    let target = in_words(outcomes)?;
+    let order = in_order(outcomes);
+    let tied = order.iter().skip(1).filter(|near| near.is_tied() == Some(true)).count();
+    let unknown = order.iter().skip(1).filter(|near| near.is_tied().is_none()).count();
+    let rows = order.iter().enumerate().take(MOST_ROWS);
+    Some(Nearest {
+        target,
+        summary: order.first().map_or_else(String::new, |best| {
+            let asked = outcomes.iter().filter(|outcome| outcome.aim.is_some()).count();
+            summary(&outcomes[best.variant], [order.len(), asked], [tied, unknown])
+                + &at_the_edge(outline, best.variant)
+        }),
+        rows: rows.map(|(rank, near)| row(rank, near, outcomes)).collect(),
+    })
+}
+
+fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]) -> String {
+    let mut text = format!("{} is nearest.", best.name);
+    match tied {
+        0 if unknown == 0 && known > 1 => text += " All others are farther with 95 % confidence.",
+        0 => {}
+        1 => text += " One other cannot be told apart from it.",
+        n => text += &format!(" {n} others cannot be told apart from it."),
+    }
+    if unknown > 0 {
+        text += &format!(" Of {unknown} that is unknown: two or more realisations are needed.");
+    }
+    if known < all {
+        text += &format!(" {} have no colour yet.", all - known);
+    }
+    text
+}
+
+/// Where a variant has the least or the largest number of an axis: what is nearest there may be surpassed beyond.
+fn at_the_edge(outline: &Outline, variant: usize) -> String {
+    let Some(Place { place, .. }) = outline.variants.get(variant) else { return String::new() };
+    let edges: Vec<String> = (0..place.len()).filter_map(|a| edge(outline, a, place[a])).collect();
+    if edges.is_empty() {
+        return String::new();
+    }
+    format!(" It lies at the edge of what was tried ({}): a nearer one may lie beyond.", edges.join(", "))
+}
+
+/// In words whether a label has the least or the largest number that the variants have on an axis.
+fn edge(outline: &Outline, a: usize, k: usize) -> Option<String> {
+    let axis = &outline.axes[a];
+    let here = axis.number(k)?;
+    let numbers = || outline.variants.iter().filter_map(|v| axis.number(v.place[a]));
+    let (below, above) = (numbers().any(|x| x < here), numbers().any(|x| x > here));
+    let which = if below { "largest" } else { "smallest" };
+    (below != above).then(|| format!("{} is the {which}", axis.named(k)))
+}
+
+/// All variants that have a distance, the nearest first.
+fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
+    let distance = |(v, outcome): (usize, &Outcome)| Some((v, outcome.to_target()?));
+    let mut all: Vec<(usize, Linked)> = outcomes.iter().enumerate().filter_map(distance).collect();
+    all.retain(|(_, to_target)| to_target.estimate.value.is_finite());
+    all.sort_by(|a, b| a.1.estimate.value.total_cmp(&b.1.estimate.value));
+    let Some((best, least)) = all.first().cloned() else { return Vec::new() };
+    all.into_iter().map(|one| near(outcomes, (best, &least), one)).collect()
+}
+
+/// A variant with its distance to the target, beside the nearest one with its own.
+fn near(
+    outcomes: &[Outcome],
+    (best, least): (usize, &Linked),
+    (variant, to_target): (usize, Linked),
+) -> Near {
+    // realisations that both share move both alike
+    let farther = Linked::sum([(1.0, &to_target), (-1.0, least)]).estimate;
+    let factor = factor_of(&[&outcomes[best], &outcomes[variant]]);
+    let bar = if variant == best { Some(0.0) } else { farther.standard_error.map(|s| factor * s) };
+    Near { variant, to_target, farther, bar }
+}
+
+/// Standard errors in half of a 95 % interval, by the fewest realisations behind the number.
+fn factor_of(outcomes: &[&Outcome]) -> f64 {
+    let behind = outcomes.iter().filter(|o| !o.certain).map(|o| o.realisations);
+    student(behind.min().unwrap_or(0), QUANTILE)
+}
+
+fn row(rank: usize, near: &Near, outcomes: &[Outcome]) -> NearRow {
+    let outcome = &outcomes[near.variant];
+    let with_bar = |e: Estimate, half: Option<f64>| Estimate { standard_error: half, ..e }.in_words(2);
+    let estimate = near.to_target.estimate;
+    let half = estimate.standard_error.map(|s| factor_of(&[outcome]) * s);
+    let [_, contrast] = numbers(outcome);
+    NearRow {
+        labels: outcome.labels.clone(),
+        link: format!("variants/{}/report.html", outcome.name),
+        hex: outcome.aim.as_ref().and_then(|aim| aim.found.as_ref()).map(|found| found.hex.clone()),
+        delta_e: with_bar(estimate, half),
+        contrast_ratio: contrast
+            .map_or_else(String::new, |c| with_bar(c, c.standard_error.map(|s| factor_of(&[outcome]) * s))),
+        verdict: match (rank, near.is_tied()) {
+            (0, _) => "nearest".into(),
+            (_, Some(true)) => "cannot be told apart from it".into(),
+            (_, Some(false)) => format!("farther by {}", with_bar(near.farther, near.bar)),
+            (_, None) => "unknown".into(),
+        },
+    }
+}
+
+#[cfg(test)]
+#[path = "target_tests.rs"]
+mod tests;

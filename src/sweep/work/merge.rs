@@ -1,0 +1,140 @@
+//! Joins the stores of several shards into one folder.
+
+use crate::run::Stores;
+use crate::run::realisation::point_keys;
+use crate::run::resolve::{Resolved, kept};
+use crate::store::damage::Damage;
+use crate::store::database::Database;
+use crate::store::folder::{FolderError, OutputFolder};
+use crate::store::record::{FailureRecord, PointRecord};
+use crate::store::rows::StoredRow;
+use crate::store::store::Record;
+use crate::store::{PackingRecord, same};
+use crate::sweep::Sweep;
+use crate::sweep::definition::folder;
+use crate::sweep::definition::folder::OpenError;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why shards cannot be joined.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// A shard holds no sweep.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// The folder cannot be written to.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// Shards of different sweeps.
+    #[error("{} is of another sweep than {}", other.display(), first.display())]
+    OtherSweep {
+        /// The first shard.
+        first: PathBuf,
+        /// The one that differs.
+        other: PathBuf,
+    },
+    /// Two sound records of the same inputs with different numbers.
+    #[error("{what} in {} differs from the sound record of the same inputs in another shard ({builds})", shard.display())]
+    Contradiction {
+        /// Which solve, packing or grid.
+        what: String,
+        /// The later shard.
+        shard: PathBuf,
+        /// The programs that made them.
+        builds: String,
+    },
+    /// A store cannot be read or written.
+    #[error("cannot read or copy the records of {}: {source}", shard.display())]
+    Copy {
+        /// The shard.
+        shard: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+/// What a merge has come to.
+#[derive(Debug)]
+pub struct Merged {
+    /// The sweep that the shards belong to.
+    pub sweep: Sweep,
+    /// Damaged records and files of the shards of which no sound copy was found.
+    pub damages: Vec<Damage>,
+    /// Damaged records of which another shard had a sound copy.
+    pub healed: usize,
+}
+
+/// Copies the sound records of all shards into `folder`.
+///
+/// # Errors
+/// Shards of different sweeps, sound records of the same inputs that differ, or files that cannot be read or written.
+pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeError> {
+    let first = shards.first().map_or(Path::new(""), PathBuf::as_path);
+    let sweep = folder::read(first)?;
+    shards[1..].iter().try_for_each(|other| refuse_other_sweep(&sweep, first, other))?;
+    folder.begin()?;
+    folder::write(&sweep, folder)?;
+    let failed = |shard: &Path| {
+        let shard = shard.to_owned();
+        |source| MergeError::Copy { shard, source }
+    };
+    let into = Database::open(folder.path()).map_err(failed(folder.path()))?;
+    let mut found = Vec::new();
+    for shard in shards {
+        let from = Database::open(shard).map_err(failed(shard))?;
+        let contradiction = into.adopt(&from, &[], same_numbers).map_err(failed(shard))?;
+        if let Some((one, other)) = contradiction {
+            let what = describe(&sweep, folder, &other);
+            let builds = format!("{} and {}", one.program, other.sealed.program);
+            return Err(MergeError::Contradiction { what, shard: shard.clone(), builds });
+        }
+        found.extend(from.damages());
+    }
+    let mut damages = found.clone();
+    damages.retain(|damage| !is_healed(damage, &into));
+    Ok(Merged { sweep, healed: found.len() - damages.len(), damages })
+}
+
+fn refuse_other_sweep(sweep: &Sweep, first: &Path, shard: &Path) -> Result<(), MergeError> {
+    let other = folder::read(shard)?;
+    let texts = |s: &Sweep| s.variants.iter().map(|v| v.text.clone()).collect::<Vec<_>>();
+    if other.outline != sweep.outline || texts(&other) != texts(sweep) || other.inputs != sweep.inputs {
+        return Err(MergeError::OtherSweep { first: first.to_owned(), other: shard.to_owned() });
+    }
+    Ok(())
+}
+
+fn is_healed(damage: &Damage, into: &Database) -> bool {
+    match damage {
+        Damage::Record { kind, key, .. } => into.get(kind, key).is_some(),
+        Damage::File { .. } => false,
+    }
+}
+
+/// Whether two records of a kind tell the same, whoever made them and however long it took.
+fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
+    match kind {
+        PointRecord::KIND => same::<PointRecord>(one, other),
+        PackingRecord::KIND => same::<PackingRecord>(one, other),
+        Resolved::KIND => same::<Resolved>(one, other),
+        FailureRecord::KIND => true,
+        _ => one == other,
+    }
+}
+
+/// The record in words: variant, realisation, wavelength and angle of a solve, kind and hash of anything else.
+fn describe(sweep: &Sweep, folder: &OutputFolder, row: &StoredRow) -> String {
+    let hash = format!("{} {}", row.kind, row.key);
+    let Ok(stores) = Stores::open(folder) else { return hash };
+    for variant in sweep.variants.iter().filter(|_| row.kind == PointRecord::KIND) {
+        let Some(resolved) = kept(&variant.study, &stores.grids) else { continue };
+        let realisations = 0..variant.study.realisations;
+        let mut points = realisations.flat_map(|r| point_keys(&variant.study, &resolved, r));
+        if let Some((point, _)) = points.find(|(_, key)| key.as_str() == row.key) {
+            let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
+            let realisation = point.realisation + 1;
+            return format!("{}, realisation {realisation}, {nm:.0} nm, {deg:.1}° ({hash})", variant.name);
+        }
+    }
+    hash
+}

@@ -1,0 +1,303 @@
+//! What a sweep will cost, said before anything runs; calibrated by a few solves of the sweep itself.
+
+mod deadline;
+mod scaled;
+mod trial;
+
+use super::units::{groups, units};
+use crate::input::study::{Point, Study, WantedResolution};
+use crate::run::realisation::Packings;
+use crate::run::resolve::size;
+use crate::run::watch::RunWatch;
+use crate::run::{RunError, RunSettings};
+use crate::solve::demand::memory_in_words;
+use crate::store::identity::Key;
+use crate::sweep::definition::load::Sweep;
+use crate::wave::Scene;
+use deadline::Deadline;
+use scaled::scaled;
+use serde::Serialize;
+use std::collections::HashSet;
+use std::time::Duration;
+use trial::{MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial, volume};
+
+/// Most variants that are tried.
+const TRIALS: usize = 4;
+/// Trials end by then: a plan answers within ten seconds.
+const LIMIT: Duration = Duration::from_secs(7);
+/// What takes longer on the cores there are is out of reach: a month.
+const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
+
+/// The size of a sweep, and its cost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// Number of variants.
+    pub variants: usize,
+    /// Packings to be made; variants share them.
+    pub packings: usize,
+    /// Different solves; variants share them.
+    pub solves: usize,
+    /// Units that shards divide among them.
+    pub units: usize,
+    /// Unknowns of the largest solve among the variants tried, at full size.
+    pub unknowns: usize,
+    /// For one solve at a time, at most.
+    pub memory_mb: usize,
+    /// On one core, all in all.
+    pub core_seconds: f64,
+    /// What was tried, in words.
+    pub calibration: String,
+    /// Why it cannot be computed here, where time or memory are far from enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out_of_reach: Option<String>,
+}
+
+/// Counts, and times some solves with `jobs` at a time.
+///
+/// Variants spread over the densities of grains are tried in small cells, with a share of their solves; one of them is
+/// solved at full size as well, and tells how much more a µm³ costs there. All else is scaled by volume. For each wanted
+/// resolution the grid is sought once, for the fewest grains; the other variants are tried on the same grid. A trial that does
+/// not end in time is replaced by an estimate from unknowns and operator applications.
+///
+/// # Errors
+/// No variant that was tried can be packed and solved; the watch says stop.
+pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
+    let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
+    let (groups, deadline) = (groups(sweep), Deadline::after(watch, LIMIT));
+    let (mut trials, late) = tried(sweep, representatives(sweep, &groups), jobs, &deadline)?;
+    let mut calibration = in_words(sweep, &trials);
+    if let Some((name, factor)) = at_full_size(sweep, &trials, jobs, &deadline)? {
+        calibration += &format!("; {name} at full size costs {factor:.2} times as much a µm³");
+        trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
+    }
+    let by_size: Vec<Trial> = late.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
+    calibration += &late_in_words(sweep, &late, trials.is_empty());
+    trials.extend(by_size);
+    Ok(costed(sweep, &trials, calibration, settings))
+}
+
+/// What a sweep costs by its size alone, at once.
+pub fn by_size(sweep: &Sweep, settings: RunSettings) -> Plan {
+    let all = representatives(sweep, &groups(sweep));
+    let trials: Vec<Trial> = all.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
+    costed(sweep, &trials, late_in_words(sweep, &all, true), settings)
+}
+
+/// Trials that ended in time, and the variants whose did not.
+fn tried(
+    sweep: &Sweep,
+    variants: Vec<usize>,
+    jobs: usize,
+    deadline: &Deadline,
+) -> Result<(Vec<Trial>, Vec<usize>), RunError> {
+    let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
+    for (place, &v) in variants.iter().enumerate() {
+        // One part more is for the solve at full size.
+        let part = deadline.part(variants.len() - place + 1);
+        part.stage(&format!("calibrating with {} in a small cell", sweep.variants[v].name));
+        let study = &sweep.variants[v].study;
+        let alike = trials.iter().find(|t: &&Trial| t.wanted == study.resolution);
+        match trial(v, study, alike, jobs, &part).map_err(RunError::stopped) {
+            Ok(trial) => trials.push(trial),
+            Err(RunError::Stopped) if deadline.is_called_off() => return Err(RunError::Stopped),
+            Err(RunError::Stopped) => late.push(v),
+            Err(error) => failure = Some(error),
+        }
+    }
+    match failure {
+        Some(error) if trials.is_empty() && late.is_empty() => Err(error),
+        _ => Ok((trials, late)),
+    }
+}
+
+/// The plan that trials lead to.
+fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSettings) -> Plan {
+    let groups = groups(sweep);
+    let (solves, core_seconds) = cost(sweep, &groups, trials);
+    let full = |t: &Trial| full_resolution(t, &sweep.variants[t.variant].study);
+    let unknowns = trials.iter().map(full).map(|r| r.nx * r.ny * r.planes()).max().unwrap_or(0);
+    let bytes = |t: &Trial| {
+        let study = &sweep.variants[t.variant].study;
+        size(study, full(t)).bytes(&*study.solver.build())
+    };
+    let most_bytes = trials.iter().map(bytes).fold(0.0, f64::max);
+    let realisations = |g: &Vec<usize>| g.iter().map(|&v| sweep.variants[v].study.realisations).max();
+    Plan {
+        variants: sweep.variants.len(),
+        packings: groups.iter().filter_map(realisations).sum(),
+        solves,
+        units: units(sweep).len(),
+        unknowns,
+        memory_mb: (1e-6 * most_bytes).ceil() as usize,
+        core_seconds,
+        calibration,
+        out_of_reach: out_of_reach(core_seconds, most_bytes, settings.memory),
+    }
+}
+
+/// Why the cores and the memory there are do not do.
+fn out_of_reach(core_seconds: f64, bytes: f64, memory: f64) -> Option<String> {
+    let cores = rayon::current_num_threads() as f64;
+    let [need, free] = [bytes, memory].map(|bytes| memory_in_words(1e-9 * bytes));
+    if bytes > memory {
+        return Some(format!("estimated {need} for one solve, of {free}"));
+    }
+    let days = core_seconds / cores / (24.0 * 3600.0);
+    (core_seconds / cores > REACH_SECONDS).then(|| format!("estimated {days:.0} days on {cores} cores"))
+}
+
+/// Variants whose trials did not end in time.
+fn late_in_words(sweep: &Sweep, late: &[usize], alone: bool) -> String {
+    if late.is_empty() {
+        return String::new();
+    }
+    let names: Vec<&str> = late.iter().map(|&v| sweep.variants[v].name.as_str()).collect();
+    let start = if alone { "" } else { "; " };
+    format!("{start}unknowns × operator applications of {}: no trial ended in time", names.join(", "))
+}
+
+fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
+    if trials.is_empty() {
+        return String::new();
+    }
+    let widest = trials.iter().map(|t| t.period_um[0].max(t.period_um[1])).fold(0.0, f64::max);
+    let names: Vec<&str> = trials.iter().map(|t| sweep.variants[t.variant].name.as_str()).collect();
+    format!("{} in cells of up to {widest} µm, scaled by volume", names.join(", "))
+}
+
+/// For each wanted resolution, variants with grains in the order of their density of grains, evenly spread over it.
+fn representatives(sweep: &Sweep, groups: &[Vec<usize>]) -> Vec<usize> {
+    let wanted = resolutions(sweep, &(0..sweep.variants.len()).collect::<Vec<_>>());
+    let each = (TRIALS / wanted.len()).max(2);
+    let of_resolution = |(n, wanted): (usize, &WantedResolution)| {
+        let all = one_of_each(sweep, groups, n, wanted);
+        spread(&by_density(sweep, all), each)
+    };
+    wanted.iter().enumerate().flat_map(of_resolution).collect()
+}
+
+/// One variant of each group with the wanted resolution number `n`.
+fn one_of_each(sweep: &Sweep, groups: &[Vec<usize>], n: usize, wanted: &WantedResolution) -> Vec<usize> {
+    let here = |v: &&usize| sweep.variants[**v].study.resolution == *wanted;
+    // The inks of a group take turns, so that not all trials are of the first one.
+    let member = |(k, group): (usize, &Vec<usize>)| {
+        let members: Vec<usize> = group.iter().filter(here).copied().collect();
+        members.get((k + n) % members.len().max(1)).copied()
+    };
+    groups.iter().enumerate().filter_map(member).collect()
+}
+
+/// Those of the variants that have grains, in the order of their density of grains; the first alone where none has.
+fn by_density(sweep: &Sweep, all: Vec<usize>) -> Vec<usize> {
+    let study = |v: usize| &sweep.variants[v].study;
+    let mut some: Vec<usize> = all.iter().copied().filter(|&v| !study(v).pigments.is_empty()).collect();
+    if some.is_empty() {
+        some = all.into_iter().take(1).collect();
+    }
+    some.sort_by(|&a, &b| density(study(a)).total_cmp(&density(study(b))));
+    some
+}
+
+/// So many at most of the variants in a list, evenly spread from its first to its last.
+fn spread(list: &[usize], most: usize) -> Vec<usize> {
+    let (count, last) = (list.len().min(most), list.len().saturating_sub(1));
+    (0..count).map(|k| list[k * last / (count - 1).max(1)]).collect()
+}
+
+/// Different wanted resolutions among variants.
+fn resolutions(sweep: &Sweep, variants: &[usize]) -> Vec<WantedResolution> {
+    let mut found: Vec<WantedResolution> = Vec::new();
+    for &v in variants {
+        let wanted = sweep.variants[v].study.resolution;
+        if !found.contains(&wanted) {
+            found.push(wanted);
+        }
+    }
+    found
+}
+
+/// The variant that was packed fastest, solved at full size: its name, and what a µm³ costs there over the small cell.
+fn at_full_size(
+    sweep: &Sweep,
+    trials: &[Trial],
+    jobs: usize,
+    deadline: &Deadline,
+) -> Result<Option<(String, f64)>, RunError> {
+    let Some(trial) = trials.iter().min_by(|a, b| a.packing.total_cmp(&b.packing)) else { return Ok(None) };
+    let variant = &sweep.variants[trial.variant];
+    if variant.study.layer.period_um == trial.period_um || grains(&variant.study) > MOST_GRAINS {
+        return Ok(None);
+    }
+    deadline.stage(&format!("calibrating with {} at full size", variant.name));
+    match full_solve(trial, &variant.study, jobs, deadline).map_err(RunError::stopped) {
+        Ok(solve) => Ok(Some((variant.name.clone(), solve / trial.solve))),
+        Err(RunError::Stopped) if !deadline.is_called_off() => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Core seconds of a solve at full size, a µm³.
+fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Result<f64, RunError> {
+    let scene = Scene::from_packing(&Packings::new(study, watch).get(0)?);
+    let grids = (full_resolution(trial, study), trial.longer_waves);
+    let covers = covers(study, &scene, grids, watch)?;
+    Ok(time_solves(study, &covers, jobs, watch)? / volume(study))
+}
+
+/// Different solves, and core seconds: each group at the rates of the trials with the nearest density of grains.
+fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) {
+    let (mut solves, mut seconds) = (0, 0.0);
+    for group in groups {
+        for (n, wanted) in resolutions(sweep, group).iter().enumerate() {
+            let here = |v: &&usize| sweep.variants[**v].study.resolution == *wanted;
+            let studies: Vec<&Study> = group.iter().filter(here).map(|&v| &sweep.variants[v].study).collect();
+            let counts = Counts::of(&studies);
+            solves += counts.solves;
+            let distance = |t: &&Trial| (t.density / density(studies[0])).ln().abs();
+            let alike = trials.iter().filter(|t| t.wanted == *wanted);
+            let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            // A layer without grains has no contrast to iterate on.
+            if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
+                // Resolutions share the packings of their group.
+                let packings = if n == 0 { counts.packings } else { 0 };
+                let once = trial.packing * packings as f64 + trial.coverage * counts.coverages as f64;
+                let work = once + trial.grid * counts.grids as f64 + trial.solve * counts.solves as f64;
+                seconds += volume(studies[0]) * work;
+            }
+        }
+    }
+    (solves, seconds)
+}
+
+/// What variants with the same packings and the same wanted resolution have to compute.
+struct Counts {
+    packings: usize,
+    coverages: usize,
+    grids: usize,
+    solves: usize,
+}
+
+impl Counts {
+    fn of(studies: &[&Study]) -> Self {
+        let (mut solves, mut grids) = (HashSet::new(), HashSet::new());
+        for study in studies {
+            let method = (&study.solver, &study.goal);
+            for r in 0..study.realisations {
+                let key = |p: &Point| {
+                    let indices = study.indices(p.incidence.wavelength_um);
+                    Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
+                };
+                solves.extend(study.points(r).iter().map(key));
+            }
+            let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
+            let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
+            grids.insert(Key::of("grid", &(light, indices, method)));
+        }
+        Self {
+            packings: studies.iter().map(|s| s.realisations).max().unwrap_or(0),
+            coverages: studies.iter().map(|s| s.realisations).sum(),
+            grids: grids.len(),
+            solves: solves.len(),
+        }
+    }
+}

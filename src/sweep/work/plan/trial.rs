@@ -1,0 +1,210 @@
+//! Trials of single variants: what packing, covering, the search for a grid and a solve cost.
+
+use crate::ink::PigmentGrains;
+use crate::input::check::largest_extents_nm;
+use crate::input::study::{Point, Study, WantedResolution};
+use crate::input::variation::CellRule;
+use crate::run::RunError;
+use crate::run::crew::{processor_seconds, work_through};
+use crate::run::grids::Wavelength;
+use crate::run::longer_waves::coarsened;
+use crate::run::memory;
+use crate::run::point::{PointSolver, systems_of};
+use crate::run::realisation::Packings;
+use crate::run::resolve::resolve;
+use crate::run::watch::RunWatch;
+use crate::solve::Solver;
+use crate::solve::accuracy::grid_error::GridError;
+use crate::solve::accuracy::smooth_size;
+use crate::store::store::Store;
+use crate::wave::{Geometry, Precision, Resolution, Scene};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
+const TRIAL_PERIOD_UM: f64 = 1.6;
+/// Solves are repeated until they have taken so long in all, or are so many.
+const LEAST_SECONDS: f64 = 0.5;
+const MOST_SOLVES: usize = 60;
+/// Cells with more grains are not packed in time.
+pub(super) const MOST_GRAINS: f64 = 5e4;
+
+/// Cost of one variant that was tried, in core seconds a µm³.
+pub(crate) struct Trial {
+    pub variant: usize,
+    pub period_um: [f64; 2],
+    pub thickness_um: f64,
+    pub wanted: WantedResolution,
+    pub density: f64,
+    pub packing: f64,
+    pub coverage: f64,
+    pub grid: f64,
+    /// Solves that the search for the grid is worth.
+    pub search: f64,
+    pub solve: f64,
+    pub resolution: Resolution,
+    /// What longer waves make of it, as in [`Resolved`](crate::run::resolve::Resolved).
+    pub longer_waves: f64,
+}
+
+pub(crate) fn volume(study: &Study) -> f64 {
+    study.layer.period_um[0] * study.layer.period_um[1] * study.layer.thickness_um
+}
+
+/// Grains a µm³, about: what packings cost, and how finely light is scattered.
+pub(crate) fn density(study: &Study) -> f64 {
+    let of = |grains: &PigmentGrains| grains.volume_fraction / (1e-3 * grains.size.largest_nm()).powi(3);
+    study.pigments.iter().map(|p| of(&p.grains)).sum()
+}
+
+/// The study in a cell as small as a trial's.
+fn in_small_cell(study: &Study) -> Study {
+    let longest =
+        study.pigments.iter().map(|p| 2e-3 * largest_extents_nm(&p.grains).1).fold(TRIAL_PERIOD_UM, f64::max);
+    let [x, y] = study.layer.period_um;
+    if study.variation.cell == CellRule::Varied && x.max(y) <= 2.0 * longest {
+        // Varied cells are as small as they may be, unless a larger period was asked for.
+        return study.clone();
+    }
+    let mut small = study.clone();
+    small.layer.period_um = study.layer.period_um.map(|period| period.min(longest));
+    small.packing.period_um = small.layer.period_um;
+    small
+}
+
+/// Grains of a cell, about.
+pub(crate) fn grains(study: &Study) -> f64 {
+    study.pigments.iter().map(|p| p.grains.expected(volume(study))).sum()
+}
+
+/// Tries a variant; `alike` is an earlier trial that wanted the same resolution, and has found a grid for it.
+pub(crate) fn trial(
+    variant: usize,
+    full: &Study,
+    alike: Option<&Trial>,
+    jobs: usize,
+    watch: &dyn RunWatch,
+) -> Result<Trial, RunError> {
+    let mut study = in_small_cell(full);
+    study.realisations = 1;
+    if grains(&study) > MOST_GRAINS {
+        return Err(RunError::Stopped);
+    }
+    let mut packings = Packings::new(&study, watch);
+    // Grains are packed on one core, while the others wait.
+    let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
+    let packing = packing * rayon::current_num_threads() as f64;
+    let (searched, grids) = grid_for(&study, &scene, alike, watch)?;
+    let (coverage, covers) = timed(|| covers(&study, &scene, grids, watch))?;
+    let solve = time_solves(&study, &covers, jobs, watch)?;
+    // Solves with their coverages that the search was worth; an earlier trial's is as long.
+    let search = match (searched, alike) {
+        (None, Some(trial)) => trial.search,
+        (seconds, _) => seconds.unwrap_or(0.0) / (coverage + solve).max(1e-9),
+    };
+    let grid = search * (coverage + solve);
+    let each = 1.0 / volume(&study);
+    Ok(Trial {
+        variant,
+        period_um: study.layer.period_um,
+        thickness_um: study.layer.thickness_um,
+        wanted: study.resolution,
+        density: density(full),
+        packing: packing * each,
+        coverage: coverage * each,
+        grid: grid * each,
+        search,
+        solve: solve * each,
+        resolution: grids.0,
+        longer_waves: grids.1,
+    })
+}
+
+/// The packing on the grids of all wavelengths.
+pub(crate) fn covers(
+    study: &Study,
+    scene: &Scene,
+    (finest, longer_waves): (Resolution, f64),
+    watch: &dyn RunWatch,
+) -> Result<Vec<Wavelength>, RunError> {
+    let waves = study.points(0).into_iter().map(|point| point.incidence.wavelength_um);
+    let grid = |wavelength_um: f64| coarsened(study, finest, wavelength_um, longer_waves);
+    let (error, stop) = (study.resolution.coverage_error(), || watch.stop());
+    let cover =
+        |resolution| Ok(Geometry::new(study.wave, scene, resolution, Precision { error, stop: &stop })?);
+    Wavelength::all(waves, grid, cover)
+}
+
+/// A grid as fine as wanted with what longer waves make of it, and the core seconds of the search for it where there was one.
+fn grid_for(
+    study: &Study,
+    scene: &Scene,
+    alike: Option<&Trial>,
+    watch: &dyn RunWatch,
+) -> Result<(Option<f64>, (Resolution, f64)), RunError> {
+    if let Some(trial) = alike {
+        return Ok((None, (full_resolution(trial, study), trial.longer_waves)));
+    }
+    let store = Store::in_memory()?;
+    let search = || resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone()));
+    let (seconds, found) = timed(search)?;
+    Ok((Some(seconds), (found.resolution, found.longer_waves)))
+}
+
+/// Core seconds, and what was made.
+fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
+    let (clock, before) = (Instant::now(), processor_seconds());
+    let made = make()?;
+    let wall = clock.elapsed().as_secs_f64();
+    // Ticks of a hundredth of a second say nothing of less than a few of them.
+    let used = processor_seconds().zip(before).map(|(after, before)| after - before).filter(|&s| s > 0.1);
+    Ok((used.unwrap_or(wall), made))
+}
+
+/// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
+pub(crate) fn time_solves(
+    study: &Study,
+    covers: &[Wavelength],
+    jobs: usize,
+    watch: &dyn RunWatch,
+) -> Result<f64, RunError> {
+    let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
+    let solver = study.solver.build();
+    let ended = AtomicUsize::new(0);
+    let solve = |i: usize| {
+        try_solve(study, &*solver, &Wavelength::of(covers, &chosen[i]).geometry, &chosen[i], watch);
+        ended.fetch_add(usize::from(!watch.stop()), Ordering::Relaxed);
+    };
+    let mut seconds = 0.0;
+    while seconds < LEAST_SECONDS && ended.load(Ordering::Relaxed) < MOST_SOLVES && !watch.stop() {
+        seconds += timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?.0;
+    }
+    match ended.into_inner() {
+        0 => Err(RunError::Stopped),
+        solves => Ok(seconds / solves as f64),
+    }
+}
+
+/// One solve, whose result is not needed: a failure costs about what a success does.
+fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Point, watch: &dyn RunWatch) {
+    if let Ok(systems) = systems_of(study, geometry, point) {
+        let grid = GridError::default();
+        let _ = PointSolver { study, solver, grid, watch }.solve(&systems, point, "trial");
+    }
+}
+
+/// The points and cells a µm of a trial in another cell.
+pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
+    let scaled = |n: usize, axis: usize| match n {
+        1 => 1,
+        n => smooth_size((n as f64 * study.layer.period_um[axis] / trial.period_um[axis]).ceil() as usize),
+    };
+    let r = trial.resolution;
+    let cells = (r.cells as f64 * study.layer.thickness_um / trial.thickness_um).ceil() as usize;
+    Resolution { nx: scaled(r.nx, 0), ny: scaled(r.ny, 1), cells, ..r }
+}
+
+fn spread(points: &[Point], count: usize) -> Vec<Point> {
+    let count = count.clamp(1, points.len());
+    (0..count).map(|k| points[(2 * k + 1) * points.len() / (2 * count)]).collect()
+}

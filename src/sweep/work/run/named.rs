@@ -1,0 +1,50 @@
+//! Stages under the name of their variant: several take turns in a sweep.
+
+use crate::run::watch::{Event, RunWatch};
+
+/// Passes on what a variant does, its stages with its name.
+pub(super) struct NamedWatch<'a> {
+    /// Stands before every stage.
+    pub prefix: &'a str,
+    pub watch: &'a dyn RunWatch,
+}
+
+impl RunWatch for NamedWatch<'_> {
+    fn stop(&self) -> bool {
+        self.watch.stop()
+    }
+
+    fn hear(&self, event: Event) {
+        match event {
+            Event::Stage(what) => self.watch.hear(Event::Stage(&format!("{}{what}", self.prefix))),
+            other => self.watch.hear(other),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    #[derive(Default)]
+    struct Heard(Mutex<Vec<String>>);
+
+    impl RunWatch for Heard {
+        fn hear(&self, event: Event) {
+            self.0.lock().unwrap().push(format!("{event:?}"));
+        }
+    }
+
+    #[test]
+    fn a_stage_has_the_name_of_its_variant() {
+        let heard = Heard::default();
+        let named = NamedWatch { prefix: "yellow-0.3: ", watch: &heard };
+        named.hear(Event::Stage("packing realisation 4/6"));
+        named.hear(Event::Ended);
+        assert_eq!(
+            heard.0.into_inner().unwrap(),
+            [r#"Stage("yellow-0.3: packing realisation 4/6")"#, "Ended"]
+        );
+    }
+}

@@ -1,0 +1,53 @@
+//! Progress of a unit, for the screen and for the other workers.
+
+use super::{BETWEEN_NEWS, Worker};
+use crate::run::watch::{Event, RunWatch};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Passes on what a unit does, and tells the other workers how far it is.
+pub(super) struct News<'a> {
+    worker: &'a Worker<'a>,
+    task: usize,
+    solves: AtomicUsize,
+    told: Mutex<Instant>,
+}
+
+impl<'a> News<'a> {
+    pub fn new(worker: &'a Worker<'a>, task: usize) -> Self {
+        Self { worker, task, solves: AtomicUsize::new(0), told: Mutex::new(Instant::now()) }
+    }
+
+    fn advance(&self, solves: usize) {
+        let solves = self.solves.fetch_add(solves, Ordering::Relaxed) + solves;
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.elapsed() < BETWEEN_NEWS {
+            return;
+        }
+        *told = Instant::now();
+        let Worker { queue, watch, .. } = self.worker;
+        match queue.advance(self.task, solves).and_then(|()| queue.standing()) {
+            Ok(standing) => watch.hear(Event::Standing(&standing)),
+            Err(error) => self.worker.note(Err(error.into())),
+        }
+    }
+}
+
+impl RunWatch for News<'_> {
+    fn stop(&self) -> bool {
+        self.worker.watch.stop()
+    }
+
+    fn hear(&self, event: Event) {
+        if matches!(event, Event::Solving(..)) {
+            self.worker.begin();
+        }
+        self.worker.watch.hear(event);
+        match event {
+            Event::Kept(solves) | Event::Dropped(solves) => self.advance(solves),
+            Event::Solved(..) => self.advance(1),
+            _ => {}
+        }
+    }
+}

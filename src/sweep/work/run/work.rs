@@ -1,0 +1,93 @@
+//! One realisation of one variant.
+
+use super::super::stored::stage_key;
+use super::room::Room;
+use crate::input::study::Study;
+use crate::run::realisation::{Packings, RealisationRun};
+use crate::run::resolve::{Resolved, resolve};
+use crate::run::watch::{Event, RunWatch};
+use crate::run::{RunError, RunSettings, Stores};
+use crate::store::record::FailureRecord;
+use crate::wave::Scene;
+
+/// One realisation of one variant.
+pub(super) struct Work<'a> {
+    pub name: &'a str,
+    pub study: &'a Study,
+    pub stores: &'a Stores,
+    pub settings: RunSettings,
+    pub room: &'a Room,
+    /// Names the variant.
+    pub watch: &'a dyn RunWatch,
+    pub realisation: usize,
+}
+
+impl Work<'_> {
+    /// Gives the number of solves without a result.
+    pub fn go(&self, packings: &mut Packings) -> Result<usize, RunError> {
+        if self.has_failed() {
+            return Ok(self.drop_all());
+        }
+        self.realise(packings)
+    }
+
+    /// Tells that no solve of the realisation can be made, and gives their number.
+    pub fn drop_all(&self) -> usize {
+        self.watch.hear(Event::Dropped(self.study.solves_each()));
+        self.study.solves_each()
+    }
+
+    /// Whether it is recorded that this realisation has no packing or no grid.
+    pub fn has_failed(&self) -> bool {
+        let key = stage_key(self.study, self.realisation);
+        self.stores.failures.has(key.as_str())
+    }
+
+    /// Records that realisations have no packing or no grid.
+    pub fn note_failure(
+        &self,
+        realisations: std::ops::Range<usize>,
+        error: &RunError,
+    ) -> Result<(), RunError> {
+        let (variant, reason) = (self.name.to_owned(), error.to_string());
+        if !variant.is_empty() {
+            self.watch.stage(&format!("no result: {reason}"));
+        }
+        for realisation in realisations {
+            let (variant, reason) = (variant.clone(), reason.clone());
+            let record = FailureRecord { variant, realisation, incidence: None, reason };
+            self.stores.failures.put(stage_key(self.study, realisation).as_str(), &record)?;
+        }
+        Ok(())
+    }
+
+    pub fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
+        self.room.within(|memory| {
+            let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
+            resolve(self.study, &self.stores.grids, memory, self.watch, scene)
+        })
+    }
+
+    fn realise(&self, packings: &mut Packings) -> Result<usize, RunError> {
+        let resolved = &self.resolve(packings)?;
+        let Self { study, stores, watch, realisation, .. } = *self;
+        self.room.within(|memory| {
+            let settings = RunSettings { memory, ..self.settings };
+            RealisationRun { study, resolved, stores, settings, watch, realisation }.finish(packings)
+        })
+    }
+
+    /// Unknowns of a realisation's solves, which its time goes with.
+    pub fn cost(&self, resolved: &Resolved) -> f64 {
+        let r = resolved.resolution;
+        (r.nx * r.ny * r.planes() * self.study.solves_each()) as f64
+    }
+}
+
+/// Failures that belong to a variant; all others end the run.
+pub(super) fn is_failure(error: &RunError) -> bool {
+    matches!(
+        error,
+        RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_) | RunError::Memory(_)
+    )
+}

@@ -1,0 +1,60 @@
+//! What the store has of a variant, without computing anything.
+
+use super::rounds::Standing;
+use crate::input::study::Study;
+use crate::run::point::is_physical;
+use crate::run::realisation::point_keys;
+use crate::run::resolve;
+use crate::run::resolve::Resolved;
+use crate::run::{Collected, Realisation, Refused, Stores};
+use crate::store::identity::Key;
+use crate::store::record::PointRecord;
+
+/// What the store has of a study, without computing anything. `None` before the first packing and grid.
+///
+/// A study that wants a bar ends with the realisation that reaches it, whatever the store has beyond.
+pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
+    let standing = Standing::of(study, stores, 0);
+    let realisations = if standing.enough { standing.border } else { study.realisations };
+    Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
+}
+
+/// What the store has of the first realisations.
+pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collected> {
+    let resolved = resolve::kept(study, &stores.grids)?;
+    let realisations: Vec<Realisation> =
+        (0..tried).filter_map(|r| collect_one(study, stores, &resolved, r)).collect();
+    let refused = refused(study, stores, tried);
+    let (enough, damages) = (false, Vec::new());
+    (!realisations.is_empty()).then_some(Collected { resolved, realisations, refused, enough, damages })
+}
+
+/// Realisations that have no packing or no grid, as far as that is recorded.
+pub(crate) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
+    let of = |realisation: usize| {
+        let record = stores.failures.get(stage_key(study, realisation).as_str())?;
+        Some(Refused { realisation, reason: record.reason })
+    };
+    (0..tried).filter_map(of).collect()
+}
+
+/// What the store has of one realisation, once that is packed.
+fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) -> Option<Realisation> {
+    let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
+    let keyed = point_keys(study, resolved, r);
+    let sound = |record: &PointRecord| is_physical(record, resolved.grid_error);
+    let points = keyed.iter().map(|(_, key)| stores.points.get(key.as_str()).filter(sound));
+    let points: Vec<_> = points.collect();
+    let missing = keyed.iter().zip(&points).filter(|(_, found)| found.is_none());
+    let failures = missing.filter_map(|(keyed, _)| stores.failure(keyed)).collect();
+    Some(Realisation { packing, points, failures })
+}
+
+/// What a realisation's packing and grid depend on.
+pub(super) fn stage_key(study: &Study, realisation: usize) -> Key {
+    let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
+    let light = (&study.wavelengths_nm, &study.angles, indices);
+    let method = (&study.resolution, &study.solver, &study.goal);
+    let inputs = (resolve::key(study), study.packing_request(realisation), light, method);
+    Key::of_wave("stage", &inputs, study.vector_wave())
+}

@@ -1,0 +1,94 @@
+//! What is computed together, and by whom.
+//!
+//! Variants with the same packings form a group: its packings are made once. A unit is one realisation of a group; the
+//! workers of a folder take units in turn (see [`crate::store::queue`]). A shard, for machines that share no folder, is
+//! a run of consecutive units. Groups are ordered by their content hash, which mixes costly and cheap ones, and at most
+//! one group is divided between two neighbouring shards.
+
+use crate::store::identity::Key;
+use crate::sweep::definition::load::Sweep;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// One realisation of the variants that share its packing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unit {
+    /// Place of the group.
+    pub group: usize,
+    /// Places of the variants in the sweep.
+    pub variants: Vec<usize>,
+    /// Counted from 0.
+    pub realisation: usize,
+}
+
+/// Part `index` (from 1) of `count`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which part, from 1 to `count`.
+    pub index: usize,
+    /// Number of parts.
+    pub count: usize,
+}
+
+impl Shard {
+    /// The whole sweep.
+    pub const ALL: Self = Self { index: 1, count: 1 };
+
+    /// Whether there is a unit for each part; the error is their number.
+    pub fn check(self, sweep: &Sweep) -> Result<(), usize> {
+        let most = units(sweep).len();
+        if self.count <= most { Ok(()) } else { Err(most) }
+    }
+
+    /// The part of `units` that is this shard's; empty for some shards when there are more of them than units.
+    pub fn range(self, units: usize) -> Range<usize> {
+        let up_to = |index: usize| (index as u128 * units as u128 / self.count as u128) as usize;
+        up_to(self.index - 1)..up_to(self.index)
+    }
+}
+
+/// Variants with equal packings in all realisations, in the order of the packings' hashes.
+pub fn groups(sweep: &Sweep) -> Vec<Vec<usize>> {
+    let mut groups: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
+    for (v, variant) in sweep.variants.iter().enumerate() {
+        groups.entry(variant.study.packings_key()).or_default().push(v);
+    }
+    groups.into_values().collect()
+}
+
+/// All units, group by group.
+pub fn units(sweep: &Sweep) -> Vec<Unit> {
+    let all: Vec<Range<usize>> = sweep.variants.iter().map(|v| 0..v.study.realisations).collect();
+    units_within(sweep, &all)
+}
+
+/// The units of some realisations of each variant, group by group.
+pub fn units_within(sweep: &Sweep, realisations: &[Range<usize>]) -> Vec<Unit> {
+    let groups = groups(sweep).into_iter().enumerate();
+    groups.flat_map(|(group, members)| units_of(group, &members, realisations)).collect()
+}
+
+/// The units of one group.
+fn units_of(group: usize, members: &[usize], realisations: &[Range<usize>]) -> Vec<Unit> {
+    let first = members.iter().map(|&v| realisations[v].start).min().unwrap_or(0);
+    let end = members.iter().map(|&v| realisations[v].end).max().unwrap_or(0);
+    let unit = |realisation| {
+        let asks = |v: &usize| realisations[*v].contains(&realisation);
+        Unit { group, variants: members.iter().copied().filter(asks).collect(), realisation }
+    };
+    (first..end).map(unit).filter(|unit| !unit.variants.is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_are_disjoint_and_complete() {
+        for (units, count) in [(1, 1), (3, 7), (10, 3), (1000, 17)] {
+            let parts = (1..=count).flat_map(|index| Shard { index, count }.range(units));
+            assert!(parts.eq(0..units), "{units} in {count}");
+        }
+        assert_eq!(Shard { index: usize::MAX, count: usize::MAX }.range(72), 71..72);
+    }
+}
