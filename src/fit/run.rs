@@ -17,6 +17,7 @@ use crate::run::error::RunError;
 use crate::run::resolve::{Resolved, resolve};
 use crate::run::tangents::{Linearised, TangentRecord, Tangents};
 use crate::run::watch::RunWatch;
+use crate::solve::accuracy::grid_error::GridError;
 use crate::store::Store;
 use crate::store::folder::OutputFolder;
 use crate::wave::Scene;
@@ -221,7 +222,7 @@ impl<'a> FitRun<'a> {
     fn refine(&self, best: &Branch, others: &[Branch]) -> Result<FitOutcome, FitError> {
         let (task, prior) = (self.task, self.prior());
         let mut unknowns = best.unknowns.clone();
-        let grid: Vec<f64> = self.resolved.iter().map(|r| r.grid_error.reflectance).collect();
+        let grid: Vec<f64> = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
         let mut rounds = 0;
         loop {
             rounds += 1;
@@ -253,6 +254,14 @@ impl<'a> FitRun<'a> {
             }
             unknowns = between(&unknowns, &step.unknowns, share);
         }
+    }
+
+    /// Error of a reflectance factor due to the grid: that of R, and that of T on both ways.
+    fn grid_error(&self, drawdown: &Drawdown) -> f64 {
+        let GridError { reflectance, transmittance } = self.resolved[drawdown.coat].grid_error;
+        let nm = self.task.wavelengths_nm();
+        let albedo = drawdown.study.paper.albedo.at(nm[nm.len() / 2]).unwrap_or(1.0);
+        reflectance.hypot(2.0 * albedo * transmittance)
     }
 
     /// The layers that are to be predicted, at the index found.

@@ -23,7 +23,7 @@ pub(super) struct Data {
 
 impl Data {
     /// `systematic` is an error of every value in addition to noise and ensemble: one for each
-    /// layer, or one for all.
+    /// drawdown, or one for all.
     pub fn new(task: &FitTask, prior: &IndexPrior, response: &Response, systematic: &[f64]) -> Self {
         let (waves, count) = (task.wavelengths_nm().len(), task.measured.len());
         let at = |i: usize| (i / waves, i % waves);
@@ -38,7 +38,7 @@ impl Data {
         let residual = |i: usize| measured(at(i).0, at(i).1) - response.values[at(i).0][at(i).1];
         let noise = task.settings.noise.powi(2);
         let coat = |d: usize| task.measured[d].coat;
-        let grid = |d: usize| systematic[coat(d).min(systematic.len() - 1)].powi(2);
+        let grid = |d: usize| systematic[d.min(systematic.len() - 1)].powi(2);
         let ensemble = |i: usize, j: usize| {
             let ((d, v), (e, w)) = (at(i), at(j));
             let common = || jackknife(&response.replicates[d], &response.replicates[e], v, w);
