@@ -2,7 +2,7 @@
 //! paper.
 
 use super::film::Profile;
-use super::films::{FilmAt, Films};
+use super::films::{FilmAt, Films, Indices};
 use super::ink::{InkError, InkInputs, InkOnPaper};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
@@ -86,6 +86,46 @@ impl LayerSeen {
     }
 }
 
+/// The ink on its paper alone, from the complete realisations.
+///
+/// # Errors
+/// None is complete, or as [`NoInk`] says.
+pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
+    let cells = complete_cells(study, collected);
+    if cells.is_empty() {
+        return Err(NoInk::Unfinished);
+    }
+    let solved = by_cell(study, &cells, study.wave);
+    let indices = |nm: f64| indices(study, nm);
+    let films = films(study, mean_profile(&cells.concat()), &indices);
+    let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
+    on_paper(study, (&ensemble, &solved), returned(study, &cells).as_deref(), &films)
+}
+
+/// The ink as its coherent film, with the volume fractions asked for in every plane.
+///
+/// # Errors
+/// As [`InkOnPaper::homogeneous`].
+pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
+    let indices = |nm: f64| indices(study, nm);
+    let shares = study.pigments.iter().map(|p| p.grains.volume_fraction).collect();
+    let films = films(study, Profile { fractions: vec![shares] }, &indices);
+    let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
+    let outputs_nm = &study.wavelengths_nm;
+    InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })
+}
+
+/// The coherent film of a study's layer.
+fn films<'a>(study: &Study, profile: Profile, indices: &'a Indices<'a>) -> Films<'a> {
+    Films {
+        profile,
+        indices,
+        thicknesses_um: study.thicknesses_um(),
+        index_out: study.layer.index_out,
+        wave: study.wave,
+    }
+}
+
 /// Evaluates all complete realisations.
 ///
 /// # Errors
@@ -101,13 +141,7 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let solved = by_cell(study, &by_cells, study.wave);
     let returned = returned(study, &by_cells);
     let indices = |nm: f64| indices(study, nm);
-    let films = Films {
-        profile: mean_profile(&complete),
-        indices: &indices,
-        thicknesses_um: study.thicknesses_um(),
-        index_out: study.layer.index_out,
-        wave: study.wave,
-    };
+    let films = films(study, mean_profile(&complete), &indices);
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
     let ink = on_paper(study, (&ensemble, &solved), returned.as_deref(), &films);
     let wavelengths_nm = study.wavelengths_nm.clone();

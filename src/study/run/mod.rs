@@ -10,6 +10,7 @@ pub mod memory;
 pub mod point;
 pub mod realisation;
 pub mod resolve;
+pub mod tangents;
 pub mod watch;
 
 pub use collected::{Collected, Failure, Realisation, Refused, RunSettings, Stores};

@@ -47,7 +47,7 @@ pub fn pack_realisation(
 /// Safety factor: other solves may have errors of R and T this many times those of the test solves.
 const BEYOND_PROBES: f64 = 3.0;
 
-fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
+pub(super) fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
     TotalErrors::of_totals([grid.reflectance, grid.transmittance].map(|e| BEYOND_PROBES * e), residual)
 }
 

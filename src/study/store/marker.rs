@@ -21,6 +21,10 @@ pub enum Holds {
     Sweep,
     /// A comparison of strategies.
     Comparison,
+    /// A pigment's index fitted to spectra.
+    Fit,
+    /// A recipe designed for a colour.
+    Design,
     /// Packings with their statistics.
     Packings,
     /// Files for other programs.
@@ -33,6 +37,8 @@ impl fmt::Display for Holds {
             Self::Study => "a study",
             Self::Sweep => "a sweep",
             Self::Comparison => "a comparison",
+            Self::Fit => "a fit",
+            Self::Design => "a design",
             Self::Packings => "packings",
             Self::Exports => "exports",
         })
