@@ -5,11 +5,13 @@ use super::page::{FailureRow, Figure, MakerBlock, Meant, Named, Page, Provenance
 use super::sheet;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::evaluate::composed::level::Solved;
-use crate::evaluate::composed::report::{
-    ComposedColours, ComposedManifest, ComposedRow, Judged, MediumRow, report,
+use crate::evaluate::composed::manifest::{
+    ComposedColours, ComposedManifest, ComposedRow, Judged, MediumRow,
 };
+use crate::evaluate::composed::report::report;
 use crate::evaluate::manifest::Status;
 use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
 use crate::report::publish::PublishError;
 use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
@@ -68,6 +70,8 @@ pub fn publish(
     })
 }
 
+/// Smaller errors are rounding, and are not shown.
+const CERTAIN: f64 = 1e-6;
 /// Largest overshoot of a share of light that its error can stand for.
 const BEYOND: f64 = 0.03;
 
@@ -134,7 +138,9 @@ fn medium(rows: &[MediumRow]) -> csv::Result<Vec<u8>> {
 }
 
 fn words(judged: &Judged, decimals: usize) -> String {
-    judged.estimate().in_words(decimals)
+    let certain = judged.standard_error < CERTAIN;
+    let estimate = if certain { Estimate::unknown_error(judged.value) } else { judged.estimate() };
+    estimate.in_words(decimals)
 }
 
 fn lab(judged: &[Judged; 3]) -> String {
@@ -165,18 +171,11 @@ fn spectral_line(row: &ComposedRow) -> String {
 
 fn page(manifest: &ComposedManifest) -> Result<Page, PublishError> {
     let study = manifest.study;
-    let partial = (manifest.status != Status::Complete).then(|| {
-        let solves = manifest.solves;
-        format!(
-            "{} of {} solves are finished. Run the study again to continue.",
-            solves.finished, solves.asked
-        )
-    });
     let failure = |reason: &String| FailureRow { point: String::new(), reason: reason.clone() };
     Ok(Page {
         title: study.title.clone(),
         summary: summary(manifest),
-        partial,
+        partial: partial(manifest),
         figures: figures(manifest)?,
         ink_maker: Some(maker(manifest)),
         certainty: certainty(manifest),
@@ -194,6 +193,16 @@ fn page(manifest: &ComposedManifest) -> Result<Page, PublishError> {
         },
         ..Page::default()
     })
+}
+
+/// What is missing of an unfinished study.
+fn partial(manifest: &ComposedManifest) -> Option<String> {
+    let solves = manifest.solves;
+    let words = format!(
+        "{} of {} solves are finished. Run the study again to continue.",
+        solves.finished, solves.asked
+    );
+    (manifest.status != Status::Complete).then_some(words)
 }
 
 fn summary(manifest: &ComposedManifest) -> String {
@@ -273,19 +282,32 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
     against_thickness("share of the light", shown(manifest.study).into_iter().flat_map(both).collect())
 }
 
-fn hiding_chart(manifest: &ComposedManifest) -> Chart {
-    let points = |of: fn(&ComposedColours) -> Judged, by: f64| {
-        let scaled = move |j: Judged| [j.value / by, j.standard_error / by];
-        manifest
-            .curve_colours
-            .iter()
-            .map(move |c| (c.thickness_um, scaled(of(c))))
-            .map(|(x, [y, e])| [x, y, e])
+/// Points of a number of the colours against the thickness, over `by`.
+fn colour_points(
+    manifest: &ComposedManifest,
+    of: fn(&ComposedColours) -> Judged,
+    by: f64,
+) -> impl Iterator<Item = [f64; 3]> {
+    let point = move |c: &ComposedColours| {
+        let judged = of(c);
+        [c.thickness_um, judged.value / by, judged.standard_error / by]
     };
+    manifest.curve_colours.iter().map(point)
+}
+
+fn hiding_chart(manifest: &ComposedManifest) -> Chart {
     let curves = vec![
-        Curve::with_bars("contrast ratio", Style::Data, points(|c| c.contrast_ratio, 1.0)),
-        Curve::with_bars("L*/100 on the paper", Style::Data, points(|c| c.natural_light[0], 100.0)),
-        Curve::with_bars("L*/100 over black", Style::Data, points(|c| c.over_black[0], 100.0)),
+        Curve::with_bars("contrast ratio", Style::Data, colour_points(manifest, |c| c.contrast_ratio, 1.0)),
+        Curve::with_bars(
+            "L*/100 on the paper",
+            Style::Data,
+            colour_points(manifest, |c| c.natural_light[0], 100.0),
+        ),
+        Curve::with_bars(
+            "L*/100 over black",
+            Style::Data,
+            colour_points(manifest, |c| c.over_black[0], 100.0),
+        ),
     ];
     against_thickness("contrast ratio, L*/100", curves)
 }

@@ -4,6 +4,7 @@ mod bad_input;
 mod cli_solve;
 mod colour_range;
 mod compare;
+mod composed;
 mod coverage_shapes;
 mod damage;
 mod examples;

@@ -6,5 +6,6 @@
 //! does.
 
 pub mod level;
+pub mod manifest;
 pub mod numbers;
 pub mod report;

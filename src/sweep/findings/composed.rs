@@ -2,7 +2,7 @@
 //! as the crowding of a pigment against its share.
 
 use crate::draw::chart::{Chart, Curve};
-use crate::evaluate::composed::report::MediumRow;
+use crate::evaluate::composed::manifest::MediumRow;
 use crate::numerics::estimate::Estimate;
 use crate::report::cell::{numbers, table};
 use crate::report::composed::{PublishedLayer, coefficients, publish as publish_layer};
@@ -113,27 +113,33 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
     table(header, all)
 }
 
+/// A number of the layers against the first axis, rising.
+fn against(
+    sweep: &Sweep,
+    done: &[LayerDone],
+    of: &dyn Fn(&PublishedLayer) -> Option<Estimate>,
+) -> Vec<(f64, Estimate)> {
+    let at = |k: usize| sweep.outline.axes.first()?.number(*sweep.outline.variants[k].place.first()?);
+    let point = |(k, layer): &LayerDone| Some((at(*k)?, of(layer)?));
+    let mut points: Vec<(f64, Estimate)> = done.iter().filter_map(point).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points
+}
+
 /// Coefficients and the hiding thickness against the first axis, where that has numbers.
 fn figures(sweep: &Sweep, done: &[LayerDone]) -> Result<Vec<Figure>, PublishError> {
     let Some(axis) = sweep.outline.axes.first() else { return Ok(Vec::new()) };
-    let at = |k: usize| axis.number(*sweep.outline.variants[k].place.first()?);
-    let against = |of: &dyn Fn(&PublishedLayer) -> Option<Estimate>| {
-        let point = |(k, layer): &LayerDone| Some((at(*k)?, of(layer)?));
-        let mut points: Vec<(f64, Estimate)> = done.iter().filter_map(point).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        points
-    };
     let Some((_, first)) = done.first() else { return Ok(Vec::new()) };
     let mut charts = Vec::new();
     for place in DRAWN {
         let Some(name) = first.medium.first().map(|row| coefficients(row)[place].0) else { continue };
         let curve = |(w, row): (usize, &MediumRow)| {
             let of = |l: &PublishedLayer| Some(coefficients(l.medium.get(w)?)[place].1.estimate());
-            Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(&of))
+            Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(sweep, done, &of))
         };
         charts.push((name, first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));
     }
-    let hiding = against(&|layer| Some(layer.hiding_thickness_um?.estimate()));
+    let hiding = against(sweep, done, &|layer| Some(layer.hiding_thickness_um?.estimate()));
     charts.push(("hiding_thickness_um", vec![Curve::measured("contrast ratio 0.98", hiding)]));
     let mut figures = Vec::new();
     for (name, curves) in charts.into_iter().filter(|(_, curves)| curves.iter().all(|c| c.points.len() > 1)) {

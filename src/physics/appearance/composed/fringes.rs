@@ -1,8 +1,8 @@
-//! Fringes of weak layers: the coherent light between the two surfaces, which composing fluxes treats
-//! as if it did not interfere with itself.
+//! Fringes of weak layers: the coherent light between the two surfaces, which composing fluxes
+//! treats as if it did not interfere with itself.
 //!
-//! The mean field goes through a layer of m slabs as through a film: with amplitudes r, t of the front
-//! (r′, t′ from inside), r_b of the back, and P of all inner slabs,
+//! The mean field goes through a layer of m slabs as through a film: with amplitudes r, t of the
+//! front (r′, t′ from inside), r_b of the back, and P of all inner slabs,
 //!
 //! ```text
 //! ρ = r′ P² r_b      T_c/T_i = (1 − |ρ|²)/|1 − ρ|²
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! where c is the film and i its incoherent composition. What the film takes from the field by
-//! scattering and absorption, L = 1 − R − T, is shared as it was before: R → R + (R_c − R_i) + s_R (L_c −
-//! L_i), with s_R the share of L_i that composing reflects. So R + T + A stays 1 exactly.
+//! scattering and absorption, L = 1 − R − T, is shared as it was before: R → R + (R_c − R_i) + s_R
+//! (L_c − L_i), with s_R the share of L_i that composing reflects. So R + T + A stays 1 exactly.
 
 use super::flux::{Coherent, Hemisphere};
 use super::ordinates::gauss;
@@ -36,12 +36,16 @@ pub struct Film {
     pub wavelength_um: f64,
 }
 
+/// Cosines, and what is known there: slow amplitudes and shares of the loss.
+type Known<'a> = (&'a [f64], &'a [Slow], &'a [[f64; 2]]);
+
 /// One direction of one polarisation: what varies slowly with the angle.
 type Slow = [Complex64; 6];
 
 impl Film {
-    /// Corrections \[R, T\] of one polarisation at 0°, at `oblique` (its cosine in air) and of diffuse
-    /// light, for a layer of `count` slabs whose composed \[R, T\] at 0° and at the nodes are `composed`.
+    /// Corrections \[R, T\] of one polarisation at 0°, at `oblique` (its cosine in air) and of
+    /// diffuse light, for a layer of `count` slabs whose composed \[R, T\] at 0° and at the nodes
+    /// are `composed`.
     pub fn corrections(
         &self,
         count: usize,
@@ -60,22 +64,23 @@ impl Film {
             .zip(composed)
             .map(|((mu, slow), composed)| shares(self.film(count, *mu, slow)[1], *composed))
             .collect();
-        let at = |mu: f64| {
-            let weights = lagrange(&points, mu);
-            let mean = |k: usize| weights.iter().zip(&slow).map(|(w, s)| w * s[k]).sum();
-            let [c, i] = self.film(count, mu, &std::array::from_fn(mean));
-            let lost = (i[0] + i[1]) - (c[0] + c[1]);
-            [0, 1].map(|k| {
-                let share: f64 = weights.iter().zip(&shares).map(|(w, s)| w * s[k]).sum();
-                c[k] - i[k] + share * lost
-            })
-        };
+        let at = |mu: f64| self.correction(count, mu, (&points, &slow, &shares));
         let mut diffuse = [0.0; 2];
         for (mu, weight) in gauss(DIRECTIONS) {
             let own = at(mu);
             (0..2).for_each(|k| diffuse[k] += weight * own[k]);
         }
         [at(1.0), at(oblique), diffuse]
+    }
+
+    /// The correction \[R, T\] at one angle, by its cosine in air, from what is known at some.
+    fn correction(&self, count: usize, mu: f64, (points, slow, shares): Known) -> [f64; 2] {
+        let weights = lagrange(points, mu);
+        let mean = |k: usize| weights.iter().zip(slow).map(|(w, s)| w * s[k]).sum();
+        let [c, i] = self.film(count, mu, &std::array::from_fn(mean));
+        let lost = (i[0] + i[1]) - (c[0] + c[1]);
+        let share = |k: usize| -> f64 { weights.iter().zip(shares).map(|(w, s)| w * s[k]).sum() };
+        [0, 1].map(|k| c[k] - i[k] + share(k) * lost)
     }
 
     /// What interference changes of the beam at 0° itself, \[R, T\].
@@ -91,8 +96,8 @@ impl Film {
         TAU / self.wavelength_um * square.max(0.0).sqrt()
     }
 
-    /// r, t t′, r′ and r_b less the phase of the even medium; the logarithm of an inner slab's amplitude
-    /// less it; √(T T_b).
+    /// r, t t′, r′ and r_b less the phase of the even medium; the logarithm of an inner slab's
+    /// amplitude less it; √(T T_b).
     fn slow(&self, direction: usize, polarisation: usize, cosine: f64) -> Slow {
         let amplitude =
             |slab: usize, side: usize, lobe: usize| self.slabs[slab][side][direction][polarisation][lobe];

@@ -22,6 +22,9 @@ struct Ensemble {
     grid_error: f64,
 }
 
+/// Mean fluxes and amplitudes of a portion, and its media.
+type MeanSlab = (Plate, Coherent, [Hemisphere; 2]);
+
 /// All portions of one thickness.
 pub struct Level {
     /// Thickness of a slab, µm.
@@ -67,21 +70,25 @@ impl Level {
         self.portions.iter().map(|p| p.wavelengths.first().map_or(0, |(_, all)| all.len())).collect()
     }
 
+    /// Of one portion at a wavelength; `None` where there is none at this position.
+    fn mean(&self, position: Position, wavelength: usize, change: Change) -> Option<MeanSlab> {
+        let k = self.portions.iter().position(|p| p.position == position)?;
+        let (sides, fluxes) = &self.portions[k].wavelengths[wavelength];
+        let left_out = change.left_out.filter(|out| out[0] == k).map(|out| out[1]);
+        let plate = sides.mean(fluxes, left_out);
+        let grid = if change.grid { self.portions[k].grid_error } else { 0.0 };
+        Some((plate.moved(grid), sides.coherent(fluxes, left_out), sides.media.clone()))
+    }
+
     /// Mean flux matrices at wavelength number `wavelength`.
     pub fn slabs(&self, wavelength: usize, change: Change) -> Slabs {
-        let of = |position: Position| {
-            let k = self.portions.iter().position(|p| p.position == position)?;
-            let (sides, fluxes) = &self.portions[k].wavelengths[wavelength];
-            let left_out = change.left_out.filter(|out| out[0] == k).map(|out| out[1]);
-            let plate = sides.mean(fluxes, left_out);
-            let grid = if change.grid { self.portions[k].grid_error } else { 0.0 };
-            Some((plate.moved(grid), sides.coherent(fluxes, left_out), sides.media.clone()))
+        let needed = |position| {
+            self.mean(position, wavelength, change).expect("a layer has slabs within and in front")
         };
-        let needed = |position| of(position).expect("a layer has slabs within and in front");
         let (inner, amplitudes, _) = needed(Position::Inner);
         let (front, at_front, [before, within]) = needed(Position::Front);
         let turned = |[a, b]: Coherent| [b, a];
-        let (back, at_back, behind) = match of(Position::Back) {
+        let (back, at_back, behind) = match self.mean(Position::Back, wavelength, change) {
             Some((back, at_back, [_, behind])) => (back, at_back, behind),
             None => (front.turned(), turned(at_front.clone()), before.clone()),
         };
@@ -138,13 +145,15 @@ fn fluxes(sides: &Sides, realisation: &Realisation, wavelength_um: f64) -> Fluxe
     let orders: Vec<Vec<Order>> = records.iter().map(|record| record.far_field().orders).collect();
     let polarisations = sides.media[0].polarisations;
     let first_behind = sides.media[0].directions_deg().len();
-    let lit = |(k, (record, orders))| {
-        let (record, orders): (&&PointRecord, &Vec<Order>) = (record, orders);
-        let from = record.incidence.from;
-        let direction = k / polarisations - if from == Side::Exit { first_behind } else { 0 };
-        Lit { from, direction, polarisation: number(record), absorptance: record.absorptance, orders }
-    };
-    sides.fluxes(records.iter().zip(&orders).enumerate().map(lit))
+    let place = |k: usize, from: Side| k / polarisations - if from == Side::Exit { first_behind } else { 0 };
+    let each = records.iter().zip(&orders).enumerate();
+    sides.fluxes(each.map(|(k, (record, orders))| Lit {
+        from: record.incidence.from,
+        direction: place(k, record.incidence.from),
+        polarisation: number(record),
+        absorptance: record.absorptance,
+        orders,
+    }))
 }
 
 /// 1 for p-polarised light.

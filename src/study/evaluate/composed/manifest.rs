@@ -1,0 +1,174 @@
+//! The numbers of a composed layer as they are published.
+
+use crate::evaluate::manifest::{Count, Status};
+use crate::input::study::{Composed, Study};
+use crate::numerics::estimate::Estimate;
+use serde::Serialize;
+use std::collections::BTreeSet;
+
+/// A number with its standard error and what that is made of, all in the number's unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Judged {
+    /// The number.
+    pub value: f64,
+    /// One standard error: the root of the sum of the squares of the three that follow.
+    pub standard_error: f64,
+    /// Jackknife over the realisations of all portions.
+    pub chance: f64,
+    /// What slabs of half the thickness change: the error of composing incoherently.
+    pub model: f64,
+    /// What the grid's error of R changes.
+    pub grid: f64,
+}
+
+impl Judged {
+    /// A number with the parts of its error: chance, model and grid.
+    pub fn new(value: f64, [chance, model, grid]: [f64; 3]) -> Self {
+        let (model, grid) = (model.abs(), grid.abs());
+        Self { value, standard_error: chance.hypot(model).hypot(grid), chance, model, grid }
+    }
+
+    /// As a value with its standard error.
+    pub fn estimate(&self) -> Estimate {
+        Estimate { value: self.value, standard_error: Some(self.standard_error) }
+    }
+}
+
+/// A layer at one wavelength; R and T are shares of the incident light.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComposedRow {
+    /// Thickness of the layer, µm.
+    pub thickness_um: f64,
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// R of light at 0°.
+    pub reflectance_normal: Judged,
+    /// T of light at 0°.
+    pub transmittance_normal: Judged,
+    /// R of light at 45°.
+    pub reflectance_45: Judged,
+    /// T of light at 45°.
+    pub transmittance_45: Judged,
+    /// R of diffuse light.
+    pub reflectance_diffuse: Judged,
+    /// T of diffuse light.
+    pub transmittance_diffuse: Judged,
+    /// Share of light at 0° that goes straight through, unscattered.
+    pub coherent_transmittance: Judged,
+    /// Share of light at 0° that is mirrored.
+    pub mirrored: Judged,
+    /// On the paper, under a uniform sky, seen along the normal; a perfect white: 1.
+    pub natural_light: Judged,
+    /// On the paper, lit at 45° and seen along the normal: π × BRDF.
+    pub lit_at_45: Judged,
+    /// At 45:0 over black.
+    pub over_black: Judged,
+    /// At 45:0 over white of albedo 0.8.
+    pub over_white: Judged,
+}
+
+/// Colours of a layer; L*, a*, b* under D65 for the CIE 1931 observer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComposedColours {
+    /// Thickness of the layer, µm.
+    pub thickness_um: f64,
+    /// As screens show it on the paper under natural light, `#rrggbb`.
+    pub hex: String,
+    /// On the paper under natural light.
+    pub natural_light: [Judged; 3],
+    /// On the paper at 45:0.
+    pub lit_at_45: [Judged; 3],
+    /// At 45:0 over black.
+    pub over_black: [Judged; 3],
+    /// Y over black by Y over white, at 45:0 (ISO 6504-3).
+    pub contrast_ratio: Judged,
+}
+
+/// What the packed medium is to light of one wavelength.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MediumRow {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// n_eff, in which slabs are embedded.
+    pub effective_index: Judged,
+    /// Mean free path of coherent light, µm.
+    pub coherent_path_um: Judged,
+    /// k_s of the medium with the slab's coherent transmittance, R̄ and Ā, 1/µm.
+    pub scattering_per_um: Judged,
+    /// k_a of that medium, 1/µm.
+    pub absorption_per_um: Judged,
+    /// g of that medium.
+    pub asymmetry: Judged,
+    /// Transport mean free path 1/(k_s (1 − g)), µm.
+    pub transport_path_um: Judged,
+    /// Kubelka and Munk's K of a thick layer without surfaces, 1/µm.
+    pub kubelka_munk_absorption_per_um: Judged,
+    /// Their S, 1/µm.
+    pub kubelka_munk_scattering_per_um: Judged,
+}
+
+/// Fluxes at one depth, as shares of the incident light at 0°.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DepthRow {
+    /// Depth below the front surface, µm; 0 and the thickness are outside the surfaces.
+    pub depth_um: f64,
+    /// Towards the exit side.
+    pub down: f64,
+    /// Back.
+    pub up: f64,
+}
+
+/// All numbers of a composed layer: the file `results.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct ComposedManifest<'a> {
+    /// Whether every solve is there.
+    pub status: Status,
+    /// Title, for people.
+    pub title: String,
+    /// Content hash of the study.
+    pub study_hash: String,
+    /// Program and version.
+    pub program: String,
+    /// Builds that made the records.
+    pub builds: BTreeSet<String>,
+    /// Version of the method.
+    pub method_version: u32,
+    /// Seed of the packings.
+    pub seed: u64,
+    /// How it was composed.
+    pub composed: &'a Composed,
+    /// Solves asked for and finished.
+    pub solves: Count,
+    /// Solves without a result, and packings without room.
+    pub failures: Vec<String>,
+    /// One row for each thickness asked for and wavelength.
+    pub spectra: Vec<ComposedRow>,
+    /// Colours of each thickness asked for.
+    pub colours: Vec<ComposedColours>,
+    /// Why there are none.
+    pub no_colour: Option<String>,
+    /// The medium at every wavelength.
+    pub medium: Vec<MediumRow>,
+    /// Rows of whole numbers of slabs.
+    pub curve: Vec<ComposedRow>,
+    /// Their colours.
+    pub curve_colours: Vec<ComposedColours>,
+    /// Thickness at which the contrast ratio reaches 0.98, µm.
+    pub hiding_thickness_um: Option<Judged>,
+    /// Area that a litre of the dry layer hides, m².
+    pub spreading_rate_m2_per_l: Option<Judged>,
+    /// Why neither is there.
+    pub no_hiding: Option<String>,
+    /// What to change, where slabs are thinner than the mean free path of coherent light.
+    pub remarks: Vec<String>,
+    /// Fluxes in the first thickness, on the paper, at one wavelength.
+    pub depth: Vec<DepthRow>,
+    /// That wavelength, nm.
+    pub depth_nm: f64,
+    /// Seconds that the solves took, added up.
+    pub solve_seconds: f64,
+    /// Processor seconds of the process that wrote this.
+    pub process_seconds: Option<f64>,
+    /// The study with every default filled in.
+    pub study: &'a Study,
+}

@@ -1,0 +1,116 @@
+//! Composed layers as a user runs them: any thickness of one set of solves, resumed, swept, in either wave.
+
+use super::run_support::{study, succeed};
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+const LAYER: &str = r#"
+title = "Composed"
+[layer]
+period_um = 0.8
+thickness_um = [1, 2, 50]
+binder.index = 1.5
+composed = { slab_um = 0.5 }
+[[pigment]]
+name = "grains"
+diameter_nm = 200
+volume_fraction = 0.15
+index = 2.0
+[paper]
+albedo = 1.0
+[light]
+wavelengths_nm = [450, 550, 650]
+[run]
+realisations = 2
+seed = 7
+[resolution]
+points_per_um = 12
+planes_per_um = 16
+"#;
+
+fn results(output: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(output.join("results.json")).expect("results")).expect("JSON")
+}
+
+fn value(row: &Value, name: &str) -> f64 {
+    row[name]["value"].as_f64().expect("a number")
+}
+
+/// No light is lost at any thickness, all of it comes back from a perfect white, T falls with the thickness.
+fn is_sound(results: &Value) {
+    let rows = results["spectra"].as_array().expect("rows");
+    assert_eq!((rows.len(), results["status"].as_str()), (9, Some("complete")));
+    for row in rows {
+        for light in ["normal", "45", "diffuse"] {
+            let sum = ["reflectance", "transmittance"].map(|lobe| value(row, &format!("{lobe}_{light}")));
+            // rounding of some hundred products
+            assert!((sum[0] + sum[1] - 1.0).abs() < 1e-7, "{light} {sum:?}");
+        }
+        assert!((value(row, "natural_light") - 1.0).abs() < 1e-6, "{row}");
+    }
+    let through: Vec<f64> = rows.iter().step_by(3).map(|row| value(row, "transmittance_diffuse")).collect();
+    assert!(through.windows(2).all(|t| t[1] < t[0]), "{through:?}");
+}
+
+#[test]
+fn one_set_of_solves_answers_all_thicknesses_and_is_resumed() {
+    let scratch = tempfile::tempdir().unwrap();
+    let (file, output) = (study(scratch.path(), LAYER), scratch.path().join("out"));
+    succeed(&file, &output, &[]);
+    let first = results(&output);
+    is_sound(&first);
+    assert!(
+        first["hiding_thickness_um"]["value"].as_f64().is_some_and(|um| um > 1.0),
+        "{}",
+        first["no_hiding"]
+    );
+    for name in ["report.html", "spectra.csv", "medium.csv"] {
+        assert!(output.join(name).exists(), "{name}");
+    }
+    // other thicknesses with the same slabs need no solve
+    let other = study(scratch.path(), &LAYER.replace("[1, 2, 50]", "[1, 7]"));
+    let said = succeed(&other, &output, &[]);
+    assert!(said.contains("already stored") && !said.contains("per hour"), "{said}");
+    assert_eq!(results(&output)["spectra"][0], first["spectra"][0]);
+    let export =
+        Command::new(env!("CARGO_BIN_EXE_inkwave")).args(["export", "--to", "npz"]).arg(&output).output();
+    let export = export.unwrap();
+    let refusal = String::from_utf8_lossy(&export.stderr);
+    assert!(!export.status.success() && refusal.contains("composed layer"), "{refusal}");
+}
+
+#[test]
+fn unpolarised_light_is_composed_from_s_and_p() {
+    let scratch = tempfile::tempdir().unwrap();
+    let text =
+        LAYER.replace("[light]\n", "[light]\nwave = \"unpolarised\"\n").replace("index = 2.0", "index = 1.8");
+    let (file, output) = (study(scratch.path(), &text), scratch.path().join("out"));
+    succeed(&file, &output, &[]);
+    is_sound(&results(&output));
+}
+
+#[test]
+fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
+    let scratch = tempfile::tempdir().unwrap();
+    let base = LAYER.replace("title = \"Composed\"\n", "").replace("[1, 2, 50]", "1");
+    let base = base.replace("[[pigment]]", "[[base.pigment]]");
+    let tables = ["layer", "paper", "light", "run", "resolution"];
+    let base = tables.iter().fold(base, |text, t| text.replace(&format!("[{t}]"), &format!("[base.{t}]")));
+    let axis =
+        "[[axis]]\nname = \"share\"\nfield = \"pigment.grains.volume_fraction\"\nvalues = [0.05, 0.15]\n";
+    let file = scratch.path().join("sweep.toml");
+    std::fs::write(&file, format!("title = \"Crowding\"\n{base}{axis}")).unwrap();
+    let output = scratch.path().join("out");
+    let done = Command::new(env!("CARGO_BIN_EXE_inkwave"))
+        .arg("sweep")
+        .arg(&file)
+        .arg("--output")
+        .arg(&output)
+        .output();
+    let done = done.unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let table = std::fs::read_to_string(output.join("composed.csv")).unwrap();
+    assert_eq!(table.lines().count(), 7, "{table}");
+    assert!(output.join("report.html").exists());
+}
