@@ -6,8 +6,8 @@ use crate::wave::{Order, Side};
 use faer::Mat;
 use num_complex::Complex64;
 
-/// Most rounds of scaling to the energy balance, and the change at which it is reached: slabs of small
-/// reflectance need hundreds.
+/// Most rounds of scaling to the energy balance, and the change at which it is reached: slabs of
+/// small reflectance need hundreds.
 const ROUNDS: usize = 2000;
 const REACHED: f64 = 1e-14;
 
@@ -121,7 +121,8 @@ struct Beam {
     fluxes: [f64; 2],
 }
 
-/// Mean amplitudes of specular orders, \[side\]\[direction\]\[polarisation\]\[reflected, transmitted\].
+/// Mean amplitudes of specular orders, \[side\]\[direction\]\[polarisation\]\[reflected,
+/// transmitted\].
 pub type Coherent = [Vec<Vec<[Complex64; 2]>>; 2];
 
 /// A slab between two media.
@@ -185,8 +186,8 @@ impl Sides {
         }
     }
 
-    /// The ensemble's mean, with or without one of its realisations: reciprocal, and R + T = 1 − A in
-    /// every column.
+    /// The ensemble's mean, with or without one of its realisations: reciprocal, and R + T = 1 − A
+    /// in every column.
     pub fn mean(&self, ensemble: &[Fluxes], left_out: Option<usize>) -> Plate {
         let kept = || ensemble.iter().enumerate().filter(|(r, _)| Some(*r) != left_out).map(|(_, f)| f);
         let count = kept().count().max(1) as f64;
@@ -211,8 +212,8 @@ impl Sides {
         Plate { reflection: [block(0, 0), block(1, 1)], transmission: [block(1, 0), block(0, 1)] }
     }
 
-    /// Coherent flux \[reflected, transmitted\] of the beam from either side, |⟨a⟩|² without the bias of
-    /// few realisations; the rest of the specular order joins the diffuse light.
+    /// Coherent flux \[reflected, transmitted\] of the beam from either side, |⟨a⟩|² without the
+    /// bias of few realisations; the rest of the specular order joins the diffuse light.
     fn beams<'a>(&self, all: &mut Mat<f64>, kept: impl Iterator<Item = &'a Fluxes> + Clone) -> [[f64; 2]; 2] {
         let mut coherent = [[0.0; 2]; 2];
         for (side, lobe) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -249,8 +250,8 @@ impl Sides {
         [part * sums.iter().map(unbiased).sum::<f64>(), part * whole]
     }
 
-    /// Mean amplitudes \[reflected, transmitted\] of the specular order, scaled to the roots of fluxes:
-    /// \[side\]\[direction\]\[polarisation\].
+    /// Mean amplitudes \[reflected, transmitted\] of the specular order, scaled to the roots of
+    /// fluxes: \[side\]\[direction\]\[polarisation\].
     pub fn coherent(&self, ensemble: &[Fluxes], left_out: Option<usize>) -> Coherent {
         let empty = |medium: &Hemisphere| {
             vec![vec![[Complex64::ZERO; 2]; medium.polarisations]; medium.directions_deg().len()]
@@ -281,8 +282,8 @@ impl Sides {
         coherent[1] = coherent[0];
     }
 
-    /// Imposes reciprocity on the nodes, F_ij/w_i = F_ji/w_j with étendues w, and R + T = 1 − A on all
-    /// columns; then the beams' coherent parts take their places.
+    /// Imposes reciprocity on the nodes, F_ij/w_i = F_ji/w_j with étendues w, and R + T = 1 − A on
+    /// all columns; then the beams' coherent parts take their places.
     fn balance(&self, all: &mut Mat<f64>, absorbed: &[f64], coherent: [[f64; 2]; 2]) {
         let (n, weights) = (self.states(), self.weights());
         let nodes: Vec<usize> = (0..n).filter(|&i| weights[i] > 0.0).collect();
@@ -375,8 +376,8 @@ mod tests {
             .collect()
     }
 
-    /// Whatever the solves say, the mean is reciprocal and has their energy balance; so a matrix that
-    /// is transposed, or a weight that is forgotten, is seen here.
+    /// Whatever the solves say, the mean is reciprocal and has their energy balance; so a matrix
+    /// that is transposed, or a weight that is forgotten, is seen here.
     #[test]
     fn the_mean_is_reciprocal_and_balanced() {
         let medium = |index: f64| Hemisphere {

@@ -1,8 +1,8 @@
-//! Fringes of weak layers: the coherent light between the two surfaces, which composing fluxes treats
-//! as if it did not interfere with itself.
+//! Fringes of weak layers: the coherent light between the two surfaces, which composing fluxes
+//! treats as if it did not interfere with itself.
 //!
-//! The mean field goes through a layer of m slabs as through a film: with amplitudes r, t of the front
-//! (r′, t′ from inside), r_b of the back, and P of all inner slabs,
+//! The mean field goes through a layer of m slabs as through a film: with amplitudes r, t of the
+//! front (r′, t′ from inside), r_b of the back, and P of all inner slabs,
 //!
 //! ```text
 //! ρ = r′ P² r_b      T_c/T_i = (1 − |ρ|²)/|1 − ρ|²
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! where c is the film and i its incoherent composition. What the film takes from the field by
-//! scattering and absorption, L = 1 − R − T, is shared as it was before: R → R + (R_c − R_i) + s_R (L_c −
-//! L_i), with s_R the share of L_i that composing reflects. So R + T + A stays 1 exactly.
+//! scattering and absorption, L = 1 − R − T, is shared as it was before: R → R + (R_c − R_i) + s_R
+//! (L_c − L_i), with s_R the share of L_i that composing reflects. So R + T + A stays 1 exactly.
 
 use super::flux::{Coherent, Hemisphere};
 use super::ordinates::gauss;
@@ -40,8 +40,9 @@ pub struct Film {
 type Slow = [Complex64; 6];
 
 impl Film {
-    /// Corrections \[R, T\] of one polarisation at 0°, at `oblique` (its cosine in air) and of diffuse
-    /// light, for a layer of `count` slabs whose composed \[R, T\] at 0° and at the nodes are `composed`.
+    /// Corrections \[R, T\] of one polarisation at 0°, at `oblique` (its cosine in air) and of
+    /// diffuse light, for a layer of `count` slabs whose composed \[R, T\] at 0° and at the nodes
+    /// are `composed`.
     pub fn corrections(
         &self,
         count: usize,
@@ -91,8 +92,8 @@ impl Film {
         TAU / self.wavelength_um * square.max(0.0).sqrt()
     }
 
-    /// r, t t′, r′ and r_b less the phase of the even medium; the logarithm of an inner slab's amplitude
-    /// less it; √(T T_b).
+    /// r, t t′, r′ and r_b less the phase of the even medium; the logarithm of an inner slab's
+    /// amplitude less it; √(T T_b).
     fn slow(&self, direction: usize, polarisation: usize, cosine: f64) -> Slow {
         let amplitude =
             |slab: usize, side: usize, lobe: usize| self.slabs[slab][side][direction][polarisation][lobe];

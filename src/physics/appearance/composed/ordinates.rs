@@ -1,9 +1,10 @@
 //! Discrete directions of a half-space: Gaussian nodes in each zone between critical angles.
 //!
-//! A direction is named by its lateral wavenumber s = n sin θ (in units of k₀), which refraction does
-//! not change. Zones end at the indices of the media around the layer, where total reflection begins.
-//! With v = √(s₁² − s²) in a zone s₀ < s < s₁, its étendue is ∫ 2v dv, and light of any direction is
-//! shared among the zone's nodes by Lagrange polynomials in v, which keeps its flux. In air, v = cos θ.
+//! A direction is named by its lateral wavenumber s = n sin θ (in units of k₀), which refraction
+//! does not change. Zones end at the indices of the media around the layer, where total reflection
+//! begins. With v = √(s₁² − s²) in a zone s₀ < s < s₁, its étendue is ∫ 2v dv, and light of any
+//! direction is shared among the zone's nodes by Lagrange polynomials in v, which keeps its flux.
+//! In air, v = cos θ.
 
 use gauss_quad::GaussLegendre;
 
@@ -42,8 +43,8 @@ impl Ordinates {
         Self::by(gauss, index, borders, counts)
     }
 
-    /// As [`Ordinates::new`], with nodes that suit radiative transfer, where sums over dv occur beside
-    /// those over 2v dv: the zeros of Legendre polynomials.
+    /// As [`Ordinates::new`], with nodes that suit radiative transfer, where sums over dv occur
+    /// beside those over 2v dv: the zeros of Legendre polynomials.
     pub fn for_transfer(index: f64, counts: [usize; 2]) -> Self {
         Self::by(gauss_legendre, index, &[], counts)
     }
@@ -97,8 +98,8 @@ impl Ordinates {
         (1.0 - (self.sines[node] / self.index).powi(2)).sqrt()
     }
 
-    /// Shares of the nodes in light of lateral wavenumber s, (node, share); they add up to 1 and may
-    /// be negative.
+    /// Shares of the nodes in light of lateral wavenumber s, (node, share); they add up to 1 and
+    /// may be negative.
     pub fn shares(&self, sine: f64) -> Vec<(usize, f64)> {
         let last = self.zones.len() - 1;
         let place = self.zones.iter().position(|zone| sine < zone.to).unwrap_or(last);
@@ -129,8 +130,8 @@ pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     pairs
 }
 
-/// Gaussian nodes and weights of ∫₀¹ 2v f(v) dv, rising: inner nodes of the Radau rule, the roots of
-/// P_n + P_{n+1}, whose weights carry the factor v.
+/// Gaussian nodes and weights of ∫₀¹ 2v f(v) dv, rising: inner nodes of the Radau rule, the roots
+/// of P_n + P_{n+1}, whose weights carry the factor v.
 pub fn gauss(count: usize) -> Vec<(f64, f64)> {
     let f = |x: f64| legendre(count, x) + legendre(count + 1, x);
     let steps = BRACKETS * count.max(1);

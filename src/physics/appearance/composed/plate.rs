@@ -3,8 +3,8 @@
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-/// Reflection and transmission of a slab with sides a and b. Entry (i, j) is the share of a unit flux
-/// in state j that goes to state i; states are those of the medium on the side concerned.
+/// Reflection and transmission of a slab with sides a and b. Entry (i, j) is the share of a unit
+/// flux in state j that goes to state i; states are those of the medium on the side concerned.
 #[derive(Clone, Debug)]
 pub struct Plate {
     /// Reflection of light from a, and of light from b.
@@ -14,7 +14,7 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// Nothing at all, in a medium of so many states.
+    /// Nothing at all, in a medium with this number of states.
     pub fn nothing(states: usize) -> Self {
         let (none, all) = (Mat::zeros(states, states), Mat::identity(states, states));
         Self { reflection: [none.clone(), none], transmission: [all.clone(), all] }
@@ -60,7 +60,7 @@ impl Plate {
         self
     }
 
-    /// So many of this element one behind another.
+    /// This number of such elements, one behind another.
     pub fn repeated(&self, mut count: usize) -> Self {
         let (mut power, mut all) = (self.clone(), Self::nothing(self.reflection[0].nrows()));
         while count > 0 {

@@ -8,7 +8,8 @@ use faer::Mat;
 
 /// Nodes of a zone for the medium that a slab is compared with.
 const NODES: usize = 8;
-/// Optical thickness, over the cosine of the flattest direction, of the layer that doubling begins with.
+/// Optical thickness, over the cosine of the flattest direction, of the layer that doubling begins
+/// with.
 const THINNEST: f64 = 1e-6;
 /// Rounds of Newton's method, and the step of its differences.
 const ROUNDS: usize = 12;
@@ -46,8 +47,8 @@ impl Transport {
         layer
     }
 
-    /// Single scattering: F_ij = k_s d w_i p(μ_i, ±μ_j)/(4 n² μ_i μ_j), scaled to what column j loses. The
-    /// nodes carry as many terms of p; the rest of the forward peak goes straight on
+    /// Single scattering: F_ij = k_s d w_i p(μ_i, ±μ_j)/(4 n² μ_i μ_j), scaled to what column j
+    /// loses. The nodes carry as many terms of p; the rest of the forward peak goes straight on
     /// (δ-M, W. J. Wiscombe, J. Atmos. Sci. 34 (1977) 1408).
     fn thin(&self, medium: &Hemisphere, cosines: &[f64], thickness_um: f64) -> Plate {
         let (n, weights) = (cosines.len(), medium.weights());
@@ -125,8 +126,8 @@ pub fn diffuse(medium: &Hemisphere) -> Mat<f64> {
     Mat::from_fn(weights.len(), 1, |i, _| weights[i] / sum)
 }
 
-/// K and S of a stack of slabs without surfaces: the two-flux layer by which a thick stack grows when
-/// it is doubled, M(2L) M(L)⁻¹ with M = 1/T [[T² − R², R], [−R, 1]].
+/// K and S of a stack of slabs without surfaces: the two-flux layer by which a thick stack grows
+/// when it is doubled, M(2L) M(L)⁻¹ with M = 1/T [[T² − R², R], [−R, 1]].
 pub fn two_flux(slab: &Plate, medium: &Hemisphere, thickness_um: f64) -> Option<KubelkaMunk> {
     let (mut stack, mut thickness_um) = (slab.clone(), thickness_um);
     for _ in 0..DOUBLINGS {

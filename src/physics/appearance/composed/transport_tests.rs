@@ -16,7 +16,8 @@ fn fresnel(n: f64, mu: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// Nodes and weights 2μ dμ of a part of 0 < μ < 1: Radau's with one at its upper end, or Legendre's.
+/// Nodes and weights 2μ dμ of a part of 0 < μ < 1: Radau's with one at its upper end, or
+/// Legendre's.
 fn part(count: usize, [from, to]: [f64; 2], radau: bool) -> Vec<(f64, f64)> {
     let half: Vec<(f64, f64)> = if radau {
         // inner nodes mirrored; the weight of the end is 1/N²
@@ -35,8 +36,8 @@ fn listed(index: f64, nodes: &[(f64, f64)]) -> Hemisphere {
     Hemisphere { ordinates: Ordinates::listed(index, &cosines, weights), polarisations: 1, oblique_deg: None }
 }
 
-/// Four directions as iadpython has them, the last at 0°: a = 0.5, b = 1, g = 0.9; UR1, UT1, URU, UTU as
-/// it prints them, free and between faces of n = 1.4.
+/// Four directions as iadpython has them, the last at 0°: a = 0.5, b = 1, g = 0.9; UR1, UT1, URU,
+/// UTU as it prints them, free and between faces of n = 1.4.
 #[test]
 fn adding_reproduces_published_tables() {
     let light = Transport { scattering_per_um: 0.5, absorption_per_um: 0.5, asymmetry: 0.9 };
@@ -65,8 +66,8 @@ fn adding_reproduces_published_tables() {
     printed(&faced, &air, [0.03859, 0.54038, 0.06527, 0.45887]);
 }
 
-/// Twenty million photons of a Monte Carlo of its own gave R = 0.004943(10), T = 0.59070(7) at 0° and
-/// 0.016489(17), 0.42250(8) for diffuse light.
+/// Twenty million photons of a Monte Carlo of its own gave R = 0.004943(10), T = 0.59070(7) at 0°
+/// and 0.016489(17), 0.42250(8) for diffuse light.
 #[test]
 fn fine_directions_reach_the_exact_solution() {
     let light = Transport { scattering_per_um: 0.5, absorption_per_um: 0.5, asymmetry: 0.9 };
@@ -111,8 +112,8 @@ fn projected(slab: &Plate, fine: &Hemisphere, coarse: &Hemisphere) -> Plate {
     Plate { reflection: [r.clone(), r], transmission: [t.clone(), t] }
 }
 
-/// Three directions in either zone against sixteen, for slabs known exactly: conserving and absorbing
-/// media between surfaces, 4 to 30 µm.
+/// Three directions in either zone against sixteen, for slabs known exactly: conserving and
+/// absorbing media between surfaces, 4 to 30 µm.
 #[test]
 fn three_and_three_directions_suffice() {
     for [k_a, g] in [[0.0, 0.54], [0.01, 0.3]] {
