@@ -97,8 +97,8 @@ pub struct Account {
 }
 
 impl Account {
-    /// Adds the account of another polarisation: sums of steps, applications and seconds, the larger
-    /// residual.
+    /// Adds the account of another polarisation: sums of steps, applications and seconds, the
+    /// larger residual.
     pub fn join(&mut self, other: &Account) {
         self.steps += other.steps;
         self.operator_applications += other.operator_applications;

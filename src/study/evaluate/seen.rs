@@ -152,8 +152,8 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     Ok(Seen { realisations, cells, bdfs: distributions(study, &fields)?, solved, layer, ink })
 }
 
-/// The realisations of which every solve is there, cell by cell. One of a pair alone holds too much pigment or too little, and is
-/// left out.
+/// The realisations of which every solve is there, cell by cell. One of a pair alone holds too much
+/// pigment or too little, and is left out.
 pub(in crate::evaluate) fn complete_cells<'a>(
     study: &Study,
     collected: &'a Collected,

@@ -1,5 +1,5 @@
-//! Sweeps of composed layers: every layer in its own folder, and what changes along the first axis, such
-//! as the crowding of a pigment against its share.
+//! Sweeps of composed layers: every layer in its own folder, and what changes along the first axis,
+//! such as the crowding of a pigment against its share.
 
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::composed::manifest::MediumRow;

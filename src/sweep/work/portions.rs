@@ -6,8 +6,8 @@ use crate::run::watch::RunWatch;
 use crate::run::{Collected, RunError, RunSettings, Stores, resolve};
 use crate::store::folder::OutputFolder;
 
-/// Runs the portions of a composed layer one after another; all have the grid of the first. Those that
-/// a stop left out are missing.
+/// Runs the portions of a composed layer one after another; all have the grid of the first. Those
+/// that a stop left out are missing.
 ///
 /// # Errors
 /// As [`run_study`]; stopped before any realisation.

@@ -60,7 +60,7 @@ impl Plate {
         self
     }
 
-    /// This element `count` times, one behind another.
+    /// This number of such elements, one behind another.
     pub fn repeated(&self, mut count: usize) -> Self {
         let (mut power, mut all) = (self.clone(), Self::nothing(self.reflection[0].nrows()));
         while count > 0 {

@@ -103,7 +103,7 @@ impl Level {
 }
 
 impl Slabs {
-    /// A layer of so many slabs, at least two.
+    /// A layer of this number of slabs, at least two.
     pub fn layer(&self, count: usize) -> Plate {
         self.front.then(&self.inner.repeated(count - 2)).then(&self.back)
     }

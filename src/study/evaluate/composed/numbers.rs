@@ -34,15 +34,16 @@ pub struct Question<'a> {
     pub albedos: Vec<f64>,
     /// The eye, where the wavelengths carry a colour.
     pub colorimeter: Option<Colorimeter>,
-    /// Thicknesses, µm: those asked for, the curve's, and two around the hiding thickness if there is one.
+    /// Thicknesses, µm: those asked for, the curve's, and two around the hiding thickness if there
+    /// is one.
     pub thicknesses_um: Vec<f64>,
     /// Whether the last two thicknesses lie around the one that hides.
     pub hides: bool,
 }
 
 impl Question<'_> {
-    /// All numbers: of each thickness its spectral quantities and its colours; the coefficients of each
-    /// wavelength; the thickness that hides.
+    /// All numbers: of each thickness its spectral quantities and its colours; the coefficients of
+    /// each wavelength; the thickness that hides.
     pub fn numbers(&self, level: &Level, change: Change) -> Vec<f64> {
         let wavelengths = 0..self.study.wavelengths_nm.len();
         let slabs: Vec<Slabs> = wavelengths.clone().map(|w| level.slabs(w, change)).collect();
@@ -68,8 +69,8 @@ impl Question<'_> {
         numbers
     }
 
-    /// Quantities at one wavelength; between whole numbers of slabs by the polynomial through the four
-    /// nearest.
+    /// Quantities at one wavelength; between whole numbers of slabs by the polynomial through the
+    /// four nearest.
     fn spectral(&self, slabs: &Slabs, thickness_um: f64, per_h: usize, albedo: f64) -> Vec<f64> {
         let whole = thickness_um / self.slab_um;
         let at = |count: usize| spectral(slabs, count * per_h, self.study, albedo);
@@ -97,7 +98,7 @@ impl Question<'_> {
         Some(all)
     }
 
-    /// Whether a layer of so many slabs hides.
+    /// Whether a layer of this number of slabs hides.
     pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
         let of = |(w, slabs): (usize, &Slabs)| spectral(slabs, count, self.study, self.albedos[w]);
         let rows: Vec<Vec<f64>> = slabs.iter().enumerate().map(of).collect();
@@ -113,8 +114,8 @@ impl Question<'_> {
     }
 }
 
-/// R and T at 0°, at 45° and of diffuse light; coherent T and mirrored R at 0°; under natural light and
-/// at 45:0 on the paper; at 45:0 over black and over white.
+/// R and T at 0°, at 45° and of diffuse light; coherent T and mirrored R at 0°; under natural light
+/// and at 45:0 on the paper; at 45:0 over black and over white.
 fn spectral(slabs: &Slabs, count: usize, study: &Study, albedo: f64) -> Vec<f64> {
     let [before, _, behind] = &slabs.media;
     let layer = slabs.layer(count);
@@ -140,8 +141,8 @@ fn spectral(slabs: &Slabs, count: usize, study: &Study, albedo: f64) -> Vec<f64>
     all
 }
 
-/// What interference between the surfaces changes: \[R, T\] at 0°, at 45° and of diffuse light, and of
-/// the beam at 0°.
+/// What interference between the surfaces changes: \[R, T\] at 0°, at 45° and of diffuse light, and
+/// of the beam at 0°.
 fn fringes(slabs: &Slabs, count: usize, layer: &Plate, wave: Wave) -> ([[f64; 2]; 3], [f64; 2]) {
     let (before, mut moved, mut beam) = (&slabs.media[0], [[0.0; 2]; 3], [0.0; 2]);
     let column = |state: usize| {
@@ -198,8 +199,8 @@ fn lit_at_45(plate: &Plate, medium: &Hemisphere, wave: Wave) -> f64 {
     medium.ordinates.shares(sine).into_iter().map(at).sum()
 }
 
-/// n_eff; mean free path of the coherent light, k_s, k_a, g and l* of the medium that the slabs are;
-/// K and S of thick layers without surfaces.
+/// n_eff; mean free path of the coherent light, k_s, k_a, g and l* of the medium that the slabs
+/// are; K and S of thick layers without surfaces.
 fn coefficients(slabs: &Slabs, slab_um: f64) -> [f64; COEFFICIENTS] {
     let medium = &slabs.media[1];
     let coherent = -slab_um / slabs.inner.transmission[0][(0, 0)].ln();

@@ -55,8 +55,8 @@ pub struct LayerTable {
     pub relief: Option<ReliefRequest>,
 }
 
-/// `[layer.composed]`: the layer as a stack of slabs. The outer ones are solved with the surfaces, the
-/// inner ones in a medium of the layer's index, and all again at half the thickness.
+/// `[layer.composed]`: the layer as a stack of slabs. The outer ones are solved with the surfaces,
+/// the inner ones in a medium of the layer's index, and all again at half the thickness.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ComposedTable {

@@ -112,8 +112,8 @@ impl Study {
         sides.media.iter().zip(from).flat_map(of).collect()
     }
 
-    /// The studies that a composed layer takes: slabs of the thickness h and of h/2, within the layer
-    /// and at its surfaces; equal surroundings share one surface. Empty for other studies.
+    /// The studies that a composed layer takes: slabs of the thickness h and of h/2, within the
+    /// layer and at its surfaces; equal surroundings share one surface. Empty for other studies.
     pub fn portions(&self) -> Vec<Study> {
         let Some(composed) = &self.layer.composed else { return Vec::new() };
         let all = [Position::Inner, Position::Front, Position::Back];
