@@ -43,7 +43,7 @@
 //!
 //! ```text
 //! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
-//!          ← draw ← report ← compare, sweep ← export, schema
+//!          ← draw ← report ← compare, sweep ← design, fit ← export, schema
 //! ```
 //!
 //! [`architecture`] draws the data flow with the shapes of all arrays.
@@ -76,6 +76,8 @@
 //! - [`report`]: pages and tables of a study.
 //! - [`compare`]: strategies × grids × discretisations side by side.
 //! - [`sweep`]: studies of many variants, on one machine or many.
+//! - [`design`]: from a wanted colour to recipes.
+//! - [`fit`]: from measured drawdowns to a pigment's index.
 //! - [`export`]: other programs' formats.
 //! - [`schema`]: JSON Schemas and commented examples of all input files.
 //!
@@ -107,8 +109,10 @@
 pub mod architecture {}
 
 pub mod compare;
+pub mod design;
 pub mod draw;
 pub mod export;
+pub mod fit;
 pub mod report;
 pub mod schema;
 pub mod sweep;

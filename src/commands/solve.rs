@@ -1,6 +1,7 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
 use super::say::{note, say};
+use super::solve_gradient::{Gradient, gradients};
 use super::solve_light::LightArgs;
 use super::solve_report;
 use clap::builder::PossibleValuesParser;
@@ -62,8 +63,22 @@ pub struct SolveArgs {
     /// python/apply_operator.py applies the operator to them
     #[arg(long, value_name = "FILE.npz")]
     export_operator: Option<PathBuf>,
+    /// Add `gradients`: derivatives of orders and totals with respect to n and κ of every medium;
+    /// `text` prints those of the totals alone
+    ///
+    /// Each of `gradients` has `medium` (background or inclusion and its number), `index`, and `dn`
+    /// and `dk` of `R_total`, `T_total`, `A_total` and of each order's `eff_R` and `eff_T`; `R` and
+    /// `T` of an order are [re, im] of da/dη, from which da/dκ follows by the factor i.
+    #[arg(long, value_enum, value_name = "FORM", num_args = 0..=1, default_missing_value = "json")]
+    gradient: Option<GradientForm>,
     #[command(flatten)]
     light: LightArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum GradientForm {
+    Json,
+    Text,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -111,14 +126,22 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         None => error_among(args.accuracy.unwrap_or(DEFAULT_ACCURACY), case.media.largest_contrast()),
     };
     let wave = if args.wave == WaveName::Vector { Wave::Unpolarised } else { Wave::Scalar };
-    let solved = estimate(args, &case, &Coverages::new(wave, &case.scene, Precision::of(error)))?;
+    let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
+    let (solved, gradients) = estimate(args, &case, &coverages)?;
     if let Some(path) = &args.export_operator {
         export_operator(&solved, path)?;
+    }
+    if args.gradient == Some(GradientForm::Text) {
+        return say(gradients.iter().map(Gradient::text).collect::<String>().trim_end());
     }
     let mut report = solve_report::report(&solved, wave);
     args.light.add_area(solved.far_field(), &case.media, &mut report)?;
     if let Some(snapped) = snapped {
         report["snapped"] = snapped;
+    }
+    if args.gradient.is_some() {
+        let orders = &solved.far_field().orders;
+        report["gradients"] = gradients.iter().map(|gradient| gradient.json(orders)).collect();
     }
     say(format_args!("{report:#}"))?;
     Ok(())
@@ -132,8 +155,8 @@ fn export_operator(solved: &Estimated, path: &Path) -> Result<()> {
     std::fs::write(path, bytes).map_err(|e| miette::miette!("cannot write {}: {e}", path.display()))
 }
 
-/// Solves on the grid given, or searches for one.
-fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<Estimated> {
+/// Solves on the grid given, or searches for one; with the derivatives that were asked for.
+fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Estimated, Vec<Gradient>)> {
     let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
         coverages,
@@ -150,8 +173,13 @@ fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<Esti
         Some(cells) => task.solve_with_estimate(resolution(args, case, cells), &mut bar),
         None => task.solve_to_accuracy(args.accuracy.unwrap_or(DEFAULT_ACCURACY), &mut bar),
     };
+    let slopes = |estimated: &Estimated| match args.gradient {
+        Some(_) => gradients(&task, estimated),
+        None => Ok(Vec::new()),
+    };
+    let both = estimated.and_then(|estimated| slopes(&estimated).map(|slopes| (estimated, slopes)));
     bar.0.finish_and_clear();
-    estimated.into_diagnostic()
+    both.into_diagnostic()
 }
 
 /// Warns of a wavelength that was probably given in nm instead of µm.

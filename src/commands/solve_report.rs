@@ -55,7 +55,7 @@ fn resolution_of(grid: &Grid, wave: Wave) -> Value {
 }
 
 /// The scalar wave's value, or those of s and p light.
-fn by_polarisation<T: serde::Serialize>(values: &[T]) -> Value {
+pub(super) fn by_polarisation<T: serde::Serialize>(values: &[T]) -> Value {
     match values {
         [s, p] => json!({ "s": s, "p": p }),
         other => json!(other[0]),

@@ -3,6 +3,8 @@
 use super::tidy::{tidy, without_null};
 use crate::compare::experiment::ComparisonFile;
 use crate::compare::external::Protocol;
+use crate::design::file::DesignFile;
+use crate::fit::file::FitFile;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
 use crate::sweep::file::SweepFile;
@@ -20,6 +22,10 @@ pub enum Document {
     Sweep,
     /// Strategies side by side, for `compare`.
     Compare,
+    /// Measured drawdowns, for `fit`.
+    Fit,
+    /// A wanted colour, for `design`.
+    Design,
     /// One explicit geometry, for `solve` and `compare`.
     Case,
     /// What programs of comparisons are asked, and may answer.
@@ -28,7 +34,14 @@ pub enum Document {
 
 impl Document {
     /// All kinds of input files.
-    pub const ALL: [Document; 4] = [Document::Study, Document::Sweep, Document::Compare, Document::Case];
+    pub const ALL: [Document; 6] = [
+        Document::Study,
+        Document::Sweep,
+        Document::Compare,
+        Document::Fit,
+        Document::Design,
+        Document::Case,
+    ];
 
     /// Its name on the command line and of its file in `schema/`.
     pub fn name(self) -> &'static str {
@@ -36,6 +49,8 @@ impl Document {
             Document::Study => "study",
             Document::Sweep => "sweep",
             Document::Compare => "compare",
+            Document::Fit => "fit",
+            Document::Design => "design",
             Document::Case => "case",
             Document::External => "external",
         }
@@ -47,6 +62,8 @@ impl Document {
             Document::Study => include_str!("../../examples/every-key.toml"),
             Document::Sweep => include_str!("../../examples/every-key-sweep.toml"),
             Document::Compare => include_str!("../../examples/every-key-compare.toml"),
+            Document::Fit => include_str!("../../examples/fit/every-key.toml"),
+            Document::Design => include_str!("../../examples/design/every-key.toml"),
             Document::Case => include_str!("../../examples/every-key-case.toml"),
             Document::External => include_str!("../../schema/external.md"),
         }
@@ -58,6 +75,8 @@ impl Document {
             Document::Study => toml_schema::<StudyFile>("Study of inkwave"),
             Document::Sweep => toml_schema::<SweepFile>("Sweep of inkwave"),
             Document::Compare => toml_schema::<ComparisonFile>("Comparison of inkwave"),
+            Document::Fit => toml_schema::<FitFile>("Fit of inkwave"),
+            Document::Design => toml_schema::<DesignFile>("Design of inkwave"),
             Document::Case => case_schema(),
             Document::External => {
                 root::<Protocol>("Question and answer of programs in comparisons of inkwave").into()

@@ -18,6 +18,7 @@ mod golden;
 mod gratings;
 mod house;
 mod housekeeping;
+mod inverse;
 mod kubelka_munk;
 mod memory;
 mod merge;

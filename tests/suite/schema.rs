@@ -2,6 +2,8 @@
 //! refused by the program, wherever it stands.
 
 use inkwave::compare::experiment::ComparisonFile;
+use inkwave::design::file::DesignFile;
+use inkwave::fit::file::FitFile;
 use inkwave::input::case::Case;
 use inkwave::input::case_inputs::CaseInputs;
 use inkwave::input::check::{check, check_packing};
@@ -60,6 +62,8 @@ fn is_read(document: Document, value: &Value) -> bool {
         Document::Study => read::<StudyFile>(node()).is_ok(),
         Document::Sweep => read::<SweepFile>(node()).is_ok(),
         Document::Compare => read::<ComparisonFile>(node()).is_ok(),
+        Document::Fit => read::<FitFile>(node()).is_ok(),
+        Document::Design => read::<DesignFile>(node()).is_ok(),
         Document::Case => read::<CaseInputs>(node().get("inputs").cloned().unwrap_or(node())).is_ok(),
         Document::External => unreachable!("no input file"),
     }
@@ -81,6 +85,13 @@ fn refused(document: Document, value: &Value) -> bool {
         Document::Case => !is_read(document, value) || Case::parse(&value.to_string(), false).is_err(),
         Document::Sweep => !is_read(document, value) || !in_a_file(value, |path| load(path).is_ok()),
         Document::Compare => !is_read(document, value) || !in_a_file(value, is_planned),
+        Document::Fit => {
+            !is_read(document, value) || !in_a_file(value, |path| inkwave::fit::load::load(path).is_ok())
+        }
+        Document::Design => {
+            let loads = |path: &Path| inkwave::design::recipe::load(path).is_ok();
+            !is_read(document, value) || !in_a_file(value, loads)
+        }
         Document::External => unreachable!("no input file"),
     }
 }
@@ -94,6 +105,10 @@ fn in_a_file(document: &Value, judge: impl Fn(&Path) -> bool) -> bool {
     let folder = tempfile::tempdir().expect("a folder");
     let base = root().join("examples/yellow.toml");
     std::fs::copy(base, folder.path().join("yellow.toml")).expect("copied");
+    for file in ["fit/drawdown.toml", "fit/white.csv", "fit/black.csv", "design/ink.toml"] {
+        let from = root().join("examples").join(file);
+        std::fs::copy(&from, folder.path().join(from.file_name().expect("a name"))).expect("copied");
+    }
     let path = folder.path().join("document.toml");
     std::fs::write(&path, toml::to_string(document).expect("TOML")).expect("written");
     judge(&path)

@@ -198,7 +198,8 @@ fn lab_of(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     CieLab::from_rxyz(RelXYZ::new(xyz, white)).to_array()
 }
 
-fn ciede2000(p: [f64; 3], q: [f64; 3]) -> f64 {
+/// ΔE₀₀ (CIEDE2000) between two colours L*, a*, b*.
+pub fn ciede2000(p: [f64; 3], q: [f64; 3]) -> f64 {
     let white = Observer::Cie1931.xyz_d65();
     // same observer and white on both sides, so the crate cannot fail
     CieLab::new(p, white).ciede2000(&CieLab::new(q, white)).unwrap_or_else(|_| distance(p, q))

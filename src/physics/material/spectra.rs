@@ -218,7 +218,8 @@ struct ColumnPlaces {
 
 impl ColumnPlaces {
     fn of(columns: &Columns) -> Result<Self, String> {
-        let known = ["wavelength_nm", "kappa", "k", "n"];
+        // A fit states its errors beside n and κ.
+        let known = ["wavelength_nm", "kappa", "k", "n", "n_error", "kappa_error", "correlation"];
         if let Some(unknown) = columns.names.iter().find(|name| !known.contains(&name.as_str())) {
             return Err(format!("column {unknown:?} is not known"));
         }

@@ -8,6 +8,7 @@
 pub mod accuracy;
 mod basis;
 pub mod demand;
+pub mod gradient;
 pub mod ledger;
 pub mod registry;
 pub mod size;

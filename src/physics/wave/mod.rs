@@ -19,6 +19,7 @@ pub mod packed;
 pub mod physical;
 pub mod scene;
 pub mod snapping;
+mod sourced;
 pub mod system;
 
 pub use contrast::coverage::{Coverage, Precision};
@@ -29,8 +30,9 @@ pub use grid::{Grid, Resolution, Scheme};
 pub use incidence::{Incidence, Side};
 pub use layout::Layout;
 pub use light::{Polarisation, Wave};
-pub use operator::problem::{Field, Mean, Problem};
+pub use operator::problem::{DIRECTIONS, Field, Mean, Medium, Problem};
 pub use physical::{Physical, TotalErrors, Unphysical};
 pub use scene::{Ball, Body, BodyShape, HeightField, Material, Media, Scene, Stratum};
 pub use snapping::Snapped;
+pub use sourced::Sourced;
 pub use system::System;

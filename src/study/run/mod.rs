@@ -1,5 +1,5 @@
-//! Carries a study out: a point (one solve), a realisation (one packing), its resolution, work side by side. Who takes which
-//! realisation is a sweep's business.
+//! The computation of a study: a point (one solve), a realisation (one packing), the choice of the
+//! grid, parallel execution. `sweep` distributes the realisations.
 
 pub mod collected;
 pub mod crew;
@@ -10,6 +10,7 @@ pub mod memory;
 pub mod point;
 pub mod realisation;
 pub mod resolve;
+pub mod tangents;
 pub mod watch;
 
 pub use collected::{Collected, Failure, Realisation, Refused, RunSettings, Stores};

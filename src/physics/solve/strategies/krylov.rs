@@ -123,7 +123,7 @@ impl Solver for Growing {
         let field = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
         // The residual of u = 0 is u₀ itself and costs nothing.
         let work = ledger.background.clone();
-        let correction = problem.split().and_then(|p| self.settings.guided_modes.correction(p));
+        let correction = problem.operator().and_then(|p| self.settings.guided_modes.correction(p));
         let single = if goal.tolerance >= SINGLE { problem.single() } else { None };
         let (restart, first_cycle) = (self.settings.restart.max(1), true);
         let mut run = KrylovRun { ledger, field, work, correction, single, restart, first_cycle };
@@ -261,7 +261,7 @@ impl KrylovRun<'_> {
     fn prepare_for_hard_solve(&mut self, solver: &Growing) {
         let more = solver.settings.guided_modes.of_hard_solves();
         let correction = self.correction.take();
-        let problem = self.ledger.problem.split();
+        let problem = self.ledger.problem.operator();
         self.correction = correction.or_else(|| problem.and_then(|problem| more.correction(problem)));
         self.restart = self.restart.max(solver.longest.min(HARD_GROWTH * self.restart));
     }

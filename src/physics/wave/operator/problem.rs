@@ -4,9 +4,11 @@
 //! Unknowns are harmonics of the nodes and of the bubbles in each cell; see [`super::mean`].
 
 mod contrast;
+mod gradient;
 mod points;
 
 pub use super::mean_medium::Mean;
+pub use gradient::{DIRECTIONS, Medium};
 
 use super::cell::decaying_root;
 use super::mean::MeanOperator;
@@ -74,6 +76,8 @@ pub struct Problem {
     single: OnceLock<Scattering<f32>>,
     /// Compact index of the incident harmonic.
     incident: usize,
+    /// Choice of the mean medium.
+    choice: Mean,
 }
 
 impl Problem {
@@ -110,6 +114,7 @@ impl Problem {
             kappa,
             lateral,
             incident,
+            choice: mean,
         })
     }
 

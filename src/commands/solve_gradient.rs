@@ -1,0 +1,123 @@
+//! `inkwave solve --gradient`: derivatives of orders and totals with respect to every index.
+
+use super::solve_report::by_polarisation;
+use inkwave::solve::accuracy::{AccuracyError, Estimated, Solved, Task};
+use inkwave::solve::gradient::{FarSlopes, Neighbour, Slopes, tangent};
+use inkwave::solve::{Goal, Silent};
+use inkwave::wave::{DIRECTIONS, Media, Medium, Order};
+use num_complex::Complex64;
+use serde_json::{Value, json};
+
+/// Step in an index; the error of four neighbours is its fourth power.
+const STEP: f64 = 1e-4;
+/// Largest residual of the solutions that are differentiated.
+const RESIDUAL: f64 = 1e-8;
+
+/// The derivatives with respect to one medium, one entry for each polarisation.
+pub struct Gradient {
+    medium: Medium,
+    index: Complex64,
+    slopes: Vec<FarSlopes>,
+}
+
+/// Derivatives with respect to all media of a case, on the grid of its solution.
+///
+/// # Errors
+/// A solve does not reach the residual.
+pub fn gradients(task: &Task, e: &Estimated) -> Result<Vec<Gradient>, AccuracyError> {
+    let Media { backgrounds, inclusions, .. } = task.media;
+    let backgrounds = backgrounds.iter().enumerate().map(|(i, &index)| (Medium::Background(i), index));
+    let inclusions = inclusions.iter().enumerate().map(|(i, &index)| (Medium::Inclusion(i), index));
+    let goal = Goal { tolerance: task.goal.tolerance.min(RESIDUAL), ..task.goal };
+    let task = Task { goal, ..*task };
+    let (sharper, _) = task.solve(e.system().grid().resolution, &mut Silent)?;
+    let of = |(medium, index)| gradient(&task, &sharper, medium, index);
+    backgrounds.chain(inclusions).map(of).collect()
+}
+
+fn gradient(
+    task: &Task,
+    solved: &[Solved],
+    medium: Medium,
+    index: Complex64,
+) -> Result<Gradient, AccuracyError> {
+    let geometry = task.coverages.at(solved[0].system.grid().resolution)?;
+    let mut moved = Vec::new();
+    for direction in DIRECTIONS {
+        let media = task.media.moved(medium, STEP * direction);
+        moved.push(geometry.systems(&media, task.incidence, task.mean)?);
+    }
+    let mut slopes = Vec::new();
+    for Solved { system, solution } in solved.iter().rev() {
+        let neighbour =
+            |(systems, direction): (&mut Vec<_>, Complex64)| Some((systems.pop()?, STEP * direction));
+        let neighbours = moved.iter_mut().zip(DIRECTIONS).filter_map(neighbour);
+        let neighbours: Vec<Neighbour> =
+            neighbours.map(|(system, step)| Neighbour { step, system }).collect();
+        let field = &solution.field;
+        slopes.push(tangent((&**system, field), &neighbours, (task.solver, task.goal), &mut Silent)?);
+    }
+    slopes.reverse();
+    Ok(Gradient { medium, index, slopes })
+}
+
+impl Gradient {
+    fn name(&self) -> String {
+        match self.medium {
+            Medium::Background(i) => format!("background {i}"),
+            Medium::Inclusion(i) => format!("inclusion {i}"),
+        }
+    }
+
+    /// As an entry of the result; `orders` are those of the first polarisation.
+    pub fn json(&self, orders: &[Order]) -> Value {
+        let total = |of: fn(&FarSlopes) -> Slopes| self.by_polarisation(|s| pair(of(s)));
+        let order = |(k, order): (usize, &Order)| self.order(k, order);
+        json!({
+            "medium": self.name(),
+            "index": [self.index.re, self.index.im],
+            "R_total": total(|s| s.reflectance),
+            "T_total": total(|s| s.transmittance),
+            "A_total": total(|s| s.absorptance),
+            "orders": orders.iter().enumerate().map(order).collect::<Vec<_>>(),
+        })
+    }
+
+    fn order(&self, k: usize, order: &Order) -> Value {
+        let amplitude = |side: usize| {
+            self.by_polarisation(|s| {
+                let z = s.orders[k].amplitudes[0][side];
+                json!([z.re, z.im])
+            })
+        };
+        json!({
+            "m": order.m,
+            "n": order.n,
+            "R": amplitude(0),
+            "T": amplitude(1),
+            "eff_R": self.by_polarisation(|s| pair(s.orders[k].reflected)),
+            "eff_T": self.by_polarisation(|s| pair(s.orders[k].transmitted)),
+        })
+    }
+
+    fn by_polarisation(&self, of: impl Fn(&FarSlopes) -> Value) -> Value {
+        by_polarisation(&self.slopes.iter().map(of).collect::<Vec<_>>())
+    }
+
+    /// The totals' derivatives as lines of a table.
+    pub fn text(&self) -> String {
+        let mut lines = format!("{} (n = {}, k = {})\n", self.name(), self.index.re, self.index.im);
+        for (slopes, light) in self.slopes.iter().zip(["s", "p"]) {
+            let light = if self.slopes.len() == 1 { "" } else { light };
+            let totals = [("R", slopes.reflectance), ("T", slopes.transmittance), ("A", slopes.absorptance)];
+            for (name, [dn, dk]) in totals {
+                lines += &format!("  {name} {light:1}  d/dn {dn:+.8e}  d/dk {dk:+.8e}\n");
+            }
+        }
+        lines
+    }
+}
+
+fn pair([dn, dk]: Slopes) -> Value {
+    json!({ "dn": dn, "dk": dk })
+}

@@ -1,0 +1,90 @@
+//! The file of a design as written.
+//!
+//! ```toml
+//! base = "ink.toml"                    # or a table [base] with a whole study
+//! [target]
+//! lab = [85, -10, 80]                  # at 45:0 under [colour] of the base; or file = "target.cxf"
+//! [[vary]]
+//! field = "pigment[0].diameter_nm"     # a study field, or: ratio = ["yellow", "blue"]
+//! from = 100
+//! to = 300
+//! [design]
+//! delta_e = 0.5
+//! ```
+
+use crate::input::measured::MeasuredUnit;
+use crate::sweep::file::Base;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A whole file of a design.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignFile {
+    /// Heading of the page; the file's name when left out.
+    pub title: Option<String>,
+    /// The study of all recipes; what varies is set in it.
+    pub base: Base,
+    /// The colour wanted.
+    pub target: TargetTable,
+    /// What may vary.
+    #[serde(default)]
+    pub vary: Vec<VaryTable>,
+    /// How the recipes are sought.
+    #[serde(default)]
+    pub design: DesignTable,
+}
+
+/// `[target]`: the colour wanted, lit at 45° and seen along the normal.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TargetTable {
+    /// L*, a*, b* under the light and for the observer of the base's [colour].
+    #[schemars(example = (85, -10, 80))]
+    pub lab: Option<[f64; 3]>,
+    /// A spectrum or a colour, relative to this file: CSV, CxF3 or CGATS.17.
+    pub file: Option<String>,
+    /// Name of the sample in a file with several.
+    pub patch: Option<String>,
+    /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`).
+    pub unit: Option<MeasuredUnit>,
+    /// Least Y over black divided by Y over white, 0 to 1.
+    #[schemars(example = 0.9)]
+    pub contrast_ratio: Option<f64>,
+}
+
+/// `[[vary]]`: a number of the study and its range.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct VaryTable {
+    /// Dotted field, as in a sweep.
+    pub field: Option<String>,
+    /// Two pigments instead, by their names: the first one's part of the sum of both volume fractions.
+    pub ratio: Option<[String; 2]>,
+    /// Least value.
+    pub from: f64,
+    /// Largest value.
+    pub to: f64,
+    /// Cost of one unit of the field, in any currency: recipes as near as wished are ranked by it.
+    pub cost: f64,
+}
+
+/// `[design]`: how the recipes are sought.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct DesignTable {
+    /// Largest ΔE₀₀ to the target that is near enough.
+    pub delta_e: f64,
+    /// Variants of the base that the surfaces rest on; as many as they need when left out.
+    pub variants: Option<usize>,
+    /// Largest number of verifying runs.
+    pub verifications: usize,
+    /// Realisations of a verifying run; those of the base when left out.
+    pub realisations: Option<usize>,
+}
+
+impl Default for DesignTable {
+    fn default() -> Self {
+        Self { delta_e: 0.5, variants: None, verifications: 4, realisations: None }
+    }
+}

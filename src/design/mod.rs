@@ -1,0 +1,12 @@
+//! From a wanted colour to recipes: response surfaces of spectra over the fields of a study, and
+//! runs that verify what they answer.
+//!
+//! [`file`](mod@file) (as written) → [`recipe`] (a point of the box → a checked study) →
+//! [`surface`](mod@surface) (spectra less the coherent film as polynomials) → [`run`](mod@run)
+//! (design, search, verifying runs) → [`publish`](mod@publish).
+
+pub mod file;
+pub mod publish;
+pub mod recipe;
+pub mod run;
+pub mod surface;

@@ -1,0 +1,292 @@
+//! Recipes: points of the box of what varies, and the studies they stand for.
+
+use super::file::{DesignFile, DesignTable, TargetTable, VaryTable};
+use super::surface::most_coefficients;
+use crate::input::check::check;
+use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::file::StudyFile;
+use crate::input::load::read_file;
+use crate::input::read::read;
+use crate::input::study::Study;
+use crate::numerics::allowed::{Allowed, Whole};
+use crate::sweep::field::set;
+use crate::sweep::file::Base;
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Largest number of fields that may vary: surfaces need a multiple of its square in variants.
+const MOST_FIELDS: usize = 5;
+/// Range over whose ends' ratio a field is taken by its logarithm.
+const LOGARITHMIC: f64 = 1.5;
+
+/// One number that varies.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    /// For people.
+    pub name: String,
+    /// As written.
+    pub written: VaryTable,
+    /// Whether steps along it are steps of its logarithm.
+    logarithmic: bool,
+}
+
+impl Variable {
+    /// The value at a place of the box, 0 to 1.
+    pub fn value(&self, place: f64) -> f64 {
+        let (from, to) = (self.written.from, self.written.to);
+        if self.logarithmic { from * (to / from).powf(place) } else { from + (to - from) * place }
+    }
+}
+
+/// A checked design.
+#[derive(Clone, Debug)]
+pub struct DesignTask {
+    /// Title, for people.
+    pub title: String,
+    /// What varies.
+    pub variables: Vec<Variable>,
+    /// How recipes are sought.
+    pub settings: DesignTable,
+    /// L*, a*, b* wanted.
+    pub lab: [f64; 3],
+    /// Least contrast ratio.
+    pub contrast_ratio: Option<f64>,
+    base: Table,
+    folder: PathBuf,
+}
+
+impl DesignTask {
+    /// Number of variants that the surfaces rest on.
+    pub fn variants(&self) -> usize {
+        let needed = most_coefficients(self.variables.len());
+        self.settings.variants.unwrap_or(needed + needed.div_ceil(2) + 3)
+    }
+
+    /// The study of a recipe, at places from 0 to 1.
+    ///
+    /// # Errors
+    /// Faults of its values.
+    pub fn study(&self, places: &[f64]) -> Result<Study, Vec<Fault>> {
+        let mut table = self.base.clone();
+        let fault = |name: &str, reason: String| {
+            vec![Fault::new(name, reason, "a field of the base", "name a field of the study, as in a sweep")]
+        };
+        for (variable, &place) in self.variables.iter().zip(places) {
+            let value = variable.value(place);
+            if let Some(field) = &variable.written.field {
+                set(&mut table, field, &Value::Float(value)).map_err(|e| fault(&variable.name, e))?;
+            }
+        }
+        // ratios divide what other fields may have set
+        for (variable, &place) in self.variables.iter().zip(places) {
+            if let Some(pair) = &variable.written.ratio {
+                mix(&mut table, pair, variable.value(place)).map_err(|e| fault(&variable.name, e))?;
+            }
+        }
+        let name = self.in_words(places);
+        table.insert("title".into(), Value::String(name.clone()));
+        check(&read::<StudyFile>(table.into())?, &self.folder, &name)
+    }
+
+    /// The recipe in words.
+    pub fn in_words(&self, places: &[f64]) -> String {
+        let part = |(variable, &place): (&Variable, &f64)| {
+            format!("{} {}", variable.name, short(variable.value(place)))
+        };
+        self.variables.iter().zip(places).map(part).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Cost of a recipe.
+    pub fn cost(&self, places: &[f64]) -> f64 {
+        self.variables.iter().zip(places).map(|(v, &place)| v.written.cost * v.value(place)).sum()
+    }
+}
+
+/// Four significant digits.
+pub fn short(value: f64) -> String {
+    let digits = (3 - value.abs().max(1e-12).log10().floor() as i32).clamp(0, 6) as usize;
+    format!("{value:.digits$}")
+}
+
+/// Divides the sum of two pigments' volume fractions.
+fn mix(table: &mut Table, [one, other]: &[String; 2], share: f64) -> Result<(), String> {
+    let sum = fraction(table, one)? + fraction(table, other)?;
+    set(table, &format!("pigment.{one}.volume_fraction"), &Value::Float(sum * share))?;
+    set(table, &format!("pigment.{other}.volume_fraction"), &Value::Float(sum * (1.0 - share)))
+}
+
+/// The volume fraction of a pigment.
+fn fraction(table: &Table, name: &String) -> Result<f64, String> {
+    let pigments = table.get("pigment").and_then(Value::as_array);
+    let named = |p: &&Value| p.get("name").and_then(Value::as_str) == Some(name);
+    let value = pigments.and_then(|all| all.iter().find(named)).and_then(|p| p.get("volume_fraction"));
+    let value = value.and_then(|v| v.as_float().or(v.as_integer().map(|i| i as f64)));
+    value.ok_or_else(|| format!("no pigment {name:?} with a volume fraction"))
+}
+
+/// Reads and checks the file of a design.
+///
+/// # Errors
+/// The file or its base cannot be read, or values are not allowed, also at the ends of the ranges.
+pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
+    let (text, file): (String, DesignFile) = read_file(path)?;
+    let own = path.parent().unwrap_or(Path::new(""));
+    let (mut base, folder) = match &file.base {
+        Base::Table(table) => (table.clone(), own.to_owned()),
+        Base::Path(base) => {
+            let base = own.join(base);
+            (read_file::<Table>(&base)?.1, base.parent().map_or_else(PathBuf::new, Path::to_owned))
+        }
+    };
+    let mut faults = Faults::default();
+    put_target(&mut base, &file.target, own, &mut faults);
+    let variables = variables(&file.vary, &mut faults);
+    check_settings(&file, &mut faults);
+    let stem = path.file_stem().map_or_else(|| "design".into(), |stem| stem.to_string_lossy());
+    let mut task = DesignTask {
+        title: file.title.clone().unwrap_or_else(|| stem.into_owned()),
+        variables,
+        settings: file.design.clone(),
+        lab: [0.0; 3],
+        contrast_ratio: file.target.contrast_ratio,
+        base,
+        folder,
+    };
+    if faults.0.is_empty() {
+        match checked_ends(&task) {
+            Ok(lab) => task.lab = lab,
+            Err(found) => faults.0.extend(found.into_iter().map(|fault| place_of(fault, &file))),
+        }
+    }
+    if faults.0.is_empty() {
+        return Ok(task);
+    }
+    Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
+}
+
+/// The target as the base's own.
+fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mut Faults) {
+    if let Some(Value::Table(compare)) = base.get_mut("compare") {
+        compare.clear();
+    }
+    if let Some(Value::Table(colour)) = base.get_mut("colour") {
+        colour.remove("target_lab");
+    }
+    let lab = |x: &f64| Value::Float(*x);
+    match (&target.lab, &target.file) {
+        (Some(wanted), None) => {
+            let wanted = Value::Array(wanted.iter().map(lab).collect());
+            let _ = set(base, "colour.target_lab", &wanted);
+        }
+        (None, Some(file)) => {
+            let path = folder.join(file);
+            let path = std::path::absolute(&path).unwrap_or(path).display().to_string();
+            let _ = set(base, "compare.measured", &Value::String(path));
+            if let Some(patch) = &target.patch {
+                let _ = set(base, "compare.patch", &Value::String(patch.clone()));
+            }
+            if let Some(unit) = target.unit.and_then(|unit| Value::try_from(unit).ok()) {
+                let _ = set(base, "compare.unit", &unit);
+            }
+        }
+        (both, _) => {
+            let found = if both.is_some() { "lab and file" } else { "neither lab nor file" };
+            let allowed = "either lab, or file with a spectrum or a colour";
+            faults.push(Fault::new("target", found, allowed, "write lab = [85, -10, 80]"));
+        }
+    }
+    if let Some(ratio) = target.contrast_ratio {
+        let remedy = "0.98 hides nearly everything";
+        faults.number("target.contrast_ratio", ratio, Allowed::between(0.0, 1.0, ""), remedy);
+    }
+}
+
+fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
+    if tables.is_empty() || tables.len() > MOST_FIELDS {
+        let allowed = format!("1 to {MOST_FIELDS} [[vary]] with field (or ratio), from and to");
+        faults.push(Fault::new("vary", tables.len(), allowed, "vary what moves the colour most"));
+    }
+    let mut all = Vec::new();
+    for (i, table) in tables.iter().enumerate() {
+        let name = match (&table.field, &table.ratio) {
+            (Some(field), None) => field.clone(),
+            (None, Some([one, other])) => format!("{one} : ({one} + {other})"),
+            _ => {
+                let allowed = "either field or ratio";
+                faults.push(Fault::new(format!("vary[{i}]"), "both or neither", allowed, "write field"));
+                continue;
+            }
+        };
+        let (from, to) = (table.from, table.to);
+        if !(from.is_finite() && to.is_finite() && from < to) {
+            let found = format!("{from} to {to}");
+            let allowed = "from below to";
+            faults.push(Fault::new(format!("vary[{i}].from"), found, allowed, "exchange from and to"));
+        }
+        let ratio = table.ratio.is_some() && !(from > 0.0 && to < 1.0);
+        if ratio {
+            let allowed = "above 0 and below 1: both pigments stay";
+            faults.push(Fault::new(
+                format!("vary[{i}]"),
+                format!("{from} to {to}"),
+                allowed,
+                "try 0.1 to 0.9",
+            ));
+        }
+        let logarithmic = from > 0.0 && to / from > LOGARITHMIC && table.ratio.is_none();
+        all.push(Variable { name, written: table.clone(), logarithmic });
+    }
+    all
+}
+
+fn check_settings(file: &DesignFile, faults: &mut Faults) {
+    let DesignTable { delta_e, variants, verifications, .. } = file.design;
+    let usual = "0.5 is hard to see";
+    faults.number("design.delta_e", delta_e, Allowed::between(0.05, 20.0, ""), usual);
+    let needed = most_coefficients(file.vary.len()) + 2;
+    let whole = |count: usize, allowed: Whole| (!allowed.holds(count)).then(|| allowed.to_string());
+    if let Some((count, allowed)) = variants.and_then(|n| Some((n, whole(n, Whole::between(needed, 1000))?)))
+    {
+        let remedy = "leave it out: half as many again as the surfaces have coefficients";
+        faults.push(Fault::new("design.variants", count, allowed, remedy));
+    }
+    if let Some(allowed) = whole(verifications, Whole::between(1, 50)) {
+        faults.push(Fault::new("design.verifications", verifications, allowed, "4 is usual"));
+    }
+}
+
+/// Checks the studies at all corners of the box and gives the target's L*, a*, b*.
+fn checked_ends(task: &DesignTask) -> Result<[f64; 3], Vec<Fault>> {
+    let count = task.variables.len();
+    let corner = |c: usize| (0..count).map(|i| ((c >> i) & 1) as f64).collect::<Vec<f64>>();
+    let mut last = Err(Vec::new());
+    for c in 0..1 << count {
+        last = Ok(task.study(&corner(c))?);
+    }
+    let study = last?;
+    if let Some(reason) = &study.angles.no_paper {
+        let remedy = "write [angles] count = 5";
+        return Err(vec![Fault::new("base.angles", reason, "0°, 45° and the hemisphere", remedy)]);
+    }
+    super::surface::wanted(&study)
+}
+
+/// A fault of a study as one of the design's file.
+fn place_of(fault: Fault, file: &DesignFile) -> Fault {
+    let varied = |table: &VaryTable| {
+        let field = table.field.as_deref().unwrap_or("volume_fraction");
+        field.split(['.', '[', ']']).next_back().is_some_and(|end| fault.field.ends_with(end))
+    };
+    let target = ["compare", "colour.target_lab"].iter().any(|start| fault.field.starts_with(start));
+    let place = match file.vary.iter().position(varied) {
+        _ if target => "target".to_owned(),
+        Some(i) => format!("vary[{i}]"),
+        None => format!("base.{}", fault.field),
+    };
+    let found = if place.starts_with("vary") {
+        format!("{} for {}", fault.found, fault.field)
+    } else {
+        fault.found.clone()
+    };
+    Fault { field: place, found, ..fault }
+}

@@ -1,0 +1,208 @@
+//! Surfaces with the film beneath and the verified runs on top, and the search on them.
+
+use super::{DesignError, SAME, Verified};
+use crate::appearance::colour::ciede2000;
+use crate::design::recipe::DesignTask;
+use crate::design::surface::{Eye, Surfaces, spectra};
+use crate::evaluate::seen::film_alone;
+use crate::input::fault::Fault;
+use crate::input::study::Study;
+use crate::numerics::sequence::Sequence;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Points of the box that a search begins with, for each variable.
+const TRIED: usize = 250;
+/// Seed of their places.
+const SEARCH_SEED: u64 = 2;
+/// Share of the box beyond each side whose points are moved to the side.
+const EDGE: f64 = 0.05;
+/// Best ones that are followed downhill, and halvings of their steps.
+const FOLLOWED: usize = 6;
+const HALVINGS: usize = 7;
+/// Range over which the distance between a run and the surfaces is carried over.
+const CARRIED: f64 = 0.3;
+/// Weight of a missed contrast ratio, ΔE₀₀ for each percent.
+pub(super) const OF_CONTRAST: f64 = 100.0;
+/// Recipes of nearly equal colour that are listed.
+const LISTED: usize = 6;
+
+/// Surfaces with the film beneath, and what they answer.
+pub(super) struct Map<'a> {
+    task: &'a DesignTask,
+    eye: Eye,
+    surfaces: Surfaces,
+    /// Verified recipes: places, and run less surface in L*, a*, b*.
+    offsets: Vec<(Vec<f64>, [f64; 3])>,
+}
+
+/// A recipe that the surfaces answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Answered {
+    /// The recipe in words.
+    pub recipe: String,
+    /// Value of every variable.
+    pub values: Vec<f64>,
+    /// ΔE₀₀ to the target by the surfaces.
+    pub delta_e_2000: f64,
+    /// Contrast ratio by the surfaces.
+    pub contrast_ratio: f64,
+    #[serde(skip)]
+    pub(super) places: Vec<f64>,
+}
+
+fn study_at(task: &DesignTask, places: &[f64]) -> Result<Study, DesignError> {
+    let no_study = |faults: Vec<Fault>| {
+        let reason = faults.first().map_or_else(String::new, ToString::to_string);
+        DesignError::NoColour { recipe: task.in_words(places), reason }
+    };
+    task.study(places).map_err(no_study)
+}
+
+pub(super) fn values(task: &DesignTask, places: &[f64]) -> Vec<f64> {
+    task.variables.iter().zip(places).map(|(variable, &place)| variable.value(place)).collect()
+}
+
+/// Point `r` of a sequence that fills the unit box of `count` dimensions evenly, its sides included.
+pub(super) fn even_point(seed: u64, count: usize, r: usize) -> Vec<f64> {
+    let point = match count {
+        1 => Sequence::<1>::new(seed).point(r).to_vec(),
+        2 => Sequence::<2>::new(seed).point(r).to_vec(),
+        3 => Sequence::<3>::new(seed).point(r).to_vec(),
+        4 => Sequence::<4>::new(seed).point(r).to_vec(),
+        _ => Sequence::<5>::new(seed).point(r)[..count.min(5)].to_vec(),
+    };
+    point.into_iter().map(|x| ((1.0 + 2.0 * EDGE) * x - EDGE).clamp(0.0, 1.0)).collect()
+}
+
+/// Square of the distance between two points of the box.
+fn square(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum()
+}
+
+/// Some recipes far from each other, the best one first.
+pub(super) fn spread(mut all: Vec<Answered>) -> Vec<Answered> {
+    let mut chosen: Vec<Answered> = Vec::new();
+    let distance = |a: &Answered, b: &Answered| square(&a.places, &b.places);
+    while chosen.len() < LISTED && !all.is_empty() {
+        let from_chosen = |a: &Answered| chosen.iter().map(|c| distance(a, c)).fold(f64::INFINITY, f64::min);
+        let far = |&a: &usize, &b: &usize| from_chosen(&all[a]).total_cmp(&from_chosen(&all[b]));
+        let place = if chosen.is_empty() { 0 } else { (0..all.len()).max_by(far).unwrap_or(0) };
+        if !chosen.is_empty() && from_chosen(&all[place]) < SAME {
+            break;
+        }
+        chosen.push(all.swap_remove(place));
+    }
+    chosen
+}
+
+impl<'a> Map<'a> {
+    /// The surfaces through all runs; `found` are those that verified an answer.
+    pub fn new(task: &'a DesignTask, data: &[Verified], found: &[Verified]) -> Result<Self, DesignError> {
+        let mut differences = Vec::new();
+        for run in data {
+            let film = spectra(&film_alone(&study_at(task, &run.places)?)?)?;
+            differences.push(run.spectra.iter().zip(&film).map(|(a, b)| a - b).collect());
+        }
+        let places: Vec<Vec<f64>> = data.iter().map(|run| run.places.clone()).collect();
+        let surfaces = Surfaces::new(&places, &differences, &vec![1.0; data.len()]);
+        let surfaces = surfaces.ok_or_else(|| DesignError::NoColour {
+            recipe: task.title.clone(),
+            reason: "the surfaces have no solution".to_owned(),
+        })?;
+        let eye = Eye::new(&study_at(task, &data[0].places)?)?;
+        let mut map = Map { task, eye, surfaces, offsets: Vec::new() };
+        for run in found {
+            let lab = map.surface(&run.places)?.0;
+            let offset = std::array::from_fn(|i| run.lab[i] - lab[i]);
+            map.offsets.push((run.places.clone(), offset));
+        }
+        Ok(map)
+    }
+
+    /// L*, a*, b* and the contrast ratio by the surfaces alone.
+    fn surface(&self, places: &[f64]) -> Result<([f64; 3], f64), DesignError> {
+        let film = spectra(&film_alone(&study_at(self.task, places)?)?)?;
+        let sum: Vec<f64> = film.iter().zip(self.surfaces.at(places)).map(|(a, b)| a + b).collect();
+        Ok(self.eye.sees(&sum)?)
+    }
+
+    /// L*, a*, b* and the contrast ratio by the surfaces and what runs have shown nearby.
+    pub fn at(&self, places: &[f64]) -> Result<([f64; 3], f64), DesignError> {
+        let (mut lab, contrast) = self.surface(places)?;
+        let near = |own: &[f64]| (-0.5 * square(own, places) / (CARRIED * CARRIED)).exp();
+        let weights: Vec<f64> = self.offsets.iter().map(|(own, _)| near(own).powi(4)).collect();
+        let sum = weights.iter().sum::<f64>();
+        let most = self.offsets.iter().map(|(own, _)| near(own)).fold(0.0, f64::max);
+        for ((_, offset), weight) in self.offsets.iter().zip(&weights) {
+            (0..3).for_each(|i| lab[i] += most * weight / sum.max(1e-300) * offset[i]);
+        }
+        Ok((lab, contrast))
+    }
+
+    fn answer(&self, places: Vec<f64>) -> Option<Answered> {
+        let (lab, contrast_ratio) = self.at(&places).ok()?;
+        let delta_e_2000 = ciede2000(lab, self.task.lab);
+        let (recipe, values) = (self.task.in_words(&places), values(self.task, &places));
+        Some(Answered { recipe, values, delta_e_2000, contrast_ratio, places })
+    }
+
+    /// What is to be small: the distance, and what is missing in contrast.
+    fn miss(&self, answer: &Answered) -> f64 {
+        let missing = self.task.contrast_ratio.map_or(0.0, |least| (least - answer.contrast_ratio).max(0.0));
+        answer.delta_e_2000 + OF_CONTRAST * missing
+    }
+
+    /// Recipes of the box, or of a region of it, the nearest to the target first.
+    pub fn search(&self, region: Option<&(Vec<f64>, f64)>) -> Vec<Answered> {
+        let count = self.task.variables.len();
+        let bound =
+            |i: usize| region.map_or([0.0, 1.0], |(at, r)| [(at[i] - r).max(0.0), (at[i] + r).min(1.0)]);
+        let bounds: Vec<[f64; 2]> = (0..count).map(bound).collect();
+        let place = |r: usize| -> Vec<f64> {
+            let point = even_point(SEARCH_SEED, count, r);
+            bounds.iter().zip(point).map(|([a, b], x)| a + (b - a) * x).collect()
+        };
+        let tried = (0..TRIED * count).into_par_iter();
+        let mut all: Vec<Answered> = tried.filter_map(|r| self.answer(place(r))).collect();
+        all.sort_by(|a, b| self.miss(a).total_cmp(&self.miss(b)));
+        let best: Vec<Answered> = all.iter().take(FOLLOWED).cloned().collect();
+        all.extend(best.into_par_iter().map(|start| self.downhill(start, &bounds)).collect::<Vec<_>>());
+        all.sort_by(|a, b| self.miss(a).total_cmp(&self.miss(b)));
+        all
+    }
+
+    /// Follows a recipe downhill along the variables.
+    fn downhill(&self, mut here: Answered, bounds: &[[f64; 2]]) -> Answered {
+        let mut step = 0.1;
+        for _ in 0..HALVINGS {
+            loop {
+                let moves = (0..bounds.len()).flat_map(|i| [(i, step), (i, -step)]);
+                let moved = |(i, by): (usize, f64)| {
+                    let mut places = here.places.clone();
+                    places[i] = (places[i] + by).clamp(bounds[i][0], bounds[i][1]);
+                    self.answer(places)
+                };
+                let best = moves.filter_map(moved).min_by(|a, b| self.miss(a).total_cmp(&self.miss(b)));
+                match best {
+                    Some(best) if self.miss(&best) < self.miss(&here) - 1e-4 => here = best,
+                    _ => break,
+                }
+            }
+            step *= 0.5;
+        }
+        here
+    }
+
+    /// Median ΔE₀₀ between variants and the surfaces without them.
+    pub fn leave_one_out(&self, data: &[Verified]) -> Result<f64, DesignError> {
+        let mut all = Vec::new();
+        for (i, run) in data.iter().enumerate() {
+            let left = self.surfaces.left_out(i);
+            let without: Vec<f64> = run.spectra.iter().zip(left).map(|(own, e)| own + e).collect();
+            all.push(ciede2000(self.eye.sees(&without)?.0, self.eye.sees(&run.spectra)?.0));
+        }
+        all.sort_by(f64::total_cmp);
+        Ok(all[all.len() / 2])
+    }
+}

@@ -1,0 +1,164 @@
+//! Response surfaces: spectra of the layer over paper, black and white, less those of its coherent
+//! film, as polynomials over the box.
+
+use crate::appearance::colour::{Colorimeter, ColourError};
+use crate::appearance::paper::PRINT_DEG;
+use crate::evaluate::ink::{InkError, InkOnPaper};
+use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::evaluate::on_paper::LayerOnPaper;
+use crate::input::fault::Fault;
+use crate::input::study::Study;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use std::f64::consts::PI;
+
+/// Relative weight of the coefficients' own size: nothing but a guard against fewer data than those.
+const RIDGE: f64 = 1e-4;
+
+/// Spectra over the paper, over black and over white, one after another.
+pub type Spectra3 = Vec<f64>;
+
+/// Coefficients of a surface: everything up to the second degree, and the cubes.
+pub fn most_coefficients(variables: usize) -> usize {
+    (variables + 1) * (variables + 2) / 2 + variables
+}
+
+/// The polynomials at a point of the box.
+fn monomials(places: &[f64]) -> Vec<f64> {
+    let x: Vec<f64> = places.iter().map(|p| 2.0 * p - 1.0).collect();
+    let mut all = vec![1.0];
+    all.extend(&x);
+    for i in 0..x.len() {
+        all.extend((i..x.len()).map(|j| x[i] * x[j]));
+    }
+    all.extend(x.iter().map(|x| x.powi(3)));
+    all
+}
+
+/// Spectra of an ink lit at 45° and seen along the normal.
+///
+/// # Errors
+/// The ink on its paper has none.
+pub fn spectra(ink: &InkOnPaper) -> Result<Spectra3, InkError> {
+    let (light, view) = (ink.at(PRINT_DEG)?, ink.at(0.0)?);
+    let of = |layer: &LayerOnPaper| PI * layer.brdf(&light, &view);
+    let over = |albedo: f64| ink.spectrum(|layer| of(&layer.over(albedo))).values;
+    let [black, white] = [BLACK, WHITE].map(over);
+    Ok([ink.spectrum(of).values, black, white].concat())
+}
+
+/// L*, a*, b* that a study's target asks for.
+///
+/// # Errors
+/// It has none, or a spectrum that does not cover the study's wavelengths.
+pub fn wanted(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
+    let judgement = &study.judgement;
+    if let Some(lab) = judgement.target_lab {
+        return Ok(lab);
+    }
+    let nm = &study.wavelengths_nm;
+    let values =
+        judgement.measured.as_ref().and_then(|m| nm.iter().map(|&nm| m.at(nm)).collect::<Option<Vec<f64>>>());
+    let colour = values.map(|values| Eye::new(study).and_then(|eye| eye.meter.colour(&values)));
+    match colour {
+        Some(Ok(colour)) => Ok(colour.lab),
+        Some(Err(error)) => {
+            let remedy = "give [light] of the base 400 to 700 nm";
+            Err(vec![Fault::new("base.light", error, "wavelengths that carry a colour", remedy)])
+        }
+        None => {
+            let (first, last) = (nm[0], nm[nm.len() - 1]);
+            let found =
+                judgement.measured.as_ref().map_or("nothing".into(), |m| format!("{:?} nm", m.range_nm()));
+            let allowed = format!("a spectrum that covers {first} to {last} nm, or a colour");
+            Err(vec![Fault::new("target.file", found, allowed, "narrow [light] of the base, or give lab")])
+        }
+    }
+}
+
+/// Light and observer, and the wavelengths that are summed over.
+pub struct Eye {
+    meter: Colorimeter,
+    waves: usize,
+}
+
+impl Eye {
+    /// That of a study.
+    ///
+    /// # Errors
+    /// Wavelengths that carry no colour.
+    pub fn new(study: &Study) -> Result<Self, ColourError> {
+        let meter = Colorimeter::under(&study.wavelengths_nm, &study.judgement.viewing)?;
+        Ok(Self { meter, waves: study.wavelengths_nm.len() })
+    }
+
+    /// L*, a*, b* over the paper, and the contrast ratio.
+    ///
+    /// # Errors
+    /// Values that are no numbers.
+    pub fn sees(&self, spectra: &[f64]) -> Result<([f64; 3], f64), ColourError> {
+        let colour = |k: usize| self.meter.colour(&spectra[k * self.waves..(k + 1) * self.waves]);
+        let [print, black, white] = [colour(0)?, colour(1)?, colour(2)?];
+        Ok((print.lab, black.xyz[1] / white.xyz[1].max(1e-9)))
+    }
+}
+
+/// Polynomials for every wavelength and backing.
+pub struct Surfaces {
+    coefficients: Mat<f64>,
+    /// Leave-one-out predictions less data: variant → wavelength and backing.
+    left_out: Vec<Vec<f64>>,
+}
+
+impl Surfaces {
+    /// Fits differences from the film at points of the box; `weights` of the points.
+    pub fn new(places: &[Vec<f64>], differences: &[Spectra3], weights: &[f64]) -> Option<Self> {
+        let rows: Vec<Vec<f64>> = places.iter().map(|p| monomials(p)).collect();
+        let (count, columns) = (rows.first()?.len(), differences.first()?.len());
+        let matrix = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
+        let weighted = Mat::from_fn(rows.len(), count, |i, j| weights[i] * rows[i][j]);
+        let ridge = RIDGE * weights.iter().sum::<f64>();
+        let ridge = Mat::from_fn(count, count, |i, j| if i == j { ridge } else { 0.0 });
+        let normal = weighted.transpose() * &matrix + ridge;
+        let factors = normal.llt(Side::Lower).ok()?;
+        let values = Mat::from_fn(rows.len(), columns, |i, j| differences[i][j]);
+        let coefficients = factors.solve(weighted.transpose() * &values);
+        let fitted = &matrix * &coefficients;
+        let influence = &matrix * factors.solve(weighted.transpose());
+        let left =
+            |i: usize, j: usize| (fitted[(i, j)] - values[(i, j)]) / (1.0 - influence[(i, i)]).max(0.05);
+        let left_out = (0..rows.len()).map(|i| (0..columns).map(|j| left(i, j)).collect()).collect();
+        Some(Self { coefficients, left_out })
+    }
+
+    /// Differences from the film at a point of the box.
+    pub fn at(&self, places: &[f64]) -> Spectra3 {
+        let row = monomials(places);
+        let value = |j: usize| row.iter().enumerate().map(|(i, x)| x * self.coefficients[(i, j)]).sum();
+        (0..self.coefficients.ncols()).map(value).collect()
+    }
+
+    /// What the surfaces without a variant predict for it less what it has.
+    pub fn left_out(&self, variant: usize) -> &[f64] {
+        &self.left_out[variant]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quadratic_is_recovered_and_leaving_one_out_changes_nothing() {
+        let f = |p: &[f64]| vec![1.0 + p[0] - 2.0 * p[0] * p[1], 3.0 * p[1] * p[1]];
+        let places: Vec<Vec<f64>> =
+            (0..20).map(|k| vec![(0.618 * f64::from(k)).fract(), (0.755 * f64::from(k)).fract()]).collect();
+        let values: Vec<Spectra3> = places.iter().map(|p| f(p)).collect();
+        let surfaces = Surfaces::new(&places, &values, &[1.0; 20]).unwrap();
+        let (here, there) = (surfaces.at(&[0.3, 0.8]), f(&[0.3, 0.8]));
+        // the guard against too few data pulls by its weight
+        assert!(here.iter().zip(&there).all(|(a, b)| (a - b).abs() < 2e-3), "{here:?} {there:?}");
+        assert!((0..20).all(|i| surfaces.left_out(i).iter().all(|e| e.abs() < 2e-2)));
+        assert_eq!(monomials(&[0.1, 0.2, 0.3]).len(), most_coefficients(3));
+    }
+}

@@ -1,0 +1,129 @@
+//! The file of a fit as written.
+//!
+//! ```toml
+//! base = "ink.toml"                    # size, shape, thickness, binder; or a table [base]
+//! [[measured]]
+//! file = "white.csv"                   # CSV, CxF3 or CGATS.17
+//! backing = 0.85                       # albedo of the card, or [[nm, albedo], …], or { csv = "…" }
+//! geometry = "d:8"
+//! [[measured]]
+//! file = "black.csv"
+//! backing = 0.04
+//! geometry = "d:8"
+//! [fit]
+//! pigment = "yellow"
+//! noise = 0.003
+//! ```
+
+use crate::input::forms::AlbedoWritten;
+use crate::input::measured::MeasuredUnit;
+use crate::sweep::file::Base;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A whole file of a fit.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FitFile {
+    /// Heading of the page; the file's name when left out.
+    pub title: Option<String>,
+    /// The study of the drawdowns: all but the pigment's index is known.
+    pub base: Base,
+    /// The spectra measured.
+    #[serde(default)]
+    pub measured: Vec<MeasuredTable>,
+    /// What is fitted, and how.
+    #[serde(default)]
+    pub fit: FitTable,
+    /// Layers of the same pigment to be predicted from the fit.
+    #[serde(default)]
+    pub predict: Vec<MeasuredTable>,
+}
+
+/// `[[measured]]` and `[[predict]]`: a layer on a backing, and its spectrum.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredTable {
+    /// The spectrum, relative to this file: CSV, CxF3 or CGATS.17; optional under `[[predict]]`.
+    pub file: Option<String>,
+    /// Name of the sample in a file with several.
+    pub patch: Option<String>,
+    /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`).
+    pub unit: Option<MeasuredUnit>,
+    /// Albedo of the backing: a number, a list `[[400, 0.82], [700, 0.91]]`, or `{ csv = "…" }`.
+    pub backing: Option<AlbedoWritten>,
+    /// Share of the pigment in the layer's volume; that of the base when left out.
+    #[schemars(example = 0.3)]
+    pub volume_fraction: Option<f64>,
+    /// Mean thickness of the layer, µm; that of the base when left out.
+    #[schemars(example = 1.0)]
+    pub thickness_um: Option<f64>,
+    /// How the spectrum is measured.
+    #[serde(default)]
+    pub geometry: FitGeometry,
+}
+
+/// Geometry of a measurement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+pub enum FitGeometry {
+    /// Lit at 45°, seen along the normal.
+    #[default]
+    #[serde(rename = "45:0")]
+    LitAt45,
+    /// Diffuse light, seen at 8°, specular light included.
+    #[serde(rename = "d:8")]
+    Sphere,
+    /// A uniform sky, seen along the normal, mirrored light included.
+    #[serde(rename = "natural")]
+    UniformSky,
+}
+
+/// What the index is expected to be like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PriorName {
+    /// κ smooth, and n its Kramers–Kronig transform with a constant and one pole in the UV.
+    #[default]
+    KramersKronig,
+    /// n and κ smooth, each for itself.
+    Smooth,
+}
+
+/// What is fitted besides the index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AlsoFitted {
+    /// A common factor on the thicknesses of all layers.
+    Thickness,
+}
+
+/// `[fit]`: what is fitted, and how.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FitTable {
+    /// Name of the pigment whose index is unknown; may be left out where there is only one.
+    pub pigment: Option<String>,
+    /// What the index is expected to be like.
+    pub prior: PriorName,
+    /// Standard deviation of every measured reflectance factor.
+    pub noise: f64,
+    /// What else is unknown.
+    pub also: Vec<AlsoFitted>,
+    /// Range of n searched.
+    pub n: [f64; 2],
+    /// Range of κ searched; fitted values may go beyond it.
+    pub kappa: [f64; 2],
+}
+
+impl Default for FitTable {
+    fn default() -> Self {
+        Self {
+            pigment: None,
+            prior: PriorName::default(),
+            noise: 0.003,
+            also: Vec::new(),
+            n: [1.3, 2.0],
+            kappa: [0.0, 0.6],
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! From the file of a fit to checked studies and spectra.
+
+use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable};
+use crate::input::check::check;
+use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::file::StudyFile;
+use crate::input::forms::AlbedoWritten;
+use crate::input::load::read_file;
+use crate::input::measured::MeasuredSpectrum;
+use crate::input::read::read;
+use crate::input::study::Study;
+use crate::numerics::allowed::Allowed;
+use crate::sweep::field::set;
+use crate::sweep::file::Base;
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Largest reflectance factor accepted: light cannot come out of nothing, calibrations may err.
+const BRIGHTEST: f64 = 1.02;
+/// Least one: noise of an instrument at its black.
+const DARKEST: f64 = -0.02;
+/// Fewest cells whose differences give an error.
+const FEWEST_CELLS: usize = 6;
+
+/// A layer on a backing, and what was measured of it.
+#[derive(Clone, Debug)]
+pub struct Drawdown {
+    /// For people: file and sample, or the layer.
+    pub name: String,
+    /// Its study; the pigment's index is a placeholder.
+    pub study: Study,
+    /// Place of its layer among all different ones.
+    pub coat: usize,
+    /// How it is measured.
+    pub geometry: FitGeometry,
+    /// Measured values at the study's wavelengths; none where the layer is to be predicted only.
+    pub values: Option<Vec<f64>>,
+}
+
+/// A checked fit.
+#[derive(Clone, Debug)]
+pub struct FitTask {
+    /// Title, for people.
+    pub title: String,
+    /// What is fitted, and how.
+    pub settings: FitTable,
+    /// Place of the pigment in the studies.
+    pub pigment: usize,
+    /// Different layers, by one study each: those measured before those predicted only.
+    pub coats: Vec<Study>,
+    /// Number of layers that are measured.
+    pub coats_measured: usize,
+    /// Measured spectra.
+    pub measured: Vec<Drawdown>,
+    /// Spectra to be predicted.
+    pub predicted: Vec<Drawdown>,
+}
+
+impl FitTask {
+    /// The wavelengths, nm.
+    pub fn wavelengths_nm(&self) -> &[f64] {
+        &self.coats[0].wavelengths_nm
+    }
+
+    /// Index of the binder in the middle of the spectrum.
+    pub fn binder_index(&self) -> f64 {
+        let index = &self.coats[0].layer.binder.index;
+        index[index.len() / 2].re
+    }
+}
+
+/// Reads and checks the file of a fit.
+///
+/// # Errors
+/// The file or its base cannot be read, or values are not allowed.
+pub fn load(path: &Path) -> Result<FitTask, StudyError> {
+    let (text, file): (String, FitFile) = read_file(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (base, base_folder) = match &file.base {
+        Base::Table(table) => (table.clone(), folder.to_owned()),
+        Base::Path(base) => {
+            let base = folder.join(base);
+            (read_file::<Table>(&base)?.1, base.parent().map_or_else(PathBuf::new, Path::to_owned))
+        }
+    };
+    let mut reading = FitReading { folder, base_folder, base, pigment: 0, faults: Faults::default() };
+    reading.prepare(&file);
+    let task = reading.task(&file, path);
+    match (task, reading.faults.0) {
+        (Some(task), faults) if faults.is_empty() => Ok(task),
+        (_, faults) => Err(StudyError::Values { path: path.to_owned(), text, faults }),
+    }
+}
+
+struct FitReading<'a> {
+    folder: &'a Path,
+    base_folder: PathBuf,
+    base: Table,
+    pigment: usize,
+    faults: Faults,
+}
+
+impl FitReading<'_> {
+    /// Finds the pigment and makes the base a study of listed wavelengths with a placeholder index.
+    fn prepare(&mut self, file: &FitFile) {
+        let FitTable { noise, n, kappa, pigment, .. } = &file.fit;
+        let usual = "0.003 is usual: 0.3 % of a perfect white";
+        self.faults.number("fit.noise", *noise, Allowed::between(1e-5, 0.1, ""), usual);
+        for (field, [from, to], allowed) in [("fit.n", n, [1.0, 4.0]), ("fit.kappa", kappa, [0.0, 4.0])] {
+            if !(allowed[0] <= *from && from < to && *to <= allowed[1]) {
+                let range = format!("[from, to] with {} ≤ from < to ≤ {}", allowed[0], allowed[1]);
+                self.fault(field, format!("[{from}, {to}]"), range, "leave it out: [1.3, 2.0] and [0, 0.6]");
+            }
+        }
+        self.pigment = self.find_pigment(pigment.as_deref());
+        let place = self.pigment;
+        let placeholder = Table::from_iter([("n".into(), 1.6.into()), ("k".into(), 0.1.into())]);
+        // what cannot be set is a fault of the base, which its check names
+        let _ = set(&mut self.base, &format!("pigment[{place}].index"), &Value::Table(placeholder));
+        let listed = self.base.get("light").and_then(|light| light.get("wavelengths_nm")).is_some();
+        if !listed {
+            let _ = set(&mut self.base, "light.sampling", &Value::String("listed".into()));
+        }
+        if let Some(Value::Table(light)) = self.base.get_mut("light") {
+            light.remove("per_realisation");
+        }
+        if let Some(Value::Table(run)) = self.base.get_mut("run") {
+            run.remove("target_delta_e");
+        }
+    }
+
+    fn find_pigment(&mut self, wanted: Option<&str>) -> usize {
+        let pigments = self.base.get("pigment").and_then(Value::as_array).cloned().unwrap_or_default();
+        let name = |p: &Value| p.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+        let names: Vec<String> = pigments.iter().map(name).collect();
+        let found = match wanted {
+            Some(wanted) => names.iter().position(|name| name == wanted),
+            None => (names.len() == 1).then_some(0),
+        };
+        if found.is_none() {
+            let said = wanted.map_or("nothing".into(), |wanted| format!("{wanted:?}"));
+            let allowed = format!("the name of one of the base's pigments: {}", names.join(", "));
+            self.fault("fit.pigment", said, allowed, "name the pigment whose index is unknown");
+        }
+        found.unwrap_or(0)
+    }
+
+    fn task(&mut self, file: &FitFile, path: &Path) -> Option<FitTask> {
+        if file.measured.is_empty() {
+            let remedy = "add [[measured]] with file and backing, best on white and on black card";
+            self.fault("measured", "none", "one or more [[measured]] spectra".into(), remedy);
+        }
+        let mut coats = Vec::new();
+        let measured = self.drawdowns("measured", &file.measured, &mut coats);
+        let coats_measured = coats.len();
+        let predicted = self.drawdowns("predict", &file.predict, &mut coats);
+        let first = coats.first()?;
+        if !first.layer.contrast.is_full() {
+            let remedy = "leave layer.contrast out: a part of the contrast has no index of its own";
+            self.fault("base.layer.contrast", "a part", "\"full\"".into(), remedy);
+        }
+        if first.realisations < FEWEST_CELLS {
+            let (found, allowed) = (first.realisations, format!("{FEWEST_CELLS} or more"));
+            let remedy = "errors are estimated from the differences between cells: 8 are usual";
+            self.fault("base.run.realisations", found, allowed, remedy);
+        }
+        if let Some(reason) = &first.angles.no_paper {
+            let found = reason.clone();
+            self.fault("base.angles", found, "0°, 45° and the hemisphere".into(), "write count = 5");
+        }
+        let stem = path.file_stem().map_or_else(|| "fit".into(), |stem| stem.to_string_lossy());
+        Some(FitTask {
+            title: file.title.clone().unwrap_or_else(|| stem.into_owned()),
+            settings: file.fit.clone(),
+            pigment: self.pigment,
+            coats,
+            coats_measured,
+            measured,
+            predicted,
+        })
+    }
+
+    fn drawdowns(&mut self, list: &str, tables: &[MeasuredTable], coats: &mut Vec<Study>) -> Vec<Drawdown> {
+        let mut all = Vec::new();
+        for (i, table) in tables.iter().enumerate() {
+            let field = format!("{list}[{i}]");
+            let Some(study) = self.study(&field, table) else { continue };
+            let values = self.values(&field, table, &study);
+            if list == "measured" && values.is_none() && table.file.is_none() {
+                let remedy = "name a CSV, CxF3 or CGATS.17 file";
+                self.fault(&format!("{field}.file"), "nothing", "the file of the spectrum".into(), remedy);
+            }
+            let same = |coat: &Study| coat.packings_key() == study.packings_key();
+            let coat = coats.iter().position(same).unwrap_or(coats.len());
+            if coat == coats.len() {
+                coats.push(study.clone());
+            }
+            let share = 100.0 * study.pigments[self.pigment].grains.volume_fraction;
+            let layer = format!("{share:.4} % of {:.4} µm", study.layer.thickness_um);
+            let name = table.file.clone().unwrap_or_else(|| layer.clone());
+            let name = table.patch.clone().map_or(name.clone(), |patch| format!("{name}: {patch}"));
+            let geometry = table.geometry;
+            all.push(Drawdown { name: format!("{name} ({layer})"), study, coat, geometry, values });
+        }
+        all
+    }
+
+    /// The study of a drawdown, with its share, thickness and backing.
+    fn study(&mut self, field: &str, table: &MeasuredTable) -> Option<Study> {
+        let mut own = self.base.clone();
+        let mut changed = Vec::new();
+        let mut put = |name: String, key: &str, value: Value| {
+            let _ = set(&mut own, &name, &value);
+            changed.push((name, format!("{field}.{key}")));
+        };
+        if let Some(share) = table.volume_fraction {
+            put(format!("pigment[{}].volume_fraction", self.pigment), "volume_fraction", share.into());
+        }
+        if let Some(um) = table.thickness_um {
+            put("layer.thickness_um".into(), "thickness_um", thickness(&self.base, um));
+        }
+        match &table.backing {
+            Some(backing) => {
+                let backing = written(backing, self.folder);
+                put("paper.albedo".into(), "backing", backing);
+            }
+            None => {
+                let remedy = "write backing = 0.85 for a white card, backing = 0.04 for a black one";
+                let allowed = "the albedo of the card under the layer".to_owned();
+                self.fault(&format!("{field}.backing"), "nothing", allowed, remedy);
+                return None;
+            }
+        }
+        let checked = read::<StudyFile>(own.into());
+        let checked = checked.and_then(|file| check(&file, &self.base_folder, "drawdown"));
+        let faults = match checked {
+            Ok(study) => return Some(study),
+            Err(faults) => faults,
+        };
+        for fault in faults {
+            let place = changed.iter().find(|(name, _)| fault.field.starts_with(name.as_str()));
+            let field = place.map_or_else(|| format!("base.{}", fault.field), |(_, own)| own.clone());
+            if !self.faults.0.iter().any(|known| known.field == field && known.found == fault.found) {
+                self.faults.push(Fault { field, ..fault });
+            }
+        }
+        None
+    }
+
+    /// The measured values at the study's wavelengths.
+    fn values(&mut self, field: &str, table: &MeasuredTable, study: &Study) -> Option<Vec<f64>> {
+        let path = self.folder.join(table.file.as_ref()?);
+        let read = MeasuredSpectrum::read(&path, table.patch.as_deref(), table.unit);
+        let spectrum = match read {
+            Ok(spectrum) => spectrum,
+            Err(error) => {
+                let found = error.to_string().replace("compare.unit", &format!("{field}.unit"));
+                let allowed = "a spectrum of reflectance factors against rising wavelengths in nm";
+                let remedy = "correct the file; wavelengths in nm must rise, and a perfect white has 1";
+                self.fault(&format!("{field}.file"), found, allowed.into(), remedy);
+                return None;
+            }
+        };
+        if let Some([nm, value]) = spectrum.rows.iter().find(|row| !(DARKEST..=BRIGHTEST).contains(&row[1])) {
+            let found = format!("{value} at {nm} nm");
+            let allowed = format!("reflectance factors from {DARKEST} to {BRIGHTEST}");
+            let remedy =
+                "fluorescent layers cannot be fitted; for values in percent write unit = \"percent\"";
+            self.fault(&format!("{field}.file"), found, allowed, remedy);
+            return None;
+        }
+        let [from, to] = spectrum.range_nm();
+        let values: Option<Vec<f64>> = study.wavelengths_nm.iter().map(|&nm| spectrum.at(nm)).collect();
+        if values.is_none() {
+            let (first, last) =
+                (study.wavelengths_nm[0], study.wavelengths_nm[study.wavelengths_nm.len() - 1]);
+            let found = format!("{from} to {to} nm");
+            let allowed = format!("all wavelengths of the base: {first} to {last} nm");
+            let remedy = "give [light] of the base a range that all files cover";
+            self.fault(&format!("{field}.file"), found, allowed, remedy);
+        }
+        values
+    }
+
+    fn fault(&mut self, field: &str, found: impl std::fmt::Display, allowed: String, remedy: &str) {
+        self.faults.push(Fault::new(field, found, allowed, remedy));
+    }
+}
+
+/// A thickness with the base's relative spread.
+fn thickness(base: &Table, um: f64) -> Value {
+    let own = base.get("layer").and_then(|layer| layer.get("thickness_um"));
+    let number = |key: &str| {
+        let value = own?.get(key)?;
+        value.as_float().or(value.as_integer().map(|i| i as f64))
+    };
+    match (number("mean"), number("std")) {
+        (Some(mean), Some(std)) if mean > 0.0 => {
+            Table::from_iter([("mean".into(), um.into()), ("std".into(), (std * um / mean).into())]).into()
+        }
+        _ => um.into(),
+    }
+}
+
+/// An albedo as a value of TOML; its table is looked for beside the file of the fit.
+fn written(albedo: &AlbedoWritten, folder: &Path) -> Value {
+    match albedo {
+        AlbedoWritten::Csv { csv } => {
+            let path = folder.join(csv);
+            let path = std::path::absolute(&path).unwrap_or(path).display().to_string();
+            Table::from_iter([("csv".into(), path.into())]).into()
+        }
+        other => Value::try_from(other).unwrap_or(Value::Boolean(false)),
+    }
+}

@@ -1,0 +1,208 @@
+//! What an index is expected to be like: n and κ as linear functions of a few unknowns, with the
+//! expected value and the precision of these.
+//!
+//! Kramers–Kronig (time factor e^(−iωt)): n(ω) = c₀ + c₁ p(ω) + (2/π) P∫ ω′κ(ω′)/(ω′² − ω²) dω′. κ is
+//! linear in ω = 1/λ between knots, so that the integral is a sum of logarithms; the constant and
+//! one pole in the UV stand for absorption beyond the knots.
+
+use super::file::PriorName;
+use faer::Mat;
+use std::f64::consts::PI;
+
+/// Distance of the knots of κ, nm.
+const KNOTS_NM: f64 = 25.0;
+/// Knots beyond the spectrum's ends, at shorter and at longer waves.
+const BEYOND: [f64; 2] = [4.0, 6.0];
+/// Wavelength of the pole in the UV, µm.
+const POLE_UM: f64 = 0.2;
+/// Expected size of κ, of the constant about the binder's index, and of the pole's strength.
+const SIZES: [f64; 3] = [0.5, 0.5, 0.15];
+/// Distance of wavelengths to which the smoothness of the prior `smooth` refers, nm.
+const SMOOTH_NM: f64 = 20.0;
+/// Standard deviation of the logarithm of a common factor on the thicknesses.
+const THICKNESS: f64 = 0.1;
+
+/// Unknowns and how n and κ depend on them.
+#[derive(Clone, Debug)]
+pub struct IndexPrior {
+    /// n at every wavelength: rows of the unknowns' weights.
+    pub n: Vec<Vec<f64>>,
+    /// κ at every wavelength.
+    pub kappa: Vec<Vec<f64>>,
+    /// Expected values of the unknowns.
+    pub mean: Vec<f64>,
+    /// Unknowns that must not be negative.
+    pub positive: Vec<bool>,
+    /// Whether the last unknown is the logarithm of a factor on the thicknesses.
+    pub thickness: bool,
+    /// Rows of differences whose size is the strength of the prior.
+    rough: Vec<Vec<(usize, f64)>>,
+}
+
+impl IndexPrior {
+    /// The prior at some wavelengths, about the binder's index.
+    pub fn new(name: PriorName, wavelengths_nm: &[f64], binder: f64, thickness: bool) -> Self {
+        let mut prior = match name {
+            PriorName::KramersKronig => kramers_kronig(wavelengths_nm, binder),
+            PriorName::Smooth => smooth(wavelengths_nm, binder),
+        };
+        if thickness {
+            prior.n.iter_mut().chain(&mut prior.kappa).for_each(|row| row.push(0.0));
+            prior.mean.push(0.0);
+            prior.positive.push(false);
+        }
+        Self { thickness, ..prior }
+    }
+
+    /// Number of unknowns.
+    pub fn len(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// Whether there is no unknown.
+    pub fn is_empty(&self) -> bool {
+        self.mean.is_empty()
+    }
+
+    /// \[n, κ\] at every wavelength.
+    pub fn index(&self, unknowns: &[f64]) -> Vec<[f64; 2]> {
+        let product = |row: &Vec<f64>| row.iter().zip(unknowns).map(|(a, x)| a * x).sum::<f64>();
+        self.n.iter().zip(&self.kappa).map(|(n, k)| [product(n), product(k).max(0.0)]).collect()
+    }
+
+    /// Logarithm of the factor on the thicknesses.
+    pub fn log_thickness(&self, unknowns: &[f64]) -> f64 {
+        if self.thickness { unknowns[self.len() - 1] } else { 0.0 }
+    }
+
+    /// Precision of the unknowns, with differences of the size `strength`.
+    pub fn precision(&self, strength: f64) -> Mat<f64> {
+        let mut precision = Mat::zeros(self.len(), self.len());
+        for i in 0..self.len() {
+            precision[(i, i)] = 1.0 / self.size(i).powi(2);
+        }
+        for row in &self.rough {
+            for &(i, a) in row {
+                row.iter().for_each(|&(j, b)| precision[(i, j)] += a * b / (strength * strength));
+            }
+        }
+        precision
+    }
+
+    /// Expected size of an unknown, whatever its neighbours are.
+    fn size(&self, i: usize) -> f64 {
+        let last = usize::from(self.thickness);
+        match self.len() - i {
+            1 if self.thickness => THICKNESS,
+            k if k == 1 + last && self.mean[i] == 0.0 && !self.positive[i] => SIZES[2],
+            _ if self.positive[i] => SIZES[0],
+            _ => SIZES[1],
+        }
+    }
+}
+
+/// Second differences of a run of unknowns, times `factor`.
+fn second_differences(from: usize, count: usize, factor: f64) -> Vec<Vec<(usize, f64)>> {
+    let row = |i: usize| vec![(i, factor), (i + 1, -2.0 * factor), (i + 2, factor)];
+    (from..from + count.saturating_sub(2)).map(row).collect()
+}
+
+fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
+    let (first, last) = (wavelengths_nm[0], wavelengths_nm[wavelengths_nm.len() - 1]);
+    let (from, to) = (first - BEYOND[0] * KNOTS_NM, last + BEYOND[1] * KNOTS_NM);
+    let pieces = ((to - from) / KNOTS_NM).round().max(2.0);
+    // one node more on both sides, where κ is 0
+    let nm: Vec<f64> = (-1..=pieces as i32 + 1).map(|k| from + (to - from) / pieces * f64::from(k)).collect();
+    // rising ω
+    let omega: Vec<f64> = nm.iter().rev().map(|nm| 1e3 / nm).collect();
+    let hats = omega.len() - 2;
+    let at = |nm: &f64| 1e3 / nm;
+    let pole = |w: f64| w * w * POLE_UM * POLE_UM / (1.0 - w * w * POLE_UM * POLE_UM);
+    let nodes = |k: usize| [omega[k], omega[k + 1], omega[k + 2]];
+    let kappa = |w: f64| (0..hats).map(move |k| (k, w)).map(|(k, w)| hat(nodes(k), w));
+    let n = |w: f64| (0..hats).map(move |k| (k, w)).map(|(k, w)| transform(nodes(k), w));
+    let waves = || wavelengths_nm.iter().map(at);
+    let mut mean = vec![0.0; hats];
+    mean.extend([binder, 0.0]);
+    let mut positive = vec![true; hats];
+    positive.extend([false; 2]);
+    IndexPrior {
+        n: waves().map(|w| n(w).chain([1.0, pole(w)]).collect()).collect(),
+        kappa: waves().map(|w| kappa(w).chain([0.0; 2]).collect()).collect(),
+        mean,
+        positive,
+        thickness: false,
+        rough: second_differences(0, hats, 1.0),
+    }
+}
+
+fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
+    let count = wavelengths_nm.len();
+    let step = (wavelengths_nm[count - 1] - wavelengths_nm[0]) / (count - 1).max(1) as f64;
+    let factor = (SMOOTH_NM / step.max(1.0)).powi(2);
+    let unit = |k: usize| (0..2 * count).map(|i| f64::from(u8::from(i == k))).collect();
+    let mut rough = second_differences(0, count, factor);
+    rough.extend(second_differences(count, count, factor));
+    IndexPrior {
+        n: (0..count).map(unit).collect(),
+        kappa: (count..2 * count).map(unit).collect(),
+        mean: [vec![binder; count], vec![0.0; count]].concat(),
+        positive: [vec![false; count], vec![true; count]].concat(),
+        thickness: false,
+        rough,
+    }
+}
+
+/// The function that is 1 at the middle node and linear to 0 at the others.
+fn hat([a, b, c]: [f64; 3], w: f64) -> f64 {
+    ((w - a) / (b - a)).min((c - w) / (c - b)).max(0.0)
+}
+
+/// (2/π) P∫ ω′h/(ω′² − ω²) dω′ of a hat: (1/π) ∫ h (1/(ω′ − ω) + 1/(ω′ + ω)) dω′.
+fn transform(nodes: [f64; 3], w: f64) -> f64 {
+    (over(nodes, w) + over(nodes, -w)) / PI
+}
+
+/// P∫ h(x)/(x − w) dx of a hat; the logarithms' poles cancel.
+fn over([a, b, c]: [f64; 3], w: f64) -> f64 {
+    let log = |x: f64| if (x - w).abs() < 1e-12 { 0.0 } else { (x - w).abs().ln() };
+    let (rising, falling) = ((w - a) / (b - a), (c - w) / (c - b));
+    rising * (log(b) - log(a)) + falling * (log(c) - log(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// κ of a Lorentz oscillator at the knots gives its n − n(∞), up to the knots' distance.
+    #[test]
+    fn the_transform_of_a_lorentz_line_is_its_dispersion() {
+        let [strength, centre, width] = [0.12_f64, 2.0, 0.25];
+        let eta = |w: f64| {
+            let lower = num_complex::Complex64::new(centre * centre - w * w, -width * w);
+            (1.0 + strength * centre * centre / lower).sqrt()
+        };
+        let nodes: Vec<f64> = (0..400).map(|k| 0.025 * f64::from(k)).collect();
+        for w in [1.6, 1.9, 2.0, 2.2, 2.5] {
+            let sum: f64 = nodes.windows(3).map(|x| eta(x[1]).im * transform([x[0], x[1], x[2]], w)).sum();
+            // knots of a tenth of the width: second order, a few thousandths of n − 1
+            assert!((1.0 + sum - eta(w).re).abs() < 1e-3, "{w}: {} {}", 1.0 + sum, eta(w).re);
+        }
+    }
+
+    #[test]
+    fn unknowns_have_their_sizes_and_differences_theirs() {
+        let nm: Vec<f64> = (0..16).map(|k| 400.0 + 20.0 * f64::from(k)).collect();
+        for (name, thickness) in [(PriorName::KramersKronig, true), (PriorName::Smooth, false)] {
+            let prior = IndexPrior::new(name, &nm, 1.5, thickness);
+            let precision = prior.precision(1e9);
+            for i in 0..prior.len() {
+                let size = precision[(i, i)].powf(-0.5);
+                assert!((0.05..0.6).contains(&size), "{name:?} {i}: {size}");
+            }
+            assert!(prior.precision(0.05)[(1, 1)] > 400.0);
+            let flat = prior.index(&prior.mean);
+            assert!(flat.iter().all(|[n, k]| (n - 1.5).abs() < 1e-12 && *k == 0.0));
+        }
+    }
+}

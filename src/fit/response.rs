@@ -1,0 +1,150 @@
+//! Reflectances of all drawdowns with their derivatives with respect to n, κ and the thickness.
+
+use super::file::FitGeometry;
+use super::load::{Drawdown, FitTask};
+use crate::appearance::paper::{MirroredSky, PRINT_DEG, Substrate};
+use crate::evaluate::ink::{InkError, InkOnPaper};
+use crate::evaluate::layer::SpectrumEstimate;
+use crate::evaluate::seen::{NoInk, film_alone, ink};
+use crate::input::study::Study;
+use crate::run::tangents::Linearised;
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Angle of the instrument with a sphere, degrees.
+const SPHERE_DEG: f64 = 8.0;
+/// Step of the differences of the evaluation, which is smooth.
+const STEP: f64 = 1e-4;
+
+/// Values of every drawdown at every wavelength.
+pub type Spectra = Vec<Vec<f64>>;
+
+/// What is computed of all drawdowns at one index.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// Reflectance factors: drawdown → wavelength.
+    pub values: Spectra,
+    /// Derivatives with respect to n and κ at the same wavelength, and to the logarithm of the
+    /// thickness.
+    pub slopes: [Spectra; 3],
+    /// Values of every ensemble that lacks one realisation: drawdown → realisation → wavelength.
+    pub replicates: Vec<Vec<Vec<f64>>>,
+}
+
+/// Where the numbers come from: the coherent films, or solves of every layer.
+#[derive(Clone, Copy)]
+pub enum Origin<'a> {
+    /// The coherent film of the effective medium.
+    Film,
+    /// Solves with their derivatives, one set for each layer.
+    Solved(&'a [Linearised]),
+}
+
+impl Origin<'_> {
+    /// Every drawdown's values with the pigment's index, changed by `step` in n and κ and by a
+    /// factor e^`log` of the thickness.
+    fn spectra(
+        self,
+        task: &FitTask,
+        drawdowns: &[Drawdown],
+        index: &[[f64; 2]],
+        moved: ([f64; 2], f64),
+    ) -> Result<Vec<SpectrumEstimate>, NoInk> {
+        let inks: Vec<Option<InkOnPaper>> = (0..task.coats.len())
+            .map(|c| self.ink(task, (c, drawdowns), index, moved))
+            .collect::<Result<_, _>>()?;
+        let of = |drawdown: &Drawdown| {
+            let ink = inks[drawdown.coat].as_ref().expect("the inks of all drawdowns are made");
+            Ok(spectrum(ink, drawdown)?)
+        };
+        drawdowns.iter().map(of).collect()
+    }
+
+    /// The ink of one layer; none where no drawdown has it.
+    fn ink(
+        self,
+        task: &FitTask,
+        (coat, drawdowns): (usize, &[Drawdown]),
+        index: &[[f64; 2]],
+        (step, log): ([f64; 2], f64),
+    ) -> Result<Option<InkOnPaper>, NoInk> {
+        if drawdowns.iter().all(|drawdown| drawdown.coat != coat) {
+            return Ok(None);
+        }
+        let eta: Vec<Complex64> =
+            index.iter().map(|[n, k]| Complex64::new(n + step[0], k + step[1])).collect();
+        let study = thicker(&task.coats[coat], log.exp()).with_index(task.pigment, &eta);
+        Ok(Some(match self {
+            Self::Film => film_alone(&study)?,
+            Self::Solved(all) => ink(&study, &all[coat].collected(step))?,
+        }))
+    }
+
+    /// Values without derivatives.
+    ///
+    /// # Errors
+    /// The layer on its card gives no spectrum.
+    pub fn values(
+        self,
+        task: &FitTask,
+        drawdowns: &[Drawdown],
+        index: &[[f64; 2]],
+        log: f64,
+    ) -> Result<Vec<SpectrumEstimate>, NoInk> {
+        self.spectra(task, drawdowns, index, ([0.0; 2], log))
+    }
+
+    /// Values with derivatives; `log` is the logarithm of a factor on the thicknesses.
+    ///
+    /// # Errors
+    /// The layer on its card gives no spectrum.
+    pub fn response(
+        self,
+        task: &FitTask,
+        drawdowns: &[Drawdown],
+        index: &[[f64; 2]],
+        log: f64,
+    ) -> Result<Response, NoInk> {
+        let own = self.spectra(task, drawdowns, index, ([0.0; 2], log))?;
+        let slope = |step: [f64; 2], further: f64| -> Result<Spectra, NoInk> {
+            let moved = self.spectra(task, drawdowns, index, (step, log + further))?;
+            Ok(own.iter().zip(&moved).map(|(own, moved)| slopes(own, moved)).collect())
+        };
+        let slopes = [slope([STEP, 0.0], 0.0)?, slope([0.0, STEP], 0.0)?, slope([0.0; 2], STEP)?];
+        let replicates = own.iter().map(|spectrum| spectrum.replicates.clone()).collect();
+        Ok(Response { values: own.into_iter().map(|spectrum| spectrum.values).collect(), slopes, replicates })
+    }
+}
+
+fn slopes(own: &SpectrumEstimate, moved: &SpectrumEstimate) -> Vec<f64> {
+    own.values.iter().zip(&moved.values).map(|(a, b)| (b - a) / STEP).collect()
+}
+
+/// A study with all thicknesses times `factor`; its packings stay those of the study.
+fn thicker(study: &Study, factor: f64) -> Study {
+    let mut thicker = study.clone();
+    thicker.layer.thickness_um *= factor;
+    thicker.variation.thickness_std_um *= factor;
+    thicker
+}
+
+/// What an instrument reads of a layer on its card.
+///
+/// # Errors
+/// The card and the layer trap all light.
+pub fn spectrum(ink: &InkOnPaper, drawdown: &Drawdown) -> Result<SpectrumEstimate, InkError> {
+    let paper = &drawdown.study.paper;
+    let ink = ink.on(&Substrate { albedo: paper.albedo.clone(), coupling: paper.coupling })?;
+    let normal = ink.at(0.0)?;
+    Ok(match drawdown.geometry {
+        FitGeometry::UniformSky => ink.spectrum(|layer| layer.natural_light(&normal, MirroredSky::Included)),
+        FitGeometry::Sphere => {
+            let view = ink.at(SPHERE_DEG)?;
+            ink.spectrum(|layer| layer.albedo(&view))
+        }
+        FitGeometry::LitAt45 => {
+            let lit = ink.at(PRINT_DEG)?;
+            ink.spectrum(|layer| PI * layer.brdf(&lit, &normal))
+        }
+    })
+}

@@ -1,0 +1,318 @@
+//! Carries a fit out: table, search, Gauss–Newton, errors.
+
+mod data;
+mod outcome;
+
+pub use outcome::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, Trust};
+
+use super::law::LinearFit;
+use super::load::{Drawdown, FitTask};
+use super::prior::IndexPrior;
+use super::response::Origin;
+use super::start::{Surface, paths};
+use crate::evaluate::seen::NoInk;
+use crate::input::study::Study;
+use crate::run::collected::{RunSettings, Stores};
+use crate::run::error::RunError;
+use crate::run::resolve::{Resolved, resolve};
+use crate::run::tangents::{Linearised, TangentRecord, Tangents};
+use crate::run::watch::RunWatch;
+use crate::solve::accuracy::grid_error::GridError;
+use crate::store::Store;
+use crate::store::folder::OutputFolder;
+use crate::wave::Scene;
+use data::Data;
+use faer::Mat;
+use num_complex::Complex64;
+use thiserror::Error;
+
+/// Cells of the coarse table.
+const TABLE_CELLS: usize = 2;
+/// Linearisations on all cells: at least, and at most.
+const LINEARISATIONS: [usize; 2] = [2, 4];
+/// A step that moves the data by less than this share of the noise is the last one.
+const SMALL_STEP: f64 = 0.5;
+/// Largest change of n in one step.
+const LARGEST_STEP: f64 = 0.15;
+/// Strength before any is chosen.
+const FIRST_STRENGTH: f64 = 0.06;
+/// Iterations on the table, and halvings of a step that leads uphill.
+const ITERATIONS: usize = 12;
+const HALVINGS: usize = 5;
+/// Error of the table's values, of its few cells and of the interpolation.
+const TABLE_ERROR: f64 = 0.006;
+
+/// Why there is no fit.
+#[derive(Debug, Error)]
+pub enum FitError {
+    /// A solve, packing or grid.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The layers on their cards give no spectra.
+    #[error("the layers on their cards give no spectra: {0}")]
+    NoInk(#[from] NoInk),
+    /// A covariance is not positive definite: rounding of extreme numbers.
+    #[error(
+        "the least squares have no solution: take noise of at least 0.0001 and wavelengths further apart"
+    )]
+    Singular,
+}
+
+/// Solves (with their derivatives) of a fit: table, linearisations at most, predictions.
+pub fn points(task: &FitTask) -> [usize; 3] {
+    let each = |coats: &[Study]| coats.iter().map(Study::solves_each).sum::<usize>();
+    let cells = task.coats[0].realisations;
+    let measured = each(&task.coats[..task.coats_measured]);
+    let table = measured * Surface::indices(task).len() * TABLE_CELLS.min(cells);
+    let predicted = if task.predicted.is_empty() { 0 } else { each(&task.coats) * cells };
+    [table, measured * cells * LINEARISATIONS[1], predicted]
+}
+
+/// A fit in progress.
+pub struct FitRun<'a> {
+    task: &'a FitTask,
+    cells: Vec<Tangents<'a>>,
+    resolved: Vec<Resolved>,
+    watch: &'a dyn RunWatch,
+}
+
+/// What a fit keeps its solves in.
+pub struct FitStores {
+    stores: Stores,
+    tangents: Store<TangentRecord>,
+}
+
+impl FitStores {
+    /// The stores of a folder.
+    ///
+    /// # Errors
+    /// They cannot be opened.
+    pub fn open(folder: &OutputFolder) -> Result<Self, RunError> {
+        let stores = Stores::open(folder)?;
+        folder.begin()?;
+        let tangents = Store::of(stores.grids.database());
+        Ok(Self { stores, tangents })
+    }
+}
+
+impl<'a> FitRun<'a> {
+    /// Chooses the grids and packs the cells of all layers.
+    ///
+    /// # Errors
+    /// No grid, no packing, or a stop.
+    pub fn new(
+        task: &'a FitTask,
+        stores: &'a FitStores,
+        settings: RunSettings,
+        watch: &'a dyn RunWatch,
+    ) -> Result<Self, RunError> {
+        let (mut cells, mut resolved) = (Vec::new(), Vec::new());
+        let [_, most] = task.settings.kappa;
+        let typical = Complex64::new(task.binder_index() + 0.2, 0.25 * most);
+        for coat in &task.coats {
+            let study = coat.with_index(task.pigment, &vec![typical; coat.wavelengths_nm.len()]);
+            let mut packings = crate::run::realisation::Packings::new(&study, watch);
+            let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
+            let found = resolve(&study, &stores.stores.grids, settings.memory, watch, scene);
+            let found = found.map_err(RunError::stopped)?;
+            cells.push(Tangents::new((&study, task.pigment), found, &stores.tangents, settings, watch)?);
+            resolved.push(found);
+        }
+        Ok(Self { task, cells, resolved, watch })
+    }
+
+    /// Solves all layers up to number `coats` at an index for every wavelength.
+    fn solved(&self, index: &[[f64; 2]], coats: usize, cells: usize) -> Result<Vec<Linearised>, RunError> {
+        let eta: Vec<Complex64> = index.iter().map(|&[n, k]| Complex64::new(n, k)).collect();
+        let of = |(coat, own): (&Study, &Tangents)| {
+            own.linearised(&coat.with_index(self.task.pigment, &eta), cells, self.watch)
+        };
+        self.task.coats.iter().zip(&self.cells).take(coats).map(of).collect()
+    }
+
+    /// Seconds of one solve with its derivatives, measured on a few.
+    ///
+    /// # Errors
+    /// As [`Tangents::linearised`].
+    pub fn trial(&self) -> Result<f64, RunError> {
+        let [n, kappa] = Surface::indices(self.task)[0];
+        let coat = &self.task.coats[0];
+        let eta = vec![Complex64::new(n, kappa); coat.wavelengths_nm.len()];
+        self.cells[0].trial(&coat.with_index(self.task.pigment, &eta), self.watch)
+    }
+
+    /// The fit.
+    ///
+    /// # Errors
+    /// A stop, a failure of the solves or of the least squares.
+    pub fn fit(&self) -> Result<FitOutcome, FitError> {
+        let (task, coats) = (self.task, self.task.coats_measured);
+        self.watch.stage("coarse table of n and κ");
+        let waves = task.wavelengths_nm().len();
+        let (mut solved, mut films) = (Vec::new(), Vec::new());
+        for eta in Surface::indices(task) {
+            let index = vec![eta; waves];
+            let linearised = self.solved(&index, coats, TABLE_CELLS)?;
+            solved.push(Origin::Solved(&linearised).response(task, &task.measured, &index, 0.0)?);
+            films.push(Origin::Film.response(task, &task.measured, &index, 0.0)?);
+        }
+        let surface = Surface::new(task, &solved, &films);
+        self.watch.stage("search over both branches of n");
+        let candidates = self.candidates(&surface)?;
+        let (best, others) = candidates.split_first().ok_or(FitError::Singular)?;
+        self.refine(best, others)
+    }
+
+    /// The prior of this fit.
+    fn prior(&self) -> IndexPrior {
+        let task = self.task;
+        let thickness = !task.settings.also.is_empty();
+        IndexPrior::new(task.settings.prior, task.wavelengths_nm(), task.binder_index(), thickness)
+    }
+
+    /// The branches that fit on the table, the best one first.
+    fn candidates(&self, surface: &Surface) -> Result<Vec<Branch>, FitError> {
+        let prior = self.prior();
+        let mut all = Vec::new();
+        for path in paths(self.task, surface)? {
+            let start = near(&prior, &path).ok_or(FitError::Singular)?;
+            all.push(self.settle(surface, &prior, start)?);
+        }
+        all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        Ok(all)
+    }
+
+    /// Gauss–Newton on the table, with the strength of the prior chosen by the evidence on the way.
+    fn settle(&self, surface: &Surface, prior: &IndexPrior, start: Vec<f64>) -> Result<Branch, FitError> {
+        let at = |unknowns: &[f64]| {
+            surface.response(self.task, &prior.index(unknowns), prior.log_thickness(unknowns))
+        };
+        let (mut unknowns, mut strength) = (start, FIRST_STRENGTH);
+        let mut response = at(&unknowns)?;
+        for round in 0..ITERATIONS {
+            let data = Data::new(self.task, prior, &response, &[TABLE_ERROR]);
+            if round >= ITERATIONS / 3 {
+                strength = data.strongest(prior, &unknowns).ok_or(FitError::Singular)?.0;
+            }
+            let step = data.step(prior, &unknowns, strength).ok_or(FitError::Singular)?;
+            let before = data.cost(prior, &unknowns, strength);
+            let mut share = 1.0;
+            let mut moved = None;
+            for _ in 0..HALVINGS {
+                let tried = between(&unknowns, &step.unknowns, share);
+                let response = at(&tried)?;
+                let cost =
+                    Data::new(self.task, prior, &response, &[TABLE_ERROR]).cost(prior, &tried, strength);
+                if cost < before {
+                    moved = Some((tried, response));
+                    break;
+                }
+                share *= 0.4;
+            }
+            let Some((next, there)) = moved else { break };
+            (unknowns, response) = (next, there);
+        }
+        let data = Data::new(self.task, prior, &response, &[TABLE_ERROR]);
+        let (_, step) = data.strongest(prior, &unknowns).ok_or(FitError::Singular)?;
+        Ok(Branch { unknowns, cost: -2.0 * step.log_evidence })
+    }
+
+    /// Gauss–Newton with solves on all cells.
+    fn refine(&self, best: &Branch, others: &[Branch]) -> Result<FitOutcome, FitError> {
+        let (task, prior) = (self.task, self.prior());
+        let mut unknowns = best.unknowns.clone();
+        let grid: Vec<f64> = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
+        let mut rounds = 0;
+        loop {
+            rounds += 1;
+            self.watch.stage(&format!("linearisation {rounds} on all cells"));
+            let index = prior.index(&unknowns);
+            let linearised = self.solved(&index, task.coats_measured, usize::MAX)?;
+            let source = Origin::Solved(&linearised);
+            let log = prior.log_thickness(&unknowns);
+            let response = source.response(task, &task.measured, &index, log)?;
+            let data = Data::new(task, &prior, &response, &grid);
+            let (strength, step) = data.strongest(&prior, &unknowns).ok_or(FitError::Singular)?;
+            let moved = data.moved(&unknowns, &step.unknowns) / task.settings.noise;
+            let share = share_of_step(&prior, &unknowns, &step.unknowns);
+            let last = share == 1.0 && moved < SMALL_STEP && rounds >= LINEARISATIONS[0];
+            if last || rounds == LINEARISATIONS[1] {
+                let alternative = others.iter().find(|other| other.cost < best.cost + outcome::AS_GOOD);
+                let alternative = alternative.map(|other| prior.index(&other.unknowns));
+                let fitted = outcome::Fitted {
+                    task,
+                    prior: &prior,
+                    data: &data,
+                    step: &step,
+                    strength,
+                    point: &unknowns,
+                };
+                let mut outcome = fitted.outcome(rounds, alternative, moved);
+                outcome.forecasts = self.forecasts(&outcome)?;
+                return Ok(outcome);
+            }
+            unknowns = between(&unknowns, &step.unknowns, share);
+        }
+    }
+
+    /// Error of a reflectance factor due to the grid: that of R, and that of T on both ways.
+    fn grid_error(&self, drawdown: &Drawdown) -> f64 {
+        let GridError { reflectance, transmittance } = self.resolved[drawdown.coat].grid_error;
+        let nm = self.task.wavelengths_nm();
+        let albedo = drawdown.study.paper.albedo.at(nm[nm.len() / 2]).unwrap_or(1.0);
+        reflectance.hypot(2.0 * albedo * transmittance)
+    }
+
+    /// The layers that are to be predicted, at the index found.
+    fn forecasts(&self, outcome: &FitOutcome) -> Result<Vec<Forecast>, FitError> {
+        let task = self.task;
+        if task.predicted.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.watch.stage("predictions of other layers");
+        let index: Vec<[f64; 2]> = outcome.index.iter().map(|row| [row.n, row.kappa]).collect();
+        let linearised = self.solved(&index, task.coats.len(), usize::MAX)?;
+        let source = Origin::Solved(&linearised);
+        let response = source.response(task, &task.predicted, &index, outcome.log_thickness)?;
+        let of = |(k, drawdown): (usize, &Drawdown)| Forecast::new(task, drawdown, &response, (k, outcome));
+        Ok(task.predicted.iter().enumerate().map(of).collect())
+    }
+}
+
+/// A branch that fits the data on the table.
+struct Branch {
+    unknowns: Vec<f64>,
+    /// Minus twice the logarithm of the evidence.
+    cost: f64,
+}
+
+/// The unknowns whose index is nearest to a path of \[n, κ\].
+fn near(prior: &IndexPrior, path: &[[f64; 2]]) -> Option<Vec<f64>> {
+    let (waves, count) = (path.len(), prior.len());
+    let rows = |i: usize| if i < waves { &prior.n[i] } else { &prior.kappa[i - waves] };
+    let jacobian = Mat::from_fn(2 * waves, count, |i, j| rows(i)[j]);
+    let own = |i: usize| rows(i).iter().zip(&prior.mean).map(|(a, x)| a * x).sum::<f64>();
+    let residual: Vec<f64> = (0..2 * waves).map(|i| path[i % waves][i / waves] - own(i)).collect();
+    let covariance = Mat::from_fn(2 * waves, 2 * waves, |i, j| if i == j { 4e-4 } else { 0.0 });
+    let problem = LinearFit {
+        jacobian: &jacobian,
+        residual: &residual,
+        covariance: &covariance,
+        point: &prior.mean,
+        mean: &prior.mean,
+        precision: &prior.precision(FIRST_STRENGTH),
+        positive: &prior.positive,
+    };
+    Some(problem.step()?.unknowns)
+}
+
+fn between(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect()
+}
+
+/// Share of a step that keeps the change of n within its limit.
+fn share_of_step(prior: &IndexPrior, from: &[f64], to: &[f64]) -> f64 {
+    let (from, to) = (prior.index(from), prior.index(to));
+    let largest = from.iter().zip(&to).map(|(a, b)| (b[0] - a[0]).abs()).fold(0.0, f64::max);
+    (LARGEST_STEP / largest.max(1e-12)).min(1.0)
+}

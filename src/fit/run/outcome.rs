@@ -1,0 +1,346 @@
+//! The numbers of a fit: the index with its errors, whether they can be trusted, and predictions.
+
+use super::data::{Data, few_cells, jackknife};
+use crate::appearance::colour::{Colorimeter, Colour};
+use crate::appearance::kubelka_munk::KubelkaMunk;
+use crate::fit::law::FitStep;
+use crate::fit::load::{Drawdown, FitTask};
+use crate::fit::prior::IndexPrior;
+use crate::fit::response::Response;
+use faer::Mat;
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// χ² of a branch above the best one's within which it fits as well (3 σ).
+pub(super) const AS_GOOD: f64 = 9.0;
+/// Differences of n between branches, and errors of n, from which n is not determined.
+const UNDETERMINED: f64 = 0.06;
+/// Standard errors of n that cover another branch.
+const COVERED: f64 = 2.0;
+/// Quantile of χ² beyond which the errors are not those stated.
+const UNLIKELY: f64 = 0.999;
+/// χ² per degree of freedom beyond which no error is stated.
+const REFUSED: f64 = 4.0;
+
+/// The index at one wavelength.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FittedIndex {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Real part.
+    pub n: f64,
+    /// Imaginary part.
+    pub kappa: f64,
+    /// Standard error of n; none where the data contradict the study.
+    pub n_error: Option<f64>,
+    /// Standard error of κ.
+    pub kappa_error: Option<f64>,
+    /// Correlation of both errors.
+    pub correlation: Option<f64>,
+}
+
+/// Whether the stated errors can be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Trust {
+    /// χ² is that of the stated noise.
+    Consistent,
+    /// χ² is larger; errors are multiplied by its root per degree of freedom.
+    Inflated,
+    /// χ² is so large that the study must be wrong: no errors.
+    Contradicted,
+}
+
+/// A measured spectrum beside the fitted one.
+#[derive(Clone, Debug, Serialize)]
+pub struct FittedSpectrum {
+    /// File and layer.
+    pub name: String,
+    /// Measured values.
+    pub measured: Vec<f64>,
+    /// Fitted values.
+    pub fitted: Vec<f64>,
+    /// Standard deviation of the difference.
+    pub sigma: Vec<f64>,
+}
+
+/// A layer predicted from the fitted index.
+#[derive(Clone, Debug, Serialize)]
+pub struct Forecast {
+    /// File and layer.
+    pub name: String,
+    /// Predicted reflectance factors.
+    pub values: Vec<f64>,
+    /// Their standard errors; the index's part is missing where it has none.
+    pub errors: Vec<f64>,
+    /// What Kubelka and Munk predict from two of the measured spectra of one layer.
+    pub kubelka_munk: Option<Vec<f64>>,
+    /// Measured values, where there are any.
+    pub measured: Option<Vec<f64>>,
+    /// ΔE₀₀ to the measured colour (D65, 2°).
+    pub delta_e_2000: Option<f64>,
+    /// ΔE₀₀ to the measured colour of what Kubelka and Munk predict.
+    pub delta_e_2000_kubelka_munk: Option<f64>,
+}
+
+/// The result of a fit.
+#[derive(Clone, Debug, Serialize)]
+pub struct FitOutcome {
+    /// Whether the errors can be trusted.
+    pub trust: Trust,
+    /// χ² of the data.
+    pub chi_squared: f64,
+    /// Number of data.
+    pub data: usize,
+    /// Unknowns that the data determine.
+    pub effective_unknowns: f64,
+    /// Size of the second differences of the prior, chosen by the evidence.
+    pub strength: f64,
+    /// Linearisations on all cells.
+    pub linearisations: usize,
+    /// Whether the data determine n.
+    pub n_is_determined: bool,
+    /// The index.
+    pub index: Vec<FittedIndex>,
+    /// Logarithm of the factor on the thicknesses; 0 where it is not fitted.
+    pub log_thickness: f64,
+    /// Standard error of it.
+    pub log_thickness_error: Option<f64>,
+    /// Root mean square change of n and κ if the thickness were 1 % larger.
+    pub per_percent_of_thickness: [f64; 2],
+    /// Measured and fitted spectra.
+    pub spectra: Vec<FittedSpectrum>,
+    /// Other layers.
+    pub forecasts: Vec<Forecast>,
+    /// What else is to be known.
+    pub remarks: Vec<String>,
+}
+
+/// The last linearisation of a fit.
+pub(super) struct Fitted<'a> {
+    pub task: &'a FitTask,
+    pub prior: &'a IndexPrior,
+    pub data: &'a Data,
+    pub step: &'a FitStep,
+    pub strength: f64,
+    pub point: &'a [f64],
+}
+
+impl Fitted<'_> {
+    pub fn outcome(
+        &self,
+        linearisations: usize,
+        alternative: Option<Vec<[f64; 2]>>,
+        moved: f64,
+    ) -> FitOutcome {
+        let data = self.data.residual.len();
+        let freedom = (data as f64 - self.step.effective).max(1.0);
+        let ratio = self.step.chi_squared / freedom;
+        let limit = ChiSquared::new(freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(UNLIKELY));
+        let trust = match () {
+            () if self.step.chi_squared <= limit => Trust::Consistent,
+            () if ratio <= REFUSED => Trust::Inflated,
+            () => Trust::Contradicted,
+        };
+        let covariance = self.step.covariance(&self.data.weights, &self.data.errors);
+        let factor = if trust == Trust::Inflated { ratio } else { 1.0 };
+        let index = self.index((trust != Trust::Contradicted).then_some((&covariance, factor)));
+        let errors = index.iter().filter_map(|row| row.n_error);
+        let count = errors.clone().count().max(1) as f64;
+        let rms = (errors.map(|e| e * e).sum::<f64>() / count).sqrt();
+        let apart = |other: &Vec<[f64; 2]>| {
+            let squares = other.iter().zip(&index).map(|(a, b)| (a[0] - b.n).powi(2));
+            (squares.sum::<f64>() / index.len() as f64).sqrt() > UNDETERMINED.max(COVERED * rms)
+        };
+        let branches = alternative.filter(apart);
+        let n_is_determined = rms < UNDETERMINED && branches.is_none();
+        let last = self.prior.len() - 1;
+        let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
+        let mut outcome = FitOutcome {
+            trust,
+            chi_squared: self.step.chi_squared,
+            data,
+            effective_unknowns: self.step.effective,
+            strength: self.strength,
+            linearisations,
+            n_is_determined,
+            log_thickness: self.prior.log_thickness(&self.step.unknowns),
+            log_thickness_error: thickness.filter(|_| trust != Trust::Contradicted),
+            per_percent_of_thickness: self.per_percent(),
+            spectra: self.spectra(),
+            index,
+            forecasts: Vec::new(),
+            remarks: Vec::new(),
+        };
+        outcome.remarks = remarks(&outcome, self.task, branches.as_deref(), (rms, moved));
+        outcome
+    }
+
+    fn index(&self, errors: Option<(&Mat<f64>, f64)>) -> Vec<FittedIndex> {
+        let values = self.prior.index(&self.step.unknowns);
+        let product = |a: &[f64], b: &[f64], covariance: &Mat<f64>| -> f64 {
+            let row = |i: usize| (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>();
+            a.iter().enumerate().map(|(i, a)| a * row(i)).sum()
+        };
+        let row = |(w, &wavelength_nm): (usize, &f64)| {
+            let [a, b] = [&self.prior.n[w], &self.prior.kappa[w]];
+            let of = |x: &[f64], y: &[f64]| errors.map(|(c, factor)| factor * product(x, y, c));
+            FittedIndex::new(wavelength_nm, values[w], [of(a, a), of(b, b), of(a, b)])
+        };
+        self.task.wavelengths_nm().iter().enumerate().map(row).collect()
+    }
+
+    /// Root mean square change of n and κ for 1 % more thickness.
+    fn per_percent(&self) -> [f64; 2] {
+        let change =
+            &self.step.gain * Mat::from_fn(self.data.residual.len(), 1, |i, _| 0.01 * self.data.thickness[i]);
+        let moved = |row: &Vec<f64>| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum::<f64>();
+        [&self.prior.n, &self.prior.kappa]
+            .map(|rows| (rows.iter().map(|row| moved(row).powi(2)).sum::<f64>() / rows.len() as f64).sqrt())
+    }
+
+    fn spectra(&self) -> Vec<FittedSpectrum> {
+        let waves = self.task.wavelengths_nm().len();
+        let left = self.data.left(self.point, &self.step.unknowns);
+        let of = |(d, drawdown): (usize, &Drawdown)| {
+            let places = d * waves..(d + 1) * waves;
+            let sigma = places.clone().map(|i| self.data.weights[(i, i)].sqrt()).collect();
+            FittedSpectrum::new(drawdown, &left[places], sigma)
+        };
+        self.task.measured.iter().enumerate().map(of).collect()
+    }
+}
+
+impl FittedSpectrum {
+    fn new(drawdown: &Drawdown, left: &[f64], sigma: Vec<f64>) -> Self {
+        let measured = drawdown.values.clone().unwrap_or_default();
+        let fitted = measured.iter().zip(left).map(|(m, left)| m - left).collect();
+        Self { name: drawdown.name.clone(), measured, fitted, sigma }
+    }
+}
+
+impl FittedIndex {
+    fn new(wavelength_nm: f64, [n, kappa]: [f64; 2], [nn, kk, nk]: [Option<f64>; 3]) -> Self {
+        let root = |variance: Option<f64>| variance.map(|v| v.max(0.0).sqrt());
+        let (n_error, kappa_error) = (root(nn), root(kk));
+        let correlation = nk.zip(n_error.zip(kappa_error)).map(|(nk, (a, b))| nk / (a * b).max(1e-300));
+        Self { wavelength_nm, n, kappa, n_error, kappa_error, correlation }
+    }
+}
+
+fn remarks(
+    outcome: &FitOutcome,
+    task: &FitTask,
+    branches: Option<&[[f64; 2]]>,
+    (n_error, moved): (f64, f64),
+) -> Vec<String> {
+    let mut all = Vec::new();
+    let ratio = outcome.chi_squared / (outcome.data as f64 - outcome.effective_unknowns).max(1.0);
+    match outcome.trust {
+        Trust::Consistent => {}
+        Trust::Inflated => all.push(format!(
+            "χ² is {:.0} for {} data, {ratio:.1} per degree of freedom: something in the study is slightly wrong, or the noise is larger \
+             than fit.noise = {}; all errors are multiplied by {:.1}",
+            outcome.chi_squared, outcome.data, task.settings.noise, ratio.sqrt()
+        )),
+        Trust::Contradicted => all.push(format!(
+            "χ² is {:.0} for {} data, {ratio:.0} per degree of freedom: no index fits these spectra, so no errors are stated. Check thickness \
+             (a thickness 10 % wrong does this to an even layer; also = [\"thickness\"] fits it), its spread, the backings' albedos, the \
+             binder's index, coupling and geometry",
+            outcome.chi_squared, outcome.data
+        )),
+    }
+    if let Some(other) = branches {
+        let mean = other.iter().map(|row| row[0]).sum::<f64>() / other.len() as f64;
+        all.push(format!(
+            "n is not determined: another branch with n ≈ {mean:.2} on the mean fits as well; a second backing or another loading tells them apart"
+        ));
+    } else if !outcome.n_is_determined {
+        all.push(format!(
+            "n is not determined: its standard error is {n_error:.2} (root mean square); measure the layer on black card as well, or another loading"
+        ));
+    }
+    let [dn, dk] = outcome.per_percent_of_thickness;
+    if task.settings.also.is_empty() {
+        all.push(format!(
+            "1 % more thickness than stated would change n by {dn:.3} and κ by {dk:.4} (root mean square)"
+        ));
+    } else if let Some(error) = outcome.log_thickness_error {
+        let percent = 100.0 * (outcome.log_thickness.exp() - 1.0);
+        all.push(format!(
+            "thickness: {percent:+.1} ± {:.1} % of what the study states; it is confounded with n, of which fringes know the product alone",
+            100.0 * error
+        ));
+    }
+    if moved > super::SMALL_STEP && outcome.linearisations == super::LINEARISATIONS[1] {
+        all.push(format!(
+            "the last step still moved the spectra by {moved:.1} of the noise: the fit has not settled"
+        ));
+    }
+    all.push("the size of the grains is taken as stated: spectra of this kind hardly contain it".into());
+    all
+}
+
+impl Forecast {
+    /// Drawdown number `k` of the predicted ones.
+    pub(super) fn new(
+        task: &FitTask,
+        own: &Drawdown,
+        response: &Response,
+        (k, fit): (usize, &FitOutcome),
+    ) -> Self {
+        let error = |w: usize| forecast_error(response, k, w, &fit.index[w]);
+        let values = response.values[k].clone();
+        let kubelka_munk = kubelka_munk(task, own);
+        let colour = |values: &[f64]| -> Option<Colour> {
+            Colorimeter::new(task.wavelengths_nm()).ok()?.colour(values).ok()
+        };
+        let apart = |values: Option<&Vec<f64>>| {
+            let own = colour(own.values.as_ref()?)?;
+            Some(colour(values?)?.delta_e_2000(&own).value)
+        };
+        Self {
+            name: own.name.clone(),
+            errors: (0..values.len()).map(error).collect(),
+            delta_e_2000: apart(Some(&values)),
+            delta_e_2000_kubelka_munk: apart(kubelka_munk.as_ref()),
+            kubelka_munk,
+            measured: own.values.clone(),
+            values,
+        }
+    }
+}
+
+/// Standard error of a predicted value: the few cells, and the index.
+fn forecast_error(response: &Response, k: usize, w: usize, row: &FittedIndex) -> f64 {
+    let replicates = &response.replicates[k];
+    let ensemble = few_cells(replicates.len()) * jackknife(replicates, replicates, w, w);
+    let [dn, dk] = [0, 1].map(|i| response.slopes[i][k][w]);
+    let [a, b] = [row.n_error, row.kappa_error].map(Option::unwrap_or_default);
+    let common = 2.0 * dn * dk * a * b * row.correlation.unwrap_or(0.0);
+    (ensemble + ((dn * a).powi(2) + (dk * b).powi(2) + common).max(0.0)).sqrt()
+}
+
+/// Kubelka and Munk's prediction: K and S of a layer measured in the same geometry on two backings,
+/// in proportion to the share and the thickness.
+fn kubelka_munk(task: &FitTask, own: &Drawdown) -> Option<Vec<f64>> {
+    let alike = |d: &&Drawdown| d.geometry == own.geometry;
+    let mut pairs = task.measured.iter().filter(alike);
+    let albedo = |d: &Drawdown, nm: f64| d.study.paper.albedo.at(nm).ok();
+    let middle = task.wavelengths_nm()[task.wavelengths_nm().len() / 2];
+    let lighter = |one: &Drawdown, other: &Drawdown| {
+        other.coat == one.coat && albedo(other, middle) > albedo(one, middle)
+    };
+    let others = |one: &Drawdown| task.measured.iter().filter(alike).find(|other| lighter(one, other));
+    let (dark, light) = pairs.find_map(|one| Some((one, others(one)?)))?;
+    let [share, own_share] = [dark, own].map(|d| d.study.pigments[task.pigment].grains.volume_fraction);
+    let [thick, own_thick] = [dark, own].map(|d| d.study.layer.thickness_um);
+    let at = |(w, &nm): (usize, &f64)| {
+        let pair = [dark, light].map(|d| Some([albedo(d, nm)?, d.values.as_ref()?[w]]));
+        let km = KubelkaMunk::from_backings(pair[0]?, pair[1]?, thick)?;
+        Some(km.over(albedo(own, nm)?, own_thick * own_share / share))
+    };
+    // no number where no layer has such a pair of reflectances
+    let value = |place: (usize, &f64)| at(place).unwrap_or(f64::NAN);
+    Some(task.wavelengths_nm().iter().enumerate().map(value).collect())
+}

@@ -1,0 +1,220 @@
+//! The start of a fit: a global search on a coarse table.
+//!
+//! Scattering grows as (n − n_binder)², so that without fringes two branches of n fit, and
+//! Gauss–Newton stalls between them. A table of solves with derivatives at a few (n, √κ) gives the
+//! differences from the coherent film everywhere, and dynamic programming over the wavelengths
+//! finds the smooth path of n and κ that fits best, on both branches and on each alone. √κ is the
+//! variable in which reflectance is smooth near κ = 0.
+
+use super::load::FitTask;
+use super::response::{Origin, Response, Spectra};
+use crate::evaluate::seen::NoInk;
+use rayon::prelude::*;
+
+/// Nodes of the table in n, and values of √(κ/κ_max) in κ.
+const NODES_N: usize = 4;
+const NODES_ROOT: [f64; 3] = [0.1, 0.4, 1.0];
+/// Grid of the search in n and in √κ.
+const SEARCH: [usize; 2] = [33, 25];
+/// Error of the table, of its few cells and of the interpolation.
+const TABLE_ERROR: f64 = 0.008;
+/// Expected change of n and κ over 20 nm.
+const CHANGE: f64 = 0.04;
+
+/// Differences from the film at the nodes: drawdown → wavelength → n → √κ → \[value, d/dn, d/d√κ\].
+pub struct Surface {
+    n: Vec<f64>,
+    roots: Vec<f64>,
+    nodes: Vec<Vec<Vec<Vec<[f64; 3]>>>>,
+}
+
+impl Surface {
+    /// Indices at which solves are needed, for each wavelength the same.
+    pub fn indices(task: &FitTask) -> Vec<[f64; 2]> {
+        let (n, roots) = Self::axes(task);
+        n.iter().flat_map(|&n| roots.iter().map(move |root| [n, root * root])).collect()
+    }
+
+    fn axes(task: &FitTask) -> (Vec<f64>, Vec<f64>) {
+        let ([from, to], [_, most]) = (task.settings.n, task.settings.kappa);
+        let n = (0..NODES_N).map(|i| from + (to - from) * i as f64 / (NODES_N - 1) as f64).collect();
+        (n, NODES_ROOT.iter().map(|share| share * most.sqrt()).collect())
+    }
+
+    /// The table, from the responses at [`Surface::indices`] and those of the film there.
+    pub fn new(task: &FitTask, solved: &[Response], films: &[Response]) -> Self {
+        let (n, roots) = Self::axes(task);
+        let (drawdowns, waves) = (task.measured.len(), task.wavelengths_nm().len());
+        let node = |d: usize, w: usize, i: usize, j: usize| {
+            let (own, film) = (&solved[i * roots.len() + j], &films[i * roots.len() + j]);
+            let slope = |k: usize| own.slopes[k][d][w] - film.slopes[k][d][w];
+            [own.values[d][w] - film.values[d][w], slope(0), 2.0 * roots[j] * slope(1)]
+        };
+        let along = |d: usize, w: usize, i: usize| (0..roots.len()).map(|j| node(d, w, i, j)).collect();
+        let table = |d: usize, w: usize| (0..n.len()).map(|i| along(d, w, i)).collect();
+        let of = |d: usize| (0..waves).map(|w| table(d, w)).collect();
+        Self { nodes: (0..drawdowns).map(of).collect(), n, roots }
+    }
+
+    /// The difference of a drawdown from its film at an index, with d/dn and d/dκ.
+    pub fn at(&self, drawdown: usize, wave: usize, [n, kappa]: [f64; 2]) -> [f64; 3] {
+        let root = kappa.max(1e-12).sqrt();
+        let (j, s) = place(&self.roots, root);
+        let ds = self.roots[j + 1] - self.roots[j];
+        let [lower, upper] = [j, j + 1].map(|j| self.row(&self.nodes[drawdown][wave], j, n));
+        let [mut value, mut across] = hermite([lower[0], upper[0]], [lower[2], upper[2]], s, ds);
+        let [along, _] = hermite([lower[1], upper[1]], [lower[3], upper[3]], s, ds);
+        if root < self.roots[0] {
+            across = lower[2];
+            value += across * (root - self.roots[0]);
+        }
+        [value, along, across / (2.0 * root.max(0.25 * self.roots[0]))]
+    }
+
+    /// At one node of √κ: value, d/dn, d/d√κ and the derivative of that along n.
+    fn row(&self, table: &[Vec<[f64; 3]>], j: usize, n: f64) -> [f64; 4] {
+        let (i, t) = place(&self.n, n);
+        let dn = self.n[i + 1] - self.n[i];
+        let [a, b] = [table[i][j], table[i + 1][j]];
+        let [value, along] = hermite([a[0], b[0]], [a[1], b[1]], t, dn);
+        [value, along, a[2] + t * (b[2] - a[2]), (b[2] - a[2]) / dn]
+    }
+
+    /// Reflectances with derivatives at an index for every wavelength: the exact film and these
+    /// differences.
+    ///
+    /// # Errors
+    /// The film on its card gives no spectrum.
+    pub fn response(&self, task: &FitTask, index: &[[f64; 2]], log: f64) -> Result<Response, NoInk> {
+        let mut response = Origin::Film.response(task, &task.measured, index, log)?;
+        for d in 0..task.measured.len() {
+            for (w, &eta) in index.iter().enumerate() {
+                let [value, along, across] = self.at(d, w, eta);
+                response.values[d][w] += value;
+                response.slopes[0][d][w] += along;
+                response.slopes[1][d][w] += across;
+            }
+        }
+        Ok(response)
+    }
+}
+
+/// The interval of a rising list that a value lies in, and its place there, 0 to 1.
+fn place(list: &[f64], x: f64) -> (usize, f64) {
+    let i = (list.partition_point(|&own| own <= x).max(1) - 1).min(list.len() - 2);
+    (i, ((x - list[i]) / (list[i + 1] - list[i])).clamp(0.0, 1.0))
+}
+
+/// Cubic through values with derivatives at both ends of an interval of length `h`: value and
+/// derivative at the place t.
+fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], t: f64, h: f64) -> [f64; 2] {
+    let (slope, s) = ((b - a) / h, 1.0 - t);
+    let value = a * s + b * t + h * t * s * ((da - slope) * s - (db - slope) * t);
+    let derivative = slope + (da - slope) * s * (s - 2.0 * t) + (db - slope) * t * (t - 2.0 * s);
+    [value, derivative]
+}
+
+/// The search's grid of \[n, κ\], n first.
+fn grid(task: &FitTask) -> Vec<[f64; 2]> {
+    let ([from, to], [_, most]) = (task.settings.n, task.settings.kappa);
+    let share = |i: usize, axis: usize| i as f64 / (SEARCH[axis] - 1) as f64;
+    let n = |i: usize| from + (to - from) * share(i, 0);
+    let kappa = |j: usize| most * share(j, 1).powi(2);
+    (0..SEARCH[0]).flat_map(|i| (0..SEARCH[1]).map(move |j| [n(i), kappa(j)])).collect()
+}
+
+/// Paths of n and κ over the wavelengths that fit best: on both branches together, below and above
+/// the binder's index.
+///
+/// # Errors
+/// The film gives no spectrum at any index.
+pub fn paths(task: &FitTask, surface: &Surface) -> Result<Vec<Vec<[f64; 2]>>, NoInk> {
+    let waves = task.wavelengths_nm().len();
+    let states = grid(task);
+    let film = |eta: &[f64; 2]| -> Option<Spectra> {
+        let all = Origin::Film.values(task, &task.measured, &vec![*eta; waves], 0.0).ok()?;
+        Some(all.into_iter().map(|spectrum| spectrum.values).collect())
+    };
+    let films: Vec<Option<Spectra>> = states.par_iter().map(film).collect();
+    let variance = task.settings.noise.powi(2) + TABLE_ERROR.powi(2);
+    let miss = |w: usize, k: usize| -> f64 {
+        let Some(film) = &films[k] else { return f64::INFINITY };
+        let error = |d: usize| {
+            let measured = task.measured[d].values.as_ref().map_or(f64::NAN, |values| values[w]);
+            (film[d][w] + surface.at(d, w, states[k])[0] - measured).powi(2) / variance
+        };
+        (0..task.measured.len()).map(error).sum()
+    };
+    let costs: Vec<Vec<f64>> = (0..waves).map(|w| (0..states.len()).map(|k| miss(w, k)).collect()).collect();
+    let binder = task.binder_index();
+    let branches: [&(dyn Fn(f64) -> bool + Sync); 3] = [&|_| true, &|n| n <= binder, &|n| n >= binder];
+    let path = |branch: &(dyn Fn(f64) -> bool + Sync)| {
+        let allowed: Vec<usize> = (0..states.len()).filter(|&k| branch(states[k][0])).collect();
+        best_path(task.wavelengths_nm(), &states, &costs, &allowed)
+    };
+    Ok(branches.iter().filter_map(|branch| path(branch)).collect())
+}
+
+/// The cheapest path through the allowed states: misfit, and changes from wavelength to wavelength.
+fn best_path(
+    nm: &[f64],
+    states: &[[f64; 2]],
+    costs: &[Vec<f64>],
+    allowed: &[usize],
+) -> Option<Vec<[f64; 2]>> {
+    let mut sums: Vec<f64> = allowed.iter().map(|&k| costs[0][k]).collect();
+    let mut came: Vec<Vec<usize>> = Vec::new();
+    for w in 1..nm.len() {
+        let reach = CHANGE * (nm[w] - nm[w - 1]) / 20.0;
+        let from = |&k: &usize| -> (f64, usize) {
+            let step = |(a, &l): (usize, &usize)| {
+                let [x, y] = [0, 1].map(|i| (states[k][i] - states[l][i]) / reach);
+                (sums[a] + x * x + y * y, a)
+            };
+            let best = allowed.iter().enumerate().map(step).min_by(|a, b| a.0.total_cmp(&b.0));
+            best.unwrap_or((f64::INFINITY, 0))
+        };
+        let best: Vec<(f64, usize)> = allowed.par_iter().map(from).collect();
+        sums = best.iter().zip(allowed).map(|((sum, _), &k)| sum + costs[w][k]).collect();
+        came.push(best.into_iter().map(|(_, a)| a).collect());
+    }
+    let mut a = (0..allowed.len()).min_by(|&a, &b| sums[a].total_cmp(&sums[b]))?;
+    if !sums[a].is_finite() {
+        return None;
+    }
+    let mut path = vec![states[allowed[a]]];
+    for came in came.iter().rev() {
+        a = came[a];
+        path.push(states[allowed[a]]);
+    }
+    path.reverse();
+    Some(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubics_are_reproduced_with_their_derivative() {
+        let (f, d) = (|x: f64| 1.0 + x - 2.0 * x * x + x * x * x, |x: f64| 1.0 - 4.0 * x + 3.0 * x * x);
+        for t in [0.0, 0.3, 0.8, 1.0] {
+            let [value, derivative] = hermite([f(0.5), f(2.0)], [d(0.5), d(2.0)], t, 1.5);
+            let x = 0.5 + 1.5 * t;
+            assert!((value - f(x)).abs() < 1e-12 && (derivative - d(x)).abs() < 1e-12, "{t}");
+        }
+    }
+
+    #[test]
+    fn the_cheapest_path_is_found() {
+        let states: Vec<[f64; 2]> = (0..5).map(|k| [1.4 + 0.1 * f64::from(k), 0.1]).collect();
+        // the cheapest state of every wavelength is a lonely one; the smooth path costs less
+        let cost = |w: usize, k: usize| if k == 2 { 1.0 } else { [0.0, 9.0][usize::from(k != 4 * (w % 2))] };
+        let costs: Vec<Vec<f64>> = (0..4).map(|w| (0..5).map(|k| cost(w, k)).collect()).collect();
+        let nm = [400.0, 420.0, 440.0, 460.0];
+        let path = best_path(&nm, &states, &costs, &[0, 1, 2, 3, 4]).unwrap();
+        assert!(path.iter().all(|s| s[0] == 1.6), "{path:?}");
+        let low = best_path(&nm, &states, &costs, &[0, 1]).unwrap();
+        assert!(low.iter().all(|s| s[0] <= 1.5));
+    }
+}

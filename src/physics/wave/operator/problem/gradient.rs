@@ -1,0 +1,87 @@
+//! Derivatives of the operator M = A + V, and its transpose.
+//!
+//! M(η) u = b with b independent of the grains. The operator itself is differenced, not the
+//! solution: so the change of ⟨k²⟩, of the shape functions and of the folded harmonics is included.
+//! With J the exchange of every harmonic and its opposite, M(q)ᵀ = J M(−q) J: the transposed problem
+//! is the ordinary one of the opposite lateral direction.
+
+use super::Problem;
+use crate::wave::{Field, Incidence, Media, WaveError};
+use num_complex::Complex64;
+
+/// Step of the differences in an index: the error of four points is its fourth power, and rounding
+/// grows with its reciprocal.
+const STEP: f64 = 1e-3;
+
+impl Problem {
+    /// Product M u = (A + V) u, in the rows of nodes and bubbles.
+    pub fn applied(&self, u: &Field) -> Field {
+        let mut loads = Field::zeros(self.shape());
+        self.contrast_loads(u.view(), &mut loads);
+        self.mean.inverse.load(&mut loads);
+        loads + self.mean.apply(u, [&self.kappa[0], &self.kappa[1]])
+    }
+
+    /// Product (∂M/∂η) u for the index η = n + iκ of one medium, on four points around η.
+    ///
+    /// # Errors
+    /// A neighbouring index is refused, as by [`Problem::new`].
+    pub fn derivative(&self, u: &Field, medium: Medium) -> Result<Field, WaveError> {
+        let mut sum = Field::zeros(self.shape());
+        for direction in DIRECTIONS {
+            let moved = self.moved(medium, STEP * direction)?.applied(u);
+            sum.scaled_add(0.25 / (STEP * direction), &moved);
+        }
+        Ok(sum)
+    }
+
+    /// This problem with the index of one medium changed by `step`.
+    ///
+    /// # Errors
+    /// The index is refused, as by [`Problem::new`].
+    pub fn moved(&self, medium: Medium, step: Complex64) -> Result<Problem, WaveError> {
+        Problem::new(&self.coverage, &self.media.moved(medium, step), &self.incidence, self.choice)
+    }
+
+    /// The problem of the opposite lateral direction.
+    ///
+    /// # Errors
+    /// As [`Problem::new`].
+    pub fn reversed(&self) -> Result<Problem, WaveError> {
+        let azimuth_deg = self.incidence.azimuth_deg + 180.0;
+        let incidence = Incidence { azimuth_deg, ..self.incidence };
+        Problem::new(&self.coverage, &self.media, &incidence, self.choice)
+    }
+
+    /// J u: every harmonic takes the column of its opposite.
+    pub fn opposite(&self, u: &Field) -> Field {
+        let opposite = |&[m, n]: &[i32; 2]| self.harmonics.find(-m, -n);
+        let columns: Option<Vec<usize>> = self.harmonics.orders.iter().map(opposite).collect();
+        u.select(ndarray::Axis(1), &columns.expect("harmonics are symmetric about zero"))
+    }
+}
+
+/// Directions of four points around an index: the mean of f(η + s)/s over them is f′ up to s⁴.
+pub const DIRECTIONS: [Complex64; 4] =
+    [Complex64::ONE, Complex64::I, Complex64::new(-1.0, 0.0), Complex64::new(0.0, -1.0)];
+
+/// A medium of the layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Medium {
+    /// Number of a background, such as the binder.
+    Background(usize),
+    /// Number of an inclusion, such as a pigment.
+    Inclusion(usize),
+}
+
+impl Media {
+    /// These media with one index changed by `step`.
+    pub fn moved(&self, medium: Medium, step: Complex64) -> Media {
+        let mut moved = self.clone();
+        match medium {
+            Medium::Background(i) => moved.backgrounds[i] += step,
+            Medium::Inclusion(i) => moved.inclusions[i] += step,
+        }
+        moved
+    }
+}

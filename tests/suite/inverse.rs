@@ -1,0 +1,97 @@
+//! Files of fits and designs: what is wrong is said with its field and a remedy, before anything is solved.
+
+use inkwave::fit::load::load as load_fit;
+use inkwave::input::fault::StudyError;
+use std::path::Path;
+
+const INK: &str = "[layer]\nthickness_um = 1.0\nbinder.index = 1.5\n[[pigment]]\nname = \"a\"\ndiameter_nm = 200\n\
+                   volume_fraction = 0.2\nindex = { built_in = \"yellow\" }\n[light]\nwavelengths_nm = [500, 600]\n\
+                   [run]\nrealisations = 6\n";
+const CARD: &str = "wavelength_nm,reflectance\n400,0.5\n700,0.6\n";
+
+/// The faults that a reader finds in a file beside an ink and a spectrum.
+fn faults<T>(text: &str, card: &str, read: fn(&Path) -> Result<T, StudyError>) -> Vec<String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("inverse.toml");
+    for (name, content) in [("inverse.toml", text), ("ink.toml", INK), ("card.csv", card)] {
+        std::fs::write(folder.path().join(name), content).expect("written");
+    }
+    match read(&path) {
+        Ok(_) => Vec::new(),
+        Err(StudyError::Values { faults, .. }) => {
+            faults.iter().map(|fault| format!("{fault}; {}", fault.remedy)).collect()
+        }
+        Err(other) => vec![other.to_string()],
+    }
+}
+
+/// The one fault must name all these words.
+fn one_fault(found: &[String], words: &[&str]) {
+    assert_eq!(found.len(), 1, "{found:?}");
+    words.iter().for_each(|word| assert!(found[0].contains(word), "{word:?} is missing: {}", found[0]));
+}
+
+const FIT: &str = "base = \"ink.toml\"\n[[measured]]\nfile = \"card.csv\"\nbacking = 0.8\n";
+
+#[test]
+fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
+    assert_eq!(faults(FIT, CARD, load_fit), Vec::<String>::new());
+    let fit = |from: &str, to: &str| faults(&FIT.replace(from, to), CARD, load_fit);
+    one_fault(&fit("backing = 0.8\n", ""), &["measured[0].backing", "nothing", "0.85 for a white card"]);
+    one_fault(&fit("backing = 0.8", "backing = 1.8"), &["measured[0].backing", "1.8"]);
+    one_fault(&fit("card.csv", "none.csv"), &["measured[0].file", "none.csv"]);
+    one_fault(&fit("backing", "volume_fraction = 1.2\nbacking"), &["measured[0].volume_fraction", "1.2"]);
+    one_fault(&faults("base = \"ink.toml\"\n", CARD, load_fit), &["measured", "none", "white and on black"]);
+    let table = |text: &str| faults(&format!("{FIT}[fit]\n{text}\n"), CARD, load_fit);
+    one_fault(&table("pigment = \"b\""), &["fit.pigment", "\"b\"", "a"]);
+    one_fault(&table("noise = 0.0"), &["fit.noise", "0.003 is usual"]);
+    one_fault(&table("n = [2.0, 1.4]"), &["fit.n", "from < to"]);
+    let card = |rows: &str| faults(FIT, &format!("wavelength_nm,reflectance\n{rows}"), load_fit);
+    one_fault(&card(""), &["measured[0].file", "0 rows"]);
+    one_fault(&card("700,0.5\n400,0.6\n"), &["measured[0].file", "do not rise"]);
+    one_fault(&card("400,0.5\n700,1.3\n"), &["measured[0].file", "1.3", "unit"]);
+    one_fault(&card("400,50\n550,130\n700,60\n"), &["measured[0].file", "1.3 at 550 nm", "to 1.02"]);
+    one_fault(&card("450,0.5\n550,0.6\n"), &["measured[0].file", "450 to 550 nm", "500 to 600 nm"]);
+    // percent is recognised
+    assert_eq!(card("400,50\n700,60\n"), Vec::<String>::new());
+}
+
+const DESIGN: &str = "base = \"ink.toml\"\n[target]\nlab = [80, 0, 50]\n[[vary]]\nfield = \"pigment[0].volume_fraction\"\nfrom = 0.1\nto = 0.3\n";
+
+#[test]
+fn slips_in_designs_are_said_with_their_field_and_a_remedy() {
+    let read = inkwave::design::recipe::load;
+    assert_eq!(faults(DESIGN, CARD, read), Vec::<String>::new());
+    let design = |from: &str, to: &str| faults(&DESIGN.replace(from, to), CARD, read);
+    one_fault(&design("lab = [80, 0, 50]\n", ""), &["target", "neither lab nor file", "lab = [85, -10, 80]"]);
+    one_fault(&design("lab = [80, 0, 50]", "lab = [800, 0, 50]"), &["target", "800"]);
+    one_fault(&design("from = 0.1", "from = 0.5"), &["vary[0].from", "0.5 to 0.3", "exchange"]);
+    one_fault(&design("to = 0.3", "to = 1.3"), &["vary[0]", "1.3"]);
+    one_fault(&design("volume_fraction", "colour"), &["colour"]);
+    one_fault(&design("lab = [80, 0, 50]", "file = \"none.csv\""), &["target", "none.csv"]);
+    one_fault(&format_design("[design]\ndelta_e = 0.0\n"), &["design.delta_e", "0.5 is hard to see"]);
+    one_fault(&format_design("[design]\nvariants = 2\n"), &["design.variants", "2"]);
+}
+
+fn format_design(more: &str) -> Vec<String> {
+    faults(&format!("{DESIGN}{more}"), CARD, inkwave::design::recipe::load)
+}
+
+#[test]
+fn recipes_are_studies_and_ratios_divide_the_sum() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let second = INK.replace(
+        "[light]",
+        "[[pigment]]\nname = \"b\"\ndiameter_nm = 200\nvolume_fraction = 0.1\nindex = { built_in = \"blue\" }\n[light]",
+    );
+    let text = format!("{DESIGN}[[vary]]\nratio = [\"a\", \"b\"]\nfrom = 0.2\nto = 0.8\n");
+    for (name, content) in [("inverse.toml", &text), ("ink.toml", &second)] {
+        std::fs::write(folder.path().join(name), content).expect("written");
+    }
+    let task = inkwave::design::recipe::load(&folder.path().join("inverse.toml")).expect("sound");
+    let study = task.study(&[1.0, 0.0]).expect("sound");
+    let shares = [0, 1].map(|i| study.pigments[i].grains.volume_fraction);
+    // 0.3 and 0.1 in the ratio 0.2 : 0.8
+    assert!((shares[0] - 0.08).abs() < 1e-12 && (shares[1] - 0.32).abs() < 1e-12, "{shares:?}");
+    assert_eq!(task.lab, [80.0, 0.0, 50.0]);
+}
