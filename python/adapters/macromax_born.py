@@ -1,4 +1,4 @@
-"""Adapter of MacroMax: modified Born series on voxels. The knob is the number of voxels per µm, 25 without one."""
+"""Adapter of MacroMax: modified Born series on voxels. The knob is the number of voxels per µm, 40 without one."""
 
 import macromax
 import numpy as np
@@ -12,7 +12,7 @@ RESIDUAL = 1e-4
 
 
 def solve(case):
-    volume = Volume(case, 1.0 / (case.knob or 25.0))
+    volume = Volume(case, 1.0 / (case.knob or 40.0))
     if case.n[0] != case.n[1] and max(case.n[0].imag, case.n[1].imag) > 0:
         raise Refusal("absorbing half-spaces")
     permittivity = volume.permittivity()

@@ -1,4 +1,4 @@
-"""Adapter of meanas: finite differences in the frequency domain. The knob is the number of cells per µm, 20 without one."""
+"""Adapter of meanas: finite differences in the frequency domain. The knob is the number of cells per µm, 80 without one."""
 
 import numpy as np
 from common import Refusal, main, program
@@ -19,7 +19,7 @@ PLACES = ((0.0, -0.5, -0.5), (-0.5, 0.0, -0.5), (-0.5, -0.5, 0.0))
 def solve(case):
     if case.wave == "scalar":
         raise Refusal("Maxwell's equations only")
-    volume = Volume(case, 1.0 / (case.knob or 20.0))
+    volume = Volume(case, 1.0 / (case.knob or 80.0))
     if len(volume.x) * len(volume.y) * (len(volume.z) + 2 * ABSORBER) * 3 > MOST:
         raise Refusal(f"more than {MOST} unknowns: the factorisation does not fit")
     pad = ((0, 0), (0, 0), (ABSORBER, ABSORBER))

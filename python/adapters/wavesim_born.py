@@ -1,4 +1,4 @@
-"""Adapter of WaveSim: convergent Born iteration on voxels. The knob is the number of voxels per µm, 25 without one."""
+"""Adapter of WaveSim: convergent Born iteration on voxels. The knob is the number of voxels per µm, 30 without one."""
 
 from common import Refusal, main, program
 import numpy as np
@@ -12,7 +12,7 @@ RESIDUAL = 1e-4
 
 
 def solve(case):
-    volume = Volume(case, 1.0 / (case.knob or 25.0))
+    volume = Volume(case, 1.0 / (case.knob or 30.0))
     permittivity = volume.permittivity().astype(np.complex64)
     if (permittivity.real < 0).any():
         raise Refusal("metals: the iteration would not converge")

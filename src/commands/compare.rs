@@ -97,8 +97,7 @@ fn checked(args: &CompareArgs) -> Result<()> {
             Err(miette::miette!(help = remedies, "{} has a slip: {names}", program.name))
         }
         ConformityVerdict::Unknown => {
-            let help =
-                "no usual slip explains the answers; `inkwave schema external --annotated` describes them";
+            let help = "no usual slip explains the answers: a finer --knob where errors are small; `inkwave schema external --annotated` describes them";
             Err(miette::miette!(help = help, "{} does not conform", program.name))
         }
         ConformityVerdict::Silent => {
