@@ -1,5 +1,6 @@
 //! Small studies run as a user runs them, for claims about whole results.
 
+use inkwave::evaluate::composed::report::report;
 use inkwave::evaluate::manifest::Manifest;
 use inkwave::evaluate::seen::{Seen, see};
 use inkwave::evaluate::summary::summarise;
@@ -10,6 +11,7 @@ use inkwave::solve::accuracy::grid_error::GridError;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::alone::run_study;
+use inkwave::sweep::portions::run_portions;
 use serde_json::Value;
 use std::path::Path;
 
@@ -44,6 +46,14 @@ pub fn with_and_without_the_grid(text: &str, folder: &Path) -> [Value; 2] {
     let mut apart = whole.clone();
     apart.resolved.grid_error = GridError::default();
     [whole, apart].map(|collected| told(&study, &collected).results)
+}
+
+/// `results.json` of a composed layer.
+pub fn composed(text: &str) -> Value {
+    let (study, folder) = (checked(text), tempfile::tempdir().expect("a temporary folder"));
+    let output = OutputFolder::open(folder.path(), Holds::Study).expect("a folder for the study");
+    let solved = run_portions(&study, &output, RunSettings::default(), &()).expect("slabs that run");
+    serde_json::to_value(report(&study, &solved).expect("complete slabs")).expect("JSON")
 }
 
 fn checked(text: &str) -> Study {

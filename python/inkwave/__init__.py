@@ -1,6 +1,7 @@
 """Predicts what a printer-ink or paint layer looks like: the program `inkwave`, called from Python.
 
-Every function runs the program that the wheel has installed, so the numbers are those of the command line.
+Every function runs the program, so the numbers are those of the command line. It works without a wheel: with this folder on
+the path (`PYTHONPATH=python`), the program on the PATH or named by $INKWAVE, and NumPy.
 """
 
 import csv
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["InkwaveError", "Ink", "export", "program", "read", "run", "solve"]
+__all__ = ["InkwaveError", "Ink", "compare", "export", "pack", "program", "read", "run", "solve", "sweep"]
 
 
 class InkwaveError(RuntimeError):
@@ -31,7 +32,7 @@ def program() -> str:
     for candidate in [os.environ.get("INKWAVE"), *own, shutil.which("inkwave")]:
         if candidate and os.path.exists(candidate):
             return candidate
-    raise InkwaveError("the program inkwave is not installed: pip install inkwave")
+    raise InkwaveError("the program inkwave is not found: name it by $INKWAVE, or install the wheel (python/README.md)")
 
 
 def _call(*arguments, show=False) -> str:
@@ -87,6 +88,44 @@ def run(study, output, jobs=None) -> pathlib.Path:
     return pathlib.Path(output)
 
 
+def pack(study, output, realisations=None) -> list:
+    """Packs a study without solving: the grains of each packing, one dictionary of arrays for each realisation.
+
+    `center_um` (x, y, z), `radius_um`, `pigment` (its place in the study's list) and `grain` (the rigid body) have one
+    entry for each sphere.
+    """
+    more = [] if realisations is None else ["--realisations", realisations]
+    _call("pack", study, "--output", output, *more, show=True)
+    tables = [_table(path) for path in sorted(pathlib.Path(output).glob("grains_*.csv"))]
+    return [{"center_um": np.column_stack([t["x_um"], t["y_um"], t["z_um"]]), **t} for t in tables]
+
+
+def sweep(file, output, jobs=None) -> dict:
+    """Runs or resumes a sweep, showing progress; the columns of `sweep.csv`, one row for each variant."""
+    _call("sweep", file, "--output", output, *([] if jobs is None else ["--jobs", jobs]), show=True)
+    return _table(pathlib.Path(output) / "sweep.csv")
+
+
+def compare(file, output) -> dict:
+    """Runs a comparison of strategies and programs; the columns of `comparison.csv`, one row for each solve."""
+    _call("compare", file, "--output", output, show=True)
+    return _table(pathlib.Path(output) / "comparison.csv")
+
+
+def _table(path) -> dict:
+    """Columns of a CSV file: arrays of numbers, empty cells NaN, or of texts where a cell is no number."""
+    with open(path, newline="") as file:
+        names, *rows = csv.reader(file)
+
+    def column(cells):
+        try:
+            return np.array([float(cell) if cell else np.nan for cell in cells])
+        except ValueError:
+            return np.array(cells)
+
+    return {name: column([row[i] for row in rows]) for i, name in enumerate(names)}
+
+
 def export(folder, *formats, output=None) -> pathlib.Path:
     """Writes files for other programs, as `inkwave export` does: export(folder, "mitsuba", "cxf")."""
     _call("export", folder, "--to", ",".join(formats), *([] if output is None else ["--output", output]))
@@ -117,8 +156,5 @@ def read(folder) -> Ink:
         export(folder, "npz", output=scratch)
         with np.load(pathlib.Path(scratch) / "far-fields.npz") as arrays:
             far_fields = {name: arrays[name] for name in arrays.files}
-    with open(folder / "spectra.csv", newline="") as file:
-        rows = list(csv.reader(file))
-    numbers = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows[1:]])
-    spectra = {name: numbers[:, i] for i, name in enumerate(rows[0])}
+    spectra = _table(folder / "spectra.csv")
     return Ink(json.loads((folder / "results.json").read_text()), spectra, far_fields)

@@ -5,7 +5,9 @@ use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
+use inkwave::compare::check::{Conformity, TOLERANCE, Verdict, check};
 use inkwave::compare::experiment::{CompareError, ComparisonFile, ComparisonPlan};
+use inkwave::compare::external::ExternalTable;
 use inkwave::compare::row::Row;
 use inkwave::report::publish::PublishError;
 use inkwave::solve::{Registry, Step, Watch};
@@ -13,13 +15,21 @@ use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::Result;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Compare strategies, resolutions and discretisations on one geometry
+/// Compare strategies, discretisations and other programs on one geometry or several
 #[derive(Args)]
 pub struct CompareArgs {
     /// Comparison file (TOML); a study (TOML) or a case (JSON) is compared with the default lists
-    file: PathBuf,
+    #[arg(required_unless_present = "check")]
+    file: Option<PathBuf>,
+    /// Check a program of `[[external]]` instead: its answers for a film, a grating and a sphere,
+    /// and the usual slips by name
+    #[arg(long, value_name = "COMMAND", num_args = 1.., allow_hyphen_values = true, conflicts_with_all = ["file", "plan"])]
+    check: Vec<String>,
+    /// Value of the knob of the program under --check
+    #[arg(long, requires = "check", allow_negative_numbers = true)]
+    knob: Option<f64>,
     /// Output folder
     #[arg(short, long, default_value = "out/comparison")]
     output: PathBuf,
@@ -30,12 +40,13 @@ pub struct CompareArgs {
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> Result<()> {
-    let file = ComparisonFile::read(&args.file).map_err(report)?;
+    let Some(path) = &args.file else { return checked(args) };
+    let file = ComparisonFile::read(path).map_err(report)?;
     let registry = Registry::default();
     tell_unused(&file.unused());
     if args.plan {
         let ComparisonPlan { bodies, rows } = file.plan(&registry).map_err(report)?;
-        return say(format_args!("{}: {rows} solves on a layer of {bodies} bodies", args.file.display()));
+        return say(format_args!("{}: {rows} solves on a layer of {bodies} bodies", path.display()));
     }
     let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
     let output = output.going_on_with(this_command());
@@ -56,6 +67,44 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         help = "the page lists every reason",
         "no row has a result; the first reason: {reason}"
     ))
+}
+
+/// Wall time and memory of a program under check.
+const CHECK_SECONDS: f64 = 300.0;
+const CHECK_GB: f64 = 8.0;
+
+/// Checks a program and says what it found.
+fn checked(args: &CompareArgs) -> Result<()> {
+    let (command, knob) = (args.check.clone(), args.knob.into_iter().collect());
+    let (time_limit_s, memory_gb) = (CHECK_SECONDS, CHECK_GB);
+    let program = ExternalTable { name: command.join(" "), command, knob, time_limit_s, memory_gb };
+    let mut stop = StopWatch(super::stop::StopFlag::listen());
+    let Conformity { cases, verdict } = check(&program, Path::new(""), &mut stop).map_err(report)?;
+    for (case, result) in &cases {
+        match result {
+            Ok(error) if *error <= TOLERANCE => say(format_args!("{case}: agrees, error {error:.1e}"))?,
+            Ok(error) => say(format_args!("{case}: wrong, error {error:.1e}"))?,
+            Err(reason) => say(format_args!("{case}: {reason}"))?,
+        }
+    }
+    match verdict {
+        Verdict::Conforms => {
+            say(format_args!("{} conforms: every amplitude within {TOLERANCE}", program.name))
+        }
+        Verdict::Slips(slips) => {
+            let [names, remedies] =
+                [0, 1].map(|k| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or "));
+            Err(miette::miette!(help = remedies, "{} has a slip: {names}", program.name))
+        }
+        Verdict::Unknown => {
+            let help =
+                "no usual slip explains the answers; `inkwave schema external --annotated` describes them";
+            Err(miette::miette!(help = help, "{} does not conform", program.name))
+        }
+        Verdict::Silent => {
+            Err(miette::miette!(help = "it refuses all of them", "{} answered no case", program.name))
+        }
+    }
 }
 
 fn publish_report(error: PublishError) -> miette::Report {

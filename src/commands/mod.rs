@@ -3,6 +3,7 @@
 mod again;
 pub mod compare;
 pub mod completions;
+mod composed;
 pub mod design;
 pub mod diagnostics;
 pub mod export;

@@ -57,9 +57,13 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     if args.plan {
         let name = args.study.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
-        return tell_plan(&Sweep::of_one(&name, study), args.json, settings);
+        tell_plan(&Sweep::of_one(&name, study.clone()), args.json, settings)?;
+        return if args.json { Ok(()) } else { super::composed::offer(study, settings) };
     }
     let path = output_path(args, &study);
+    if study.layer.composed.is_some() {
+        return super::composed::run(&study, &path, settings);
+    }
     let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
     let folder = folder.going_on_with(this_command());
     if let Some(reason) = &study.angles.no_paper {

@@ -6,14 +6,15 @@ use super::solve_light::LightArgs;
 use super::solve_report;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
+use inkwave::export::operator::operator;
 use inkwave::input::case::Case;
-use inkwave::solve::accuracy::{Estimated, Task, suited_scheme};
+use inkwave::solve::accuracy::{Estimated, Solved, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_among};
 use inkwave::wave::{Mean, Precision, Resolution, Scheme, Wave};
 use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Plausible wavelengths of light, µm.
 const USUAL_UM: std::ops::RangeInclusive<f64> = 0.1..=20.0;
@@ -66,6 +67,10 @@ pub struct SolveArgs {
     /// `T` of an order are [re, im] of da/dη, from which da/dκ follows by the factor i.
     #[arg(long, value_enum, value_name = "FORM", num_args = 0..=1, default_missing_value = "json")]
     gradient: Option<GradientForm>,
+    /// Write grid, media, moments, right-hand side and solution as NumPy arrays (scalar wave):
+    /// python/apply_operator.py applies the operator to them
+    #[arg(long, value_name = "FILE.npz")]
+    export_operator: Option<PathBuf>,
     #[command(flatten)]
     light: LightArgs,
 }
@@ -123,6 +128,9 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     let wave = if args.wave == WaveName::Vector { Wave::Unpolarised } else { Wave::Scalar };
     let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
     let (solved, gradients) = estimate(args, &case, &coverages)?;
+    if let Some(path) = &args.export_operator {
+        export_operator(&solved, path)?;
+    }
     if args.gradient == Some(GradientForm::Text) {
         return say(gradients.iter().map(Gradient::text).collect::<String>().trim_end());
     }
@@ -137,6 +145,14 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     }
     say(format_args!("{report:#}"))?;
     Ok(())
+}
+
+/// Writes the discrete problem with its solution.
+fn export_operator(solved: &Estimated, path: &Path) -> Result<()> {
+    let Solved { system, solution } = &solved.solved[0];
+    let split = system.split().ok_or_else(|| miette::miette!("--export-operator needs the scalar wave"))?;
+    let bytes = operator(split, &solution.field, &solution.account).into_diagnostic()?;
+    std::fs::write(path, bytes).map_err(|e| miette::miette!("cannot write {}: {e}", path.display()))
 }
 
 /// Solves on the grid given, or searches for one; with the derivatives that were asked for.
@@ -183,6 +199,9 @@ fn short(number: f64) -> String {
 fn check(args: &SolveArgs) -> Result<()> {
     if let Some(tolerance) = args.tolerance.filter(|t| !(1e-15..1.0).contains(t)) {
         miette::bail!("--tolerance is {tolerance}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6");
+    }
+    if args.export_operator.is_some() && args.wave == WaveName::Vector {
+        miette::bail!("--export-operator writes the operator of the scalar wave: leave out --wave vector");
     }
     super::memory::bytes(args.memory_gb)?;
     Ok(())

@@ -17,7 +17,7 @@ use inkwave::sweep::outcome::Outcome;
 use inkwave::sweep::publish::{Publisher, Reported, publish};
 use inkwave::sweep::run::Scope;
 use inkwave::sweep::units::Shard;
-use inkwave::sweep::{Sweep, folder, load, plan, run as runner};
+use inkwave::sweep::{Sweep, composed, folder, load, plan, run as runner};
 use miette::{IntoDiagnostic, miette};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -74,6 +74,9 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     remarks.into_iter().for_each(note);
     let settings = super::memory::settings(args.jobs, args.memory_gb)?;
     let settings = RunSettings { retry_failed: args.retry_failed, ..settings };
+    if composed::is_composed(&sweep) {
+        return composed_sweep(&sweep, args, settings);
+    }
     if args.plan {
         return tell_plan(&sweep, args.json, settings);
     }
@@ -122,6 +125,35 @@ pub(super) fn tell_others(folder: &OutputFolder) -> miette::Result<()> {
         "Other processes are still working in {} and will write the report.",
         folder.path().display()
     ))
+}
+
+/// A sweep of composed layers: one after another, in this process.
+fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> miette::Result<()> {
+    if args.plan {
+        return tell_plan(&composed::slabs(sweep), args.json, settings);
+    }
+    if args.shard.is_some() || args.grids_only || args.grids.is_some() {
+        let help = "leave the option out; its studies can be run one by one, on several machines";
+        return Err(miette!(help = help, "sweeps of composed layers have no shards and no common grids"));
+    }
+    if let Some(other) = sweep.variants.iter().find(|v| v.study.layer.composed.is_none()) {
+        let help = "declare all variants composed, or none";
+        return Err(miette!(help = help, "variant {} is not composed, and others are", other.name));
+    }
+    let folder = OutputFolder::open(&output_path(args, None), Holds::Sweep).map_err(folder_report)?;
+    let folder = folder.going_on_with(this_command());
+    folder::write(sweep, &folder).map_err(folder_report)?;
+    let progress = Progress::new(StopFlag::listen());
+    let ended = composed::run(sweep, &folder, settings, &progress);
+    progress.finish();
+    let done = ended.map_err(run_report)?;
+    let page = composed::publish(sweep, &done, &folder).into_diagnostic()?;
+    say(format_args!("Report: {}", page.display()))?;
+    if done.len() < sweep.variants.len() {
+        let help = format!("to resume: {}", this_command());
+        return Err(miette!(help = help, "{} of {} layers are there", done.len(), sweep.variants.len()));
+    }
+    Ok(())
 }
 
 /// Opens the output folder, writes the sweep to it and applies `--retry-failed` and `--grids`.

@@ -10,17 +10,20 @@ mod rows;
 mod unused;
 
 pub use super::error::CompareError;
+pub use cases::CaseTable;
 pub use file::{ComparisonFile, GoalWritten, Points};
 pub use matrix::MatrixTable;
 
 use super::error::kept;
 use super::external::CaseAsked;
+use super::external::description::ProgramDescription;
+use super::external::judge::expected;
 use super::page::Comparison;
 use super::row::Row;
-use crate::solve::{Coverages, Registry, Solver, Watch};
+use crate::solve::{Registry, Solver, Watch};
 use cases::Subject;
 use means::absorbs;
-use reference::sized;
+use reference::{coverages, sized};
 use rows::Bench;
 
 /// Size of a comparison before it is run.
@@ -50,13 +53,13 @@ impl ComparisonFile {
         let subjects = self.subjects()?;
         let mut bodies = None;
         // Cases of one period have one packing.
-        for same in subjects.chunk_by(|a, b| a.period_um() == b.period_um()) {
-            let case = same[0].case()?;
+        for same in subjects.chunk_by(Subject::is_packed_like) {
+            let (case, wave) = (same[0].case()?, same[0].wave);
             if let Some(points) = self.listed() {
-                let schemes = self.schemes();
+                let schemes = self.schemes(wave);
                 let grids: Vec<_> =
                     points.iter().map(|points| sized(&case.scene, *points, schemes[0])).collect();
-                self.check_reference(&case, &grids)?;
+                self.check_reference(wave, &case, &grids)?;
             }
             bodies.get_or_insert(case.scene.bodies.len());
         }
@@ -65,14 +68,15 @@ impl ComparisonFile {
 
     /// Number of rows; errors of every case are found on the way.
     fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> Result<usize, CompareError> {
-        let grids = self.schemes().len() * self.listed().map_or(1, |points| points.len());
+        let grids = self.listed().map_or(1, |points| points.len());
         let mut rows = 0;
         for subject in subjects {
-            let absorbs = absorbs(&subject.media()?);
-            rows += strategies.iter().map(|(_, s)| self.means(&**s, absorbs).len()).sum::<usize>();
+            let (absorbs, schemes) = (absorbs(&subject.media()?), self.schemes(subject.wave).len());
+            let means = strategies.iter().map(|(_, s)| self.means(&**s, absorbs).len()).sum::<usize>();
+            rows += means * grids * schemes;
         }
         let programs = self.external.iter().map(|program| program.knobs().len()).sum::<usize>();
-        Ok(rows * grids + subjects.len() * programs)
+        Ok(rows + subjects.len() * programs)
     }
 
     /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can
@@ -100,20 +104,27 @@ impl ComparisonFile {
         let strategies = self.strategies(registry)?;
         let subjects = self.subjects()?;
         let asked = self.asked(&subjects, &strategies)?;
+        let mut programs = Vec::new();
+        for program in &self.external {
+            programs.push(program.described(self.folder(), watch)?);
+        }
         let mut rows = Vec::new();
         let mut keep = |row: Row| {
             told(&row);
             rows.push(row);
         };
-        let end = subjects.iter().try_for_each(|subject| self.on(subject, &strategies, watch, &mut keep));
+        let entrants = Entrants { strategies: &strategies, programs: &programs };
+        let end = subjects.iter().try_for_each(|subject| self.on(subject, &entrants, watch, &mut keep));
         Ok(Comparison {
             title: self.title.clone(),
             file: self.origin.clone(),
-            reference: subjects.first().map_or("", Subject::reference).into(),
+            reference: reference_of(&subjects).into(),
+            cases: subjects.iter().filter_map(Subject::shown).collect(),
             accuracy: self.searched(),
             goal: self.goal(),
             strategies: strategies.into_iter().map(|(name, _)| name).collect(),
             externals: self.external.iter().map(|program| program.name.clone()).collect(),
+            programs: programs.into_iter().map(Option::unwrap_or_default).collect(),
             registry: registry.names().map(String::from).collect(),
             asked,
             rows: kept(rows, end)?,
@@ -124,19 +135,20 @@ impl ComparisonFile {
     fn on(
         &self,
         subject: &Subject,
-        strategies: &[NamedStrategy],
+        entrants: &Entrants,
         watch: &mut dyn Watch,
         keep: &mut dyn FnMut(Row),
     ) -> Result<(), CompareError> {
         let case = subject.case()?;
-        let coverages = Coverages::of(&case.scene);
+        let coverages = coverages(subject.wave, &case);
         let absorbs = absorbs(&case.media);
-        let trials = self.trials(&case, &coverages, watch)?;
+        let trials = self.trials(subject, &case, &coverages, watch)?;
         let truth = self.truth(subject, &case, &trials, watch)?;
         let bench = Bench { file: self, varied: subject.varied, case: &case, coverages: &coverages, truth };
+        let mut keep = |row: Row| keep(Row { named: subject.named.clone(), ..row });
         for trial in &trials {
             for absorbing in [true, false] {
-                for (name, solver) in strategies {
+                for (name, solver) in entrants.strategies {
                     let means = self.means(&**solver, absorbs);
                     if let Some(mean) = means.into_iter().find(|mean| mean.absorbing == absorbing) {
                         keep(bench.row((name, &**solver), mean, trial, watch)?);
@@ -144,14 +156,28 @@ impl ComparisonFile {
                 }
             }
         }
-        let inputs = subject.inputs(&case);
-        let (varied, truth, folder) = (subject.varied, &bench.truth, self.folder());
-        let question = CaseAsked { varied, inputs: &inputs, truth, folder };
-        for program in &self.external {
+        let (inputs, expected) = (subject.inputs(&case), expected(&bench.truth));
+        let (varied, wave, folder) = (subject.varied, subject.wave, self.folder());
+        let question = CaseAsked { varied, inputs: &inputs, case: &case, wave, expected: &expected, folder };
+        for (program, described) in self.external.iter().zip(entrants.programs) {
             for knob in program.knobs() {
-                keep(program.row(&question, knob, watch)?);
+                keep(program.row(&question, (knob, described.as_ref()), watch)?);
             }
         }
         Ok(())
     }
+}
+
+/// Reference of the errors, in words; several cases have their own.
+fn reference_of(subjects: &[Subject]) -> &'static str {
+    match subjects {
+        [first, ..] if first.named.is_none() => first.reference(),
+        _ => "the reference of each case",
+    }
+}
+
+/// What is compared: strategies, and programs with their descriptions.
+struct Entrants<'a> {
+    strategies: &'a [NamedStrategy],
+    programs: &'a [Option<ProgramDescription>],
 }

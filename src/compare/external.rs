@@ -1,18 +1,22 @@
 //! Programs of any language as rows of a comparison: what a file says of them, and their runs.
 
+pub mod description;
+pub mod judge;
 mod process;
 pub mod protocol;
 
 use super::error::CompareError;
 use super::row::{Row, Varied};
+use crate::input::case::Case;
 use crate::solve::Watch;
-use crate::wave::FarField;
+use description::ProgramDescription;
+use judge::{ExpectedOrder, ReadAnswer};
 use process::{Limits, ProgramRun};
-use protocol::{ProgramRequest, judge};
+use protocol::{ProgramRequest, WaveKind};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// A program of another project, asked for the orders of each case by a JSON text on its standard
@@ -50,7 +54,9 @@ pub(super) struct CaseAsked<'a> {
     pub varied: Option<Varied>,
     /// The keys of a case file, or why the case has none.
     pub inputs: &'a Result<Value, String>,
-    pub truth: &'a FarField,
+    pub case: &'a Case,
+    pub wave: WaveKind,
+    pub expected: &'a [ExpectedOrder],
     /// Where commands are started.
     pub folder: &'a Path,
 }
@@ -84,6 +90,20 @@ impl ExternalTable {
         Err(CompareError::Field { field, found, allowed, remedy: "correct the [[external]] table" })
     }
 
+    /// What the program says of itself with `--describe`; none where it does not.
+    ///
+    /// # Errors
+    /// The user stopped it.
+    pub(super) fn described(
+        &self,
+        folder: &Path,
+        watch: &mut dyn Watch,
+    ) -> Result<Option<ProgramDescription>, CompareError> {
+        let run = self.started(folder, &["--describe"], String::new(), watch)?;
+        let output = run.ok().and_then(|run| run.outcome().ok().map(<[u8]>::to_vec));
+        Ok(output.and_then(|output| ProgramDescription::of(&output)))
+    }
+
     /// One row: the program's orders judged, or the reason why there are none.
     ///
     /// # Errors
@@ -91,30 +111,71 @@ impl ExternalTable {
     pub(super) fn row(
         &self,
         question: &CaseAsked,
-        knob: Option<f64>,
+        (knob, described): (Option<f64>, Option<&ProgramDescription>),
         watch: &mut dyn Watch,
     ) -> Result<Row, CompareError> {
         let mut row = Row { knob, ..Row::new(question.varied, &self.name, None) };
-        let inputs = match question.inputs {
-            Ok(inputs) => inputs.clone(),
-            Err(reason) => return Ok(Row { result: Err(reason.clone()), ..row }),
+        let refusal = described.and_then(|d| d.refusal(question.case, question.wave));
+        let inputs = match (question.inputs, refusal) {
+            (Ok(inputs), None) => inputs.clone(),
+            (Err(reason), _) => return Ok(Row { result: Err(reason.clone()), ..row }),
+            (_, Some(reason)) => return Ok(Row { result: Err(reason), ..row }),
         };
+        let answer = self.asked((inputs, question.wave, knob), question.folder, &mut row, watch)?;
+        row.own_seconds = answer.as_ref().ok().and_then(|answer| answer.seconds);
+        row.result = answer.and_then(|answer| answer.error(question.expected));
+        Ok(row)
+    }
+
+    /// Asks for the orders of a case; time and memory go into the row.
+    ///
+    /// # Errors
+    /// The user stopped it.
+    pub(super) fn asked(
+        &self,
+        (inputs, wave, knob): (Value, WaveKind, Option<f64>),
+        folder: &Path,
+        row: &mut Row,
+        watch: &mut dyn Watch,
+    ) -> Result<Result<ReadAnswer, String>, CompareError> {
         let Self { time_limit_s, memory_gb, .. } = *self;
-        let request = ProgramRequest { inputs, wave: "scalar".into(), knob, time_limit_s, memory_gb };
-        let limits = Limits { seconds: time_limit_s, bytes: 1e9 * memory_gb };
-        let mut command = Command::new(&self.command[0]);
-        command.args(&self.command[1..]).current_dir(question.folder);
-        let run = match ProgramRun::of(command, request.to_string().into_bytes(), limits, watch)? {
+        let case = blake3::hash(inputs.to_string().as_bytes()).to_hex()[..12].to_owned();
+        let request = ProgramRequest { case, inputs, wave, knob, time_limit_s, memory_gb };
+        let run = match self.started(folder, &[], request.to_string(), watch)? {
             Ok(run) => run,
-            Err(reason) => {
-                let reason = format!("{} cannot be started: {reason}", self.command[0]);
-                return Ok(Row { result: Err(reason), ..row });
-            }
+            Err(reason) => return Ok(Err(format!("{} cannot be started: {reason}", self.command[0]))),
         };
         row.seconds = Some(run.seconds);
         row.processor_seconds = run.processor_seconds;
         row.bytes = run.peak_bytes as usize;
-        row.result = run.outcome().and_then(|output| judge(output, question.truth));
-        Ok(row)
+        Ok(run.outcome().and_then(|output| ReadAnswer::of(output, &request.case)))
+    }
+
+    /// Starts the program and waits for its end.
+    fn started(
+        &self,
+        folder: &Path,
+        more: &[&str],
+        input: String,
+        watch: &mut dyn Watch,
+    ) -> Result<Result<ProgramRun, std::io::Error>, CompareError> {
+        let limits = Limits { seconds: self.time_limit_s, bytes: 1e9 * self.memory_gb };
+        let mut command = Command::new(self.program(folder));
+        command.args(&self.command[1..]).args(more);
+        if !folder.as_os_str().is_empty() {
+            command.current_dir(folder);
+        }
+        ProgramRun::of(command, input.into_bytes(), limits, watch)
+    }
+
+    /// The program to start: a path with folders counts from the folder of the file.
+    fn program(&self, folder: &Path) -> PathBuf {
+        let program = PathBuf::from(&self.command[0]);
+        let inside = folder.join(&program);
+        if program.components().count() > 1 {
+            std::path::absolute(&inside).unwrap_or(inside)
+        } else {
+            program
+        }
     }
 }

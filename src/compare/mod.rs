@@ -1,10 +1,12 @@
 //! Experiments that compare methods: strategies × grids × discretisations on one case or many, with
 //! their page.
 
+pub mod check;
 pub mod error;
 pub mod experiment;
 pub mod external;
 pub mod page;
 mod plots;
+mod reach;
 pub mod row;
 pub mod subject;

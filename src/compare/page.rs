@@ -1,5 +1,7 @@
 //! The outputs of a comparison: tables, plots and a page.
 
+use super::external::description::ProgramDescription;
+use super::reach;
 use super::row::{HEADER, Row, dash, mean_name};
 use crate::report::cell::{markdown, text};
 use crate::report::page::{STYLE, made_by, svg_data};
@@ -13,7 +15,8 @@ use std::path::PathBuf;
 /// Tables and pages.
 const TABLES: [&str; 4] = ["comparison.csv", "comparison.html", "residuals.csv", "README.md"];
 /// Plots, without the numbers of those that come in several.
-const PLOTS: [&str; 4] = ["applications", "residuals", "error_against_work", "error_against_seconds"];
+const PLOTS: [&str; 5] =
+    ["applications", "residuals", "error_against_work", "error_against_seconds", "error_against_cpu_seconds"];
 
 /// A finished comparison.
 pub struct Comparison {
@@ -23,6 +26,8 @@ pub struct Comparison {
     pub file: PathBuf,
     /// Reference of the errors, in words.
     pub reference: String,
+    /// Name, wave and reference of each case where several files are compared.
+    pub cases: Vec<[String; 3]>,
     /// Amplitude error that the grids were searched for; `None` if they were listed.
     pub accuracy: Option<f64>,
     /// Residual to reach, and the most operator applications.
@@ -31,6 +36,8 @@ pub struct Comparison {
     pub strategies: Vec<String>,
     /// Names of the programs beside them.
     pub externals: Vec<String>,
+    /// What these say of themselves, empty where they say nothing.
+    pub programs: Vec<ProgramDescription>,
     /// All strategies of the registry, whose order determines the colours.
     pub registry: Vec<String>,
     /// Number of rows planned; there are fewer if the comparison was stopped.
@@ -71,6 +78,7 @@ impl Comparison {
         templates.add_filter("line", |words: String| markdown(&words));
         templates.add_template("style.css", STYLE)?;
         templates.add_template("lead", include_str!("comparison.lead"))?;
+        templates.add_template("reach", include_str!("reach.lead"))?;
         templates.add_template("comparison.md", include_str!("comparison.md"))?;
         templates.add_template("comparison.html", include_str!("comparison.html"))?;
         folder
@@ -92,6 +100,10 @@ impl Comparison {
             accuracy => self.accuracy.map(|accuracy| format!("{accuracy:.0e}")),
             reference => &self.reference,
             several => self.has_cases(),
+            cases => &self.cases,
+            programs => self.described(),
+            targets => reach::TARGETS.map(|target| format!("{target:.0e}")),
+            reach => if self.externals.is_empty() { Vec::new() } else { reach::table(&self.rows) },
             costs_header => self.costs_header(),
             costs => self.costs(),
             failures_header => ["strategy", "case", "grid", "reason"],
@@ -103,7 +115,7 @@ impl Comparison {
 
     /// Whether several cases are compared.
     pub(super) fn has_cases(&self) -> bool {
-        self.rows.iter().any(|row| row.case.is_some())
+        self.rows.iter().any(|row| row.case.is_some() || row.named.is_some())
     }
 
     /// Every recorded residual, as CSV.
@@ -125,7 +137,7 @@ impl Comparison {
 
     /// Rows of one case, grid and mean: one line of the table of costs.
     fn groups(&self) -> impl Iterator<Item = &[Row]> {
-        self.rows.chunk_by(|a, b| a.case == b.case && a.discrete == b.discrete)
+        self.rows.chunk_by(|a, b| a.case == b.case && a.named == b.named && a.discrete == b.discrete)
     }
 
     fn costs_header(&self) -> Vec<String> {
@@ -143,10 +155,24 @@ impl Comparison {
         self.groups().filter(own).map(line).collect()
     }
 
-    /// Failures with strategy, case, grid and reason, one row each.
+    /// Failures with strategy, case, grid and reason; only the first of several with one reason.
     fn failures(&self) -> Vec<[String; 4]> {
-        let failed = self.rows.iter().filter(|row| !row.converged());
-        failed.map(|row| [row.strategy.clone(), dash(row.case), row.grid(), row.outcome()]).collect()
+        let mut failures: Vec<[String; 4]> = Vec::new();
+        for row in self.rows.iter().filter(|row| !row.converged()) {
+            let failure = [row.strategy.clone(), row.case_name(), row.grid(), row.outcome()];
+            let same = |other: &[String; 4]| [0, 1, 3].iter().all(|&k| other[k] == failure[k]);
+            if !failures.iter().any(same) {
+                failures.push(failure);
+            }
+        }
+        failures
+    }
+
+    /// Name, program, knob and conventions of programs that describe themselves.
+    fn described(&self) -> Vec<[String; 4]> {
+        let known = self.externals.iter().zip(&self.programs);
+        let known = known.filter(|(_, program)| **program != ProgramDescription::default());
+        known.map(|(name, p)| [name, &p.program, &p.knob, &p.conventions].map(String::clone)).collect()
     }
 }
 
@@ -166,7 +192,7 @@ fn table(records: impl Iterator<Item = impl AsRef<[(&'static str, String)]>>) ->
 fn fixed(row: &Row) -> [String; 4] {
     let mean = row.discrete.map(|d| mean_name(d.absorbing_mean));
     let estimate = row.error_estimate.map(|estimate| format!("{estimate:.1e}"));
-    [dash(row.case), dash(mean), row.points(), dash(estimate)]
+    [row.case_name(), dash(mean), row.points(), dash(estimate)]
 }
 
 fn cost(row: &Row) -> String {

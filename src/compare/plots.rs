@@ -6,13 +6,20 @@ use super::row::{Row, Varied, mean_name, scheme_name};
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::wave::Scheme;
 
+/// Processor time that Linux counts, s: less is drawn there.
+const LEAST_SECONDS: f64 = 1e-3;
+
 /// What distinguishes the curves of one strategy.
 type MeanVariant = (Option<Scheme>, bool);
 
 impl Comparison {
     /// File names and plots; none without a curve.
     pub(super) fn plots(&self) -> Vec<(String, Chart)> {
-        let plots = if self.has_cases() { self.applications() } else { self.of_one_case() };
+        let plots = match self.has_cases() {
+            true if !self.cases.is_empty() => self.of_named_cases(),
+            true => self.applications(),
+            false => self.of_one_case(),
+        };
         plots.into_iter().filter(|(_, plot)| !plot.curves.is_empty()).collect()
     }
 
@@ -33,6 +40,22 @@ impl Comparison {
         let curves = self.curves(&rows, |row| [period(row.case), counted(row)]);
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
         Chart::log_log(&title, "period, µm", "operator applications", curves)
+    }
+
+    /// Error against processor seconds, one plot for each case file.
+    fn of_named_cases(&self) -> Vec<(String, Chart)> {
+        let cases = self.cases.iter().enumerate();
+        cases
+            .map(|(k, [name, ..])| (format!("error_against_cpu_seconds-{}.svg", k + 1), self.of_case(name)))
+            .collect()
+    }
+
+    fn of_case(&self, name: &String) -> Chart {
+        let own = |row: &&Row| row.named.as_ref() == Some(name) && row.converged();
+        let rows: Vec<&Row> = self.rows.iter().filter(own).collect();
+        let seconds = |row: &Row| row.processor_seconds.or(row.seconds).unwrap_or(f64::NAN);
+        let curves = self.curves(&rows, |row| [seconds(row).max(LEAST_SECONDS), error(row)]);
+        Chart::log_log(name, "processor seconds", "largest amplitude error", curves)
     }
 
     fn of_one_case(&self) -> Vec<(String, Chart)> {

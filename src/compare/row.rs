@@ -34,6 +34,8 @@ pub struct Discrete {
 pub struct Row {
     /// Case of a matrix; `None` if there is only one.
     pub case: Option<Varied>,
+    /// Name of the case where several case files are compared.
+    pub named: Option<String>,
     /// Name of the strategy.
     pub strategy: String,
     /// Value of the knob of a program that has one.
@@ -53,14 +55,17 @@ pub struct Row {
     pub seconds: Option<f64>,
     /// Median processor time of a solve over all threads, s.
     pub processor_seconds: Option<f64>,
+    /// What a program measured of its own solve, s.
+    pub own_seconds: Option<f64>,
     /// Memory of problem and strategy.
     pub bytes: usize,
 }
 
 /// Header of the page's table of all rows.
 #[rustfmt::skip]
-pub(super) const HEADER: [&str; 11] = [
-    "strategy", "case", "grid", "unknowns", "error", "estimate", "residual", "applications", "seconds", "CPU seconds", "MB",
+pub(super) const HEADER: [&str; 12] = [
+    "strategy", "case", "grid", "unknowns", "error", "estimate", "residual", "applications", "seconds", "CPU seconds",
+    "own seconds", "MB",
 ];
 
 impl Row {
@@ -68,6 +73,7 @@ impl Row {
     pub(super) fn new(case: Option<Varied>, strategy: &str, discrete: Option<Discrete>) -> Row {
         Row {
             case,
+            named: None,
             strategy: strategy.to_owned(),
             knob: None,
             discrete,
@@ -77,6 +83,7 @@ impl Row {
             account: None,
             seconds: None,
             processor_seconds: None,
+            own_seconds: None,
             bytes: 0,
         }
     }
@@ -104,10 +111,11 @@ impl Row {
     }
 
     /// The row of `comparison.csv`; cells are empty where something does not apply.
-    pub(super) fn record(&self) -> [(&'static str, String); 20] {
+    pub(super) fn record(&self) -> [(&'static str, String); 22] {
         let (case, account, discrete) = (self.case, self.account.as_ref(), self.discrete);
         let grid = discrete.map(|d| d.resolution);
         [
+            ("case", written(self.named.as_ref())),
             ("pigment_n", written(case.map(|c| c.pigment[0]))),
             ("pigment_kappa", written(case.map(|c| c.pigment[1]))),
             ("period_um", written(case.map(|c| c.period_um))),
@@ -126,19 +134,20 @@ impl Row {
             ("operator_applications", written(account.map(|a| a.operator_applications))),
             ("seconds", written(self.seconds)),
             ("processor_seconds", written(self.processor_seconds)),
+            ("own_seconds", written(self.own_seconds)),
             ("bytes", self.bytes.to_string()),
             ("outcome", self.outcome()),
         ]
     }
 
     /// The row of the page's table, in the order of [`HEADER`].
-    pub(super) fn shown(&self) -> [String; 11] {
+    pub(super) fn shown(&self) -> [String; 12] {
         let power = |x: Option<f64>| dash(x.map(|x| format!("{x:.1e}")));
         let seconds = |x: Option<f64>| dash(x.map(|x| format!("{x:.3}")));
         let account = self.account.as_ref();
         [
             self.strategy.clone(),
-            dash(self.case),
+            self.case_name(),
             self.grid(),
             dash(self.unknowns),
             power(self.result.clone().ok()),
@@ -147,8 +156,14 @@ impl Row {
             dash(account.map(|a| a.operator_applications)),
             seconds(self.seconds),
             seconds(self.processor_seconds),
+            seconds(self.own_seconds),
             format!("{:.1}", self.bytes as f64 / 1e6),
         ]
+    }
+
+    /// The case in words, where there are several.
+    pub fn case_name(&self) -> String {
+        self.named.clone().unwrap_or_else(|| dash(self.case))
     }
 
     /// Grid, scheme and mean in words.

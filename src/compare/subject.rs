@@ -97,7 +97,7 @@ impl Packed {
     /// The study, checked.
     ///
     /// # Errors
-    /// Errors of the study; a study with Maxwell's equations.
+    /// Errors of the study; a study with a wave of its own.
     fn study(&self) -> Result<Study, CompareError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let checked = check(&self.file, folder, "study");
@@ -106,11 +106,12 @@ impl Packed {
             return Err(CompareError::Field {
                 field: "study.light.wave".into(),
                 found: study.wave.name().into(),
-                allowed: "scalar: comparisons are of the scalar wave".into(),
-                remedy: "leave it out, or solve with `inkwave run`",
+                allowed: "scalar: the comparison's own `wave` says which equation is solved".into(),
+                remedy: "leave it out, and write wave = \"vector\" in the comparison",
             });
         }
-        Ok(study)
+        // of a composed layer, an inner slab
+        Ok(study.portions().into_iter().next().unwrap_or(study))
     }
 
     /// Packs the first realisation.

@@ -37,6 +37,12 @@ pub enum ExportError {
         /// Solves of the study.
         asked: usize,
     },
+    /// A composed layer has no orders of its own.
+    #[error("{} holds a composed layer, which has no orders and no BDF", path.display())]
+    Composed {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The store cannot be opened.
     #[error("cannot open the store of {}: {source}", path.display())]
     Store {
@@ -120,6 +126,7 @@ impl ExportError {
             Self::Unfinished { .. } => {
                 Some("run the study again in that folder: it resumes where it stopped")
             }
+            Self::Composed { .. } => Some("spectra.csv, medium.csv and results.json have its numbers"),
             Self::Store { .. } => Some("check the folder's permissions"),
             Self::Seen(_) => Some("run the study again in a new folder"),
             _ => None,

@@ -6,7 +6,7 @@
 //!
 //! - [`mitsuba`]: a measured material for the renderer, with scenes and [`samples`] to check it
 //! - [`cxf`], [`cgats`]: the spectra of the [`print`](mod@print) with Lab for colour programs
-//! - [`npz`]: far fields for NumPy
+//! - [`npz`]: far fields for NumPy; [`operator`]: a discrete problem with its solution
 //! - [`voxels`], [`near_field`]: volumes for ParaView, as [`vti`]
 //! - [`provenance`]: a research crate and a data package
 //! - [`viewer`]: a packing in the browser
@@ -17,6 +17,7 @@ pub mod error;
 pub mod mitsuba;
 pub mod near_field;
 pub mod npz;
+pub mod operator;
 pub mod print;
 pub mod provenance;
 pub mod run;

@@ -37,6 +37,9 @@ impl Stored {
     /// No results there, an unfinished study, or results and store that do not fit.
     pub fn read(path: &Path) -> Result<Self, ExportError> {
         let study = study(path)?;
+        if study.layer.composed.is_some() {
+            return Err(ExportError::Composed { path: path.to_owned() });
+        }
         let stores = stores(path)?;
         let missing =
             || ExportError::Unfinished { path: path.to_owned(), finished: 0, asked: study.solves() };

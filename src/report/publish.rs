@@ -37,6 +37,9 @@ pub enum PublishError {
          grains per packing. A larger run.failed_packings gives the numbers, with error bars that include the largest bias"
     )]
     NoRoom(String),
+    /// Too few solves of a composed layer.
+    #[error("{0}: nothing is published; every solve is kept")]
+    Slabs(String),
     /// A plot or picture.
     #[error(transparent)]
     Figure(#[from] OutputError),

@@ -13,6 +13,7 @@ use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
 use crate::ink::{PigmentGrains, SizeDistribution};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
+pub(super) use tables::asked;
 
 /// The page of a run; `picture` is the labelled picture as PNG.
 ///
@@ -42,7 +43,7 @@ pub fn sheet(
     })
 }
 
-fn summary(study: &Study) -> String {
+pub(super) fn summary(study: &Study) -> String {
     let shares = study.pigments.iter().map(|p| {
         let share = percent(p.grains.volume_fraction);
         format!("{share} % {} ({}s of {})", p.name, p.grains.shape.name(), size(&p.grains))

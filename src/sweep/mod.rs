@@ -21,5 +21,5 @@ pub mod work;
 
 pub use definition::load::{Sweep, Variant};
 pub use definition::{axes, claims, expand, field, file, folder, load};
-pub use findings::{aim, conclusions, outcome, publish, reported, sweep_page};
-pub use work::{alone, merge, plan, run, units};
+pub use findings::{aim, composed, conclusions, outcome, publish, reported, sweep_page};
+pub use work::{alone, merge, plan, portions, run, units};

@@ -67,6 +67,11 @@ fn is_for_packings(name: &str) -> bool {
     std::fs::read_to_string(folder().join(name)).expect("readable").contains("walls = false")
 }
 
+/// Strategies are compared for the scalar wave alone.
+fn is_vector(name: &str) -> bool {
+    std::fs::read_to_string(folder().join(name)).expect("readable").contains("wave = \"unpolarised\"")
+}
+
 fn pack(name: &str) -> Result<String, String> {
     outcome(&["pack", "--realisations", "1", "--output", "packed"], name)
 }
@@ -75,6 +80,9 @@ fn pack(name: &str) -> Result<String, String> {
 fn taken(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>)> {
     match kind {
         Kind::Study if is_for_packings(name) => vec![("pack", pack(name))],
+        Kind::Study if is_vector(name) => {
+            vec![("run", outcome(&["run", "--plan"], name)), ("pack", pack(name))]
+        }
         Kind::Study => vec![
             ("run", outcome(&["run", "--plan"], name)),
             ("pack", pack(name)),
@@ -93,7 +101,13 @@ fn refused(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>,
             ("run", outcome(&["run", "--plan"], name), "walls"),
             ("compare", outcome(&["compare", "--plan"], name), "walls"),
         ],
-        Kind::Study => vec![("sweep", outcome(&["sweep", "--plan"], name), "inkwave run")],
+        Kind::Study => {
+            let mut all = vec![("sweep", outcome(&["sweep", "--plan"], name), "inkwave run")];
+            all.extend(
+                is_vector(name).then(|| ("compare", outcome(&["compare", "--plan"], name), "scalar")),
+            );
+            all
+        }
         Kind::Sweep => vec![("run", outcome(&["run", "--plan"], name), "inkwave sweep")],
         Kind::Compare | Kind::Case => vec![("run", outcome(&["run", "--plan"], name), "layer")],
     }

@@ -1,10 +1,12 @@
 //! Programs of other projects as rows of a comparison, whatever they do.
 
 use inkwave::compare::experiment::ComparisonFile;
-use inkwave::compare::external::protocol::judge;
+use inkwave::compare::external::judge::judge;
 use inkwave::compare::row::Row;
 use inkwave::schema::Document;
 use inkwave::solve::{Registry, Silent};
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
 use inkwave::wave::{FarField, Incidence, Order, Side};
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -16,6 +18,10 @@ use std::time::Instant;
 const ADAPTER: &str = r#"
 import cmath, json, os, sys, time
 mood = sys.argv[1]
+if sys.argv[-1] == "--describe" and mood in ("spheres", "busy"):
+    shapes = ["spheres"] if mood == "spheres" else ["films", "bars"]
+    print(json.dumps({"program": "own 1", "waves": ["scalar"], "shapes": shapes}))
+    sys.exit(0)
 if mood == "die":
     sys.exit("out of luck")
 if mood == "hang":
@@ -32,6 +38,12 @@ if mood == "babble":
     sys.stdout.buffer.write(bytes(range(256)) * 40)
     sys.exit(0)
 question = json.load(sys.stdin)
+if mood == "other":
+    print(json.dumps({"case": "another", "orders": []}))
+    sys.exit(0)
+if mood == "late":
+    print(json.dumps({"seconds": -1, "orders": []}))
+    sys.exit(0)
 if mood == "refuse":
     print(json.dumps({"refusal": "no films,\nplease \x1b[31m"}))
     sys.exit(0)
@@ -58,7 +70,7 @@ if mood == "busy":
     end = time.process_time() + 0.3
     while time.process_time() < end:
         pass
-print(json.dumps({"orders": orders}))
+print(json.dumps({"orders": orders, "seconds": 0.25, "case": question["case"]}))
 "#;
 
 fn rows(mood: &str, more: &str) -> Vec<Row> {
@@ -87,6 +99,7 @@ fn programs_are_rows_with_their_errors_and_costs() {
         let error = *row.result.as_ref().expect("a result");
         assert!((error - 10_f64.powf(-knob)).abs() < 1e-9, "knob {knob}: {error:.3e}");
         assert_eq!(row.knob, Some(knob));
+        assert_eq!(row.own_seconds, Some(0.25));
         let (wall, processors) = (row.seconds.expect("s"), row.processor_seconds);
         assert!(wall > 0.3, "{wall} s");
         // Python's own megabytes and its busy wait, to the ticks of 10 ms
@@ -108,6 +121,9 @@ fn whatever_programs_do_is_a_row_with_its_reason() {
         ("flood", "", "printed more than"),
         ("babble", "", "the answer is not as"),
         ("refuse", "", "refused: no films, please"),
+        ("other", "", "the answer is to another case"),
+        ("late", "", "`seconds` is -1"),
+        ("spheres", "", "not asked: it describes itself as without films"),
         ("short", "", "the transmitted order (0, 0)"),
         ("twice", "", "answered twice"),
         ("nan", "", "the answer is not as"),
@@ -165,6 +181,47 @@ fn a_program_that_is_not_there_is_a_row() {
     assert!(last.outcome().contains("cannot be started"), "{}", last.outcome());
 }
 
+/// Maxwell's equations: a program's four amplitudes beside inkwave's strategies, of a film in s and p light, and a
+/// strategy without them as a row with the reason.
+#[test]
+fn vector_cases_have_amplitudes_of_each_polarisation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    let film = r#"{ "wavelength": 0.5, "sigma_deg": 40, "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0.1] }] }"#;
+    write("film.json", film);
+    let adapter = concat!(env!("CARGO_MANIFEST_DIR"), "/python/adapters/inkwave_solve.py");
+    let command = format!("['env', 'INKWAVE={}', 'python3', '{adapter}']", env!("CARGO_BIN_EXE_inkwave"));
+    let cases = ["scalar", "vector"]
+        .map(|wave| format!("[[cases]]\nfile = 'film.json'\nname = '{wave}'\nwave = '{wave}'\n"));
+    let lists =
+        "strategies = ['krylov', 'relaxation']\nresolutions = [{ points = 1, cells = 4 }]\nrepeats = 1\n";
+    write(
+        "films.toml",
+        &format!("{lists}{}[[external]]\nname = 'own'\ncommand = {command}\n", cases.concat()),
+    );
+    let file = ComparisonFile::read(&folder.path().join("films.toml")).expect("read");
+    let plan = file.plan(&Registry::default()).expect("planned");
+    let comparison = file.run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
+    assert_eq!((plan.rows, comparison.rows.len()), (comparison.asked, comparison.asked));
+    let of = |name: &str, case: &str| -> Vec<&Row> {
+        let own = |row: &&Row| row.strategy == name && row.named.as_deref() == Some(case);
+        comparison.rows.iter().filter(own).collect()
+    };
+    for case in ["scalar", "vector"] {
+        for name in ["krylov", "own"] {
+            let rows = of(name, case);
+            // Identity: films are exact; the program prints all digits.
+            let exact = |row: &&Row| row.result.as_ref().is_ok_and(|error| *error < 1e-9);
+            assert!(!rows.is_empty() && rows.iter().all(exact), "{name}, {case}: {rows:?}");
+        }
+    }
+    assert!(of("relaxation", "vector")[0].outcome().contains("moments"));
+    let output = OutputFolder::open(&folder.path().join("out"), Holds::Comparison).expect("a folder");
+    comparison.write(&output).expect("written");
+    let page = std::fs::read_to_string(folder.path().join("out/README.md")).expect("the page");
+    assert!(page.contains("## Cost of an accuracy") && page.contains("inkwave solve"), "{page}");
+}
+
 /// One order on both sides.
 fn truth() -> FarField {
     let incidence = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
@@ -190,7 +247,7 @@ proptest! {
     /// Anything that a program can print is an error or a finite number.
     #[test]
     fn any_output_is_survived(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
-        let _ = judge(&bytes, &truth());
+        let _ = judge(&bytes, &[truth()]);
     }
 
     /// The same for a good answer with some bytes changed.
@@ -198,9 +255,35 @@ proptest! {
     fn any_damage_is_survived(changes in proptest::collection::vec((0..GOOD.len(), any::<u8>()), 0..4)) {
         let mut bytes = GOOD.as_bytes().to_vec();
         changes.iter().for_each(|(at, byte)| bytes[*at] = *byte);
-        let judged = judge(&bytes, &truth());
+        let judged = judge(&bytes, &[truth()]);
         prop_assert!(judged.is_err() || judged.is_ok_and(f64::is_finite));
     }
+}
+
+/// The same order of the vector wave, s and p light.
+const GOOD_VECTOR: &str = r#"{"seconds":0.5,"orders":[{"m":0,"side":"reflected","amplitude":{"s":{"s":[0.1,0.2],"p":[0,0]},"p":{"s":[0,0],"p":[0.1,0.2]}}},{"m":0,"n":0,"side":"transmitted","amplitude":{"s":{"s":[0.8,0.1],"p":[0,0]},"p":{"s":[0,0],"p":[0.8,0.1]}}}]}"#;
+
+proptest! {
+    /// Damaged answers to vector cases, judged as either wave.
+    #[test]
+    fn any_damage_of_polarised_answers_is_survived(
+        changes in proptest::collection::vec((0..GOOD_VECTOR.len(), any::<u8>()), 0..4),
+    ) {
+        let mut bytes = GOOD_VECTOR.as_bytes().to_vec();
+        changes.iter().for_each(|(at, byte)| bytes[*at] = *byte);
+        for truth in [&[truth()][..], &[truth(), truth()]] {
+            let judged = judge(&bytes, truth);
+            prop_assert!(judged.is_err() || judged.is_ok_and(f64::is_finite));
+        }
+    }
+}
+
+#[test]
+fn answers_with_the_amplitudes_of_the_other_wave_are_refused() {
+    assert_eq!(judge(GOOD_VECTOR.as_bytes(), &[truth(), truth()]), Ok(0.0));
+    let four = judge(GOOD_VECTOR.as_bytes(), &[truth()]).expect_err("four for one");
+    assert!(four.contains("has 4 complex amplitude(s) instead of 1"), "{four}");
+    assert!(judge(GOOD.as_bytes(), &[truth(), truth()]).is_err_and(|told| told.contains("instead of 4")));
 }
 
 /// The committed schema is what the program prints, and question and answer of the page fit it.
@@ -212,14 +295,14 @@ fn the_page_of_the_protocol_is_true() {
         .skip(1)
         .map(|rest| serde_json::from_str(rest.split("```").next().expect("its end")).expect("JSON"))
         .collect();
-    let [question, answer, refusal] = &blocks[..] else { panic!("question, answer and refusal") };
+    let [question, answer, vector, refusal, description] = &blocks[..] else { panic!("five examples") };
     let schema = Document::External.schema();
     let judge = jsonschema::validator_for(&schema).expect("a schema");
-    for answer in [answer, refusal] {
-        let both = json!({ "request": question, "answer": answer });
+    for answer in [answer, vector, refusal] {
+        let both = json!({ "request": question, "answer": answer, "description": description });
         assert!(judge.is_valid(&both), "{both}");
     }
-    assert!(!judge.is_valid(&json!({ "request": question, "answer": { "orders": 3 } })));
+    assert!(!judge.is_valid(&json!({ "request": question, "answer": { "orders": 3 }, "description": {} })));
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("schema/external.json");
     let committed = std::fs::read_to_string(path).unwrap_or_default();
     let committed: Value = serde_json::from_str(&committed).unwrap_or_default();
@@ -228,6 +311,6 @@ fn the_page_of_the_protocol_is_true() {
 
 #[test]
 fn a_good_answer_is_judged() {
-    assert_eq!(judge(GOOD.as_bytes(), &truth()), Ok(0.0));
-    assert!(judge("[".repeat(100_000).as_bytes(), &truth()).is_err());
+    assert_eq!(judge(GOOD.as_bytes(), &[truth()]), Ok(0.0));
+    assert!(judge("[".repeat(100_000).as_bytes(), &[truth()]).is_err());
 }

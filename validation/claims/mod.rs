@@ -5,6 +5,7 @@ use crate::claim::Claim;
 pub mod agreement;
 mod cell_size;
 mod colour;
+mod composed;
 mod dilute;
 mod directions;
 mod distribution;
@@ -25,7 +26,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 25] = [
+pub const ALL: [Claim; 26] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -51,4 +52,5 @@ pub const ALL: [Claim; 25] = [
     small_grains::CLAIM,
     intervals::CLAIM,
     maxwell_garnett::CLAIM,
+    composed::CLAIM,
 ];

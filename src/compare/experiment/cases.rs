@@ -2,16 +2,40 @@
 
 use super::file::ComparisonFile;
 use crate::compare::error::CompareError;
+use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
 use crate::compare::subject::Packed;
 use crate::input::case::Case;
 use crate::numerics::files;
 use crate::wave::{Ball, BodyShape, Media};
+use schemars::JsonSchema;
+use serde::Deserialize;
 use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// One of several case files.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CaseTable {
+    /// The case file, relative to this file.
+    #[schemars(example = &"film.json")]
+    pub file: PathBuf,
+    /// The case of this `id`, in a file that lists several as `cases`.
+    #[schemars(example = &"sph02")]
+    pub id: Option<String>,
+    /// Name of the case on the page; its `id` or the file's when left out.
+    #[schemars(example = &"film")]
+    pub name: Option<String>,
+    /// The equation of this case; that of the comparison when left out.
+    pub wave: Option<WaveKind>,
+}
 
 /// A case before it is packed.
 pub(super) struct Subject {
     pub varied: Option<Varied>,
+    /// Its name where several files are compared.
+    pub named: Option<String>,
+    pub wave: WaveKind,
     geometry: CaseGeometry,
 }
 
@@ -43,12 +67,22 @@ impl Subject {
         self.varied.map(|varied| varied.period_um)
     }
 
-    /// Amplitudes given in a case file.
+    /// Name, wave and reference of one of several cases, for the page.
+    pub fn shown(&self) -> Option<[String; 3]> {
+        Some([self.named.clone()?, self.wave.name().into(), self.reference().into()])
+    }
+
+    /// Whether this case has the packing of the one before.
+    pub fn is_packed_like(&self, other: &Subject) -> bool {
+        self.varied.is_some() && self.period_um() == other.period_um()
+    }
+
+    /// Amplitudes of its wave given in a case file.
     pub fn known(&self) -> Option<&[Value]> {
-        match &self.geometry {
-            CaseGeometry::Written(_, json) => json.pointer("/outputs/orders")?.as_array().map(Vec::as_slice),
-            CaseGeometry::Packed(_) => None,
-        }
+        let CaseGeometry::Written(_, json) = &self.geometry else { return None };
+        let orders = json.pointer("/outputs/orders")?.as_array()?;
+        let of_both = orders.first().is_some_and(|order| order["R"].is_object());
+        (of_both == (self.wave == WaveKind::Vector)).then_some(orders)
     }
 
     /// The keys of a case file for programs that are asked to solve it.
@@ -64,10 +98,13 @@ impl Subject {
 
     /// Reference of the errors, in words.
     pub fn reference(&self) -> &'static str {
-        match self.known() {
-            Some(_) => "the case file's own amplitudes",
-            None => {
+        match (self.known(), self.wave) {
+            (Some(_), _) => "the case file's own amplitudes",
+            (None, WaveKind::Scalar) => {
                 "those of krylov on cubic cells, with 1.5 times as many points and cells as the finest grid"
+            }
+            (None, WaveKind::Vector) => {
+                "those of krylov with 1.5 times as many points and cells as the finest grid"
             }
         }
     }
@@ -77,23 +114,50 @@ impl ComparisonFile {
     /// All cases; the study itself if nothing varies.
     pub(super) fn subjects(&self) -> Result<Vec<Subject>, CompareError> {
         if let Some(path) = &self.case {
-            let path = self.folder().join(path);
-            let case = Box::new(Case::read(&path)?);
-            let text = files::read_text(&path, files::CASE).unwrap_or_default();
-            let json = serde_json::from_str(&text).or_else(|_| toml::from_str(&text));
-            let geometry = CaseGeometry::Written(case, json.unwrap_or_default());
-            return Ok(vec![Subject { varied: None, geometry }]);
+            return Ok(vec![Subject {
+                varied: None,
+                named: None,
+                wave: self.wave,
+                geometry: self.written(path, None)?,
+            }]);
+        }
+        if !self.cases.is_empty() {
+            return self.cases.iter().map(|table| self.listed_case(table)).collect();
         }
         let packed = self.packed()?;
-        let packing = |packed| CaseGeometry::Packed(Box::new(packed));
-        let Some(matrix) = &self.matrix else {
-            return Ok(vec![Subject { varied: None, geometry: packing(packed) }]);
+        let subject = |varied, packed| {
+            let geometry = CaseGeometry::Packed(Box::new(packed));
+            Subject { varied, named: None, wave: self.wave, geometry }
         };
-        let subject = |varied: Varied| {
-            let geometry = packing(packed.varied(varied.period_um, varied.pigment)?);
-            Ok(Subject { varied: Some(varied), geometry })
+        let Some(matrix) = &self.matrix else { return Ok(vec![subject(None, packed)]) };
+        let cases = matrix.cases();
+        cases.map(|v| Ok(subject(Some(v), packed.varied(v.period_um, v.pigment)?))).collect()
+    }
+
+    fn listed_case(&self, table: &CaseTable) -> Result<Subject, CompareError> {
+        let stem = || table.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let named = Some(table.name.clone().or(table.id.clone()).unwrap_or_else(stem));
+        let wave = table.wave.unwrap_or(self.wave);
+        let geometry = self.written(&table.file, table.id.as_deref())?;
+        Ok(Subject { varied: None, named, wave, geometry })
+    }
+
+    /// A case file with its text, or one of the cases that a file lists.
+    fn written(&self, path: &Path, id: Option<&str>) -> Result<CaseGeometry, CompareError> {
+        let path = self.folder().join(path);
+        let text = files::read_text(&path, files::CASE).unwrap_or_default();
+        let json =
+            serde_json::from_str(&text).or_else(|_| toml::from_str::<Value>(&text)).unwrap_or_default();
+        let Some(id) = id else { return Ok(CaseGeometry::Written(Box::new(Case::read(&path)?), json)) };
+        let found = json["cases"].as_array().into_iter().flatten().find(|case| case["id"] == id);
+        let missing = || CompareError::Field {
+            field: "cases.id".into(),
+            found: format!("{id:?}"),
+            allowed: format!("an `id` among the `cases` of {}", path.display()),
+            remedy: "leave `id` out for a file with one case",
         };
-        matrix.cases().map(subject).collect()
+        let case = found.ok_or_else(missing)?;
+        Ok(CaseGeometry::Written(Box::new(Case::parse(&case["inputs"].to_string(), false)?), case.clone()))
     }
 }
 

@@ -1,8 +1,10 @@
 //! A comparison as written, read and checked.
 
+use super::cases::CaseTable;
 use super::matrix::MatrixTable;
 use crate::compare::error::CompareError;
 use crate::compare::external::ExternalTable;
+use crate::compare::external::protocol::WaveKind;
 use crate::compare::subject::{Packed, StudyWritten};
 use crate::input::fault::StudyError;
 use crate::input::limits;
@@ -29,6 +31,11 @@ pub struct ComparisonFile {
     /// A case file (relative to this file), instead of `study`.
     #[schemars(example = &"case.json")]
     pub case: Option<PathBuf>,
+    /// Several case files, instead of `case`, each with rows and a chart of its own.
+    pub cases: Vec<CaseTable>,
+    /// The equation: `scalar`, or `vector` for Maxwell's equations in s and p light.
+    #[schemars(example = WaveKind::Scalar)]
+    pub wave: WaveKind,
     /// Wavelength of the comparison, nm; the middle one of the study's when left out.
     #[schemars(transform = limits::WAVELENGTH_NM.mark(), example = 550)]
     pub wavelength_nm: Option<f64>,
@@ -103,7 +110,7 @@ pub struct Points {
 
 /// Whether the file is a study rather than a comparison: it has none of a comparison's own keys.
 fn is_study(table: &toml::Table) -> bool {
-    let own = ["study", "case", "matrix", "strategies", "schemes", "resolutions", "goal", "repeats"];
+    let own = ["study", "case", "cases", "matrix", "strategies", "schemes", "resolutions", "goal", "repeats"];
     table.contains_key("layer") && !own.iter().any(|key| table.contains_key(*key))
 }
 
@@ -156,13 +163,16 @@ impl ComparisonFile {
         self.accuracy.or(usual.then_some(1e-2))
     }
 
-    /// Discretisations along z.
-    pub(super) fn schemes(&self) -> Vec<Scheme> {
+    /// Discretisations along z; the vector wave has one only.
+    pub(super) fn schemes(&self, wave: WaveKind) -> Vec<Scheme> {
         let usual = || match self.searched() {
             Some(_) => vec![Scheme::Cubic],
             None => vec![Scheme::Cubic, Scheme::SecondDifference],
         };
-        self.schemes.clone().unwrap_or_else(usual)
+        match wave {
+            WaveKind::Scalar => self.schemes.clone().unwrap_or_else(usual),
+            WaveKind::Vector => vec![Scheme::Quadratic],
+        }
     }
 
     /// Goal of every solve.
@@ -185,17 +195,23 @@ impl ComparisonFile {
         if let Some((name, _)) = empty.into_iter().find(|(_, empty)| *empty) {
             return Err(field(name, "empty", "at least one", "add one or leave it out"));
         }
+        if self.schemes.is_some() && self.wave == WaveKind::Vector {
+            let allowed = "no schemes: the vector wave has one discretisation only";
+            return Err(field("schemes", "given with wave = \"vector\"", allowed, "leave one out"));
+        }
         let beside_case = [
             ("matrix", self.matrix.is_some(), "a study, whose period and index vary"),
             ("wavelength_nm", self.wavelength_nm.is_some(), "a study: a case has its own wavelength"),
             ("polar_deg", self.polar_deg.is_some(), "a study: a case has its own direction"),
         ];
-        if self.study.is_some() == self.case.is_some() {
-            let found = if self.study.is_some() { "given twice" } else { "not given" };
-            let remedy = "name a study file or a case file, or write a whole study as [study]";
-            return Err(field("geometry", found, "exactly one of `study` and `case`", remedy));
+        let given = [self.study.is_some(), self.case.is_some(), !self.cases.is_empty()];
+        let given = given.into_iter().filter(|given| *given).count();
+        if given != 1 {
+            let found = if given > 1 { "given twice" } else { "not given" };
+            let remedy = "name a study file or case files, or write a whole study as [study]";
+            return Err(field("geometry", found, "exactly one of `study`, `case` and `cases`", remedy));
         }
-        if let Some((name, _, allowed)) = beside_case.into_iter().find(|b| b.1 && self.case.is_some()) {
+        if let Some((name, _, allowed)) = beside_case.into_iter().find(|b| b.1 && self.study.is_none()) {
             return Err(field(name, "given beside a case", allowed, "name a study instead, or leave it out"));
         }
         if self.accuracy.is_some() && self.resolutions.is_some() {

@@ -3,12 +3,14 @@
 use super::cases::Subject;
 use super::file::{ComparisonFile, Points};
 use crate::compare::error::CompareError;
+use crate::compare::external::protocol::WaveKind;
 use crate::input::case::Case;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task};
 use crate::solve::{Coverages, Gmres, Goal, Watch};
-use crate::wave::{FarField, Mean, Order, Physical, Resolution, Scene, Scheme, TotalErrors};
+use crate::wave::{FarField, Mean, Order, Physical, Precision, Resolution, Scene, Scheme, TotalErrors};
 use num_complex::Complex64;
+use serde_json::Value;
 
 /// A grid to compare on, and its part of the error.
 pub(super) struct ReferenceTrial {
@@ -23,13 +25,14 @@ impl ComparisonFile {
     /// All grids of a case, scheme by scheme: those of the list, or those that the search finds.
     pub(super) fn trials(
         &self,
+        subject: &Subject,
         case: &Case,
         coverages: &Coverages,
         watch: &mut dyn Watch,
     ) -> Result<Vec<ReferenceTrial>, CompareError> {
         let solver = Gmres::default();
         let mut trials = Vec::new();
-        for scheme in self.schemes() {
+        for scheme in self.schemes(subject.wave) {
             let task = Task { scheme, ..task(case, coverages, &solver, self.goal().tolerance) };
             match (self.listed(), self.searched()) {
                 (Some(listed), _) => {
@@ -47,8 +50,13 @@ impl ComparisonFile {
     ///
     /// # Errors
     /// No memory for the grid; a geometry or a direction that makes no problem on it.
-    pub(super) fn check_reference(&self, case: &Case, grids: &[Resolution]) -> Result<(), CompareError> {
-        let (resolution, coverages) = (finer(grids), Coverages::of(&case.scene));
+    pub(super) fn check_reference(
+        &self,
+        wave: WaveKind,
+        case: &Case,
+        grids: &[Resolution],
+    ) -> Result<(), CompareError> {
+        let (resolution, coverages) = (finer(wave, grids), coverages(wave, case));
         let solver = Gmres::default();
         let task = task(case, &coverages, &solver, self.goal().tolerance);
         task.admitted(resolution).map_err(AccuracyError::Memory)?;
@@ -64,20 +72,31 @@ impl ComparisonFile {
         case: &Case,
         trials: &[ReferenceTrial],
         watch: &mut dyn Watch,
-    ) -> Result<FarField, CompareError> {
+    ) -> Result<Vec<FarField>, CompareError> {
         let grids: Vec<Resolution> = trials.iter().filter_map(|trial| trial.grid.clone().ok()).collect();
-        let coverages = Coverages::of(&case.scene);
+        let coverages = coverages(subject.wave, case);
         let solver = Gmres::default();
         let task = task(case, &coverages, &solver, 1e-3 * self.goal().tolerance);
-        let (solved, _) = task.solve(finer(&grids), watch)?;
-        let errors = TotalErrors::of_totals([1.0; 2], solved[0].solution.account.residual);
-        let mut far =
-            Physical::judge(solved[0].far_field(), errors).map_err(AccuracyError::Unphysical)?.into_inner();
-        if let Some(known) = subject.known() {
-            far.orders.retain_mut(|order| replace(order, known));
+        let (solved, _) = task.solve(finer(subject.wave, &grids), watch)?;
+        let mut truth = Vec::new();
+        for polarised in solved {
+            let errors = TotalErrors::of_totals([1.0; 2], polarised.solution.account.residual);
+            let far = Physical::judge(polarised.far_field(), errors).map_err(AccuracyError::Unphysical)?;
+            truth.push(far.into_inner());
         }
-        Ok(far)
+        let waves = if subject.wave == WaveKind::Vector { &PAIRS[..] } else { &[NO_PAIRS] };
+        if let Some(known) = subject.known() {
+            for (far, keys) in truth.iter_mut().zip(waves) {
+                far.orders.retain_mut(|order| replace(order, known, keys));
+            }
+        }
+        Ok(truth)
     }
+}
+
+/// Exact coverages for a wave.
+pub(super) fn coverages(wave: WaveKind, case: &Case) -> Coverages<'_> {
+    Coverages::new(wave.wave(), &case.scene, Precision::EXACT)
 }
 
 /// A listed grid, its error estimated from coarser ones.
@@ -124,11 +143,11 @@ fn task<'a>(case: &'a Case, coverages: &'a Coverages<'a>, solver: &'a Gmres, tol
 }
 
 /// The grid of the reference.
-fn finer(grids: &[Resolution]) -> Resolution {
+fn finer(wave: WaveKind, grids: &[Resolution]) -> Resolution {
     let most = |f: fn(&Resolution) -> usize| grids.iter().map(f).max().unwrap_or(1);
     let half_again = |count: usize| 3 * count / 2;
     let [nx, ny, cells] = [most(|g| g.nx), most(|g| g.ny), most(|g| g.cells)].map(half_again);
-    Resolution { nx, ny, cells, scheme: Scheme::Cubic }
+    Resolution { nx, ny, cells, scheme: wave.wave().scheme(Scheme::Cubic) }
 }
 
 /// A grid of the list; one point is enough along an axis that nothing depends on.
@@ -138,14 +157,25 @@ pub(super) fn sized(scene: &Scene, points: Points, scheme: Scheme) -> Resolution
     Resolution { nx, ny, cells: points.cells, scheme }
 }
 
+/// Places of an order's amplitude in `R` and `T`: of its own polarisation, and of the crossed one.
+type Keys = [&'static str; 2];
+const NO_PAIRS: Keys = ["", ""];
+const PAIRS: [Keys; 2] = [["/s/s", "/s/p"], ["/p/p", "/p/s"]];
+
 /// Puts a reference order's amplitudes in place; false where the reference does not list it.
-fn replace(order: &mut Order, known: &[serde_json::Value]) -> bool {
-    let same = |k: &&serde_json::Value| {
-        k["m"] == order.m && (k["n"] == order.n || (k["n"].is_null() && order.n == 0))
-    };
+fn replace(order: &mut Order, known: &[Value], [own, crossed]: &Keys) -> bool {
+    let same = |k: &&Value| k["m"] == order.m && (k["n"] == order.n || (k["n"].is_null() && order.n == 0));
     let Some(found) = known.iter().find(same) else { return false };
-    let amplitude = |key: &str| Some(Complex64::new(found[key][0].as_f64()?, found[key][1].as_f64()?));
-    order.reflected = amplitude("R").unwrap_or(order.reflected);
-    order.transmitted = amplitude("T").unwrap_or(order.transmitted);
+    let amplitude = |side: &str, keys: &str| {
+        let pair = found[side].pointer(keys)?;
+        Some(Complex64::new(pair[0].as_f64()?, pair[1].as_f64()?))
+    };
+    order.reflected = amplitude("R", own).unwrap_or(order.reflected);
+    order.transmitted = amplitude("T", own).unwrap_or(order.transmitted);
+    if !crossed.is_empty() {
+        let [reflected, transmitted] = order.further[0];
+        let sides = [("R", reflected), ("T", transmitted)];
+        order.further[0] = sides.map(|(side, own)| amplitude(side, crossed).unwrap_or(own));
+    }
     true
 }

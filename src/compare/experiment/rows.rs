@@ -7,8 +7,8 @@ use crate::compare::row::{Discrete, Row, Varied};
 use crate::input::case::Case;
 use crate::run::crew::processor_seconds;
 use crate::run::memory;
-use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_difference};
-use crate::solve::{Coverages, Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_of_all};
+use crate::solve::{Account, Coverages, Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::{FarField, Mean, Physical, Resolution, Scheme, System, TotalErrors};
 
 /// A case with all that its rows share.
@@ -17,7 +17,7 @@ pub(super) struct Bench<'a> {
     pub varied: Option<Varied>,
     pub case: &'a Case,
     pub coverages: &'a Coverages<'a>,
-    pub truth: FarField,
+    pub truth: Vec<FarField>,
 }
 
 impl Bench<'_> {
@@ -72,23 +72,29 @@ impl Bench<'_> {
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
         let admitted = task.admitted(resolution)?;
-        let system = task.systems(resolution)?.remove(0);
-        (row.unknowns, row.bytes) = (Some(system.unknowns()), system.bytes());
+        let systems = task.systems(resolution)?;
+        // Systems of s and p light share their memory.
+        let unknowns = systems.iter().map(|system| system.unknowns()).sum();
+        (row.unknowns, row.bytes) = (Some(unknowns), systems[0].bytes());
         let (solver, goal) = (admitted.solver(), task.goal);
-        let (Solution { field, account }, processor_seconds) = timed(solver, &*system, goal, watch)?;
+        let (solutions, processor_seconds) = timed(solver, &systems, goal, watch)?;
+        let account = joined(&solutions);
         let mut seconds = vec![account.seconds];
         let mut processor_seconds: Vec<f64> = processor_seconds.into_iter().collect();
         let residual = account.residual;
         row.bytes += account.bytes;
         row.account = Some(account);
-        let far = system.far_field(&field);
-        let error = largest_difference(&self.truth, &far);
+        let far_fields = systems.iter().zip(&solutions).map(|(system, s)| system.far_field(&s.field));
+        let far_fields: Vec<FarField> = far_fields.collect();
+        let error = largest_of_all(&self.truth, &far_fields);
         row.error_estimate = parts.map(|parts| error_estimate(parts, residual));
         let errors = TotalErrors::of_amplitudes(row.error_estimate.unwrap_or(error), residual);
-        Physical::judge(far, errors)?;
+        for far in far_fields {
+            Physical::judge(far, errors)?;
+        }
         for _ in 1..self.file.repeats.unwrap_or(3) {
-            let (solution, processors) = timed(solver, &*system, goal, watch)?;
-            seconds.push(solution.account.seconds);
+            let (solutions, processors) = timed(solver, &systems, goal, watch)?;
+            seconds.push(joined(&solutions).seconds);
             processor_seconds.extend(processors);
         }
         (row.seconds, row.processor_seconds) = (median(seconds), median(processor_seconds));
@@ -96,16 +102,23 @@ impl Bench<'_> {
     }
 }
 
-/// A solution and the processor time that it took, s.
+/// Solutions of all polarisations, and the processor time that they took, s.
 fn timed(
     solver: &dyn Solver,
-    system: &dyn System,
+    systems: &[Box<dyn System>],
     goal: Goal,
     watch: &mut dyn Watch,
-) -> Result<(Solution, Option<f64>), SolveError> {
+) -> Result<(Vec<Solution>, Option<f64>), SolveError> {
     let before = processor_seconds();
-    let solution = solver.solve(system, goal, watch)?;
-    Ok((solution, processor_seconds().zip(before).map(|(after, before)| after - before)))
+    let solutions: Result<_, _> = systems.iter().map(|system| solver.solve(&**system, goal, watch)).collect();
+    Ok((solutions?, processor_seconds().zip(before).map(|(after, before)| after - before)))
+}
+
+/// One account of all polarisations.
+fn joined(solutions: &[Solution]) -> Account {
+    let mut joint = solutions[0].account.clone();
+    solutions[1..].iter().for_each(|solution| joint.join(&solution.account));
+    joint
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

@@ -3,7 +3,7 @@
 //! Processor time and memory are those of the program and of all that it starts, as `/proc` tells
 //! them; where there is no `/proc`, only the wall clock is measured.
 
-use super::protocol::words;
+use super::judge::words;
 use crate::compare::error::CompareError;
 use crate::solve::{Account, SolveError, Step, Watch};
 use std::io::{Read, Write};

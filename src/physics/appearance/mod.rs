@@ -16,6 +16,7 @@ pub mod bdf;
 mod bdf_binned;
 mod bdf_orders;
 pub mod colour;
+pub mod composed;
 pub mod error;
 pub mod finite_area;
 pub mod kubelka_munk;

@@ -96,6 +96,18 @@ pub struct Account {
     pub bytes: usize,
 }
 
+impl Account {
+    /// Adds the account of another polarisation: sums of steps, applications and seconds, the larger
+    /// residual.
+    pub fn join(&mut self, other: &Account) {
+        self.steps += other.steps;
+        self.operator_applications += other.operator_applications;
+        self.seconds += other.seconds;
+        self.residual = self.residual.max(other.residual);
+        self.bytes = self.bytes.max(other.bytes);
+    }
+}
+
 /// A converged field; strategies return no others.
 #[derive(Clone, Debug)]
 pub struct Solution {

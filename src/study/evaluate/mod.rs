@@ -5,6 +5,7 @@
 //! an unbiased sample of everything, and the jackknife over realisations holds chance, cell, angles and wavelengths at once. What
 //! is fitted ([`regression`], over [`wavelengths`]) is the *difference to the coherent [`film`]*, which carries the layer's fringes.
 
+pub mod composed;
 mod curves;
 pub mod directional;
 pub mod film;

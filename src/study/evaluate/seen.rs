@@ -90,16 +90,15 @@ impl LayerSeen {
 /// # Errors
 /// None is complete, or as [`NoInk`] says.
 pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
-    let complete = complete(study, collected);
-    if complete.is_empty() {
+    let by_cells = complete_cells(study, collected);
+    if by_cells.is_empty() {
         return Err(NoInk::Unfinished);
     }
-    let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(study, r, study.wave)).collect();
-    let solved = by_cell(study, &complete, &fields);
+    let solved = by_cell(study, &by_cells, study.wave);
     let indices = |nm: f64| indices(study, nm);
-    let films = films(study, mean_profile(&complete), &indices);
+    let films = films(study, mean_profile(&by_cells.concat()), &indices);
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
-    on_paper(study, (&ensemble, &solved), returned(study, &complete).as_deref(), &films)
+    on_paper(study, (&ensemble, &solved), returned(study, &by_cells).as_deref(), &films)
 }
 
 /// The ink as its coherent film, with the volume fractions asked for in every plane.
@@ -131,14 +130,15 @@ fn films<'a>(study: &Study, profile: Profile, indices: &'a Indices<'a>) -> Films
 /// # Errors
 /// Records that do not belong together, which is a fault of the program or of the store.
 pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
-    let complete = complete(study, collected);
+    let by_cells = complete_cells(study, collected);
+    let complete = by_cells.concat();
     if complete.is_empty() {
         let (realisations, cells, solved, bdfs) = Default::default();
         return Ok(Seen { realisations, cells, solved, layer: None, bdfs, ink: Err(NoInk::Unfinished) });
     }
     let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(study, r, study.wave)).collect();
-    let solved = by_cell(study, &complete, &fields);
-    let returned = returned(study, &complete);
+    let solved = by_cell(study, &by_cells, study.wave);
+    let returned = returned(study, &by_cells);
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, mean_profile(&complete), &indices);
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
@@ -147,32 +147,30 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let at_outputs = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
     let layer = Some(LayerSeen { ensemble, films: at_outputs, wavelengths_nm });
     let realisations: Vec<usize> = complete.iter().map(|r| r.packing.realisation).collect();
-    let begins = |r: &usize| study.partner(*r).is_none_or(|other| *r < other);
-    let cells = realisations.iter().copied().filter(begins).collect();
+    let cells = by_cells.iter().map(|cell| cell[0].packing.realisation).collect();
     Ok(Seen { realisations, cells, bdfs: distributions(study, &fields)?, solved, layer, ink })
 }
 
-/// The realisations of which every solve is there, and those of a partner in the same cell: one alone holds too much pigment or
-/// too little.
-fn complete<'a>(study: &Study, collected: &'a Collected) -> Vec<&'a Realisation> {
+/// The realisations of which every solve is there, cell by cell. One of a pair alone holds too much pigment or too little, and is
+/// left out.
+pub(in crate::evaluate) fn complete_cells<'a>(study: &Study, collected: &'a Collected) -> Vec<Vec<&'a Realisation>> {
     let all: Vec<&Realisation> = collected.complete().collect();
-    let has = |number: usize| all.iter().any(|r| r.packing.realisation == number);
-    let is_whole = |r: &&Realisation| study.partner(r.packing.realisation).is_none_or(has);
-    all.iter().copied().filter(is_whole).collect()
+    let find = |number: usize| all.iter().copied().find(|r| r.packing.realisation == number);
+    let cell = |r: &&'a Realisation| match study.partner(r.packing.realisation) {
+        Some(other) if other > r.packing.realisation => find(other).map(|second| vec![*r, second]),
+        Some(_) => None,
+        None => Some(vec![*r]),
+    };
+    all.iter().filter_map(cell).collect()
 }
 
-/// The solves of every cell, by the far fields of its realisations.
-fn by_cell(study: &Study, complete: &[&Realisation], fields: &[Vec<FarField>]) -> Vec<SolvedRealisation> {
-    let mut cells: Vec<SolvedRealisation> = Vec::new();
-    for (r, fields) in complete.iter().zip(fields) {
-        let own = solved(study, r, fields);
-        let second = study.partner(r.packing.realisation).is_some_and(|other| other < r.packing.realisation);
-        match cells.last_mut().filter(|_| second) {
-            Some(first) => *first = first.mean_with(&own),
-            None => cells.push(own),
-        }
-    }
-    cells
+/// The solves of every cell in one light.
+fn by_cell(study: &Study, cells: &[Vec<&Realisation>], wave: Wave) -> Vec<SolvedRealisation> {
+    let own = |r: &&Realisation| solved(study, r, &far_fields(study, r, wave));
+    let mean = |cell: &Vec<&Realisation>| {
+        cell.iter().map(own).reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
+    };
+    cells.iter().map(mean).collect()
 }
 
 /// Far fields of a complete realisation in one light, direction by direction.
@@ -191,11 +189,10 @@ fn in_light(records: &[&PointRecord], wave: Wave) -> FarField {
 }
 
 /// The solves in the light that paper gives back, where polarised light comes in.
-fn returned(study: &Study, complete: &[&Realisation]) -> Option<Vec<SolvedRealisation>> {
+fn returned(study: &Study, cells: &[Vec<&Realisation>]) -> Option<Vec<SolvedRealisation>> {
     let wave = study.wave.returned();
     let other = wave != study.wave && study.angles.no_paper.is_none();
-    let fields = || complete.iter().map(|r| far_fields(study, r, wave)).collect::<Vec<_>>();
-    other.then(|| by_cell(study, complete, &fields()))
+    other.then(|| by_cell(study, cells, wave))
 }
 
 /// Functions of the wavelength: as many pieces as each realisation has wavelengths.

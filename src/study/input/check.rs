@@ -1,6 +1,7 @@
 //! From the file as written to a [`Study`]: every fault found at once, none let through.
 
 mod angles;
+mod composed;
 mod gaps;
 mod grain_count;
 mod index;
@@ -72,6 +73,9 @@ struct Examined {
 
 fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let (mut faults, mut optics) = (Faults::default(), Faults::default());
+    let composed = composed::composed(file, &mut faults);
+    let slab = composed.as_ref().map(|composed| composed::slab_file(file, composed));
+    let file = slab.as_ref().unwrap_or(file);
     let wavelengths_nm = light::wavelengths(&file.light, &mut optics);
     let period_um = period(file, &mut faults);
     let indices = Tabulation { wavelengths_nm: &wavelengths_nm, folder };
@@ -114,6 +118,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
         goal,
         output: output(&file.output),
         judgement,
+        portion: None,
         remarks: remarks.into_iter().flatten().collect(),
     };
     study.remarks.extend(gaps::bridged(&study));
@@ -121,6 +126,10 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
     }
     wave::refusals(file, &study, &mut optics);
+    if let Some(composed) = composed {
+        composed::refusals(file, &study, &mut optics);
+        composed::complete(&mut study, composed);
+    }
     if faults.0.is_empty() && optics.0.is_empty() {
         optics.0.extend(aim(&study));
     }
@@ -156,6 +165,7 @@ fn layer(table: &LayerTable, period_um: [f64; 2], binder: IndexSpectrum, faults:
         index_out: table.index_out,
         contrast: table.contrast,
         binder,
+        composed: None,
     }
 }
 

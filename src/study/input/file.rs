@@ -24,7 +24,7 @@ mod light;
 
 pub use appearance::{ColourTable, CompareTable, CouplingName, OutputTable, PaperTable};
 pub use calculation::{ResolutionTable, RunTable, SolverTable};
-pub use layer::{BinderTable, LayerTable, PackingTable, PigmentTable};
+pub use layer::{BinderTable, ComposedTable, LayerTable, PackingTable, PigmentTable};
 pub use light::{AnglesTable, LightTable, SamplingName};
 
 use schemars::JsonSchema;

@@ -29,12 +29,12 @@ pub enum Vanishing {
 }
 
 /// A layer's thickness as written.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[schemars(rename = "Thickness")]
 #[serde(
     untagged,
     deny_unknown_fields,
-    expecting = "a thickness in µm, or { mean = 1.0, std = 0.1 } for an uneven layer"
+    expecting = "a thickness in µm, { mean = 1.0, std = 0.1 } for an uneven layer, or a list for a composed one"
 )]
 pub enum ThicknessWritten {
     /// An even layer, µm.
@@ -48,21 +48,32 @@ pub enum ThicknessWritten {
         #[schemars(transform = NOT_NEGATIVE.mark())]
         std: f64,
     },
+    /// Several thicknesses of a composed layer, µm: one set of solves answers all.
+    Several(#[schemars(inner(range(min = 0)))] Vec<f64>),
 }
 
 impl ThicknessWritten {
     /// Mean, µm.
-    pub fn mean(self) -> f64 {
+    pub fn mean(&self) -> f64 {
         match self {
-            Self::Even(mean) | Self::Uneven { mean, .. } => mean,
+            Self::Even(mean) | Self::Uneven { mean, .. } => *mean,
+            Self::Several(all) => all.first().copied().unwrap_or(f64::NAN),
         }
     }
 
     /// Standard deviation, µm.
-    pub fn std(self) -> f64 {
+    pub fn std(&self) -> f64 {
         match self {
-            Self::Even(_) => 0.0,
-            Self::Uneven { std, .. } => std,
+            Self::Even(_) | Self::Several(_) => 0.0,
+            Self::Uneven { std, .. } => *std,
+        }
+    }
+
+    /// All thicknesses, µm.
+    pub fn all(&self) -> Vec<f64> {
+        match self {
+            Self::Several(all) => all.clone(),
+            other => vec![other.mean()],
         }
     }
 }

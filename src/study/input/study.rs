@@ -1,8 +1,10 @@
 //! A study that has passed every check: the only input a run takes.
 
+mod composed;
 mod layer;
 mod wanted;
 
+pub use composed::{Composed, Portion, Position};
 pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
 pub use wanted::{Angles, Judgement, Output, WantedResolution};
 
@@ -59,6 +61,9 @@ pub struct Study {
     pub output: Output,
     /// Conditions and spectra that the prediction is judged by; no solve depends on them.
     pub judgement: Judgement,
+    /// The slab of a composed layer that this study is of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub portion: Option<Portion>,
     /// What its file leaves open, and how it was taken: one line each, for whoever starts it.
     #[serde(skip)]
     pub remarks: Vec<String>,
@@ -98,6 +103,9 @@ pub enum TargetColour {
 impl Study {
     /// Content hash of everything the results depend on: all but the title and the output's form.
     pub fn key(&self) -> Key {
+        if let Some(portion) = &self.portion {
+            return Key::of("portion", &(portion, &Study { portion: None, ..self.clone() }.key()));
+        }
         let ensemble = (&self.layer, &self.pigments, &self.packing, self.realisations, &self.variation);
         let ends = (self.target_delta_e, self.target_colour);
         let light = (self.wave, &self.paper, &self.wavelengths_nm, &self.angles);
@@ -144,16 +152,17 @@ impl Study {
 
     /// Indices at one wavelength; pigment i is inclusion i.
     pub fn media(&self, wavelength_um: f64) -> Media {
+        let (binder, inclusions) = self.binder_and_pigments(wavelength_um);
+        let [incident, exit] = self.outer_indices(wavelength_um).map(Complex64::from);
+        Media { incident, exit, backgrounds: vec![binder], inclusions }
+    }
+
+    /// Indices within the layer at one wavelength.
+    pub(super) fn binder_and_pigments(&self, wavelength_um: f64) -> (Complex64, Vec<Complex64>) {
         let binder = self.layer.binder.index_at(wavelength_um);
         let pigments: Vec<_> = self.pigments.iter().map(|p| p.material.index_at(wavelength_um)).collect();
         let shares: Vec<f64> = self.pigments.iter().map(|p| p.grains.volume_fraction).collect();
-        let (binder, inclusions) = self.layer.contrast.of(binder, &shares, pigments);
-        Media {
-            incident: self.layer.index_in.into(),
-            exit: self.layer.index_out.into(),
-            backgrounds: vec![binder],
-            inclusions,
-        }
+        self.layer.contrast.of(binder, &shares, pigments)
     }
 
     /// Indices of all media for a content hash: incident side, exit side, binder, pigments.
@@ -195,6 +204,9 @@ impl Study {
     fn incidences(&self, draw: &Draw, wavelength: usize, nm: f64) -> Vec<Incidence> {
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
         let Turn { azimuth_deg, direction } = self.turn(draw, wavelength);
+        if let Some(sides) = self.sides(nm * 1e-3) {
+            return self.portion_incidences(&sides, nm * 1e-3, azimuth_deg);
+        }
         let incident = exact_deg.iter().copied().chain(stratified_deg(*strata, direction));
         let incident = incident.map(|deg| (Side::Incident, deg));
         let exit = stratified_deg(*exit_strata, direction).into_iter().map(|deg| (Side::Exit, deg));
@@ -220,11 +232,17 @@ impl Study {
 
     /// Number of solves of one realisation.
     pub fn solves_each(&self) -> usize {
+        if self.portion.is_some() {
+            return self.points(0).len();
+        }
         self.solved_wavelengths() * self.angles.count() * self.polarisations().len()
     }
 
     /// Number of solves of the whole study.
     pub fn solves(&self) -> usize {
+        if self.layer.composed.is_some() {
+            return self.portions().iter().map(Study::solves).sum();
+        }
         self.realisations * self.solves_each()
     }
 }

@@ -141,19 +141,26 @@ impl Input {
 }
 
 impl Sweep {
-    /// A study alone, as a sweep of one variant.
+    /// A study alone, as a sweep of one variant; a composed layer's slabs are one each.
     pub fn of_one(name: &str, study: Study) -> Self {
+        let portions = study.portions();
+        let title = study.title.clone();
+        let all = if portions.is_empty() { vec![study] } else { portions };
+        let named = |(k, study): (usize, Study)| {
+            let slab = study.portion.as_ref().map(|_| format!("{name} slab {}", k + 1));
+            Variant { name: slab.unwrap_or_else(|| name.to_owned()), study, text: String::new() }
+        };
+        let variants: Vec<Variant> = all.into_iter().enumerate().map(named).collect();
         let outline = Outline {
-            title: study.title.clone(),
+            title,
             axes: Vec::new(),
             sheet: SheetTable::default(),
             reference: 0,
             reference_asked: false,
             claims: Vec::new(),
-            variants: vec![Place { name: name.to_owned(), place: Vec::new() }],
+            variants: variants.iter().map(|v| Place { name: v.name.clone(), place: Vec::new() }).collect(),
         };
-        let variant = Variant { name: name.to_owned(), study, text: String::new() };
-        Self { outline, variants: vec![variant], inputs: Vec::new() }
+        Self { outline, variants, inputs: Vec::new() }
     }
 }
 

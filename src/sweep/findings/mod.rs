@@ -1,6 +1,7 @@
 //! What a sweep has found: outcomes, conclusions, tables, sheets and pages.
 
 pub mod aim;
+pub mod composed;
 pub mod conclusions;
 mod curves;
 mod explore;

@@ -3,6 +3,7 @@
 pub mod alone;
 pub mod merge;
 pub mod plan;
+pub mod portions;
 mod rounds;
 pub mod run;
 pub(crate) mod stored;

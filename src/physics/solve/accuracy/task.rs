@@ -76,13 +76,7 @@ impl Estimated {
     /// residual.
     pub fn account(&self) -> Account {
         let mut joint = self.solved[0].solution.account.clone();
-        for Solved { solution: Solution { account, .. }, .. } in &self.solved[1..] {
-            joint.steps += account.steps;
-            joint.operator_applications += account.operator_applications;
-            joint.seconds += account.seconds;
-            joint.residual = joint.residual.max(account.residual);
-            joint.bytes = joint.bytes.max(account.bytes);
-        }
+        self.solved[1..].iter().for_each(|solved| joint.join(&solved.solution.account));
         joint
     }
 }

@@ -232,6 +232,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
     };
     let thinnest = match layer.thickness_um.std() > 0.0 {
         true => "the thinnest layer drawn, mean - 3 std of layer.thickness_um",
+        false if layer.composed.is_some() => "half of layer.composed.slab_um",
         false => "the layer's thickness",
     };
     let limits = [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um(layer), thinnest)];

@@ -21,7 +21,7 @@ pub struct LayerTable {
     /// Nominal period in x and y, µm: one number or `[x, y]`. Follows from the grains when left out and cells vary.
     #[schemars(example = 1.6)]
     pub period_um: Option<Pair>,
-    /// Thickness, µm; `{ mean, std }` where it is uneven.
+    /// Thickness, µm; `{ mean, std }` where it is uneven; a list where it is composed.
     #[schemars(example = 1.0)]
     pub thickness_um: ThicknessWritten,
     /// The medium between the grains; index 1.558 (P1 section 5) when left out.
@@ -45,8 +45,30 @@ pub struct LayerTable {
     /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
     #[serde(default)]
     pub contrast: ContrastPart,
+    /// Composes the layer of slabs that are solved: for layers of many µm.
+    #[schemars(example = ComposedTable::default())]
+    pub composed: Option<ComposedTable>,
     /// A binder surface below the tops of the grains, with `index_in` between them.
     pub relief: Option<ReliefRequest>,
+}
+
+/// `[layer.composed]`: the layer as a stack of slabs. The outer ones are solved with the surfaces, the
+/// inner ones in a medium of the layer's index, and all again at half the thickness.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ComposedTable {
+    /// About the thickness of a slab, µm; the first thickness is a whole number of slabs.
+    #[schemars(transform = limits::THICKNESS_UM.mark())]
+    pub slab_um: f64,
+    /// Directions in which light is followed: in the cone from which it reaches air, and beyond.
+    #[schemars(inner(range(min = 2, max = 16)))]
+    pub directions: [usize; 2],
+}
+
+impl Default for ComposedTable {
+    fn default() -> Self {
+        Self { slab_um: 2.0, directions: [3, 3] }
+    }
 }
 
 fn vacuum() -> f64 {

@@ -1,5 +1,6 @@
 //! What the light meets: the layer with its materials, and the paper.
 
+use super::composed::Composed;
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::ink::PigmentGrains;
 use crate::input::contrast::ContrastPart;
@@ -23,6 +24,9 @@ pub struct Layer {
     pub binder: IndexSpectrum,
     /// Which part of the contrast scatters.
     pub contrast: ContrastPart,
+    /// How it is composed of slabs, where it is too thick to be solved at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub composed: Option<Composed>,
 }
 
 /// One kind of grain.

@@ -1,0 +1,171 @@
+//! The usual slips of programs, as changes of right answers.
+
+use crate::compare::external::judge::ExpectedOrder;
+use crate::compare::external::protocol::AnsweredSide;
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// What slips depend on, in units of the vacuum wavenumber; light comes from vacuum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SlipLight {
+    /// Normal wavenumber of the incident light, the cosine of its polar angle.
+    pub kappa: f64,
+    /// Thickness of the layer.
+    pub height: f64,
+    /// Index of the exit side.
+    pub exit: f64,
+    /// Lateral wavevector of the incident light.
+    pub lateral: [f64; 2],
+    /// Distance of the orders along x and y.
+    pub step: [f64; 2],
+}
+
+/// One order under a slip.
+pub(super) struct SlipOrder {
+    order: ExpectedOrder,
+    /// Normal wavenumber in units of that of vacuum.
+    kappa: f64,
+    /// Index of its half-space.
+    index: f64,
+}
+
+/// A slip: what it is called, what to do about it, and what becomes of a right order.
+pub(super) struct Slip {
+    pub name: &'static str,
+    pub remedy: &'static str,
+    act: fn(&mut SlipOrder, &SlipLight),
+}
+
+/// Right orders as programs with these slips answer them.
+pub(super) fn changed(right: &[ExpectedOrder], slips: &[&Slip], light: &SlipLight) -> Vec<ExpectedOrder> {
+    let mut all = Vec::new();
+    for order in right {
+        let index = if order.side == AnsweredSide::Reflected { 1.0 } else { light.exit };
+        let [x, y] =
+            [(0, order.m), (1, order.n)].map(|(a, m)| light.lateral[a] + f64::from(m) * light.step[a]);
+        let kappa = (index * index - x * x - y * y).max(0.0).sqrt();
+        let mut slipped = SlipOrder { order: order.clone(), kappa, index };
+        slips.iter().for_each(|slip| (slip.act)(&mut slipped, light));
+        all.push(slipped.order);
+    }
+    all
+}
+
+impl SlipOrder {
+    fn is_transmitted(&self) -> bool {
+        self.order.side == AnsweredSide::Transmitted
+    }
+
+    fn each(&mut self, change: impl Fn(Complex64) -> Complex64) {
+        self.order.amplitudes.iter_mut().for_each(|a| *a = change(*a));
+    }
+
+    /// Changes every amplitude; `change` sees whether the incident and the outgoing light is p.
+    fn each_pair(&mut self, change: impl Fn(Complex64, [bool; 2]) -> Complex64) {
+        let amplitudes = self.order.amplitudes.iter_mut().enumerate();
+        amplitudes.for_each(|(k, a)| *a = change(*a, [k / 2 == 1, k % 2 == 1]));
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.each(|a| factor * a);
+    }
+
+    fn power(&mut self, factor: f64) {
+        self.each(|a| (factor * a.norm_sqr()).into());
+    }
+
+    fn turn(&mut self, phase: f64) {
+        self.each(|a| a * Complex64::cis(phase));
+    }
+
+    /// Multiplies amplitudes of outgoing p light, and divides those of incident p light.
+    fn scale_p(&mut self, outgoing: f64, incident: f64) {
+        self.each_pair(|a, [from, to]| {
+            a * if to { outgoing } else { 1.0 } / if from { incident } else { 1.0 }
+        });
+    }
+
+    fn swap(&mut self, from: [usize; 4]) {
+        if self.order.amplitudes.len() == from.len() {
+            self.order.amplitudes = from.map(|k| self.order.amplitudes[k]).to_vec();
+        }
+    }
+
+    fn relabel(&mut self, m: i32, n: i32) {
+        (self.order.m, self.order.n) = (m, n);
+    }
+}
+
+fn transmitted_at_zero(o: &mut SlipOrder, light: &SlipLight) {
+    if o.is_transmitted() {
+        o.turn(-o.kappa * light.height);
+    }
+}
+
+fn reflected_at_the_end(o: &mut SlipOrder, light: &SlipLight) {
+    if !o.is_transmitted() {
+        o.turn(-o.kappa * light.height);
+    }
+}
+
+fn beside_the_incident_wave(o: &mut SlipOrder, light: &SlipLight) {
+    if o.is_transmitted() {
+        o.turn(-light.kappa * light.height);
+    }
+}
+
+fn turn_sides(o: &mut SlipOrder, _: &SlipLight) {
+    o.order.side = if o.is_transmitted() { AnsweredSide::Reflected } else { AnsweredSide::Transmitted };
+}
+
+fn whole_field(o: &mut SlipOrder, _: &SlipLight) {
+    if !o.is_transmitted() && (o.order.m, o.order.n) == (0, 0) {
+        o.each_pair(|a, [from, to]| if from == to { a + 1.0 } else { a });
+    }
+}
+
+fn p_turned(o: &mut SlipOrder, _: &SlipLight) {
+    if !o.is_transmitted() {
+        o.scale_p(-1.0, 1.0);
+    }
+}
+
+const fn slip(name: &'static str, remedy: &'static str, act: fn(&mut SlipOrder, &SlipLight)) -> Slip {
+    Slip { name, remedy, act }
+}
+
+/// All slips that change answers order by order.
+#[rustfmt::skip]
+pub(super) const SLIPS: [Slip; 23] = [
+    slip("complex conjugate", "its time factor is e^(+iωt): conjugate every amplitude", |o, _| o.each(|a| a.conj())),
+    slip("transmitted phases referred to z = 0", "multiply transmitted amplitudes by e^(iκ′H)", transmitted_at_zero),
+    slip("reflected phases referred to z = H", "multiply reflected amplitudes by e^(iκH)", reflected_at_the_end),
+    slip("transmitted phases referred to the incident wave at z = H", "multiply transmitted amplitudes by e^(iκ₀₀H)",
+        beside_the_incident_wave),
+    slip("phases referred to the middle of the layer", "multiply amplitudes by e^(i(κ + κ₀₀)H/2)",
+        |o, l| o.turn(-0.5 * (o.kappa + l.kappa) * l.height)),
+    slip("phases referred to the middle of the cell", "multiply amplitudes by (−1)^(m + n), or set the origin to its corner",
+        |o, _| o.turn(PI * f64::from(o.order.m + o.order.n))),
+    slip("sides swapped", "exchange reflected and transmitted", turn_sides),
+    slip("power instead of amplitude", "give complex amplitudes, not efficiencies", |o, l| o.power(o.kappa / l.kappa)),
+    slip("power without the index of the exit medium", "give complex amplitudes, not efficiencies without n",
+        |o, l| o.power(o.kappa / o.index / l.kappa)),
+    slip("power not divided by the cosine of incidence", "give complex amplitudes, not powers", |o, _| o.power(o.kappa)),
+    slip("squared modulus instead of amplitude", "give complex amplitudes", |o, _| o.power(1.0)),
+    slip("modulus instead of amplitude", "give complex amplitudes with their phases", |o, _| o.each(|a| a.norm().into())),
+    slip("amplitudes normalised by flux", "divide amplitudes by √(κ/κ₀₀): they are those of the field",
+        |o, l| o.scale((o.kappa / l.kappa).sqrt())),
+    slip("index left out of p light in the exit medium", "amplitudes of p are those of E: divide H by the index",
+        |o, _| o.scale_p(o.index, 1.0)),
+    slip("p light measured by its tangential field", "divide amplitudes of p by the cosine of their direction",
+        |o, l| o.scale_p(o.kappa / o.index, l.kappa)),
+    slip("s and p swapped", "s has E perpendicular to the plane of incidence", |o, _| o.swap([3, 2, 1, 0])),
+    slip("incident and outgoing polarisation swapped", "the first key is the incident polarisation", |o, _| o.swap([0, 2, 1, 3])),
+    slip("reflected p with the opposite sign", "E of p is along (∓κ p̂ − q ẑ)/k: turn its sign in reflection", p_turned),
+    slip("s with the opposite sign", "s is along ẑ × k∥: turn the sign of s → p and p → s",
+        |o, _| o.each_pair(|a, [from, to]| if from == to { a } else { -a })),
+    slip("orders transposed", "m counts along x and n along y", |o, _| o.relabel(o.order.n, o.order.m)),
+    slip("orders with the opposite sign", "kx = qx + 2πm/Lx, ky = qy + 2πn/Ly", |o, _| o.relabel(-o.order.m, -o.order.n)),
+    slip("order m with the opposite sign", "kx = qx + 2πm/Lx", |o, _| o.relabel(-o.order.m, o.order.n)),
+    slip("incident wave left in the reflected order (0, 0)", "subtract 1 from it", whole_field),
+];

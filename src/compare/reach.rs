@@ -1,0 +1,45 @@
+//! The cost of an accuracy: the cheapest row of each strategy and program that reaches it.
+
+use super::row::{Row, dash};
+
+/// Amplitude errors whose cost is tabulated.
+pub(super) const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
+
+/// One line for each case and each strategy or program on it: case, name, the cost of every target,
+/// the smallest error, and why there is no result at all.
+pub(super) fn table(rows: &[Row]) -> Vec<Vec<String>> {
+    let mut groups: Vec<Vec<&Row>> = Vec::new();
+    for row in rows {
+        let of = |group: &&mut Vec<&Row>| {
+            group[0].strategy == row.strategy && group[0].case_name() == row.case_name()
+        };
+        match groups.iter_mut().find(of) {
+            Some(group) => group.push(row),
+            None => groups.push(vec![row]),
+        }
+    }
+    groups.iter().map(|group| line(group)).collect()
+}
+
+fn line(group: &[&Row]) -> Vec<String> {
+    let costs = TARGETS.map(|target| dash(cheapest(group, target).map(cost)));
+    let errors = group.iter().filter_map(|row| row.result.as_ref().ok().copied());
+    let least = errors.reduce(f64::min).map(|error| format!("{error:.1e}"));
+    let reason = if least.is_some() { String::new() } else { group[0].outcome() };
+    let before = [group[0].case_name(), group[0].strategy.clone()];
+    before.into_iter().chain(costs).chain([dash(least), reason]).collect()
+}
+
+/// The row of least processor time (wall time where that is not known) within an error.
+fn cheapest<'a>(group: &[&'a Row], target: f64) -> Option<&'a Row> {
+    let within = group.iter().filter(|row| row.result.as_ref().is_ok_and(|error| *error <= target));
+    within.copied().min_by(|a, b| seconds(a).total_cmp(&seconds(b)))
+}
+
+fn seconds(row: &Row) -> f64 {
+    row.processor_seconds.or(row.seconds).unwrap_or(f64::INFINITY)
+}
+
+fn cost(row: &Row) -> String {
+    format!("{:.2}\u{a0}s, {:.0}\u{a0}MB", seconds(row), row.bytes as f64 / 1e6)
+}

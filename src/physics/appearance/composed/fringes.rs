@@ -1,0 +1,200 @@
+//! Fringes of weak layers: the coherent light between the two surfaces, which composing fluxes treats
+//! as if it did not interfere with itself.
+//!
+//! The mean field goes through a layer of m slabs as through a film: with amplitudes r, t of the front
+//! (r′, t′ from inside), r_b of the back, and P of all inner slabs,
+//!
+//! ```text
+//! ρ = r′ P² r_b      T_c/T_i = (1 − |ρ|²)/|1 − ρ|²
+//! R_c = |r + t t′ P² r_b/(1 − ρ)|²      R_i = |r|² + |t t′ P² r_b|²/(1 − |ρ|²)
+//! ```
+//!
+//! where c is the film and i its incoherent composition. What the film takes from the field by
+//! scattering and absorption, L = 1 − R − T, is shared as it was before: R → R + (R_c − R_i) + s_R (L_c −
+//! L_i), with s_R the share of L_i that composing reflects. So R + T + A stays 1 exactly.
+
+use super::flux::{Coherent, Hemisphere};
+use super::ordinates::gauss;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Directions of the mean over the hemisphere: fringes are narrower than the nodes' distance.
+const DIRECTIONS: usize = 64;
+/// Below this nothing is lost that could be shared.
+const NOTHING: f64 = 1e-9;
+
+/// Amplitudes of the slabs of a layer at one wavelength.
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// Of the front slab, of an inner one, and of the back slab.
+    pub slabs: [Coherent; 3],
+    /// Media in front and within.
+    pub media: [Hemisphere; 2],
+    /// Thickness of a slab, µm.
+    pub slab_um: f64,
+    /// Vacuum wavelength, µm.
+    pub wavelength_um: f64,
+}
+
+/// One direction of one polarisation: what varies slowly with the angle.
+type Slow = [Complex64; 6];
+
+impl Film {
+    /// Corrections \[R, T\] of one polarisation at 0°, at `oblique` (its cosine in air) and of diffuse
+    /// light, for a layer of `count` slabs whose composed \[R, T\] at 0° and at the nodes are `composed`.
+    pub fn corrections(
+        &self,
+        count: usize,
+        polarisation: usize,
+        composed: &[[f64; 2]],
+        oblique: f64,
+    ) -> [[f64; 2]; 3] {
+        let ordinates = &self.media[0].ordinates;
+        let nodes = (0..ordinates.escaping()).map(|i| ordinates.cosine(i));
+        let points: Vec<f64> = [1.0].into_iter().chain(nodes).collect();
+        let slow: Vec<Slow> =
+            points.iter().enumerate().map(|(d, mu)| self.slow(d, polarisation, *mu)).collect();
+        let shares: Vec<[f64; 2]> = points
+            .iter()
+            .zip(&slow)
+            .zip(composed)
+            .map(|((mu, slow), composed)| shares(self.film(count, *mu, slow)[1], *composed))
+            .collect();
+        let at = |mu: f64| {
+            let weights = lagrange(&points, mu);
+            let mean = |k: usize| weights.iter().zip(&slow).map(|(w, s)| w * s[k]).sum();
+            let [c, i] = self.film(count, mu, &std::array::from_fn(mean));
+            let lost = (i[0] + i[1]) - (c[0] + c[1]);
+            [0, 1].map(|k| {
+                let share: f64 = weights.iter().zip(&shares).map(|(w, s)| w * s[k]).sum();
+                c[k] - i[k] + share * lost
+            })
+        };
+        let mut diffuse = [0.0; 2];
+        for (mu, weight) in gauss(DIRECTIONS) {
+            let own = at(mu);
+            (0..2).for_each(|k| diffuse[k] += weight * own[k]);
+        }
+        [at(1.0), at(oblique), diffuse]
+    }
+
+    /// What interference changes of the beam at 0° itself, \[R, T\].
+    pub fn beam(&self, count: usize, polarisation: usize) -> [f64; 2] {
+        let [c, i] = self.film(count, 1.0, &self.slow(0, polarisation, 1.0));
+        [c[0] - i[0], c[1] - i[1]]
+    }
+
+    /// k_z of light with this cosine in air, in the even medium, 1/µm.
+    fn phase_per_um(&self, cosine: f64) -> f64 {
+        let [outer, inner] = [0, 1].map(|k| self.media[k].ordinates.index);
+        let square = inner * inner - outer * outer * (1.0 - cosine * cosine);
+        TAU / self.wavelength_um * square.max(0.0).sqrt()
+    }
+
+    /// r, t t′, r′ and r_b less the phase of the even medium; the logarithm of an inner slab's amplitude
+    /// less it; √(T T_b).
+    fn slow(&self, direction: usize, polarisation: usize, cosine: f64) -> Slow {
+        let amplitude =
+            |slab: usize, side: usize, lobe: usize| self.slabs[slab][side][direction][polarisation][lobe];
+        let once = Complex64::from_polar(1.0, -self.phase_per_um(cosine) * self.slab_um);
+        let twice = once * once;
+        [
+            amplitude(0, 0, 0),
+            amplitude(0, 0, 1) * amplitude(0, 1, 1) * twice,
+            amplitude(0, 1, 0) * twice,
+            amplitude(2, 0, 0) * twice,
+            (amplitude(1, 0, 1) * once).ln(),
+            (amplitude(0, 0, 1).norm() * amplitude(2, 0, 1).norm()).into(),
+        ]
+    }
+
+    /// \[R, T\] of the film, and of its incoherent composition.
+    fn film(&self, count: usize, cosine: f64, slow: &Slow) -> [[f64; 2]; 2] {
+        let [front, through, inside, behind, slab, power] = *slow;
+        let inner = (count - 2) as f64;
+        let depth = self.phase_per_um(cosine) * self.slab_um;
+        let passed = (slab * (2.0 * inner)).exp();
+        // both ways through the back slab and the inner ones, then through the front one
+        let to_back = Complex64::from_polar(1.0, 2.0 * depth * (inner + 1.0)) * passed * behind;
+        let front_depth = Complex64::from_polar(1.0, 2.0 * depth);
+        let rho = inside * front_depth * to_back;
+        let back = through * front_depth * to_back;
+        let t = power.norm_sqr() * passed.norm() / (1.0 - rho.norm_sqr());
+        let coherent = (front + back / (1.0 - rho)).norm_sqr();
+        let incoherent = front.norm_sqr() + back.norm_sqr() / (1.0 - rho.norm_sqr());
+        let ratio = (1.0 - rho.norm_sqr()) / (1.0 - rho).norm_sqr();
+        [[coherent, t * ratio], [incoherent, t]]
+    }
+}
+
+/// Shares of what the coherent field loses that composing reflects and transmits.
+fn shares([r, t]: [f64; 2], composed: [f64; 2]) -> [f64; 2] {
+    let lost = 1.0 - r - t;
+    if lost < NOTHING { [0.0; 2] } else { [(composed[0] - r) / lost, (composed[1] - t) / lost] }
+}
+
+/// Lagrange polynomials through `points` at `x`.
+fn lagrange(points: &[f64], x: f64) -> Vec<f64> {
+    let of = |i: usize| {
+        let others = points.iter().enumerate().filter(|&(j, _)| j != i);
+        others.map(|(_, p)| (x - p) / (points[i] - p)).product()
+    };
+    (0..points.len()).map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::composed::ordinates::Ordinates;
+
+    /// A clear film of four slabs of 1 µm in air, s-polarised: amplitudes of each are known.
+    fn film(index: f64) -> Film {
+        let (slab_um, wavelength_um) = (1.0, 0.55);
+        let medium = |index: f64| Hemisphere {
+            ordinates: Ordinates::new(index, &[], [3, 3]),
+            polarisations: 1,
+            oblique_deg: None,
+        };
+        let media = [medium(1.0), medium(index)];
+        let sines = || [0.0].into_iter().chain(media[0].ordinates.sines.iter().copied());
+        let phase = |s: f64| {
+            Complex64::from_polar(1.0, TAU / wavelength_um * (index * index - s * s).sqrt() * slab_um)
+        };
+        let fresnel = |s: f64| {
+            let [outer, inner] = [(1.0 - s * s).sqrt(), (index * index - s * s).sqrt()];
+            (outer - inner) / (outer + inner)
+        };
+        let through = |s: f64| (1.0 - fresnel(s).powi(2)).sqrt() * phase(s);
+        let outside = sines().map(|s| vec![[fresnel(s).into(), through(s)]]).collect::<Vec<_>>();
+        let inside =
+            sines().map(|s| vec![[-fresnel(s) * phase(s) * phase(s), through(s)]]).collect::<Vec<_>>();
+        let between = sines().map(|s| vec![[Complex64::ZERO, phase(s)]]).collect::<Vec<_>>();
+        let slabs = [[outside.clone(), inside.clone()], [between.clone(), between], [inside, outside]];
+        Film { slabs, media, slab_um, wavelength_um }
+    }
+
+    /// Airy's film, and its incoherent composition 2R/(1 + R).
+    #[test]
+    fn a_clear_film_has_its_fringes() {
+        let (index, film) = (1.5, film(1.5));
+        let airy = |mu: f64| {
+            let s2 = 1.0 - mu * mu;
+            let inner = (index * index - s2).sqrt();
+            let r = ((mu - inner) / (mu + inner)).powi(2);
+            let half = (TAU / 0.55 * inner * 4.0).sin().powi(2);
+            let coherent = 4.0 * r * half / ((1.0 - r).powi(2) + 4.0 * r * half);
+            [coherent, 2.0 * r / (1.0 + r)]
+        };
+        let nodes = (0..3).map(|i| film.media[0].ordinates.cosine(i));
+        let composed: Vec<[f64; 2]> =
+            [1.0].into_iter().chain(nodes).map(|mu| [airy(mu)[1], 1.0 - airy(mu)[1]]).collect();
+        let oblique = 45.0_f64.to_radians().cos();
+        let [normal, slanted, diffuse] = film.corrections(4, 0, &composed, oblique);
+        let want = |mu: f64| airy(mu)[0] - airy(mu)[1];
+        assert!((normal[0] - want(1.0)).abs() < 1e-9 && (normal[0] + normal[1]).abs() < 1e-9);
+        // Fresnel's amplitudes at the four nodes stand for those between
+        assert!((slanted[0] - want(oblique)).abs() < 3e-3, "{slanted:?} {}", want(oblique));
+        let mean: f64 = gauss(400).into_iter().map(|(mu, weight)| weight * want(mu)).sum();
+        assert!((diffuse[0] - mean).abs() < 3e-3, "{diffuse:?} {mean}");
+    }
+}

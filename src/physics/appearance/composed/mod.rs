@@ -1,0 +1,21 @@
+//! Layers composed of slabs that the wave equation has solved: adding and doubling of flux matrices.
+//!
+//! A thick layer is cut into slabs of thickness h. The outermost ones ("skins") are solved together
+//! with the layer's surfaces, the inner ones embedded in a medium of index n_eff = √Re⟨η²⟩. Every
+//! solve gives the flux of all orders; their azimuthal means on a few [`ordinates`] are the columns of
+//! [`flux`] matrices, whose ensemble means are composed incoherently as [`plate`]s:
+//!
+//! ```text
+//! T = T_B (1 − R*_A R_B)⁻¹ T_A      R = R_A + T*_A R_B (1 − R*_A R_B)⁻¹ T_A
+//! ```
+//!
+//! with R*, T* for light from behind (van de Hulst, *Multiple Light Scattering*, 1980). Interference
+//! within a slab is kept, between slabs it is lost but for the [`fringes`] of the coherent light; the
+//! difference between slabs of h and of h/2 tells what that costs. Light at exactly 0° keeps its
+//! coherent part |⟨a⟩|² apart, as a beam. [`transport`] describes the medium that the slabs are.
+
+pub mod flux;
+pub mod fringes;
+pub mod ordinates;
+pub mod plate;
+pub mod transport;

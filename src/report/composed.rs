@@ -1,0 +1,395 @@
+//! The page and the tables of a composed layer.
+
+use super::cell::{numbers, table};
+use super::page::{FailureRow, Figure, MakerBlock, Meant, Named, Page, Provenance, svg_data};
+use super::sheet;
+use crate::draw::chart::{Chart, Curve, Style};
+use crate::evaluate::composed::level::Solved;
+use crate::evaluate::composed::report::{
+    ComposedColours, ComposedManifest, ComposedRow, Judged, MediumRow, report,
+};
+use crate::evaluate::manifest::Status;
+use crate::input::study::Study;
+use crate::report::publish::PublishError;
+use crate::run::crew::processor_seconds;
+use crate::store::folder::OutputFolder;
+
+/// Wavelengths of the curves against thickness, nm: the nearest ones of the study are shown.
+const SHOWN_NM: [f64; 3] = [450.0, 550.0, 650.0];
+
+/// What was published of a composed layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PublishedLayer {
+    /// Whether anything is missing.
+    pub status: Status,
+    /// Its main results, one line each.
+    pub lines: Vec<String>,
+    /// The layer at every thickness asked for and wavelength.
+    pub spectra: Vec<ComposedRow>,
+    /// The medium at every wavelength.
+    pub medium: Vec<MediumRow>,
+    /// Thickness that hides, µm.
+    pub hiding_thickness_um: Option<Judged>,
+    /// What to change.
+    pub remarks: Vec<String>,
+}
+
+/// Writes `results.json`, tables and page.
+///
+/// # Errors
+/// Slabs without a complete realisation; files that cannot be written.
+pub fn publish(
+    study: &Study,
+    solved: &[Solved],
+    folder: &OutputFolder,
+) -> Result<PublishedLayer, PublishError> {
+    let manifest = report(study, solved).map_err(PublishError::Slabs)?;
+    let manifest = ComposedManifest { process_seconds: processor_seconds(), ..manifest };
+    if let Some(row) = manifest.spectra.iter().find(|row| !is_physical(row)) {
+        let place = format!("a share at {} µm and {} nm", row.thickness_um, row.wavelength_nm);
+        return Err(PublishError::Unphysical(format!("{place} is not between 0 and 1")));
+    }
+    folder.begin()?;
+    let asked_and_curve = manifest.spectra.iter().chain(&manifest.curve);
+    folder.write("spectra.csv", &spectra(asked_and_curve)?)?;
+    folder.write("medium.csv", &medium(&manifest.medium)?)?;
+    folder.write("results.json", &serde_json::to_vec_pretty(&manifest)?)?;
+    folder.write("report.html", page(&manifest)?.html()?.as_bytes())?;
+    if manifest.status == Status::Complete {
+        folder.complete()?;
+    }
+    Ok(PublishedLayer {
+        status: manifest.status,
+        lines: lines(&manifest),
+        spectra: manifest.spectra,
+        medium: manifest.medium,
+        hiding_thickness_um: manifest.hiding_thickness_um,
+        remarks: manifest.remarks,
+    })
+}
+
+/// Largest overshoot of a share of light that its error can stand for.
+const BEYOND: f64 = 0.03;
+
+fn is_physical(row: &ComposedRow) -> bool {
+    let shares = shares(row).into_iter().take(6);
+    shares
+        .into_iter()
+        .all(|(_, j)| (-BEYOND..=1.0 + BEYOND).contains(&j.value) && j.standard_error.is_finite())
+}
+
+/// Names and values of a row.
+fn shares(row: &ComposedRow) -> [(&'static str, Judged); 12] {
+    [
+        ("reflectance_normal", row.reflectance_normal),
+        ("transmittance_normal", row.transmittance_normal),
+        ("reflectance_45", row.reflectance_45),
+        ("transmittance_45", row.transmittance_45),
+        ("reflectance_diffuse", row.reflectance_diffuse),
+        ("transmittance_diffuse", row.transmittance_diffuse),
+        ("coherent_transmittance", row.coherent_transmittance),
+        ("mirrored", row.mirrored),
+        ("natural_light", row.natural_light),
+        ("lit_at_45", row.lit_at_45),
+        ("over_black", row.over_black),
+        ("over_white", row.over_white),
+    ]
+}
+
+fn spectra<'a>(rows: impl Iterator<Item = &'a ComposedRow> + Clone) -> csv::Result<Vec<u8>> {
+    let names = rows.clone().next().map(|row| shares(row).map(|(name, _)| name));
+    let columns =
+        names.into_iter().flatten().flat_map(|name| [name.into(), format!("{name}_standard_error")]);
+    let header = ["thickness_um".to_owned(), "wavelength_nm".to_owned()].into_iter().chain(columns);
+    let line = |row: &ComposedRow| {
+        let place = [row.thickness_um.to_string(), row.wavelength_nm.to_string()];
+        place.into_iter().chain(shares(row).into_iter().flat_map(|(_, j)| numbers(Some(j.estimate()))))
+    };
+    table(header, rows.map(line))
+}
+
+/// Names and values of a medium.
+pub fn coefficients(row: &MediumRow) -> [(&'static str, Judged); 8] {
+    [
+        ("effective_index", row.effective_index),
+        ("coherent_path_um", row.coherent_path_um),
+        ("scattering_per_um", row.scattering_per_um),
+        ("absorption_per_um", row.absorption_per_um),
+        ("asymmetry", row.asymmetry),
+        ("transport_path_um", row.transport_path_um),
+        ("kubelka_munk_absorption_per_um", row.kubelka_munk_absorption_per_um),
+        ("kubelka_munk_scattering_per_um", row.kubelka_munk_scattering_per_um),
+    ]
+}
+
+fn medium(rows: &[MediumRow]) -> csv::Result<Vec<u8>> {
+    let names = rows.first().map(|row| coefficients(row).map(|(name, _)| name));
+    let columns =
+        names.into_iter().flatten().flat_map(|name| [name.into(), format!("{name}_standard_error")]);
+    let line = |row: &MediumRow| {
+        let all = coefficients(row).into_iter().flat_map(|(_, j)| numbers(Some(j.estimate())));
+        std::iter::once(row.wavelength_nm.to_string()).chain(all)
+    };
+    table(std::iter::once("wavelength_nm".to_owned()).chain(columns), rows.iter().map(line))
+}
+
+fn words(judged: &Judged, decimals: usize) -> String {
+    judged.estimate().in_words(decimals)
+}
+
+fn lab(judged: &[Judged; 3]) -> String {
+    let [l, a, b] = [0, 1, 2].map(|i| words(&judged[i], 2));
+    format!("L* {l}, a* {a}, b* {b}")
+}
+
+/// The results in a line each.
+fn lines(manifest: &ComposedManifest) -> Vec<String> {
+    let colour = |c: &ComposedColours| {
+        let [seen, ratio] = [lab(&c.natural_light), words(&c.contrast_ratio, 3)];
+        format!("{} µm: {seen} under natural light, contrast ratio {ratio}", c.thickness_um)
+    };
+    let mut lines: Vec<String> = manifest.colours.iter().map(colour).collect();
+    if lines.is_empty() {
+        lines.extend(manifest.spectra.iter().map(spectral_line));
+    }
+    lines.extend(manifest.hiding_thickness_um.map(|um| format!("hides at {} µm", words(&um, 1))));
+    lines
+}
+
+fn spectral_line(row: &ComposedRow) -> String {
+    let [r, t] = [row.reflectance_normal, row.transmittance_normal].map(|j| words(&j, 4));
+    let [dr, dt] = [row.reflectance_diffuse, row.transmittance_diffuse].map(|j| words(&j, 4));
+    let (um, nm) = (row.thickness_um, row.wavelength_nm);
+    format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
+}
+
+fn page(manifest: &ComposedManifest) -> Result<Page, PublishError> {
+    let study = manifest.study;
+    let partial = (manifest.status != Status::Complete).then(|| {
+        let solves = manifest.solves;
+        format!(
+            "{} of {} solves are finished. Run the study again to continue.",
+            solves.finished, solves.asked
+        )
+    });
+    let failure = |reason: &String| FailureRow { point: String::new(), reason: reason.clone() };
+    Ok(Page {
+        title: study.title.clone(),
+        summary: summary(manifest),
+        partial,
+        figures: figures(manifest)?,
+        ink_maker: Some(maker(manifest)),
+        certainty: certainty(manifest),
+        asked: sheet::asked(study),
+        failures: manifest.failures.iter().map(failure).collect(),
+        limits: limits(manifest),
+        provenance: Provenance {
+            program: manifest.program.clone(),
+            rows: vec![
+                Named::code("study", manifest.study_hash.clone()),
+                Named::new("seed", manifest.seed.to_string()),
+                Named::new("solves", manifest.solves.finished.to_string()),
+                Named::new("time of all solves", format!("{:.0} s", manifest.solve_seconds)),
+            ],
+        },
+        ..Page::default()
+    })
+}
+
+fn summary(manifest: &ComposedManifest) -> String {
+    let composed = manifest.composed;
+    let all: Vec<String> = composed.thicknesses_um.iter().map(|um| format!("{um}")).collect();
+    let whole = sheet::summary(manifest.study);
+    format!(
+        "{whole} Composed of slabs of {:.3} µm, for thicknesses of {} µm.",
+        composed.slab_um,
+        all.join(", ")
+    )
+}
+
+/// Curves against thickness and depth, and spectra.
+fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, PublishError> {
+    let mut all = vec![
+        (
+            "Against thickness",
+            shares_chart(manifest),
+            "Diffuse light reflected (R) and transmitted (T) by the layer \
+          without paper, against its thickness. Error bars are standard errors, the model's part included.",
+        ),
+        (
+            "The light's way",
+            depth_chart(manifest),
+            "Fluxes towards the paper and back in the layer on its paper, lit at \
+          0°, as shares of the incident light. Where their difference falls, light is absorbed.",
+        ),
+        (
+            "On the paper",
+            spectra_chart(manifest),
+            "Light that reaches the eye along the normal under natural light, as \
+          a share of that of a perfect white, for every thickness asked for.",
+        ),
+    ];
+    if !manifest.curve_colours.is_empty() {
+        all.insert(
+            1,
+            (
+                "Hiding and colour",
+                hiding_chart(manifest),
+                "Contrast ratio (Y over black by Y over white, 45:0) \
+          and L*/100 on the paper under natural light, against the thickness. 0.98 counts as hiding.",
+            ),
+        );
+    }
+    let drawn = |(heading, chart, caption): (&str, Chart, &str)| {
+        Ok(Figure { heading: heading.into(), data: svg_data(&chart.svg()?), caption: caption.into() })
+    };
+    all.into_iter().map(drawn).collect()
+}
+
+/// The study's wavelengths nearest to those shown.
+fn shown(study: &Study) -> Vec<f64> {
+    let off = |wanted: f64, nm: &f64| (nm - wanted).abs();
+    let nearest = |&wanted: &f64| {
+        study.wavelengths_nm.iter().copied().min_by(|a, b| off(wanted, a).total_cmp(&off(wanted, b)))
+    };
+    let mut all: Vec<f64> = SHOWN_NM.iter().filter_map(nearest).collect();
+    all.dedup();
+    all
+}
+
+fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
+    let chart = Chart::linear("", "thickness, µm", y_label, curves);
+    Chart { log: [true, false], y_range: Some([0.0, 1.0]), ..chart }
+}
+
+fn shares_chart(manifest: &ComposedManifest) -> Chart {
+    let curve = |nm: f64, name: &str, of: fn(&ComposedRow) -> Judged| {
+        let rows = manifest.curve.iter().filter(move |row| row.wavelength_nm == nm);
+        Curve::measured(format!("{name}, {nm:.0} nm"), rows.map(|row| (row.thickness_um, of(row).estimate())))
+    };
+    let both = |nm: f64| {
+        [curve(nm, "R", |row| row.reflectance_diffuse), curve(nm, "T", |row| row.transmittance_diffuse)]
+    };
+    against_thickness("share of the light", shown(manifest.study).into_iter().flat_map(both).collect())
+}
+
+fn hiding_chart(manifest: &ComposedManifest) -> Chart {
+    let points = |of: fn(&ComposedColours) -> Judged, by: f64| {
+        let scaled = move |j: Judged| [j.value / by, j.standard_error / by];
+        manifest
+            .curve_colours
+            .iter()
+            .map(move |c| (c.thickness_um, scaled(of(c))))
+            .map(|(x, [y, e])| [x, y, e])
+    };
+    let curves = vec![
+        Curve::with_bars("contrast ratio", Style::Data, points(|c| c.contrast_ratio, 1.0)),
+        Curve::with_bars("L*/100 on the paper", Style::Data, points(|c| c.natural_light[0], 100.0)),
+        Curve::with_bars("L*/100 over black", Style::Data, points(|c| c.over_black[0], 100.0)),
+    ];
+    against_thickness("contrast ratio, L*/100", curves)
+}
+
+fn depth_chart(manifest: &ComposedManifest) -> Chart {
+    let curve = |name: &str, of: fn([f64; 2]) -> f64| {
+        let points = manifest.depth.iter().map(|row| (row.depth_um, of([row.down, row.up])));
+        Curve::new(format!("{name}, {:.0} nm", manifest.depth_nm), Style::Data, points)
+    };
+    let curves = vec![curve("down", |[d, _]| d), curve("up", |[_, u]| u), curve("net", |[d, u]| d - u)];
+    Chart { from_zero: true, ..Chart::linear("", "depth, µm", "flux, share of the incident light", curves) }
+}
+
+fn spectra_chart(manifest: &ComposedManifest) -> Chart {
+    let curve = |um: &f64| {
+        let rows = manifest.spectra.iter().filter(|row| row.thickness_um == *um);
+        Curve::measured(format!("{um} µm"), rows.map(|row| (row.wavelength_nm, row.natural_light.estimate())))
+    };
+    let curves = manifest.composed.thicknesses_um.iter().map(curve).collect();
+    let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
+    Chart { y_range: Some([0.0, 1.0]), ..chart }
+}
+
+/// Colours, hiding and the medium's coefficients.
+fn maker(manifest: &ComposedManifest) -> MakerBlock {
+    let colours = || manifest.colours.iter();
+    let swatches =
+        colours().map(|c| Named::new(format!("{} µm on the paper", c.thickness_um), c.hex.clone()));
+    let mut rows: Vec<Meant> = Vec::new();
+    for c in colours() {
+        let um = c.thickness_um;
+        rows.push(Meant::new(
+            &format!("{um} µm, natural light"),
+            lab(&c.natural_light),
+            "on the paper, seen along the normal",
+        ));
+        rows.push(Meant::new(&format!("{um} µm, 45°:0°"), lab(&c.lit_at_45), "on the paper"));
+        rows.push(Meant::new(&format!("{um} µm, over black"), lab(&c.over_black), "at 45°:0°"));
+        let ratio = words(&c.contrast_ratio, 3);
+        rows.push(Meant::new(
+            &format!("{um} µm, contrast ratio"),
+            ratio,
+            "Y over black by Y over white of albedo 0.8",
+        ));
+    }
+    let hiding = manifest.hiding_thickness_um.map_or_else(|| "–".to_owned(), |um| words(&um, 1) + " µm");
+    let meaning =
+        manifest.no_hiding.clone().unwrap_or_else(|| "where the contrast ratio reaches 0.98".to_owned());
+    rows.push(Meant::new("hiding thickness", hiding, meaning));
+    if let Some(rate) = manifest.spreading_rate_m2_per_l {
+        rows.push(Meant::new(
+            "spreading rate",
+            words(&rate, 1) + " m²/l",
+            "area that a litre of the dry layer hides",
+        ));
+    }
+    let nearest = shown(manifest.study);
+    for row in manifest.medium.iter().filter(|row| nearest.contains(&row.wavelength_nm)) {
+        let nm = row.wavelength_nm;
+        for (name, j) in coefficients(row) {
+            let name = name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ");
+            rows.push(Meant::new(
+                &format!("{name}, {nm:.0} nm"),
+                words(&j, 3),
+                "of the packed layer, surfaces off",
+            ));
+        }
+    }
+    MakerBlock { swatches: swatches.collect(), rows }
+}
+
+/// Largest parts of the bars of R and T.
+fn certainty(manifest: &ComposedManifest) -> Vec<Meant> {
+    let all = || manifest.spectra.iter().flat_map(|row| shares(row).into_iter().take(6).map(|(_, j)| j));
+    let largest = |of: fn(Judged) -> f64| format!("{:.4}", all().map(of).fold(0.0, f64::max));
+    vec![
+        Meant::new(
+            "chance",
+            largest(|j| j.chance),
+            "largest standard error of R and T: jackknife over the realisations of each slab",
+        ),
+        Meant::new(
+            "model",
+            largest(|j| j.model),
+            "largest change of R and T with slabs of half the thickness: the loss of interference between slabs",
+        ),
+        Meant::new(
+            "grid",
+            largest(|j| j.grid),
+            "largest change of R and T when every slab reflects more by the grid's error",
+        ),
+    ]
+}
+
+fn limits(manifest: &ComposedManifest) -> Vec<String> {
+    let mut lines = vec![
+        "The wave equation is solved within slabs; between slabs light is composed incoherently, by flux matrices averaged over \
+         the azimuth and over realisations."
+            .to_owned(),
+        "There are no picture, BDF and exports of a composed layer; [compare], targets and polarised natural light are those of \
+         thin layers."
+            .to_owned(),
+    ];
+    lines.extend(manifest.remarks.iter().cloned());
+    lines.extend(manifest.no_colour.iter().map(|reason| format!("There is no colour: {reason}.")));
+    lines
+}

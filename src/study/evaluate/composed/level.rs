@@ -1,0 +1,153 @@
+//! Slabs of one thickness: their ensembles, and the mean flux matrices that layers are composed of.
+
+use crate::appearance::composed::flux::{Coherent, Fluxes, Hemisphere, Lit, Sides};
+use crate::appearance::composed::fringes::Film;
+use crate::appearance::composed::plate::Plate;
+use crate::evaluate::seen::complete_cells;
+use crate::input::study::{Position, Study};
+use crate::run::{Collected, Realisation};
+use crate::store::record::PointRecord;
+use crate::wave::maxwell::Polarisation;
+use crate::wave::{Order, Side};
+
+/// A portion's study and what was solved of it.
+pub type Solved = (Study, Collected);
+
+/// One portion at all wavelengths.
+struct Ensemble {
+    position: Position,
+    /// \[wavelength\]: its media, and the fluxes of every cell.
+    wavelengths: Vec<(Sides, Vec<Fluxes>)>,
+    /// Expected error of R from the grid.
+    grid_error: f64,
+}
+
+/// All portions of one thickness.
+pub struct Level {
+    /// Thickness of a slab, µm.
+    pub slab_um: f64,
+    portions: Vec<Ensemble>,
+    wavelengths_um: Vec<f64>,
+}
+
+/// What is changed of the ensembles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Change {
+    /// Number of a portion and of its cell that is left out.
+    pub left_out: Option<[usize; 2]>,
+    /// Whether R is larger by the grid's error, at the cost of T.
+    pub grid: bool,
+}
+
+/// The slabs at one wavelength.
+pub struct Slabs {
+    front: Plate,
+    /// One slab within the layer.
+    pub inner: Plate,
+    back: Plate,
+    /// Media in front, within and behind.
+    pub media: [Hemisphere; 3],
+    /// The coherent light in them.
+    pub film: Film,
+}
+
+impl Level {
+    /// The portions of one thickness; `None` unless each has realisations that are complete.
+    pub fn new(portions: &[Solved], halved: bool) -> Option<Self> {
+        let own = |(study, _): &&Solved| study.portion.as_ref().is_some_and(|p| p.halved == halved);
+        let solved: Vec<&Solved> = portions.iter().filter(own).collect();
+        let slab_um = solved.first()?.0.layer.thickness_um;
+        let wavelengths_um = solved[0].0.wavelengths_nm.iter().map(|nm| 1e-3 * nm).collect();
+        let portions = solved.into_iter().map(ensemble).collect::<Option<Vec<_>>>()?;
+        Some(Self { slab_um, portions, wavelengths_um })
+    }
+
+    /// Numbers of complete cells of every portion.
+    pub fn realisations(&self) -> Vec<usize> {
+        self.portions.iter().map(|p| p.wavelengths.first().map_or(0, |(_, all)| all.len())).collect()
+    }
+
+    /// Mean flux matrices at wavelength number `wavelength`.
+    pub fn slabs(&self, wavelength: usize, change: Change) -> Slabs {
+        let of = |position: Position| {
+            let k = self.portions.iter().position(|p| p.position == position)?;
+            let (sides, fluxes) = &self.portions[k].wavelengths[wavelength];
+            let left_out = change.left_out.filter(|out| out[0] == k).map(|out| out[1]);
+            let plate = sides.mean(fluxes, left_out);
+            let grid = if change.grid { self.portions[k].grid_error } else { 0.0 };
+            Some((plate.moved(grid), sides.coherent(fluxes, left_out), sides.media.clone()))
+        };
+        let needed = |position| of(position).expect("a layer has slabs within and in front");
+        let (inner, amplitudes, _) = needed(Position::Inner);
+        let (front, at_front, [before, within]) = needed(Position::Front);
+        let turned = |[a, b]: Coherent| [b, a];
+        let (back, at_back, behind) = match of(Position::Back) {
+            Some((back, at_back, [_, behind])) => (back, at_back, behind),
+            None => (front.turned(), turned(at_front.clone()), before.clone()),
+        };
+        let film = Film {
+            slabs: [at_front, amplitudes, at_back],
+            media: [before.clone(), within.clone()],
+            slab_um: self.slab_um,
+            wavelength_um: self.wavelengths_um[wavelength],
+        };
+        Slabs { front, inner, back, media: [before, within, behind], film }
+    }
+}
+
+impl Slabs {
+    /// A layer of so many slabs, at least two.
+    pub fn layer(&self, count: usize) -> Plate {
+        self.front.then(&self.inner.repeated(count - 2)).then(&self.back)
+    }
+
+    /// What is in front of joint number `joint` (1 is the first), and what is behind it.
+    pub fn parted(&self, count: usize, joint: usize) -> [Plate; 2] {
+        let within = |slabs: usize| self.inner.repeated(slabs);
+        [self.front.then(&within(joint - 1)), within(count - 1 - joint).then(&self.back)]
+    }
+}
+
+/// The fluxes of all complete cells.
+fn ensemble((study, collected): &Solved) -> Option<Ensemble> {
+    let position = study.portion.as_ref()?.position;
+    let count = study.wavelengths_nm.len();
+    let cells = complete_cells(study, collected);
+    let of = |w: usize| {
+        let wavelength_um = 1e-3 * study.wavelengths_nm[w];
+        let sides = study.sides(wavelength_um)?;
+        let all = cells.iter().map(|cell| mean_fluxes(&sides, cell, wavelength_um)).collect();
+        Some((sides, all))
+    };
+    let wavelengths = (0..count).map(of).collect::<Option<Vec<_>>>()?;
+    let grid = collected.resolved.grid_error;
+    let grid_error = grid.reflectance.max(grid.transmittance);
+    (!cells.is_empty()).then_some(Ensemble { position, wavelengths, grid_error })
+}
+
+/// The flux matrices of one cell at one wavelength, the mean over its packings.
+fn mean_fluxes(sides: &Sides, cell: &[&Realisation], wavelength_um: f64) -> Fluxes {
+    let all = cell.iter().map(|r| fluxes(sides, r, wavelength_um));
+    all.reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
+}
+
+/// The flux matrices of one realisation at one wavelength.
+fn fluxes(sides: &Sides, realisation: &Realisation, wavelength_um: f64) -> Fluxes {
+    let own = |record: &&PointRecord| record.incidence.wavelength_um == wavelength_um;
+    let records: Vec<&PointRecord> = realisation.points.iter().flatten().filter(own).collect();
+    let orders: Vec<Vec<Order>> = records.iter().map(|record| record.far_field().orders).collect();
+    let polarisations = sides.media[0].polarisations;
+    let first_behind = sides.media[0].directions_deg().len();
+    let lit = |(k, (record, orders))| {
+        let (record, orders): (&&PointRecord, &Vec<Order>) = (record, orders);
+        let from = record.incidence.from;
+        let direction = k / polarisations - if from == Side::Exit { first_behind } else { 0 };
+        Lit { from, direction, polarisation: number(record), absorptance: record.absorptance, orders }
+    };
+    sides.fluxes(records.iter().zip(&orders).enumerate().map(lit))
+}
+
+/// 1 for p-polarised light.
+fn number(record: &PointRecord) -> usize {
+    usize::from(record.polarisation == Some(Polarisation::P))
+}

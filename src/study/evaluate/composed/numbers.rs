@@ -1,0 +1,219 @@
+//! The numbers of a composed layer, as one list: what is published, before its error bars.
+
+use super::level::{Change, Level, Slabs};
+use crate::appearance::composed::flux::Hemisphere;
+use crate::appearance::composed::plate::{Plate, total};
+use crate::appearance::composed::transport::{Transport, two_flux};
+use crate::appearance::paper::{MirroredSky, PRINT_DEG};
+use crate::appearance::tristimulus::Colorimeter;
+use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::input::study::Study;
+use crate::wave::Wave;
+use faer::Mat;
+
+/// Quantities of a layer at one wavelength.
+pub const SPECTRAL: usize = 12;
+/// Numbers of a layer's colours.
+pub const COLOURS: usize = 10;
+/// Coefficients of the medium at one wavelength.
+pub const COEFFICIENTS: usize = 8;
+/// Points that a quantity is interpolated from between whole numbers of slabs.
+const POINTS: usize = 4;
+/// Contrast ratio that counts as hiding.
+pub const HIDING: f64 = 0.98;
+/// Most slabs of a layer that is tried for hiding.
+pub const MOST_SLABS: usize = 1024;
+
+/// What is asked of the slabs of either thickness.
+pub struct Question<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// Thickness h of a slab, µm.
+    pub slab_um: f64,
+    /// Albedos of the paper at every wavelength.
+    pub albedos: Vec<f64>,
+    /// The eye, where the wavelengths carry a colour.
+    pub colorimeter: Option<Colorimeter>,
+    /// Thicknesses, µm: those asked for, the curve's, and two around the hiding thickness if there is one.
+    pub thicknesses_um: Vec<f64>,
+    /// Whether the last two thicknesses lie around the one that hides.
+    pub hides: bool,
+}
+
+impl Question<'_> {
+    /// All numbers: of each thickness its spectral quantities and its colours; the coefficients of each
+    /// wavelength; the thickness that hides.
+    pub fn numbers(&self, level: &Level, change: Change) -> Vec<f64> {
+        let wavelengths = 0..self.study.wavelengths_nm.len();
+        let slabs: Vec<Slabs> = wavelengths.clone().map(|w| level.slabs(w, change)).collect();
+        let per_h = (self.slab_um / level.slab_um).round() as usize;
+        let (mut numbers, mut contrasts) = (Vec::new(), Vec::new());
+        for &thickness_um in &self.thicknesses_um {
+            let rows: Vec<Vec<f64>> = wavelengths
+                .clone()
+                .map(|w| self.spectral(&slabs[w], thickness_um, per_h, self.albedos[w]))
+                .collect();
+            numbers.extend(rows.iter().flatten());
+            if let Some(colours) = self.colours(&rows) {
+                contrasts.push(colours[COLOURS - 1]);
+                numbers.extend(colours);
+            }
+        }
+        for slabs in &slabs {
+            numbers.extend(coefficients(slabs, level.slab_um));
+        }
+        if self.hides {
+            numbers.push(self.hiding_um(&contrasts));
+        }
+        numbers
+    }
+
+    /// Quantities at one wavelength; between whole numbers of slabs by the polynomial through the four
+    /// nearest.
+    fn spectral(&self, slabs: &Slabs, thickness_um: f64, per_h: usize, albedo: f64) -> Vec<f64> {
+        let whole = thickness_um / self.slab_um;
+        let at = |count: usize| spectral(slabs, count * per_h, self.study, albedo);
+        if (whole - whole.round()).abs() < 1e-9 * whole {
+            return at(whole.round() as usize);
+        }
+        let first = (whole.floor() as usize).saturating_sub(POINTS / 2 - 1).max(2);
+        let mut sum = vec![0.0; SPECTRAL];
+        for i in 0..POINTS {
+            let others = (0..POINTS).filter(|&j| j != i);
+            let factor = |j: usize| (whole - (first + j) as f64) / (i as f64 - j as f64);
+            let weight: f64 = others.map(factor).product();
+            at(first + i).iter().zip(&mut sum).for_each(|(value, sum)| *sum += weight * value);
+        }
+        sum
+    }
+
+    /// Lab under natural light, at 45:0 and at 45:0 over black, and the contrast ratio.
+    fn colours(&self, rows: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let eye = self.colorimeter.as_ref()?;
+        let of = |k: usize| eye.colour(&rows.iter().map(|row| row[k]).collect::<Vec<_>>()).ok();
+        let [natural, lit, black, white] = [of(8)?, of(9)?, of(10)?, of(11)?];
+        let mut all = [natural.lab, lit.lab, black.lab].concat();
+        all.push(black.xyz[1] / white.xyz[1]);
+        Some(all)
+    }
+
+    /// Whether a layer of so many slabs hides.
+    pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
+        let of = |(w, slabs): (usize, &Slabs)| spectral(slabs, count, self.study, self.albedos[w]);
+        let rows: Vec<Vec<f64>> = slabs.iter().enumerate().map(of).collect();
+        Some(self.colours(&rows)?[COLOURS - 1] >= HIDING)
+    }
+
+    /// Where the contrast ratio passes what counts as hiding; 1 less it falls as an exponential.
+    fn hiding_um(&self, contrasts: &[f64]) -> f64 {
+        let [.., a, b] = contrasts else { return f64::NAN };
+        let [below, above] = [a, b].map(|c| (1.0 - c).max(f64::MIN_POSITIVE).ln());
+        let [.., from, to] = self.thicknesses_um[..] else { return f64::NAN };
+        from + (to - from) * ((1.0 - HIDING).ln() - below) / (above - below)
+    }
+}
+
+/// R and T at 0°, at 45° and of diffuse light; coherent T and mirrored R at 0°; under natural light and
+/// at 45:0 on the paper; at 45:0 over black and over white.
+fn spectral(slabs: &Slabs, count: usize, study: &Study, albedo: f64) -> Vec<f64> {
+    let [before, _, behind] = &slabs.media;
+    let layer = slabs.layer(count);
+    let mut all: Vec<f64> = Vec::with_capacity(SPECTRAL);
+    for light in lights(before, study.wave) {
+        all.extend([&layer.reflection[0], &layer.transmission[0]].map(|m| total(&(m * &light))));
+    }
+    let over = |albedo: f64| layer.then(&Plate::lambertian(albedo, &behind.weights()));
+    let paper = over(albedo);
+    let natural = total(&(&paper.reflection[0] * &lights(before, study.wave)[0]));
+    let lit = [paper, over(BLACK), over(WHITE)].map(|plate| lit_at_45(&plate, before, study.wave));
+    let (moved, beam) = fringes(slabs, count, &layer, study.wave);
+    // the paper's light passes at 0° and at 45°
+    let passes = [0, 1].map(|k| 1.0 + moved[k][1] / all[2 * k + 1].max(f64::MIN_POSITIVE));
+    let natural = natural + moved[0][0] + (passes[0] - 1.0) * (natural - all[0]);
+    (0..6).for_each(|k| all[k] += moved[k / 2][k % 2]);
+    let mirrored = layer.reflection[0][(0, 0)] + beam[0];
+    all.extend([layer.transmission[0][(0, 0)] + beam[1], mirrored]);
+    let seen = study.output.mirrored_sky == MirroredSky::Excluded;
+    all.push(natural - if seen { mirrored } else { 0.0 });
+    let through = |lit_on: f64| lit[1] + passes[0] * passes[1] * (lit_on - lit[1]);
+    all.extend([through(lit[0]), lit[1], through(lit[2])]);
+    all
+}
+
+/// What interference between the surfaces changes: \[R, T\] at 0°, at 45° and of diffuse light, and of
+/// the beam at 0°.
+fn fringes(slabs: &Slabs, count: usize, layer: &Plate, wave: Wave) -> ([[f64; 2]; 3], [f64; 2]) {
+    let (before, mut moved, mut beam) = (&slabs.media[0], [[0.0; 2]; 3], [0.0; 2]);
+    let column = |state: usize| {
+        let sum = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, state)]).sum::<f64>();
+        [sum(&layer.reflection[0]), sum(&layer.transmission[0])]
+    };
+    for (p, share) in polarised(before, wave).into_iter().enumerate() {
+        let composed: Vec<[f64; 2]> =
+            (0..=before.ordinates.escaping()).map(|d| column(before.state(d, p))).collect();
+        let own = slabs.film.corrections(count, p, &composed, PRINT_DEG.to_radians().cos());
+        let straight = slabs.film.beam(count, p);
+        (0..3).for_each(|k| (0..2).for_each(|l| moved[k][l] += share * own[k][l]));
+        (0..2).for_each(|l| beam[l] += share * straight[l]);
+    }
+    (moved, beam)
+}
+
+/// Shares of the polarisations in the light.
+fn polarised(medium: &Hemisphere, wave: Wave) -> Vec<f64> {
+    match wave {
+        Wave::Scalar => vec![1.0],
+        Wave::S => vec![1.0, 0.0],
+        Wave::P => vec![0.0, 1.0],
+        Wave::Unpolarised => vec![0.5; medium.polarisations],
+    }
+}
+
+/// Unit fluxes of light at 0°, at 45° and of diffuse light.
+pub fn lights(medium: &Hemisphere, wave: Wave) -> [Mat<f64>; 3] {
+    let shares = polarised(medium, wave);
+    let mut all: [Mat<f64>; 3] = std::array::from_fn(|_| Mat::zeros(medium.states(), 1));
+    all[0][(0, 0)] = 1.0;
+    let (nodes, sum) = (medium.ordinates.count(), medium.ordinates.weights.iter().sum::<f64>());
+    for (polarisation, share) in shares.into_iter().enumerate() {
+        if medium.oblique_deg.is_some() {
+            all[1][(medium.state(nodes + 1, polarisation), 0)] = share;
+        }
+        for node in 0..nodes {
+            all[2][(medium.state(node + 1, polarisation), 0)] = share * medium.ordinates.weights[node] / sum;
+        }
+    }
+    all
+}
+
+/// π × BRDF at 45:0, by reciprocity: light at 0° that leaves at 45°.
+fn lit_at_45(plate: &Plate, medium: &Hemisphere, wave: Wave) -> f64 {
+    let sine = medium.ordinates.index * PRINT_DEG.to_radians().sin();
+    let shares = polarised(medium, wave);
+    let at = |(node, share): (usize, f64)| {
+        let flux = |p: usize| plate.reflection[0][(medium.state(node + 1, p), 0)];
+        let own: f64 = shares.iter().enumerate().map(|(p, s)| shares.len() as f64 * s * flux(p)).sum();
+        share * own / medium.ordinates.weights[node]
+    };
+    medium.ordinates.shares(sine).into_iter().map(at).sum()
+}
+
+/// n_eff; mean free path of the coherent light, k_s, k_a, g and l* of the medium that the slabs are;
+/// K and S of thick layers without surfaces.
+fn coefficients(slabs: &Slabs, slab_um: f64) -> [f64; COEFFICIENTS] {
+    let medium = &slabs.media[1];
+    let coherent = -slab_um / slabs.inner.transmission[0][(0, 0)].ln();
+    let transport = Transport::of_slab(&slabs.inner, medium, slab_um);
+    let of = |get: fn(&Transport) -> f64| transport.as_ref().map_or(f64::NAN, get);
+    let munk = two_flux(&slabs.inner, medium, slab_um);
+    [
+        medium.ordinates.index,
+        coherent,
+        of(|t| t.scattering_per_um),
+        of(|t| t.absorption_per_um),
+        of(|t| t.asymmetry),
+        of(Transport::mean_free_path_um),
+        munk.map_or(f64::NAN, |m| m.absorption_per_um),
+        munk.map_or(f64::NAN, |m| m.scattering_per_um),
+    ]
+}

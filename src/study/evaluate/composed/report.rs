@@ -1,0 +1,422 @@
+//! The published numbers of a composed layer, with everything that their bars are made of.
+
+use super::level::{Change, Level, Slabs, Solved};
+use super::numbers::{COEFFICIENTS, COLOURS, HIDING, MOST_SLABS, Question, SPECTRAL, lights};
+use crate::appearance::composed::plate::{Plate, total};
+use crate::appearance::tristimulus::Colorimeter;
+use crate::evaluate::manifest::{Count, Status};
+use crate::evaluate::summary::program;
+use crate::input::study::{Composed, Study};
+use crate::numerics::estimate::Estimate;
+use crate::store::identity::METHOD_VERSION;
+use serde::Serialize;
+use std::collections::BTreeSet;
+
+/// Slabs of the curve against thickness.
+const CURVE: [usize; 13] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128];
+/// Wavelength of the fluxes against depth, nm: the nearest one of the study is taken.
+const SHOWN_NM: f64 = 550.0;
+/// Most joints of the profile.
+const MOST_JOINTS: usize = 60;
+
+/// A number with its standard error and what that is made of, all in the number's unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Judged {
+    /// The number.
+    pub value: f64,
+    /// One standard error: the root of the sum of the squares of the three that follow.
+    pub standard_error: f64,
+    /// Jackknife over the realisations of all portions.
+    pub chance: f64,
+    /// What slabs of half the thickness change: the error of composing incoherently.
+    pub model: f64,
+    /// What the grid's error of R changes.
+    pub grid: f64,
+}
+
+impl Judged {
+    /// As a value with its standard error.
+    pub fn estimate(&self) -> Estimate {
+        Estimate { value: self.value, standard_error: Some(self.standard_error) }
+    }
+}
+
+/// A layer at one wavelength; R and T are shares of the incident light.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComposedRow {
+    /// Thickness of the layer, µm.
+    pub thickness_um: f64,
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// R of light at 0°.
+    pub reflectance_normal: Judged,
+    /// T of light at 0°.
+    pub transmittance_normal: Judged,
+    /// R of light at 45°.
+    pub reflectance_45: Judged,
+    /// T of light at 45°.
+    pub transmittance_45: Judged,
+    /// R of diffuse light.
+    pub reflectance_diffuse: Judged,
+    /// T of diffuse light.
+    pub transmittance_diffuse: Judged,
+    /// Share of light at 0° that goes straight through, unscattered.
+    pub coherent_transmittance: Judged,
+    /// Share of light at 0° that is mirrored.
+    pub mirrored: Judged,
+    /// On the paper, under a uniform sky, seen along the normal; a perfect white: 1.
+    pub natural_light: Judged,
+    /// On the paper, lit at 45° and seen along the normal: π × BRDF.
+    pub lit_at_45: Judged,
+    /// At 45:0 over black.
+    pub over_black: Judged,
+    /// At 45:0 over white of albedo 0.8.
+    pub over_white: Judged,
+}
+
+/// Colours of a layer; L*, a*, b* under D65 for the CIE 1931 observer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComposedColours {
+    /// Thickness of the layer, µm.
+    pub thickness_um: f64,
+    /// As screens show it on the paper under natural light, `#rrggbb`.
+    pub hex: String,
+    /// On the paper under natural light.
+    pub natural_light: [Judged; 3],
+    /// On the paper at 45:0.
+    pub lit_at_45: [Judged; 3],
+    /// At 45:0 over black.
+    pub over_black: [Judged; 3],
+    /// Y over black by Y over white, at 45:0 (ISO 6504-3).
+    pub contrast_ratio: Judged,
+}
+
+/// What the packed medium is to light of one wavelength.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MediumRow {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// n_eff, in which slabs are embedded.
+    pub effective_index: Judged,
+    /// Mean free path of coherent light, µm.
+    pub coherent_path_um: Judged,
+    /// k_s of the medium with the slab's coherent transmittance, R̄ and Ā, 1/µm.
+    pub scattering_per_um: Judged,
+    /// k_a of that medium, 1/µm.
+    pub absorption_per_um: Judged,
+    /// g of that medium.
+    pub asymmetry: Judged,
+    /// Transport mean free path 1/(k_s (1 − g)), µm.
+    pub transport_path_um: Judged,
+    /// Kubelka and Munk's K of a thick layer without surfaces, 1/µm.
+    pub kubelka_munk_absorption_per_um: Judged,
+    /// Their S, 1/µm.
+    pub kubelka_munk_scattering_per_um: Judged,
+}
+
+/// Fluxes at one depth, as shares of the incident light at 0°.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DepthRow {
+    /// Depth below the front surface, µm; 0 and the thickness are outside the surfaces.
+    pub depth_um: f64,
+    /// Towards the exit side.
+    pub down: f64,
+    /// Back.
+    pub up: f64,
+}
+
+/// All numbers of a composed layer: the file `results.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct ComposedManifest<'a> {
+    /// Whether every solve is there.
+    pub status: Status,
+    /// Title, for people.
+    pub title: String,
+    /// Content hash of the study.
+    pub study_hash: String,
+    /// Program and version.
+    pub program: String,
+    /// Builds that made the records.
+    pub builds: BTreeSet<String>,
+    /// Version of the method.
+    pub method_version: u32,
+    /// Seed of the packings.
+    pub seed: u64,
+    /// How it was composed.
+    pub composed: &'a Composed,
+    /// Solves asked for and finished.
+    pub solves: Count,
+    /// Solves without a result, and packings without room.
+    pub failures: Vec<String>,
+    /// One row for each thickness asked for and wavelength.
+    pub spectra: Vec<ComposedRow>,
+    /// Colours of each thickness asked for.
+    pub colours: Vec<ComposedColours>,
+    /// Why there are none.
+    pub no_colour: Option<String>,
+    /// The medium at every wavelength.
+    pub medium: Vec<MediumRow>,
+    /// Rows of whole numbers of slabs.
+    pub curve: Vec<ComposedRow>,
+    /// Their colours.
+    pub curve_colours: Vec<ComposedColours>,
+    /// Thickness at which the contrast ratio reaches 0.98, µm.
+    pub hiding_thickness_um: Option<Judged>,
+    /// Area that a litre of the dry layer hides, m².
+    pub spreading_rate_m2_per_l: Option<Judged>,
+    /// Why neither is there.
+    pub no_hiding: Option<String>,
+    /// What to change, where slabs are thinner than the mean free path of coherent light.
+    pub remarks: Vec<String>,
+    /// Fluxes in the first thickness, on the paper, at one wavelength.
+    pub depth: Vec<DepthRow>,
+    /// That wavelength, nm.
+    pub depth_nm: f64,
+    /// Seconds that the solves took, added up.
+    pub solve_seconds: f64,
+    /// Processor seconds of the process that wrote this.
+    pub process_seconds: Option<f64>,
+    /// The study with every default filled in.
+    pub study: &'a Study,
+}
+
+/// Evaluates a composed layer; a reason where too little is solved.
+///
+/// # Errors
+/// A portion without complete realisations, paper without an albedo.
+pub fn report<'a>(study: &'a Study, solved: &[Solved]) -> Result<ComposedManifest<'a>, String> {
+    let composed = study.layer.composed.as_ref().ok_or("the layer is not composed")?;
+    let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
+    let (whole, half) = (level(false)?, level(true)?);
+    let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
+    let eye = Colorimeter::new(&study.wavelengths_nm);
+    let no_colour = eye.as_ref().err().map(ToString::to_string);
+    let mut question = Question {
+        study,
+        slab_um: composed.slab_um,
+        albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
+        colorimeter: eye.ok(),
+        thicknesses_um: composed.thicknesses_um.clone(),
+        hides: false,
+    };
+    question.thicknesses_um.extend(CURVE.map(|count| count as f64 * composed.slab_um));
+    let slabs: Vec<Slabs> =
+        (0..study.wavelengths_nm.len()).map(|w| whole.slabs(w, Change::default())).collect();
+    let no_hiding = hiding(&mut question, &slabs).err();
+    let mut all = judged(&question, &whole, &half).into_iter();
+    let (asked, extra) = (composed.thicknesses_um.len(), 2 * usize::from(question.hides));
+    let mut rows: Vec<(Vec<ComposedRow>, Option<ComposedColours>)> =
+        question.thicknesses_um.iter().map(|&um| layer(&question, um, &mut all)).collect();
+    rows.truncate(rows.len() - extra);
+    let medium: Vec<MediumRow> = study.wavelengths_nm.iter().map(|&nm| medium_row(nm, &mut all)).collect();
+    let hiding_thickness_um = if question.hides { all.next() } else { None };
+    let curve = rows.split_off(asked);
+    let (spectra, colours): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
+    let (curve, curve_colours): (Vec<_>, Vec<_>) = curve.into_iter().unzip();
+    let (depth_nm, depth) = depth(&question, &slabs);
+    let records = || solved.iter().flat_map(|(_, c)| &c.realisations).flat_map(|r| r.points.iter().flatten());
+    let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
+    let solves = Count { asked: study.solves(), finished };
+    Ok(ComposedManifest {
+        status: if finished == solves.asked { Status::Complete } else { Status::Partial },
+        title: study.title.clone(),
+        study_hash: study.key().to_string(),
+        program: program(),
+        builds: records().map(|record| record.build.clone()).collect(),
+        method_version: METHOD_VERSION,
+        seed: study.packing.seed,
+        composed,
+        solves,
+        failures: failures(solved),
+        spectra: spectra.into_iter().flatten().collect(),
+        colours: colours.into_iter().flatten().collect(),
+        no_colour,
+        curve: curve.into_iter().flatten().collect(),
+        curve_colours: curve_colours.into_iter().flatten().collect(),
+        hiding_thickness_um,
+        spreading_rate_m2_per_l: hiding_thickness_um.map(spreading_rate),
+        no_hiding,
+        remarks: thin_slabs(composed, &medium).into_iter().collect(),
+        medium,
+        depth,
+        depth_nm,
+        solve_seconds: records().map(|record| record.account.seconds).sum(),
+        process_seconds: None,
+        study,
+    })
+}
+
+/// Slabs thinner than the mean free path of coherent light, where that is longest.
+fn thin_slabs(composed: &Composed, medium: &[MediumRow]) -> Option<String> {
+    let longest =
+        medium.iter().max_by(|a, b| a.coherent_path_um.value.total_cmp(&b.coherent_path_um.value))?;
+    let (slab_um, path_um) = (composed.slab_um, longest.coherent_path_um.value);
+    (path_um > slab_um).then(|| {
+        format!(
+            "layer.composed.slab_um: found slabs of {slab_um:.2} µm, thinner than the mean free path of coherent light, {path_um:.2} µm \
+             at {} nm; interference between the surfaces is corrected for, that between inner slabs is left to the model's \
+             error bar: take thicker slabs, or solve the layer at once",
+            longest.wavelength_nm
+        )
+    })
+}
+
+/// 1000/H m² a litre.
+fn spreading_rate(hiding: Judged) -> Judged {
+    let value = 1e3 / hiding.value;
+    let relative = |error: f64| value * error / hiding.value;
+    Judged {
+        value,
+        standard_error: relative(hiding.standard_error),
+        chance: relative(hiding.chance),
+        model: relative(hiding.model),
+        grid: relative(hiding.grid),
+    }
+}
+
+fn failures(solved: &[Solved]) -> Vec<String> {
+    let of = |(study, collected): &Solved| {
+        let words = study.portion.as_ref().map(|p| p.in_words()).unwrap_or_default();
+        let packings = collected.refused.iter().map(|r| (r.realisation, r.reason.clone()));
+        let solves = collected.failures().map(|f| (f.point.realisation, f.reason.clone()));
+        let line = move |(r, reason): (usize, String)| format!("{words}, realisation {r}: {reason}");
+        packings.chain(solves).map(line).collect::<Vec<_>>()
+    };
+    solved.iter().flat_map(of).collect()
+}
+
+/// Adds the two thicknesses around the one that hides.
+fn hiding(question: &mut Question, slabs: &[Slabs]) -> Result<(), String> {
+    let hides = |count: usize| question.does_hide(slabs, count);
+    let reason = "no contrast ratio without a colour";
+    if hides(2).ok_or(reason)? {
+        return Err(format!("two slabs, {} µm, hide already", 2.0 * question.slab_um));
+    }
+    let mut range = [2, 4];
+    while !hides(range[1]).ok_or(reason)? {
+        if range[1] >= MOST_SLABS {
+            return Err(format!("{} µm do not hide", MOST_SLABS as f64 * question.slab_um));
+        }
+        range = range.map(|count| 2 * count);
+    }
+    range[0] = range[1] / 2;
+    while range[1] - range[0] > 1 {
+        let middle = (range[0] + range[1]) / 2;
+        range[usize::from(hides(middle).ok_or(reason)?)] = middle;
+    }
+    question.thicknesses_um.extend(range.map(|count| count as f64 * question.slab_um));
+    question.hides = true;
+    debug_assert!(HIDING < 1.0);
+    Ok(())
+}
+
+/// All numbers with their bars.
+fn judged(question: &Question, whole: &Level, half: &Level) -> Vec<Judged> {
+    let own = question.numbers(whole, Change::default());
+    let halved = question.numbers(half, Change::default());
+    let moved = question.numbers(whole, Change { grid: true, left_out: None });
+    let mut squares = vec![0.0; own.len()];
+    for (portion, count) in whole.realisations().into_iter().enumerate().filter(|(_, count)| *count > 1) {
+        let without =
+            |r: usize| question.numbers(whole, Change { left_out: Some([portion, r]), grid: false });
+        let replicates: Vec<Vec<f64>> = (0..count).map(without).collect();
+        let n = count as f64;
+        for (k, square) in squares.iter_mut().enumerate() {
+            let mean = replicates.iter().map(|x| x[k]).sum::<f64>() / n;
+            *square += (n - 1.0) / n * replicates.iter().map(|x| (x[k] - mean).powi(2)).sum::<f64>();
+        }
+    }
+    let judge = |k: usize| {
+        let (chance, model, grid) =
+            (squares[k].sqrt(), (halved[k] - own[k]).abs(), (moved[k] - own[k]).abs());
+        Judged { value: own[k], standard_error: chance.hypot(model).hypot(grid), chance, model, grid }
+    };
+    (0..own.len()).map(judge).collect()
+}
+
+/// The rows and colours of one thickness.
+fn layer(
+    question: &Question,
+    thickness_um: f64,
+    all: &mut impl Iterator<Item = Judged>,
+) -> (Vec<ComposedRow>, Option<ComposedColours>) {
+    let rows: Vec<ComposedRow> =
+        question.study.wavelengths_nm.iter().map(|&nm| row(thickness_um, nm, &take(all))).collect();
+    let colours = question.colorimeter.as_ref().map(|eye| colours(eye, &rows, &take(all)));
+    (rows, colours)
+}
+
+fn colours(eye: &Colorimeter, rows: &[ComposedRow], of: &[Judged; COLOURS]) -> ComposedColours {
+    let lab = |k: usize| [of[k], of[k + 1], of[k + 2]];
+    let spectrum: Vec<f64> = rows.iter().map(|row| row.natural_light.value).collect();
+    let [r, g, b] = eye.colour(&spectrum).map_or([0; 3], |colour| colour.srgb8);
+    ComposedColours {
+        thickness_um: rows.first().map_or(f64::NAN, |row| row.thickness_um),
+        hex: format!("#{r:02x}{g:02x}{b:02x}"),
+        natural_light: lab(0),
+        lit_at_45: lab(3),
+        over_black: lab(6),
+        contrast_ratio: of[9],
+    }
+}
+
+/// The next numbers of the list.
+fn take<const N: usize>(all: &mut impl Iterator<Item = Judged>) -> [Judged; N] {
+    let nothing = Judged { value: f64::NAN, standard_error: 0.0, chance: 0.0, model: 0.0, grid: 0.0 };
+    std::array::from_fn(|_| all.next().unwrap_or(nothing))
+}
+
+fn row(thickness_um: f64, wavelength_nm: f64, of: &[Judged; SPECTRAL]) -> ComposedRow {
+    ComposedRow {
+        thickness_um,
+        wavelength_nm,
+        reflectance_normal: of[0],
+        transmittance_normal: of[1],
+        reflectance_45: of[2],
+        transmittance_45: of[3],
+        reflectance_diffuse: of[4],
+        transmittance_diffuse: of[5],
+        coherent_transmittance: of[6],
+        mirrored: of[7],
+        natural_light: of[8],
+        lit_at_45: of[9],
+        over_black: of[10],
+        over_white: of[11],
+    }
+}
+
+fn medium_row(wavelength_nm: f64, all: &mut impl Iterator<Item = Judged>) -> MediumRow {
+    let of: [Judged; COEFFICIENTS] = take(all);
+    MediumRow {
+        wavelength_nm,
+        effective_index: of[0],
+        coherent_path_um: of[1],
+        scattering_per_um: of[2],
+        absorption_per_um: of[3],
+        asymmetry: of[4],
+        transport_path_um: of[5],
+        kubelka_munk_absorption_per_um: of[6],
+        kubelka_munk_scattering_per_um: of[7],
+    }
+}
+
+/// Fluxes against depth in the first thickness, rounded to whole slabs, on the paper.
+fn depth(question: &Question, slabs: &[Slabs]) -> (f64, Vec<DepthRow>) {
+    let nm = &question.study.wavelengths_nm;
+    let nearest = |a: &usize, b: &usize| (nm[*a] - SHOWN_NM).abs().total_cmp(&(nm[*b] - SHOWN_NM).abs());
+    let w = (0..nm.len()).min_by(nearest).unwrap_or(0);
+    let count = (question.thicknesses_um[0] / question.slab_um).round() as usize;
+    let [before, _, behind] = &slabs[w].media;
+    let light = &lights(before, question.study.wave)[0];
+    let paper = Plate::lambertian(question.albedos[w], &behind.weights());
+    let row = |depth_um: f64, [down, up]: [f64; 2]| DepthRow { depth_um, down, up };
+    let at = |k: usize| k as f64 * question.slab_um;
+    let whole = slabs[w].layer(count);
+    let mut rows = vec![row(0.0, [1.0, total(&(&whole.then(&paper).reflection[0] * light))])];
+    for k in (1..count).step_by(count.div_ceil(MOST_JOINTS)) {
+        let [front, back] = slabs[w].parted(count, k);
+        rows.push(row(at(k), front.between(&back.then(&paper), light).map(|flux| total(&flux))));
+    }
+    rows.push(row(at(count), whole.between(&paper, light).map(|flux| total(&flux))));
+    (nm[w], rows)
+}

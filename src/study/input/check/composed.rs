@@ -1,0 +1,157 @@
+//! Composed layers: the slabs they are cut into, and what they cannot hold.
+
+use crate::input::fault::{Fault, Faults};
+use crate::input::file::StudyFile;
+use crate::input::forms::ThicknessWritten;
+use crate::input::limits;
+use crate::input::study::{Composed, Study};
+use crate::input::variation::LightRule;
+use crate::numerics::allowed::Whole;
+
+/// Directions of a zone.
+const DIRECTIONS: Whole = Whole::between(2, 16);
+/// Realisations below which a jackknife says little.
+const USABLE: usize = 8;
+
+/// The slabs of a layer that is declared composed.
+pub(super) fn composed(file: &StudyFile, faults: &mut Faults) -> Option<Composed> {
+    let written = &file.layer.thickness_um;
+    let Some(table) = &file.layer.composed else {
+        if matches!(written, ThicknessWritten::Several(_)) {
+            let remedy = "add [layer.composed], or give one thickness";
+            faults.push(Fault::new("layer.thickness_um", "a list", "one thickness, µm", remedy));
+        }
+        return None;
+    };
+    let thicknesses_um = written.all();
+    let remedy = "paints are 10 to 100 µm thick";
+    super::light::check_list("layer.thickness_um", &thicknesses_um, limits::THICKNESS_UM, remedy, faults);
+    if written.std() > 0.0 {
+        let remedy = "give a list of thicknesses, or remove [layer.composed]";
+        faults.push(Fault::new("layer.thickness_um.std", written.std(), "0 where it is composed", remedy));
+    }
+    faults.number("layer.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
+    for (zone, count) in table.directions.into_iter().enumerate() {
+        let field = format!("layer.composed.directions[{zone}]");
+        super::whole(&field, count, DIRECTIONS, "3 is enough: errors are below 5e-4", faults);
+    }
+    let first = thicknesses_um.first().copied().unwrap_or(f64::NAN);
+    if table.slab_um > 0.5 * first * (1.0 + 1e-9) {
+        let allowed = format!("at most {} µm, half of the thinnest layer: two slabs", 0.5 * first);
+        let remedy = "take thinner slabs, or remove [layer.composed]: so thin a layer is solved at once";
+        faults.push(Fault::new("layer.composed.slab_um", table.slab_um, allowed, remedy));
+    }
+    let slabs = (first / table.slab_um).round().max(2.0);
+    Some(Composed { slab_um: first / slabs, directions: table.directions, thicknesses_um })
+}
+
+/// The file as if its layer were the thinnest slab: what is packed and solved must fit into that.
+pub(super) fn slab_file(file: &StudyFile, composed: &Composed) -> StudyFile {
+    let mut slab = file.clone();
+    slab.layer.thickness_um = ThicknessWritten::Even(0.5 * composed.slab_um);
+    slab
+}
+
+/// The layer whose slabs have been checked.
+pub(super) fn complete(study: &mut Study, composed: Composed) {
+    study.layer.thickness_um = composed.thicknesses_um.first().copied().unwrap_or(f64::NAN);
+    study.packing.thickness_um = composed.slab_um;
+    study.variation.light = LightRule::Listed;
+    study.layer.composed = Some(composed);
+    if study.realisations < USABLE {
+        study.remarks.push(format!(
+            "run.realisations = {}: error bars of a composed layer need {USABLE} or more",
+            study.realisations
+        ));
+    }
+}
+
+/// What composing does not do.
+pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
+    let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
+        if there {
+            faults.push(Fault::new(field, "given", format!("{allowed} where it is composed"), remedy));
+        }
+    };
+    let relief = "remove [layer.relief]: inner slabs have no surface, and skins need a plane one yet";
+    refuse(file.layer.relief.is_some(), "layer.relief", "a plane surface", relief);
+    let angles = file.angles.count.is_some() || file.angles.polar_deg.is_some();
+    let remedy = "remove angles.count and angles.polar_deg; layer.composed.directions sets them";
+    refuse(angles, "angles", "directions of its own", remedy);
+    let shifted = "remove it: all realisations are solved at the wavelengths of the spectra";
+    refuse(file.light.per_realisation.is_some(), "light.per_realisation", "listed wavelengths", shifted);
+    let aim = "remove it and set run.realisations; 12 to 24 are usual";
+    refuse(file.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
+    let measured = "remove [compare]: compare the spectra of results.json";
+    refuse(file.compare.measured.is_some(), "compare.measured", "no measurement", measured);
+    if study.pigments.is_empty() {
+        let remedy = "remove [layer.composed]: a clear layer is solved exactly at any thickness";
+        faults.push(Fault::new("pigment", "none", "grains where the layer is composed", remedy));
+    }
+    if study.realisations < 2 && !study.pigments.is_empty() {
+        let remedy = "12 to 24 are usual: one realisation has no error bar";
+        faults.push(Fault::new("run.realisations", study.realisations, "2 or more", remedy));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::input::check::check;
+    use crate::input::fault::Fault;
+    use crate::input::study::{Position, Study};
+    use std::path::Path;
+
+    fn study(layer: &str, rest: &str) -> Result<Study, Vec<Fault>> {
+        let text = format!(
+            "title = 't'\n[layer]\nbinder.index = 1.5\n{layer}\n[[pigment]]\nname = 'p'\ndiameter_nm = 250\n\
+             volume_fraction = 0.2\nindex = 2.0\n[light]\nwavelengths_nm = [450, 650]\n{rest}\n"
+        );
+        check(&toml::from_str(&text).expect("a study file"), Path::new("."), "test")
+    }
+
+    #[test]
+    fn a_layer_is_cut_into_slabs_and_skins() {
+        let study = study(
+            "thickness_um = [10, 20]\nindex_out = 1.4\n[layer.composed]\nslab_um = 2.2",
+            "[paper]\ncoupling = 'optical_contact'",
+        )
+        .unwrap();
+        let portions = study.portions();
+        let all: Vec<_> =
+            portions.iter().map(|p| (p.portion.as_ref().unwrap().position, p.layer.thickness_um)).collect();
+        use Position::{Back, Front, Inner};
+        assert_eq!(all, [(Inner, 2.0), (Front, 2.0), (Back, 2.0), (Inner, 1.0), (Front, 1.0), (Back, 1.0)]);
+        // n_eff = √(0.2 · 4 + 0.8 · 2.25), and the media next to each slab
+        let own = 2.6_f64.sqrt();
+        let media = |k: usize| portions[k].media(0.5);
+        assert!((media(0).incident.re - own).abs() < 1e-12 && media(0).exit == media(0).incident);
+        assert_eq!((media(1).incident.re, media(1).exit), (1.0, media(0).exit));
+        assert_eq!((media(2).incident, media(2).exit.re), (media(0).incident, 1.4));
+        // each has packings of its own; what is solved is counted
+        assert!(portions.windows(2).all(|p| p[0].packing.seed != p[1].packing.seed));
+        assert_eq!(
+            study.solves(),
+            portions.iter().map(|p| p.realisations * p.points(0).len()).sum::<usize>()
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_composed_is_refused_with_a_remedy() {
+        let composed = "[layer.composed]\nslab_um = 2";
+        let cases = [
+            ("thickness_um = 3", composed, "", "layer.composed.slab_um"),
+            ("thickness_um = [4, 8]", "", "", "layer.thickness_um"),
+            ("thickness_um = [8, 4]", composed, "", "layer.thickness_um[1]"),
+            ("thickness_um = { mean = 8, std = 1 }", composed, "", "layer.thickness_um.std"),
+            ("thickness_um = 8\nrelief = { depth_um = 0.1 }", composed, "", "layer.relief"),
+            ("thickness_um = 8", composed, "[angles]\ncount = 5", "angles"),
+            ("thickness_um = 8", composed, "[run]\nrealisations = 1", "run.realisations"),
+            ("thickness_um = 8", "[layer.composed]\nslab_um = 0.4", "", "pigment[0].diameter_nm"),
+        ];
+        for (layer, table, rest, field) in cases {
+            let faults = study(&format!("{layer}\n{table}"), rest).expect_err(field);
+            assert!(faults.iter().any(|f| f.field == field && !f.remedy.is_empty()), "{field}: {faults:?}");
+        }
+        assert!(study(&format!("thickness_um = 8\n{composed}"), "").is_ok());
+    }
+}

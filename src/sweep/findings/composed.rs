@@ -1,0 +1,146 @@
+//! Sweeps of composed layers: every layer in its own folder, and what changes along the first axis, such
+//! as the crowding of a pigment against its share.
+
+use crate::sweep::definition::load::Sweep;
+use crate::sweep::work::portions::run_portions;
+use crate::draw::chart::{Chart, Curve};
+use crate::evaluate::composed::report::MediumRow;
+use crate::numerics::estimate::Estimate;
+use crate::report::cell::{numbers, table};
+use crate::report::composed::{PublishedLayer, coefficients, publish as publish_layer};
+use crate::report::page::{Figure, Meant, Page, svg_data};
+use crate::report::publish::PublishError;
+use crate::run::{RunError, RunSettings};
+use crate::run::watch::RunWatch;
+use crate::store::folder::OutputFolder;
+use std::path::PathBuf;
+
+/// Coefficients that are drawn, by their places.
+const DRAWN: [usize; 3] = [2, 5, 7];
+
+/// A layer of the sweep, by the number of its variant.
+pub type LayerDone = (usize, PublishedLayer);
+
+/// Whether any variant is a composed layer.
+pub fn is_composed(sweep: &Sweep) -> bool {
+    sweep.variants.iter().any(|variant| variant.study.layer.composed.is_some())
+}
+
+/// The slabs of all variants, as a sweep to plan.
+pub fn slabs(sweep: &Sweep) -> Sweep {
+    let mut all = Sweep { variants: Vec::new(), ..sweep.clone() };
+    all.outline.axes.clear();
+    all.outline.variants.clear();
+    for variant in &sweep.variants {
+        let one = Sweep::of_one(&variant.name, variant.study.clone());
+        all.outline.variants.extend(one.outline.variants);
+        all.variants.extend(one.variants);
+    }
+    all
+}
+
+/// Runs and publishes one layer after another, until they are done or the watch says stop.
+///
+/// # Errors
+/// As [`run_portions`].
+pub fn run(
+    sweep: &Sweep,
+    folder: &OutputFolder,
+    settings: RunSettings,
+    watch: &dyn RunWatch,
+) -> Result<Vec<LayerDone>, RunError> {
+    let mut done = Vec::new();
+    for (k, variant) in sweep.variants.iter().enumerate() {
+        let own = folder.inside(&format!("variants/{}", variant.name))?;
+        let solved = match run_portions(&variant.study, &own, settings, watch) {
+            Err(RunError::Stopped) if !done.is_empty() => break,
+            solved => solved?,
+        };
+        match publish_layer(&variant.study, &solved, &own) {
+            Ok(layer) => done.push((k, layer)),
+            Err(reason) => watch.stage(&format!("{}: {reason}", variant.name)),
+        }
+    }
+    Ok(done)
+}
+
+/// Writes `composed.csv` and the page; returns the page's path.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> Result<PathBuf, PublishError> {
+    folder.write("composed.csv", &rows(sweep, done)?)?;
+    let line = |(k, layer): &LayerDone| {
+        let name = &sweep.variants[*k].name;
+        layer.lines.iter().map(|line| Meant::new(name, String::new(), line)).collect::<Vec<_>>()
+    };
+    let page = Page {
+        title: sweep.outline.title.clone(),
+        summary: format!("{} composed layers; each has a page of its own under variants.", done.len()),
+        figures: figures(sweep, done)?,
+        certainty: done.iter().flat_map(line).collect(),
+        limits: vec!["Bars are those of the layers: chance, grid, and the error of composing.".to_owned()],
+        ..Page::default()
+    };
+    folder.write("report.html", page.html()?.as_bytes())?;
+    if done.len() == sweep.variants.len() {
+        folder.complete()?;
+    }
+    Ok(folder.path().join("report.html"))
+}
+
+/// One row for each layer and wavelength: its place on the axes, the coefficients, what hides.
+fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
+    let axes = sweep.outline.axes.iter().map(|axis| axis.heading());
+    let first = done.iter().find_map(|(_, layer)| layer.medium.first());
+    let names = first.map(|row| coefficients(row).map(|(name, _)| name)).into_iter().flatten();
+    let both =
+        names.chain(["hiding_thickness_um"]).flat_map(|name| [name.into(), format!("{name}_standard_error")]);
+    let header = axes.chain(["wavelength_nm".to_owned()]).chain(both);
+    let mut all = Vec::new();
+    for (k, layer) in done {
+        let place = &sweep.outline.variants[*k].place;
+        let labels: Vec<String> =
+            sweep.outline.axes.iter().zip(place).map(|(axis, &at)| axis.labels[at].clone()).collect();
+        for row in &layer.medium {
+            let hiding = layer.hiding_thickness_um.map(|j| j.estimate());
+            let values = coefficients(row).map(|(_, j)| Some(j.estimate())).into_iter().chain([hiding]);
+            let mut line = [labels.clone(), vec![row.wavelength_nm.to_string()]].concat();
+            line.extend(values.flat_map(numbers));
+            all.push(line);
+        }
+    }
+    table(header, all)
+}
+
+/// Coefficients and the hiding thickness against the first axis, where that has numbers.
+fn figures(sweep: &Sweep, done: &[LayerDone]) -> Result<Vec<Figure>, PublishError> {
+    let Some(axis) = sweep.outline.axes.first() else { return Ok(Vec::new()) };
+    let at = |k: usize| axis.number(*sweep.outline.variants[k].place.first()?);
+    let against = |of: &dyn Fn(&PublishedLayer) -> Option<Estimate>| {
+        let point = |(k, layer): &LayerDone| Some((at(*k)?, of(layer)?));
+        let mut points: Vec<(f64, Estimate)> = done.iter().filter_map(point).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points
+    };
+    let Some((_, first)) = done.first() else { return Ok(Vec::new()) };
+    let mut charts = Vec::new();
+    for place in DRAWN {
+        let Some(name) = first.medium.first().map(|row| coefficients(row)[place].0) else { continue };
+        let curve = |(w, row): (usize, &MediumRow)| {
+            let of = |l: &PublishedLayer| Some(coefficients(l.medium.get(w)?)[place].1.estimate());
+            Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(&of))
+        };
+        charts.push((name, first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));
+    }
+    let hiding = against(&|layer| Some(layer.hiding_thickness_um?.estimate()));
+    charts.push(("hiding_thickness_um", vec![Curve::measured("contrast ratio 0.98", hiding)]));
+    let mut figures = Vec::new();
+    for (name, curves) in charts.into_iter().filter(|(_, curves)| curves.iter().all(|c| c.points.len() > 1)) {
+        let heading = name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ");
+        let chart = Chart { from_zero: true, ..Chart::linear("", &axis.heading(), &heading, curves) };
+        let caption = format!("{heading} against {}, with standard errors.", axis.heading());
+        figures.push(Figure { heading, data: svg_data(&chart.svg()?), caption });
+    }
+    Ok(figures)
+}
