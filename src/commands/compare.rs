@@ -5,7 +5,7 @@ use super::diagnostics::study_report;
 use super::run::folder_report;
 use super::say::{note, say};
 use clap::Args;
-use inkwave::compare::check::{Conformity, TOLERANCE, Verdict, check};
+use inkwave::compare::check::{Conformity, ConformityVerdict, TOLERANCE, check};
 use inkwave::compare::experiment::{CompareError, ComparisonFile, ComparisonPlan};
 use inkwave::compare::external::ExternalTable;
 use inkwave::compare::row::Row;
@@ -24,7 +24,7 @@ pub struct CompareArgs {
     #[arg(required_unless_present = "check")]
     file: Option<PathBuf>,
     /// Check a program of `[[external]]` instead: its answers for a film, a grating and a sphere,
-    /// and the usual slips by name
+    /// and the usual slips by name; all words behind this option are its command
     #[arg(long, value_name = "COMMAND", num_args = 1.., allow_hyphen_values = true, conflicts_with_all = ["file", "plan"])]
     check: Vec<String>,
     /// Value of the knob of the program under --check
@@ -88,20 +88,20 @@ fn checked(args: &CompareArgs) -> Result<()> {
         }
     }
     match verdict {
-        Verdict::Conforms => {
+        ConformityVerdict::Conforms => {
             say(format_args!("{} conforms: every amplitude within {TOLERANCE}", program.name))
         }
-        Verdict::Slips(slips) => {
+        ConformityVerdict::Slips(slips) => {
             let [names, remedies] =
                 [0, 1].map(|k| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or "));
             Err(miette::miette!(help = remedies, "{} has a slip: {names}", program.name))
         }
-        Verdict::Unknown => {
+        ConformityVerdict::Unknown => {
             let help =
                 "no usual slip explains the answers; `inkwave schema external --annotated` describes them";
             Err(miette::miette!(help = help, "{} does not conform", program.name))
         }
-        Verdict::Silent => {
+        ConformityVerdict::Silent => {
             Err(miette::miette!(help = "it refuses all of them", "{} answered no case", program.name))
         }
     }

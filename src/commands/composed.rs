@@ -10,11 +10,11 @@ use inkwave::evaluate::manifest::Status;
 use inkwave::input::study::{Composed, Study};
 use inkwave::report::composed::publish;
 use inkwave::run::RunSettings;
-use inkwave::sweep::portions::run_portions;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
 use inkwave::sweep::plan::by_size;
+use inkwave::sweep::portions::run_portions;
 use miette::{IntoDiagnostic, miette};
 use std::path::Path;
 

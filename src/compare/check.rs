@@ -26,12 +26,12 @@ pub struct Conformity {
     /// One line for each case: its name, and the error or why there is none.
     pub cases: Vec<(String, Result<f64, String>)>,
     /// What the answers mean together.
-    pub verdict: Verdict,
+    pub verdict: ConformityVerdict,
 }
 
 /// What the answers of a program mean together.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Verdict {
+pub enum ConformityVerdict {
     /// Every case that it does not refuse agrees.
     Conforms,
     /// Slips, each of which explains all answers, with what to do about them.
@@ -90,15 +90,19 @@ fn failed(cases: &[(String, Result<f64, String>)]) -> bool {
     cases.iter().any(|(_, result)| result.as_ref().is_err_and(|reason| !refused(reason)))
 }
 
-fn verdict(answered: &[Answered], failed: bool, watch: &mut dyn Watch) -> Result<Verdict, CompareError> {
+fn verdict(
+    answered: &[Answered],
+    failed: bool,
+    watch: &mut dyn Watch,
+) -> Result<ConformityVerdict, CompareError> {
     if answered.is_empty() {
-        return Ok(if failed { Verdict::Unknown } else { Verdict::Silent });
+        return Ok(if failed { ConformityVerdict::Unknown } else { ConformityVerdict::Silent });
     }
     let within = |orders: &dyn Fn(&Answered) -> Vec<ExpectedOrder>| {
         answered.iter().all(|a| a.answer.error(&orders(a)).is_ok_and(|error| error <= TOLERANCE))
     };
     if within(&|a| a.expected.clone()) {
-        return Ok(if failed { Verdict::Unknown } else { Verdict::Conforms });
+        return Ok(if failed { ConformityVerdict::Unknown } else { ConformityVerdict::Conforms });
     }
     let explains = |slips: &[&Slip]| within(&|a| changed(&a.expected, slips, &a.known.light()));
     let single = SLIPS.iter().filter(|slip| explains(&[slip]));
@@ -111,7 +115,7 @@ fn verdict(answered: &[Answered], failed: bool, watch: &mut dyn Watch) -> Result
     if found.is_empty() {
         found = pairs(explains);
     }
-    Ok(if found.is_empty() { Verdict::Unknown } else { Verdict::Slips(found) })
+    Ok(if found.is_empty() { ConformityVerdict::Unknown } else { ConformityVerdict::Slips(found) })
 }
 
 /// Whether the answers are right for cases that were changed before they were solved.

@@ -10,8 +10,7 @@ mod rows;
 mod unused;
 
 pub use super::error::CompareError;
-pub use cases::CaseTable;
-pub use file::{ComparisonFile, GoalWritten, Points};
+pub use file::{ComparedCase, ComparisonFile, GoalWritten, Points};
 pub use matrix::MatrixTable;
 
 use super::error::kept;

@@ -49,6 +49,15 @@ fn gigabytes() -> f64 {
     4.0
 }
 
+/// Question, answer and description, for the schema.
+#[derive(JsonSchema)]
+#[allow(dead_code, reason = "only its schema is used")]
+pub struct Protocol {
+    request: ProgramRequest,
+    answer: protocol::Answer,
+    description: ProgramDescription,
+}
+
 /// A case as it is put to programs.
 pub(super) struct CaseAsked<'a> {
     pub varied: Option<Varied>,

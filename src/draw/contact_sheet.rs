@@ -42,7 +42,7 @@ impl ContactSheet {
         let left = self.left();
         let width = left + self.columns.len() * cell[0];
         let mut bitmap = Bitmap::white(width, SHEET_TOP + self.rows.len() * cell[1])?;
-        bitmap.text(&self.title, [SHEET_GAP as i32, 26], TITLE_PX + 4, Anchor::Left, false)?;
+        bitmap.text(&self.title, [SHEET_GAP as i32, 26], TITLE_PX + 4, Anchor::Left)?;
         self.captions(&mut bitmap, cell)?;
         for (r, row) in self.pictures.iter().enumerate() {
             for (c, picture) in row.iter().enumerate() {
@@ -83,14 +83,14 @@ impl ContactSheet {
     fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), OutputError> {
         let middle = |k: usize, step: usize, from: usize| (from + k * step + (step - SHEET_GAP) / 2) as i32;
         let left = self.left();
-        bitmap.text(&self.column_axis, [left as i32, 58], LABEL_PX, Anchor::Left, false)?;
-        bitmap.text(&self.row_axis, [SHEET_GAP as i32, 84], LABEL_PX, Anchor::Left, false)?;
+        bitmap.text(&self.column_axis, [left as i32, 58], LABEL_PX, Anchor::Left)?;
+        bitmap.text(&self.row_axis, [SHEET_GAP as i32, 84], LABEL_PX, Anchor::Left)?;
         for (c, name) in self.columns.iter().enumerate() {
-            bitmap.text(name, [middle(c, cell[0], left), 84], LABEL_PX, Anchor::Centre, false)?;
+            bitmap.text(name, [middle(c, cell[0], left), 84], LABEL_PX, Anchor::Centre)?;
         }
         for (r, name) in self.rows.iter().enumerate() {
             let at = [left as i32 - 14, middle(r, cell[1], SHEET_TOP)];
-            bitmap.text(name, at, LABEL_PX, Anchor::Right, false)?;
+            bitmap.text(name, at, LABEL_PX, Anchor::Right)?;
         }
         Ok(())
     }
@@ -106,7 +106,7 @@ fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str
     let step = size as i32 + 5;
     for (k, line) in lines.iter().enumerate() {
         let down = (2 * k as i32 - lines.len() as i32 + 1) * step / 2;
-        bitmap.text(line, [middle_x, middle_y + down], size, Anchor::Centre, false)?;
+        bitmap.text(line, [middle_x, middle_y + down], size, Anchor::Centre)?;
     }
     Ok(())
 }

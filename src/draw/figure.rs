@@ -49,6 +49,8 @@ pub enum Anchor {
     Centre,
     /// Text ends at the anchor.
     Right,
+    /// Text is centred on the anchor and reads upwards.
+    Upwards,
 }
 
 /// Largest side of a bitmap, pixels.
@@ -94,26 +96,19 @@ impl Bitmap {
         }
     }
 
-    /// Writes a line of text, vertically centred on `y`; `upwards` turns it by 90°.
+    /// Writes a line of text, vertically centred on `y`.
     ///
     /// # Errors
     /// The font fails, which it cannot as it is embedded.
-    pub fn text(
-        &mut self,
-        text: &str,
-        [x, y]: [i32; 2],
-        px: u32,
-        anchor: Anchor,
-        upwards: bool,
-    ) -> Result<(), OutputError> {
+    pub fn text(&mut self, text: &str, [x, y]: [i32; 2], px: u32, anchor: Anchor) -> Result<(), OutputError> {
         let horizontal = match anchor {
             Anchor::Left => HPos::Left,
-            Anchor::Centre => HPos::Center,
+            Anchor::Centre | Anchor::Upwards => HPos::Center,
             Anchor::Right => HPos::Right,
         };
         register_fonts(); // a font is looked up when its description is made
         let mut font = (FONT, px).into_font();
-        if upwards {
+        if anchor == Anchor::Upwards {
             font = font.transform(FontTransform::Rotate270);
         }
         let style = TextStyle::from(font).color(&BLACK).pos(Pos::new(horizontal, VPos::Center));

@@ -91,29 +91,27 @@ impl Painter<'_> {
     ) -> Result<(), OutputError> {
         let square = x + style.strip_px + style.gap_px;
         let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
-        bitmap.text(title, [x as i32, 16], TITLE_PX, Anchor::Left, false)?;
+        bitmap.text(title, [x as i32, 16], TITLE_PX, Anchor::Left)?;
         let strip_middle = (x + style.strip_px / 2) as i32;
-        bitmap.text("natural light", [strip_middle, y as i32 - 14], LABEL_PX, Anchor::Centre, false)?;
+        bitmap.text("natural light", [strip_middle, y as i32 - 14], LABEL_PX, Anchor::Centre)?;
         bitmap.text(
             "π × diffuse BRDF",
             [square as i32 + side / 2, y as i32 - 14],
             LABEL_PX,
             Anchor::Centre,
-            false,
         )?;
         bitmap.text(
             "illumination angle, °",
             [square as i32 + side / 2, bottom + 44],
             LABEL_PX,
             Anchor::Centre,
-            false,
         )?;
-        bitmap.text("viewing angle, °", [16, y as i32 + side / 2], LABEL_PX, Anchor::Centre, true)?;
+        bitmap.text("viewing angle, °", [16, y as i32 + side / 2], LABEL_PX, Anchor::Upwards)?;
         for (name, at) in self.ticks(style.side_px) {
             bitmap.fill([x - 6, y + at], [5, 1], [0; 3]);
-            bitmap.text(&name, [x as i32 - 10, (y + at) as i32], LABEL_PX, Anchor::Right, false)?;
+            bitmap.text(&name, [x as i32 - 10, (y + at) as i32], LABEL_PX, Anchor::Right)?;
             bitmap.fill([square + at, y + style.side_px + 1], [1, 5], [0; 3]);
-            bitmap.text(&name, [(square + at) as i32, bottom + 18], LABEL_PX, Anchor::Centre, false)?;
+            bitmap.text(&name, [(square + at) as i32, bottom + 18], LABEL_PX, Anchor::Centre)?;
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::io::Cursor;
 
-type Archive<'a> = NpzWriter<&'a mut Cursor<Vec<u8>>>;
+type OperatorArchive<'a> = NpzWriter<&'a mut Cursor<Vec<u8>>>;
 
 /// The archive: grid, media, moments of the coverage, right-hand side, solution and its residual.
 ///
@@ -32,7 +32,7 @@ pub fn operator(problem: &Problem, field: &Field, account: &Account) -> Result<V
 }
 
 /// Points, elements along z, harmonics and their wavenumbers, 1/µm.
-fn grid(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
+fn grid(npz: &mut OperatorArchive, problem: &Problem) -> Result<(), WriteNpzError> {
     let grid = &problem.coverage.grid;
     let element = &grid.element;
     let list = |values: &[f64]| Array1::from(values.to_vec());
@@ -57,7 +57,7 @@ fn grid(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
 
 /// k² of the mean medium and of the backgrounds, 1/µm², contrasts k²(η² − η_background²), and the
 /// moments of what has them, µm; folded fields belong to pairs of contrasts, µm³.
-fn media(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
+fn media(npz: &mut OperatorArchive, problem: &Problem) -> Result<(), WriteNpzError> {
     let (coverage, media) = (&problem.coverage, &problem.media);
     let k0 = TAU / problem.incidence.wavelength_um;
     let k2 = |eta: Complex64| (k0 * eta) * (k0 * eta);

@@ -68,8 +68,7 @@ fn study(path: &Path) -> Result<Study, ExportError> {
 
 /// The store of the folder itself, or the one that the variants of a sweep share.
 fn stores(path: &Path) -> Result<Stores, ExportError> {
-    let failed = |source| ExportError::Store { path: path.to_owned(), source };
     let shared = path.join("../..");
     let place = if !path.join(RECORDS).exists() && shared.join(RECORDS).exists() { &shared } else { path };
-    Stores::at(place).map_err(failed)
+    Stores::at(place).map_err(|source| ExportError::Store { path: path.to_owned(), source })
 }

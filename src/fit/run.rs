@@ -89,7 +89,6 @@ impl FitStores {
     /// They cannot be opened.
     pub fn open(folder: &OutputFolder) -> Result<Self, RunError> {
         let stores = Stores::open(folder)?;
-        stores.database().prepare()?;
         folder.begin()?;
         let tangents = Store::of(stores.grids.database());
         Ok(Self { stores, tangents })

@@ -2,7 +2,7 @@
 
 use super::tidy::{tidy, without_null};
 use crate::compare::experiment::ComparisonFile;
-use crate::compare::external::protocol::Protocol;
+use crate::compare::external::Protocol;
 use crate::design::file::DesignFile;
 use crate::fit::file::FitFile;
 use crate::input::case_inputs::CaseInputs;

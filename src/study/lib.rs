@@ -1,5 +1,5 @@
-//! Studies of `inkwave`: what is asked, what is kept, the work, and numbers with error bars. The crate `inkwave` re-exports every
-//! folder and is the tour.
+//! Studies of `inkwave`: input files, storage, computation, and numbers with error bars. The crate
+//! `inkwave` re-exports every folder and documents the whole.
 
 #![warn(missing_docs)]
 
@@ -8,5 +8,5 @@ pub mod input;
 pub mod run;
 pub mod store;
 
-// The physics under the names it has in `inkwave`.
+// The folders of the physics, under the names they have in `inkwave`.
 pub use inkwave_physics::{appearance, ink, material, numerics, solve, wave};

@@ -1,19 +1,27 @@
-//! Studies of hundreds of variants: one file, one store, any number of machines.
+//! Studies of many variants: one file, one store, any number of machines.
 //!
-//! The path of a sweep: [`file`](mod@file) (as written) → [`expand`] (axes, exclusions, overrides → variants) → [`load`]
-//! (every variant a checked [`Study`](crate::input::study::Study)) → [`units`] (what is computed together, shards) → [`run`](mod@run)
-//! → [`publish`](mod@publish) (table, contact sheets, [`conclusions`], pages). [`plan`](mod@plan) says beforehand what it costs,
-//! [`merge`](mod@merge) joins the stores of several machines.
-//!
-//! Three rooms, each of which uses those before it alone: `definition ← work ← findings`. A study alone is a sweep of one
+//! The path of a sweep: [`file`](mod@file) (as written) → [`expand`] (axes, exclusions, overrides →
+//! variants) → [`load`] (every variant a checked [`Study`](crate::input::study::Study)) → [`units`]
+//! (what is computed together, shards) → [`run`](mod@run) → [`publish`](mod@publish) (table,
+//! contact sheets, [`conclusions`], pages). [`plan`](mod@plan) estimates the cost beforehand,
+//! [`merge`](mod@merge) joins the stores of several machines. A single study is a sweep of one
 //! variant ([`alone`]).
 //!
+//! Of its three folders each uses only those before it:
+//!
+//! ```text
+//! definition ← work ← findings
+//! ```
+//!
 //! # The store
-//! All variants share one store of sealed records, named by the content hash of what they depend on (see
-//! [`crate::store::database`]). Variants that differ in their paper alone share their solves; those that differ in the
-//! pigment's spectrum share their packings. Every process writes an SQLite file of its own, so a kill at any time loses the
-//! solves in flight and nothing else, and any number of processes of one machine may work in one folder. Machines that share
-//! no disk, or a network disk, take shards in folders of their own. `sweep.csv` is the table for spreadsheets, R and Python.
+//!
+//! All variants share one store of sealed records, identified by the content hash of their inputs
+//! (see [`crate::store::database`]). Variants that differ only in their paper share their solves;
+//! those that differ in the pigment's spectrum share their packings. Every process writes an SQLite
+//! file of its own: if it is killed, only the unfinished solves are lost, and any number of
+//! processes of one machine can work in one folder. Machines without a common disk, or with a
+//! network disk, compute shards in separate folders. `sweep.csv` is the table for spreadsheets, R
+//! and Python.
 
 pub mod definition;
 pub mod findings;

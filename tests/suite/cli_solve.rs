@@ -102,7 +102,7 @@ fn numbers_that_are_none_are_refused_in_json_and_toml() {
     let text = good().to_string().replace("0.15", "NaN");
     refuses_text("case.json", &text, &[], &["NaN nor Infinity", "finite numbers"]);
     let twice = good().to_string().replacen("\"H\":0.6", "\"H\":0.6,\"H\":0.7", 1);
-    refuses_text("case.json", &twice, &[], &["the key \"H\" is there twice", "keep the value that you mean"]);
+    refuses_text("case.json", &twice, &[], &["the key \"H\" occurs twice", "remove one of them"]);
     let toml = "wavelength = 0.55\nL = 0.5\nH = 0.6\neta_binder = [1.558, 0.0]\n\n[[spheres]]\n";
     let sphere = "center = [0.2, 0.2, 0.3]\nradius = nan\neta = [1.4, 0.1]\n";
     refuses_text(

@@ -31,7 +31,7 @@ fn a_colour_is_extrapolated_within_its_bars_or_not_published() {
     };
     let (whole, said, _) = run("whole", "from_nm = 400", "to_nm = 700");
     let (truth, chance, none) = lit_at_45(&whole);
-    assert!(none == 0.0 && !said.contains("the ends of the spectra stand for the rest"), "{said}");
+    assert!(none == 0.0 && !said.contains("the spectra are continued by their values"), "{said}");
     assert_eq!(whole["colours"][1]["budget"].get("beyond_range"), None);
 
     let (cut, said, page) = run("cut", "from_nm = 440", "to_nm = 700");

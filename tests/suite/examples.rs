@@ -103,9 +103,7 @@ fn refused(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>,
         ],
         Kind::Study => {
             let mut all = vec![("sweep", outcome(&["sweep", "--plan"], name), "inkwave run")];
-            all.extend(
-                is_vector(name).then(|| ("compare", outcome(&["compare", "--plan"], name), "scalar")),
-            );
+            all.extend(is_vector(name).then(|| ("compare", outcome(&["compare", "--plan"], name), "scalar")));
             all
         }
         Kind::Sweep => vec![("run", outcome(&["run", "--plan"], name), "inkwave sweep")],

@@ -1,6 +1,6 @@
 //! The check of programs: a right one conforms, and every planted slip is found by its name.
 
-use inkwave::compare::check::{Conformity, KNOWN, KnownCase, Verdict, check};
+use inkwave::compare::check::{Conformity, ConformityVerdict, KNOWN, KnownCase, check};
 use inkwave::compare::external::ExternalTable;
 use inkwave::compare::external::judge::ReadAnswer;
 use inkwave::compare::external::protocol::WaveKind;
@@ -94,7 +94,7 @@ fn checked(folder: &Path, slip: &str, waves: &str) -> Conformity {
 
 fn is_found(folder: &Path, slip: &str, waves: &str, name: &str) {
     match checked(folder, slip, waves).verdict {
-        Verdict::Slips(found) => {
+        ConformityVerdict::Slips(found) => {
             let names: Vec<&str> = found.iter().map(|slip| slip[0].as_str()).collect();
             assert_eq!(names, [name], "{slip}");
         }
@@ -106,7 +106,7 @@ fn is_found(folder: &Path, slip: &str, waves: &str, name: &str) {
 fn a_right_program_conforms_and_slips_of_the_scalar_wave_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let right = checked(folder.path(), "none", "scalar");
-    assert_eq!(right.verdict, Verdict::Conforms, "{:?}", right.cases);
+    assert_eq!(right.verdict, ConformityVerdict::Conforms, "{:?}", right.cases);
     assert_eq!(right.cases.iter().filter(|(_, result)| result.is_ok()).count(), 3);
     for (slip, name) in [
         ("conjugate", "complex conjugate"),
@@ -125,7 +125,7 @@ fn a_right_program_conforms_and_slips_of_the_scalar_wave_are_named() {
         is_found(folder.path(), slip, "scalar", name);
     }
     for slip in ["nonsense", "short"] {
-        assert_eq!(checked(folder.path(), slip, "scalar").verdict, Verdict::Unknown, "{slip}");
+        assert_eq!(checked(folder.path(), slip, "scalar").verdict, ConformityVerdict::Unknown, "{slip}");
     }
 }
 
@@ -133,7 +133,7 @@ fn a_right_program_conforms_and_slips_of_the_scalar_wave_are_named() {
 fn slips_of_polarisations_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let right = checked(folder.path(), "none", "vector");
-    assert_eq!(right.verdict, Verdict::Conforms, "{:?}", right.cases);
+    assert_eq!(right.verdict, ConformityVerdict::Conforms, "{:?}", right.cases);
     for (slip, name) in [
         ("swapped", "s and p swapped"),
         ("h_field", "index left out of p light in the exit medium"),

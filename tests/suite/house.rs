@@ -345,3 +345,62 @@ fn a_name_with_two_meanings_is_seen() {
     ]);
     assert_eq!(found, ["Page: a.rs, b.rs"]);
 }
+
+/// Parameters of the function whose list begins here, behind its opening parenthesis; `self` counts.
+fn parameters(list: &str) -> usize {
+    let (mut depth, mut commas, mut blank, mut before) = (0, 0, true, ' ');
+    for c in list.chars() {
+        match c {
+            ')' if depth == 0 => break,
+            ',' if depth == 0 => commas += 1,
+            '(' | '[' | '<' => depth += 1,
+            ')' | ']' => depth -= 1,
+            '>' if before != '-' => depth -= 1,
+            _ => {}
+        }
+        blank = c == ',' && depth == 0 || blank && c.is_whitespace();
+        before = c;
+    }
+    commas + usize::from(!blank)
+}
+
+/// The parameter list of the function that a line begins, and what follows; generics may stand before it.
+fn parameter_list(from: &str) -> Option<&str> {
+    let item = without_visibility(from).trim_start_matches("const ").strip_prefix("fn ")?;
+    let (mut depth, mut before) = (0, ' ');
+    for (at, c) in item.char_indices() {
+        match c {
+            '(' if depth == 0 => return Some(&item[at + 1..]),
+            '<' => depth += 1,
+            '>' if before != '-' => depth -= 1,
+            _ => {}
+        }
+        before = c;
+    }
+    None
+}
+
+/// Names and parameters of functions with six or more.
+fn wide_functions(text: &str) -> Vec<String> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let mut at = 0;
+    let lines = code.split_inclusive('\n').map(|line| {
+        at += line.len();
+        code[at - line.len()..].trim_start_matches(' ')
+    });
+    let found = lines.filter_map(|from| Some((from.lines().next()?, parameters(parameter_list(from)?))));
+    found.filter(|(_, count)| *count > 5).map(|(line, count)| format!("{line} {count}")).collect()
+}
+
+/// Kernels and matrices of the wave take what they multiply one by one; everything else is clearer with a type.
+#[test]
+fn few_functions_have_six_or_more_parameters() {
+    let mut files = library();
+    files.extend(commands());
+    let found: Vec<String> = files.iter().flat_map(|(_, text)| wide_functions(text)).collect();
+    assert!(found.len() <= 6, "{}", found.join("\n"));
+    let planted = "impl A {\n    pub fn f<T: Fn(u8, u8) -> u8>(\n        &self,\n        a: (B, C),\n        b: D<E, F>,\n";
+    let rest =
+        ["        c: [u8; 2],\n        d: u8,\n    ) -> u8 {}\n}\n", "        c: u8, d: u8, e: u8) {}\n}\n"];
+    assert_eq!(rest.map(|rest| wide_functions(&format!("{planted}{rest}")).len()), [0, 1]);
+}

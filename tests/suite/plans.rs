@@ -37,7 +37,7 @@ fn needles_and_thick_layers_are_estimated_in_time() {
         let value = |key: &str| said.lines().find(|line| line.starts_with(key)).map(str::to_owned);
         assert!(value("time").is_some() && value("memory").is_some(), "{said}");
     }
-    assert!(plan(&rutile()).contains("no trial ended in time"));
+    assert!(plan(&rutile()).contains("no trial finished in time"));
 }
 
 #[test]

@@ -121,7 +121,7 @@ fn slips_of_conclusions_name_their_key() {
     let near = "id = \"nearer\"";
     slip(near, near, ["conclusion.quantity", "base.colour.target_lab"]);
     slip("each = \"share\"", "each = \"shape\"", ["conclusion[2].each", "share, size, paper"]);
-    slip("source = \"P1\"\n", "", ["conclusion[2].quote", "whose words"]);
+    slip("source = \"P1\"\n", "", ["conclusion[2].quote", "quotation without a source"]);
     slip("[400, 700]\nover = \"some\"", "[400, 700]\nover = \"any\"", ["any", "some"]);
     let (range, point) = ("range_nm = [400, 700]\nover = \"some\"", "wavelength_nm = 400\nover = \"some\"");
     slip(range, point, ["conclusion[3].over", "range_nm"]);

@@ -116,7 +116,7 @@ fn a_sweep_with_a_target_names_the_variant_that_meets_it() {
     assert_eq!(nearest.unwrap()["variant"], wanted);
     let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
     assert!(page.contains("Nearest to the target") && page.contains(&format!("{wanted} is nearest.")));
-    let edge = "It lies at the edge of what was tried (share 15 % is the largest";
+    let edge = "It lies at the edge of the sweep (share 15 % is the largest";
     let explorer = std::fs::read_to_string(place.path("out/explore.html")).unwrap();
     assert!(explorer.contains("\"target\":{\"colour\":\"L* ") && explorer.contains(edge));
     assert!(page.contains(edge), "{page}");

@@ -58,7 +58,8 @@ fn other_work_in_a_folder_where_processes_are_at_work_is_refused() {
     worker.kill().unwrap();
     worker.wait().unwrap();
     assert!(
-        !other.status.success() && said(&other).contains("other processes work on another sweep"),
+        !other.status.success()
+            && said(&other).contains("other processes are running another study or sweep"),
         "{}",
         said(&other)
     );

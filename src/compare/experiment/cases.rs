@@ -1,6 +1,6 @@
 //! The cases of a comparison: the one that is named, or all pigments and periods of a matrix.
 
-use super::file::ComparisonFile;
+use super::file::{ComparedCase, ComparisonFile};
 use crate::compare::error::CompareError;
 use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
@@ -8,27 +8,8 @@ use crate::compare::subject::Packed;
 use crate::input::case::Case;
 use crate::numerics::files;
 use crate::wave::{Ball, BodyShape, Media};
-use schemars::JsonSchema;
-use serde::Deserialize;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-
-/// One of several case files.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CaseTable {
-    /// The case file, relative to this file.
-    #[schemars(example = &"film.json")]
-    pub file: PathBuf,
-    /// The case of this `id`, in a file that lists several as `cases`.
-    #[schemars(example = &"sph02")]
-    pub id: Option<String>,
-    /// Name of the case on the page; its `id` or the file's when left out.
-    #[schemars(example = &"film")]
-    pub name: Option<String>,
-    /// The equation of this case; that of the comparison when left out.
-    pub wave: Option<WaveKind>,
-}
+use std::path::Path;
 
 /// A case before it is packed.
 pub(super) struct Subject {
@@ -134,7 +115,7 @@ impl ComparisonFile {
         cases.map(|v| Ok(subject(Some(v), packed.varied(v.period_um, v.pigment)?))).collect()
     }
 
-    fn listed_case(&self, table: &CaseTable) -> Result<Subject, CompareError> {
+    fn listed_case(&self, table: &ComparedCase) -> Result<Subject, CompareError> {
         let stem = || table.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let named = Some(table.name.clone().or(table.id.clone()).unwrap_or_else(stem));
         let wave = table.wave.unwrap_or(self.wave);

@@ -1,6 +1,5 @@
 //! A comparison as written, read and checked.
 
-use super::cases::CaseTable;
 use super::matrix::MatrixTable;
 use crate::compare::error::CompareError;
 use crate::compare::external::ExternalTable;
@@ -32,7 +31,7 @@ pub struct ComparisonFile {
     #[schemars(example = &"case.json")]
     pub case: Option<PathBuf>,
     /// Several case files, instead of `case`, each with rows and a chart of its own.
-    pub cases: Vec<CaseTable>,
+    pub cases: Vec<ComparedCase>,
     /// The equation: `scalar`, or `vector` for Maxwell's equations in s and p light.
     #[schemars(example = WaveKind::Scalar)]
     pub wave: WaveKind,
@@ -77,6 +76,23 @@ pub struct ComparisonFile {
     /// The file that the comparison was read from.
     #[serde(skip)]
     pub origin: PathBuf,
+}
+
+/// One of several case files.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ComparedCase {
+    /// The case file, relative to this file.
+    #[schemars(example = &"film.json")]
+    pub file: PathBuf,
+    /// The case of this `id`, in a file that lists several as `cases`.
+    #[schemars(example = &"sph02")]
+    pub id: Option<String>,
+    /// Name of the case on the page; its `id` or the file's when left out.
+    #[schemars(example = &"film")]
+    pub name: Option<String>,
+    /// The equation of this case; that of the comparison when left out.
+    pub wave: Option<WaveKind>,
 }
 
 /// Goal of every solve.

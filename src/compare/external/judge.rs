@@ -133,15 +133,17 @@ fn unreadable(output: &[u8], error: &serde_json::Error) -> String {
     format!("the answer is not as `inkwave schema external` says: {error} in {:?}", words(output))
 }
 
-/// Characters of an answer that a reason quotes.
+/// Characters of an answer that a reason quotes, and of what a program says in words.
 const QUOTED: usize = 60;
+const SAID: usize = 240;
 
 /// The beginning of some output, without what a terminal would act upon.
 pub(super) fn words(output: &[u8]) -> String {
-    quoted(&String::from_utf8_lossy(&output[..output.len().min(4 * QUOTED)]))
+    let text = String::from_utf8_lossy(&output[..output.len().min(4 * QUOTED)]);
+    quoted(&text).chars().take(QUOTED).collect()
 }
 
 /// The beginning of a text, without what a terminal would act upon.
 pub(super) fn quoted(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(QUOTED).collect()
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(SAID).collect()
 }

@@ -122,12 +122,3 @@ pub enum AnsweredSide {
     /// On the other side.
     Transmitted,
 }
-
-/// Question, answer and description, for the schema.
-#[derive(JsonSchema)]
-#[allow(dead_code, reason = "only its schema is used")]
-pub struct Protocol {
-    request: ProgramRequest,
-    answer: Answer,
-    description: super::description::ProgramDescription,
-}

@@ -59,8 +59,7 @@ fn no_table(reason: csv::Error) -> OutputError {
 pub fn is_of_one_packing(name: &str) -> bool {
     let number = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
     let kinds = [("grains_", ".csv"), ("packing_", ".json"), ("spheres_", ".vtp")];
-    let between = |(head, tail)| name.strip_prefix(head)?.strip_suffix(tail);
-    kinds.into_iter().filter_map(between).any(number)
+    kinds.into_iter().filter_map(|(head, tail)| name.strip_prefix(head)?.strip_suffix(tail)).any(number)
 }
 
 fn scalars_csv(statistics: &Statistics) -> csv::Result<Vec<u8>> {

@@ -1,4 +1,5 @@
-//! What all solves of an ensemble say together: curves over the angles, fitted to the difference from the coherent film.
+//! Fits over all solves of an ensemble: curves against the angle, fitted to the difference from the
+//! coherent film.
 
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Total, film_totals};
@@ -10,7 +11,7 @@ use super::regression::{Fits, Normal, Sums};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 
-/// Differences at 0° and 45° from a source of them.
+/// Differences from the film at 0° and 45°.
 pub(super) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
     places.map(|angle| LayerTotals {
         reflectance: of(angle, Total::Reflectance),
@@ -19,8 +20,8 @@ pub(super) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> A
     })
 }
 
-/// Curves between the anchors, the diffuse BRDF's mean over the azimuth by `diffuse_width` functions, and the BRDF with its
-/// dependence on the azimuth; nothing without solves.
+/// Fits the curves between the anchors, the azimuthal mean of the diffuse BRDF with `diffuse_width`
+/// functions, and its dependence on the azimuth; empty without solves.
 pub(super) fn fits(
     layer: &LayerEnsemble,
     anchored: [usize; 2],
@@ -40,7 +41,8 @@ pub(super) fn fits(
     [curves(layer, anchored, solved, films), mean, directional]
 }
 
-/// R, T and specular R between the anchors: what the solves in the strata differ from the film and the anchors' share.
+/// Fits R, T and specular R between the anchors to what the solves in the strata add to film and
+/// anchors.
 pub(super) fn curves(
     layer: &LayerEnsemble,
     anchored: [usize; 2],
@@ -52,7 +54,7 @@ pub(super) fn curves(
     Fits::new(&parts, &layer.basis, BENDS)
 }
 
-/// Normal equations of the curves from realisation number `r`.
+/// Normal equations of the curves for realisation `r`.
 fn normal_of_curves(
     layer: &LayerEnsemble,
     anchored: [usize; 2],
@@ -68,7 +70,8 @@ fn normal_of_curves(
     normal
 }
 
-/// Sums over the strata of one wavelength: the bends with the rest of R, T and specular R beyond film and anchors.
+/// Sums over the strata of one wavelength: curve functions against the rest of R, T and specular R
+/// beyond film and anchors.
 fn sums_of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> Sums {
     let mut sums = Sums::new(BENDS, 3);
     for s in strata {
@@ -87,7 +90,7 @@ fn sums_of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> S
     sums
 }
 
-/// Functions of a sample: cosines of light and order, and sin θ_i sin θ_o cos Δφ.
+/// Functions of a sample: cosines of illumination and of the order, and sin θ_i sin θ_o cos Δφ.
 type Functions<const N: usize> = dyn Fn(f64, f64, f64) -> [f64; N];
 
 fn mean_functions(lit: f64, seen: f64, _: f64) -> [f64; SYMMETRIC] {
@@ -103,8 +106,8 @@ fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
     std::array::from_fn(|k| if k < SYMMETRIC { mean[k] } else { directional[k - SYMMETRIC] })
 }
 
-/// The layer's own diffuse BRDF, from all orders of all solves from the incident side: its mean over the azimuth, which colours
-/// need, or with its dependence on it, which a renderer needs.
+/// Fits the layer's diffuse BRDF to all orders of all solves from the incident side: its azimuthal
+/// mean, for colours, or its dependence on the azimuth, for renderers.
 fn diffuse<const N: usize>(
     layer: &LayerEnsemble,
     solved: &[SolvedRealisation],
@@ -114,7 +117,7 @@ fn diffuse<const N: usize>(
     Fits::new(&parts.collect::<Vec<_>>(), &layer.basis, N)
 }
 
-/// Normal equations of the diffuse BRDF from one realisation.
+/// Normal equations of the diffuse BRDF for one realisation.
 fn normal_of_orders<const N: usize>(
     basis: &SpectralBasis,
     realisation: &SolvedRealisation,
@@ -127,7 +130,8 @@ fn normal_of_orders<const N: usize>(
     normal
 }
 
-/// Sums over the reflected orders of all solves from the incident side at one wavelength: the functions with the BRDF.
+/// Sums over the reflected orders of all solves from the incident side at one wavelength: functions
+/// against the BRDF.
 fn sums_of_orders<const N: usize>(at: &SolvedWavelength, functions: &Functions<N>) -> Sums {
     let mut sums = Sums::new(N, 1);
     for s in at.exact.iter().chain(&at.strata) {

@@ -1,12 +1,14 @@
-//! The BRDF of the ink on its paper for any pair of directions, as a renderer asks for it.
+//! The BRDF of the ink on its paper for any pair of directions, for renderers.
 //!
 //! ```text
 //! f(i, o) = f_layer,diffuse(i, o) + g T(i) T(o)/π          (P1 section 5)
 //! ```
 //!
-//! No mirror part, which is a delta and not a density. The layer's own part is the BRDF fitted to all orders, with its dependence on the azimuth
-//! between the planes (cos Δφ and cos 2Δφ); the light that has been in the paper does not depend on it. T is tabulated finely, fringes included;
-//! its mean over the hemisphere is T̄, so that a renderer finds the albedo R + g T T̄.
+//! The mirror reflection is left out, because it is a delta function. The layer's diffuse part is
+//! the BRDF fitted to all orders, with its dependence on the azimuth Δφ between the planes (cos Δφ
+//! and cos 2Δφ); light returned by the paper does not depend on it. T is tabulated finely enough
+//! for interference fringes; its mean over the hemisphere is T̄, so that a renderer obtains the
+//! albedo R + g T T̄.
 
 use super::ink::{InkError, InkOnPaper};
 use super::on_paper::{LayerOnPaper, PolarAngle};
@@ -14,40 +16,42 @@ use crate::numerics::estimate::Estimate;
 use gauss_quad::GaussLegendre;
 use std::f64::consts::PI;
 
-/// A direction on the incident side: angle from the normal and azimuth from the plane of incidence (0: forward, where the
-/// mirror image lies), degrees.
+/// A direction on the incident side. Azimuth 0 is forward, where the mirror image lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Direction {
-    /// From the normal, degrees, up to 90.
+    /// Angle from the normal, degrees, up to 90.
     pub polar_deg: f64,
-    /// From the direction the light travels to, degrees.
+    /// Azimuth from the direction in which the light travels, degrees.
     pub azimuth_deg: f64,
 }
 
-/// Step of the tables, degrees: linear between, T of a film of some wavelengths to about 1e-5.
+/// Step of the tables, degrees: linear interpolation is accurate to about 1e-5 in T for a film of a
+/// few wavelengths.
 const STEP_DEG: f64 = 0.25;
-/// Angles of incidence that tables of a renderer should hold, degrees.
+/// Recommended angles of incidence of a renderer's tables, degrees.
 const NODES_DEG: [f64; 10] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0];
 
-/// The ink on its paper with tables over the angle.
+/// The ink on its paper, tabulated against the angle.
 #[derive(Clone, Debug)]
 pub struct DirectionalInk<'a> {
     ink: &'a InkOnPaper,
-    /// \[wavelength\]\[angle\]: T, mirror part of R, albedo, T of what the paper gives back; the last angle is grazing.
+    /// \[wavelength\]\[angle\]: T, mirror part of R, albedo, T of the light returned by the paper;
+    /// the last angle is grazing.
     tables: Vec<Vec<[f64; 4]>>,
     hemisphere: Vec<(PolarAngle, f64)>,
 }
 
-/// T, mirror part of R, albedo, T of what the paper gives back; `bend` is added to T of the light whose mean is T̄.
+/// T, mirror part of R, albedo, T of the light returned by the paper; `bend` is added to the T
+/// whose mean is T̄.
 fn row(layer: &LayerOnPaper, at: &PolarAngle, bend: f64) -> [f64; 4] {
     let (own, back) = (layer.transmittance(at), layer.transmittance_returned(at));
-    // polarised light comes in: T̄ is not its mean
+    // for polarised light T̄ is not the mean of this T
     let own = if own == back { own + bend } else { own };
     let returned = layer.return_factor() * own * layer.mean_transmittance();
     [own, layer.mirrored(at), layer.reflectance(at) + returned, back + bend]
 }
 
-/// Nodes of integrals over the hemisphere: T of films of some wavelengths to 1e-6.
+/// Nodes of integrals over the hemisphere: accurate to 1e-6 in T for films of a few wavelengths.
 const HEMISPHERE_NODES: usize = 40;
 
 /// Angles with the weights of 2∫₀¹ f μ dμ.
@@ -84,17 +88,17 @@ impl<'a> DirectionalInk<'a> {
         Ok(Self { ink, tables, hemisphere })
     }
 
-    /// The ink itself.
+    /// The tabulated ink.
     pub fn ink(&self) -> &InkOnPaper {
         self.ink
     }
 
-    /// Angles of incidence that a table should hold, degrees, rising.
+    /// Recommended angles of incidence of a table, degrees, increasing.
     pub fn nodes_deg(&self) -> Vec<f64> {
         NODES_DEG.to_vec()
     }
 
-    /// T(θ) at a wavelength's place.
+    /// T(θ) at the wavelength with this index.
     pub fn transmittance(&self, wavelength: usize, polar_deg: f64) -> f64 {
         self.tabulated(wavelength, polar_deg)[0]
     }
@@ -104,14 +108,15 @@ impl<'a> DirectionalInk<'a> {
         self.tabulated(wavelength, polar_deg)[1]
     }
 
-    /// The directional–hemispherical albedo without its mirror part.
+    /// The directional–hemispherical albedo without mirror reflection.
     pub fn diffuse_albedo(&self, wavelength: usize, polar_deg: f64) -> f64 {
         let [_, specular, albedo, _] = self.tabulated(wavelength, polar_deg);
         albedo - specular
     }
 
-    /// ∫ f cos θ_o dω at every wavelength, less the albedo without its mirror part: by how much the fits of f and of R disagree
-    /// (the light that has been in the paper is the same in both), with the jackknife error of this difference.
+    /// ∫ f cos θ_o dω at every wavelength, minus the albedo without mirror reflection: the
+    /// difference between the fits of f and of R (light returned by the paper is the same in both),
+    /// with its jackknife error.
     ///
     /// # Errors
     /// The ink refuses the angle.
@@ -123,14 +128,14 @@ impl<'a> DirectionalInk<'a> {
         Ok(self.ink.spectrum(difference).estimates())
     }
 
-    /// g T(i) T(o)/π: light that has been in the paper, 1/sr.
+    /// g T(i) T(o)/π: light returned by the paper, 1/sr.
     pub fn paper_brdf(&self, wavelength: usize, light_deg: f64, view_deg: f64) -> f64 {
         let back = self.tabulated(wavelength, view_deg)[3];
         let passes = self.transmittance(wavelength, light_deg) * back;
         self.ink.layers()[wavelength].return_factor() * passes / PI
     }
 
-    /// f(i, o) at a wavelength's place, 1/sr, mirror part left out.
+    /// f(i, o) at the wavelength with this index, 1/sr, without mirror reflection.
     pub fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
         let cosine = |deg: f64| deg.to_radians().cos();
         let (layer, lit, seen) = (&self.ink.layers()[wavelength], cosine(light_deg), cosine(view.polar_deg));

@@ -1,18 +1,19 @@
-//! The coherent film: the layer with its contents spread evenly in every plane, solved exactly.
+//! The coherent film: the layer with its contents averaged within every plane, solved exactly.
 //!
-//! Its index is √⟨η²⟩(z), what the mean operator of the wave problem sees. It carries the interference fringes of the layer, so that
-//! what the grains add is smooth in angle and wavelength and few solves settle it. No result depends on the film in the
-//! limit of many solves, only how fast it is reached.
+//! Its index is √⟨η²⟩(z), as in the mean operator of the wave problem. The film contains the
+//! interference fringes of the layer, so that the difference due to the grains is smooth in angle
+//! and wavelength and needs few solves. In the limit of many solves the results do not depend on
+//! the film; it only speeds up convergence.
 
 use crate::wave::Side;
 use crate::wave::maxwell::Polarisation;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Volume fractions across the layer, in equal slices counted from the side of incidence.
+/// Volume fractions across the layer, in equal slices from the incident side.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Profile {
-    /// \[slice\]\[inclusion\], 0–1; the rest is the background.
+    /// \[slice\]\[inclusion\], 0–1; the rest is background.
     pub fractions: Vec<Vec<f64>>,
 }
 
@@ -22,7 +23,7 @@ impl Profile {
         Self { fractions: vec![Vec::new()] }
     }
 
-    /// η² of every slice: Σ φ η² of the inclusions, and the background's for the rest.
+    /// η² of every slice: Σ φ η² of the inclusions, and of the background for the rest.
     pub fn squared_indices(&self, background: Complex64, inclusions: &[Complex64]) -> Vec<Complex64> {
         let base = background * background;
         let slices = self.fractions.iter();
@@ -30,7 +31,7 @@ impl Profile {
     }
 }
 
-/// η² of one slice with a background of η² = `base`.
+/// η² of one slice whose background has η² = `base`.
 fn mean_squared_index(base: Complex64, fractions: &[f64], inclusions: &[Complex64]) -> Complex64 {
     let each = fractions.iter().zip(inclusions);
     each.fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
@@ -39,23 +40,23 @@ fn mean_squared_index(base: Complex64, fractions: &[f64], inclusions: &[Complex6
 /// A stack of equal slices at one wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    /// η² of the slices, from the side of incidence.
+    /// η² of the slices, from the incident side.
     pub squared_indices: Vec<Complex64>,
     /// Thickness of the whole stack, µm.
     pub thickness_um: f64,
     /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
-    /// Index of the half-space on the exit side; the one on the incident side is vacuum.
+    /// Index of the half-space on the exit side; that on the incident side is vacuum.
     pub index_out: f64,
 }
 
 impl Film {
-    /// (R, T) of a plane wave from `side`, its polar angle taken in the half-space that it comes from. The scalar wave is s
-    /// light. Grazing incidence gives its limit (1, 0).
+    /// (R, T) of a plane wave from `side`, with the polar angle in the half-space of incidence. The
+    /// scalar wave behaves as s light. Grazing incidence gives the limit (1, 0).
     ///
-    /// With admittances y, the normal index b for s and b/η² for p (its amplitude is the magnetic field's), from the far
-    /// face backwards: Γ = (r + Γ′ e^{2ibh})/(1 + r Γ′ e^{2ibh}) with r = (y_a − y_b)/(y_a + y_b); only
-    /// decaying exponentials occur.
+    /// With admittances y, the normal index b for s and b/η² for p (where the amplitude is that of
+    /// the magnetic field), from the far face backwards: Γ = (r + Γ′ e^{2ibh})/(1 + r Γ′ e^{2ibh})
+    /// with r = (y_a − y_b)/(y_a + y_b); only decaying exponentials occur.
     pub fn reflectance_transmittance(
         &self,
         side: Side,
@@ -100,15 +101,15 @@ impl Film {
     }
 }
 
-/// Reflection at a face between admittances `a` and `b` behind which all that follows reflects `gamma`, and the amplitude
-/// that goes on, both at the face.
+/// Reflection at a face between admittances `a` and `b`, where everything behind reflects `gamma`,
+/// and the transmitted amplitude, both at the face.
 fn interface(a: Complex64, b: Complex64, gamma: Complex64) -> (Complex64, Complex64) {
     let r = (a - b) / (a + b);
     let denominator = 1.0 + r * gamma;
     ((r + gamma) / denominator, (1.0 + r) / denominator)
 }
 
-/// The limit at a slice's own critical angle.
+/// Avoids zero at the critical angle of a slice.
 fn nonzero(b: Complex64) -> Complex64 {
     if b.norm() < 1e-9 { Complex64::from(1e-9) } else { b }
 }
@@ -118,7 +119,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Airy's formulas of one slab, written with complex exponentials of both signs: shares nothing with the recursion.
+    /// Airy's formulas of one slab, with complex exponentials of both signs; independent of the
+    /// recursion.
     fn airy(
         index: Complex64,
         h: f64,
@@ -134,7 +136,7 @@ mod tests {
         );
         let b = (index * index - along * along).sqrt();
         let delta = b * h * TAU / wavelength;
-        // H instead of E for p light: every normal index over the square of its index
+        // H instead of E for p light: every normal index is divided by its index squared
         let over = |z: Complex64, n: Complex64| if p { z / (n * n) } else { z };
         let (a, b, c) = (over(a, from.into()), over(b, index), over(c, to.into()));
         let (cos, sin) = (delta.cos(), delta.sin());
@@ -147,7 +149,7 @@ mod tests {
     }
 
     proptest! {
-        /// Equal slices are one slab, from both sides, whatever their number.
+        /// Equal slices act as one slab, from both sides, whatever their number.
         #[test]
         fn equal_slices_are_the_slab_of_airy(
             n in 1.05..2.0f64, kappa in 0.0..0.3f64, h in 0.1..3.0f64, out in 1.0..1.7f64, deg in 0.0..88.0f64, count in 1..30usize,
@@ -158,12 +160,12 @@ mod tests {
             for ((side, ends), light) in sides.into_iter().flat_map(|s| Polarisation::BOTH.map(|l| (s, l))) {
                 let want = airy(index, h, 0.5, ends, deg, light == Polarisation::P);
                 let got = film.reflectance_transmittance(side, deg, light);
-                // identity; 1/cos θ ≤ 30 and e^{κ k h} ≤ 1e5 in the matrix amplify the rounding
+                // identity; 1/cos θ ≤ 30 and e^{κ k h} ≤ 1e5 in the matrix amplify rounding errors
                 prop_assert!((want.0 - got.0).abs() < 1e-9 && (want.1 - got.1).abs() < 1e-9, "{want:?} {got:?}");
             }
         }
 
-        /// A graded film is reciprocal, and lossless where nothing absorbs.
+        /// A graded film is reciprocal, and lossless without absorption.
         #[test]
         fn graded_films_are_reciprocal(n in proptest::collection::vec(1.0..2.0f64, 1..12), deg in 0.0..88.0f64, out in 1.0..1.7f64) {
             let squared_indices: Vec<Complex64> = n.iter().map(|n| (n * n).into()).collect();

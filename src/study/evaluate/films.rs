@@ -1,4 +1,4 @@
-//! The coherent film at every wavelength and thickness that an ensemble needs.
+//! The coherent film at all wavelengths and thicknesses of an ensemble.
 
 use super::film::{Film, Profile};
 use crate::appearance::kubelka_munk::DiffuseFaces;
@@ -10,20 +10,21 @@ use num_complex::Complex64;
 use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
 
-/// Angles of the film's hemispherical means: rounding for layers of a few wavelengths.
+/// Number of angles of the film's hemispherical means, exact to rounding for layers of a few
+/// wavelengths.
 const MEAN_ANGLES: usize = 40;
 
 /// Index of the background and of the inclusions at a vacuum wavelength in nm.
 pub type Indices<'a> = dyn Fn(f64) -> (Complex64, Vec<Complex64>) + 'a;
 
-/// The film of an ensemble: one profile, several equally likely thicknesses.
+/// The films of an ensemble: one profile, several equally probable thicknesses.
 #[derive(Clone)]
 pub struct Films<'a> {
     /// Mean volume fractions across the layer.
     pub profile: Profile,
     /// Indices against wavelength.
     pub indices: &'a Indices<'a>,
-    /// Equally likely thicknesses of the layer, µm.
+    /// Equally probable thicknesses of the layer, µm.
     pub thicknesses_um: Vec<f64>,
     /// Index of the half-space on the exit side.
     pub index_out: f64,
@@ -39,18 +40,18 @@ pub struct FilmAt {
 }
 
 impl Films<'_> {
-    /// Averaged over the thicknesses of the ensemble.
+    /// The film at a wavelength, averaged over the thicknesses of the ensemble.
     pub fn at(&self, wavelength_nm: f64) -> FilmAt {
         let films = self.thicknesses_um.iter().map(|&thickness| self.film(wavelength_nm, thickness));
         FilmAt { films: films.collect(), wave: self.wave }
     }
 
-    /// These films in the light returned by the paper.
+    /// The films for light returned by the paper.
     pub fn returned(&self) -> Self {
         Self { wave: self.wave.returned(), ..self.clone() }
     }
 
-    /// Of one thickness, µm.
+    /// The film of one thickness, µm.
     pub fn of_thickness(&self, wavelength_nm: f64, thickness_um: f64) -> FilmAt {
         FilmAt { films: vec![self.film(wavelength_nm, thickness_um)], wave: self.wave }
     }
@@ -72,7 +73,7 @@ impl FilmAt {
         self.films.first().map_or(1.0, |film| film.index_out)
     }
 
-    /// This film in the light returned by the paper, which is unpolarised.
+    /// The film for light returned by the paper, which is unpolarised.
     pub fn returned(&self) -> Cow<'_, FilmAt> {
         match self.wave.returned() {
             same if same == self.wave => Cow::Borrowed(self),
@@ -85,7 +86,7 @@ impl FilmAt {
         self.from(Side::Incident, polar_deg)
     }
 
-    /// \[R, T\] for light from the exit side, the angle taken in its half-space.
+    /// \[R, T\] for light from the exit side, with the angle in its half-space.
     pub fn from_exit(&self, polar_deg: f64) -> [f64; 2] {
         self.from(Side::Exit, polar_deg)
     }
@@ -101,7 +102,8 @@ impl FilmAt {
         })
     }
 
-    /// The film's faces for diffuse light: those of its mean index, the real part of √⟨η²⟩ over its slices.
+    /// The film's faces for diffuse light, with its mean index: the real part of √⟨η²⟩ over its
+    /// slices.
     pub fn faces(&self) -> DiffuseFaces {
         let Some(film) = self.films.first() else { return DiffuseFaces::default() };
         let sum: Complex64 = film.squared_indices.iter().sum();
@@ -127,8 +129,9 @@ impl FilmAt {
         sum
     }
 
-    /// Hemispherical mean of A for light from the exit side, angles taken in its half-space: split at the critical angle, where
-    /// the variable is that of vacuum below and the arc μ = μ_c cos t beyond it (there the evanescent decay is smooth).
+    /// Hemispherical mean of A for light from the exit side, with angles in its half-space. The
+    /// integral is split at the critical angle: below it the variable is that of vacuum, beyond it
+    /// the arc μ = μ_c cos t, along which the evanescent decay is smooth.
     pub fn absorptance_from_exit(&self) -> f64 {
         let index = self.index_out();
         let absorbed = |polar_deg: f64| {
@@ -172,18 +175,19 @@ mod tests {
             wave: Wave::Scalar,
         };
         let [r, t] = films.at(500.0).means();
-        // identity: a layer that is not there
+        // identity: there is no layer
         assert!(r.abs() < 1e-13 && (t - 1.0).abs() < 1e-13);
         assert!(films.at(500.0).absorptance_from_exit().abs() < 1e-13);
     }
 
-    /// Energy: what a film absorbs of all light from the exit side in a black body's half-space is the same seen from both
-    /// rules, with the whole hemisphere's weight of one.
+    /// Energy: the weights of both rules add up to one, as seen from a black film's absorption of
+    /// all light from the exit side.
     #[test]
     fn the_weights_from_the_exit_side_sum_to_one() {
         let waves = [Wave::Scalar, Wave::P, Wave::Unpolarised];
         for (index_out, wave) in [1.0, 1.2, 1.558, 2.0].into_iter().flat_map(|n| waves.map(|w| (n, w))) {
-            // An opaque film matched to the exit side absorbs what enters: 1 − R̄ of a single face, here by a dense plain sum.
+            // An opaque film matched to the exit side absorbs what enters: 1 − R̄ of a single face,
+            // here by a dense sum.
             let eta = Complex64::new(index_out, 3.0);
             let indices = move |_: f64| (eta, Vec::new());
             let films = Films {
@@ -200,7 +204,7 @@ mod tests {
                 .map(|deg| 1.0 - film.from(Side::Exit, deg)[0])
                 .sum::<f64>()
                 / points as f64;
-            // the plain sum's own error at grazing, where R has a root
+            // error of the dense sum at grazing incidence, where R has a root
             assert!((film.absorptance_from_exit() - plain).abs() < 2e-6, "{index_out}");
         }
     }

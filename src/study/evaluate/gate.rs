@@ -1,29 +1,31 @@
-//! The gate of what is published of the ink on its paper: a number that cannot be one is withheld, with the reason.
+//! Withholds impossible numbers of the ink on its paper, with the reason.
 //!
-//! Totals of the layer pass gates of their own ([`crate::wave::physical`], [`super::manifest::Manifest::unphysical`]).
-//! Fitted curves over few directions and cells may still overshoot where a colour or a BRDF is taken from them.
+//! Totals of the layer have checks of their own ([`crate::wave::physical`],
+//! [`super::manifest::Manifest::unphysical`]). Curves fitted to few directions and cells may still
+//! overshoot where a colour or a BRDF is derived from them.
 
 use super::ink_maker::{InkMaker, Swatch};
 use super::manifest::{ColourNote, SpectrumRow, Withheld};
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
 
-/// Slack of factors and ratios, and of X, Y, Z as shares of white's: noise of the darkest prints, far below what is seen.
+/// Tolerance of factors and ratios, and of X, Y, Z relative to white: noise of the darkest prints,
+/// far below what is visible.
 const SLACK: f64 = 2e-3;
-/// Slack of L*: that of Y at white.
+/// Tolerance of L*: that of Y at white.
 const LIGHTNESS_SLACK: f64 = 0.1;
-/// Slack where one realisation leaves the error unknown.
+/// Tolerance if a single realisation leaves the error unknown.
 const UNKNOWN: f64 = 0.02;
-/// A reflectance factor or ratio with a larger standard error says nothing: the scale is 0 to 1.
+/// A reflectance factor or ratio with a larger standard error is meaningless: its scale is 0 to 1.
 const MOST_ERROR: f64 = 0.5;
-/// Largest standard error of L*, a* and b* that still carries information.
+/// Largest meaningful standard error of L*, a* and b*.
 const MOST_LAB_ERROR: f64 = 50.0;
 
-/// Largest overshoot of a total that its error can stand for: as much as splines through six wavelengths have been seen to
-/// leave 0 … 1 by, twice over.
+/// Largest overshoot of a total that its error may account for: twice the overshoot observed with
+/// splines through six wavelengths.
 const MOST_OVERSHOOT: f64 = 0.1;
 
-/// Takes out colours that cannot be, and says why.
+/// Removes impossible colours and gives the reasons.
 pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>) {
     let (mut kept, mut withheld) = (Vec::new(), Vec::new());
     for note in notes {
@@ -37,7 +39,7 @@ pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>
     (kept, withheld)
 }
 
-/// The first number of the ink maker's that cannot be.
+/// The first impossible number for the ink maker.
 pub(super) fn ink_maker(maker: &InkMaker) -> Option<Withheld> {
     let ratio = || {
         let reason = impossible_share(maker.contrast_ratio)?;
@@ -55,7 +57,7 @@ fn swatch(name: &str, swatch: &Swatch) -> Option<Withheld> {
     Some(Withheld { number: format!("colour {name}"), reason })
 }
 
-/// Takes out reflectance factors that cannot be, and says why of the first of each kind.
+/// Removes impossible reflectance factors and gives the reason for the first of each kind.
 pub(super) fn spectra(rows: &mut [SpectrumRow]) -> Vec<Withheld> {
     let mut withheld = Vec::new();
     withheld.extend(first("reflectance factor under natural light", rows, |row| &mut row.natural_light));
@@ -82,8 +84,9 @@ fn first(
     Some(Withheld { number: name.to_owned(), reason })
 }
 
-/// A total of the layer within 0 and 1. Curves through few wavelengths and cells overshoot: by how much they do is in the
-/// error then; what overshoots by more than [`MOST_OVERSHOOT`] stays as it is, and is no result.
+/// Limits a total of the layer to 0–1. Curves through few wavelengths and cells overshoot: the
+/// overshoot is added to the error. A larger overshoot than [`MOST_OVERSHOOT`] is left unchanged
+/// and makes the results invalid.
 pub(super) fn bounded(e: Estimate) -> Estimate {
     let value = e.value.clamp(0.0, 1.0);
     let overshoot = (e.value - value).abs();
@@ -93,17 +96,17 @@ pub(super) fn bounded(e: Estimate) -> Estimate {
     Estimate { value, standard_error: e.standard_error.map(|error| error.hypot(overshoot)) }
 }
 
-/// Why a directional reflectance factor is none: it may exceed 1, but not fall below 0.
+/// Why a directional reflectance factor is impossible; it may exceed 1, but not be negative.
 fn impossible_factor(e: Estimate) -> Option<String> {
     let error = e.standard_error.unwrap_or(UNKNOWN);
     let words = || format!("{} ± {}", shown(e.value), e.standard_error.map_or("unknown".into(), shown));
     if !e.value.is_finite() || !error.is_finite() || error > MOST_ERROR {
-        return Some(format!("{}, an error too large to mean anything", words()));
+        return Some(format!("{}, an error too large for a meaningful result", words()));
     }
     (e.value < -error - SLACK).then(|| format!("{}, below 0 by more than its error", words()))
 }
 
-/// Why a share is none: as a factor, and at most 1.
+/// Why a ratio is impossible: as for a factor, and if it exceeds 1.
 fn impossible_share(e: Estimate) -> Option<String> {
     let error = e.standard_error.unwrap_or(UNKNOWN);
     let above = || format!("{} ± {}, above 1 by more than its error", shown(e.value), shown(error));
@@ -115,14 +118,13 @@ fn shown(value: f64) -> String {
     format!("{value:.decimals$}").replace('-', "−")
 }
 
-/// Why a colour is none.
+/// Why a colour is impossible.
 fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String> {
     let lab = colour.lab.map(shown).join(", ");
     if !colour.lab.iter().chain(error.iter().flatten()).all(|x| x.is_finite()) {
-        return Some(format!("Lab ({lab}) is no number"));
+        return Some(format!("Lab ({lab}) is not a number"));
     }
-    let dark = |c: &usize| colour.xyz[*c] < -SLACK * colour.white_xyz[*c];
-    if let Some(c) = (0..3).find(dark) {
+    if let Some(c) = (0..3).find(|c: &usize| colour.xyz[*c] < -SLACK * colour.white_xyz[*c]) {
         let (name, value) = (["X", "Y", "Z"][c], shown(colour.xyz[c]));
         return Some(format!("Lab ({lab}) has {name} = {value}, below 0"));
     }
@@ -134,8 +136,7 @@ fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String>
         ));
     }
     let worst = error?.into_iter().fold(0.0, f64::max);
-    let too_large = || format!("Lab ({lab}) ± {} says nothing", shown(worst));
-    (worst > MOST_LAB_ERROR).then(too_large)
+    (worst > MOST_LAB_ERROR).then(|| format!("Lab ({lab}) ± {} is not meaningful", shown(worst)))
 }
 
 #[cfg(test)]

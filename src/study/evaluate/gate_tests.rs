@@ -5,7 +5,7 @@ fn estimate(value: f64, error: f64) -> Estimate {
     Estimate { value, standard_error: Some(error) }
 }
 
-/// Numbers that coarse grids have given, beside those of sound studies.
+/// Numbers from coarse grids, beside those of accurate studies.
 #[test]
 fn factors_and_ratios_that_cannot_be_are_withheld() {
     for (value, error, word) in [
@@ -37,8 +37,8 @@ fn colours_that_cannot_be_are_withheld() {
         (-0.01, small, "below 0"),
         (1.1, small, "lighter than white"),
         (1.2, None, "lighter than white"),
-        (0.5, Some([4.0, 80.0, 3.0]), "says nothing"),
-        (0.5, Some([f64::NAN; 3]), "no number"),
+        (0.5, Some([4.0, 80.0, 3.0]), "is not meaningful"),
+        (0.5, Some([f64::NAN; 3]), "not a number"),
     ] {
         let reason = impossible_colour(&of(value), error).unwrap();
         assert!(reason.contains(word), "{reason}");
@@ -48,7 +48,8 @@ fn colours_that_cannot_be_are_withheld() {
     }
 }
 
-/// A spline through few wavelengths may dip below 0: no reason to lose the study. What is far outside stays, and is refused.
+/// A spline through few wavelengths may dip below 0, which is acceptable. What is far outside is
+/// left unchanged, and refused.
 #[test]
 fn totals_keep_within_0_and_1_and_their_errors_hold_the_overshoot() {
     assert_eq!(bounded(estimate(-0.04, 0.03)), estimate(0.0, 0.05));

@@ -1,4 +1,5 @@
-//! The ink on its paper over all wavelengths and realisations: spectra, colours and the picture, with errors.
+//! The ink on its paper, over all wavelengths and realisations: spectra, colours and the picture,
+//! with errors.
 
 mod colours;
 
@@ -20,44 +21,45 @@ use crate::appearance::viewing::Viewing;
 use std::ops::Range;
 use thiserror::Error;
 
-/// Largest step of the wavelengths that colours are summed over, nm.
+/// Largest wavelength step of colour sums, nm.
 const COLOUR_STEP_NM: f64 = 5.0;
 
-/// Why the ensemble gives no ink on paper.
+/// Why there is no ink on paper.
 #[derive(Debug, Error, PartialEq)]
 pub enum InkError {
-    /// The paper, or a number of the layer on it.
+    /// The paper, or a number of the layer on it, is not valid.
     #[error(transparent)]
     Paper(#[from] PaperError),
-    /// The wavelengths cannot carry a colour.
+    /// The wavelengths do not suffice for a colour.
     #[error(transparent)]
     Colour(#[from] ColourError),
-    /// 0° and 45° are not both among the angles solved, or the hemisphere is not.
+    /// The solves lack 0°, 45° or the hemisphere.
     #[error("paper and colour need solves at 0° and 45° and over the hemisphere")]
     AnglesMissing,
 }
 
-/// What an ensemble of solves stands for: its film, its paper and what shall be reported.
+/// Inputs of the ink on paper, besides the solves.
 pub struct InkInputs<'a> {
     /// The coherent film.
     pub films: &'a Films<'a>,
     /// The paper.
     pub substrate: &'a Substrate,
-    /// Wavelengths of the spectra to report, nm, rising.
+    /// Wavelengths of the spectra, nm, increasing.
     pub outputs_nm: &'a [f64],
 }
 
-/// Places of the nodes: spectra, colours, and the wavelengths solved.
+/// Indices of the wavelengths: of spectra, of colours, and of solves.
 #[derive(Clone, Debug)]
 struct Places {
     outputs: Range<usize>,
     colours: Range<usize>,
-    /// One range for each realisation; empty with listed wavelengths.
+    /// One range per realisation; empty with listed wavelengths.
     solved: Vec<Range<usize>>,
 }
 
-/// The ink on its paper. Every quantity is computed from ensemble means (a print shows many cells at once); errors are jackknife errors
-/// over realisations, so that noise common to wavelengths and angles of one packing counts once.
+/// The ink on its paper. Every quantity is computed from ensemble means (a print shows many cells
+/// at once); errors are jackknife errors over realisations, so that noise common to all wavelengths
+/// and angles of a packing counts once.
 ///
 /// ```
 /// use inkwave_study::appearance::paper::{Albedo, Coupling, MirroredSky, Substrate};
@@ -68,11 +70,19 @@ struct Places {
 /// use inkwave_study::material::spectra::Spectrum;
 ///
 /// let yellow = Spectrum::synthetic("yellow")?;
-/// let mixture = |nm: f64| (molecular_mixture(1.558.into(), &[(0.3, yellow.index(1e-3 * nm).unwrap())]), Vec::new());
-/// let films = Films { profile: Profile::homogeneous(), indices: &mixture, thicknesses_um: vec![1.0], index_out: 1.0, wave: Default::default() };
+/// let of_yellow = |nm: f64| yellow.index(1e-3 * nm).unwrap();
+/// let mixture = |nm: f64| (molecular_mixture(1.558.into(), &[(0.3, of_yellow(nm))]), Vec::new());
+/// let films = Films {
+///     profile: Profile::homogeneous(),
+///     indices: &mixture,
+///     thicknesses_um: vec![1.0],
+///     index_out: 1.0,
+///     wave: Default::default(),
+/// };
 /// let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
 /// let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
-/// let ink = InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm })?;
+/// let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm };
+/// let ink = InkOnPaper::homogeneous(&inputs)?;
 /// let view = ink.at(0.0)?;
 /// let colour = ink.colour(|layer| layer.natural_light(&view, MirroredSky::Included))?;
 /// assert!(colour.chroma().value > 90.0 && (80.0..110.0).contains(&colour.hue_deg().value));
@@ -81,7 +91,7 @@ struct Places {
 #[derive(Clone, Debug)]
 pub struct InkOnPaper {
     layer: LayerEnsemble,
-    /// Places of 0° and 45° among the exact angles.
+    /// Indices of 0° and 45° among the exact angles.
     anchored: [usize; 2],
     substrate: Substrate,
     nodes: AngleNodes,
@@ -89,12 +99,12 @@ pub struct InkOnPaper {
     daylight: Result<Sight, ColourError>,
     curves: Fits,
     diffuse: Fits,
-    /// Functions that the diffuse fit has.
+    /// Number of functions of the diffuse fit.
     diffuse_width: usize,
-    /// The layer in the light that the paper gives back, where that is another one.
+    /// The layer in the light returned by the paper, if that differs.
     returned: Option<(LayerEnsemble, Fits)>,
     directional: Fits,
-    /// 1/(Lx Ly), mean over the solves, 1/µm².
+    /// 1/(Lx Ly), averaged over the solves, 1/µm².
     orders_per_um2: f64,
     whole: Vec<LayerOnPaper>,
     /// \[realisation left out\]\[node\]
@@ -102,11 +112,13 @@ pub struct InkOnPaper {
 }
 
 impl InkOnPaper {
-    /// Fits what the layer itself does not hold, and puts it on its paper. Where polarised light comes in, `inputs.films`
-    /// are those of that light, and `returned` is the layer in the unpolarised light that the paper gives back.
+    /// Fits the difference between the layer and its film, and places the layer on its paper. For
+    /// polarised light `inputs.films` are those of that light, and `returned` is the layer in the
+    /// unpolarised light returned by the paper.
     ///
     /// # Errors
-    /// Angles that do not carry it, an albedo that does not answer everywhere, a lossless mirror over a lossless paper.
+    /// The angles do not suffice, the albedo is not defined everywhere, or a lossless mirror lies
+    /// on a lossless paper.
     pub fn new(
         (layer, solved): (LayerEnsemble, &[SolvedRealisation]),
         returned: Option<(LayerEnsemble, &[SolvedRealisation])>,
@@ -148,20 +160,21 @@ impl InkOnPaper {
         Ok(ink)
     }
 
-    /// A layer that is its own film (the molecular mixture, or the clear binder) at listed wavelengths: nothing to solve.
+    /// A layer that equals its film (the molecular mixture, or the clear binder), at listed
+    /// wavelengths and without solves.
     ///
     /// # Errors
-    /// As [`InkOnPaper::new`].
+    /// As for [`InkOnPaper::new`].
     pub fn homogeneous(inputs: &InkInputs) -> Result<Self, InkError> {
         let basis = SpectralBasis::Listed(inputs.outputs_nm.to_vec());
         let exit = inputs.substrate.coupling.index_out() != 1.0;
         Self::new((LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[]), None, inputs)
     }
 
-    /// This layer on another paper with the same contact.
+    /// The layer on another paper with the same contact.
     ///
     /// # Errors
-    /// As [`InkOnPaper::new`].
+    /// As for [`InkOnPaper::new`].
     pub fn on(&self, substrate: &Substrate) -> Result<Self, InkError> {
         let mut other = Self { substrate: substrate.clone(), ..self.clone() };
         let at = |&nm: &f64| substrate.albedo.at(nm);
@@ -207,7 +220,7 @@ impl InkOnPaper {
         &self.nodes.wavelengths_nm[self.places.outputs.clone()]
     }
 
-    /// The layer alone.
+    /// The layer without paper.
     pub fn layer(&self) -> &LayerEnsemble {
         &self.layer
     }
@@ -217,7 +230,7 @@ impl InkOnPaper {
         &self.substrate
     }
 
-    /// The faces that diffuse light meets, at every wavelength of the spectra.
+    /// The faces as they act on diffuse light, at every wavelength of the spectra.
     pub(super) fn faces(&self) -> Vec<DiffuseFaces> {
         let films = &self.nodes.films[self.places.outputs.clone()];
         films.iter().map(|film| film.returned().faces()).collect()
@@ -231,13 +244,13 @@ impl InkOnPaper {
     /// A viewing or illumination angle, 0° ≤ θ < 90°.
     ///
     /// # Errors
-    /// Other angles.
+    /// The angle is outside this range.
     pub fn at(&self, polar_deg: f64) -> Result<PolarAngle, PaperError> {
         PolarAngle::new(polar_deg, &self.nodes)
     }
 
-    /// Any quantity of the layer on paper against wavelength:
-    /// `ink.spectrum(|layer| layer.natural_light(&view, MirroredSky::Included))`.
+    /// Any quantity of the layer on paper against wavelength: `ink.spectrum(|layer|
+    /// layer.natural_light(&view, MirroredSky::Included))`.
     pub fn spectrum(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> SpectrumEstimate {
         let of = |layers: &[LayerOnPaper]| {
             layers[self.places.outputs.clone()].iter().map(&quantity).collect::<Vec<f64>>()
@@ -249,14 +262,14 @@ impl InkOnPaper {
     }
 }
 
-/// Mean of 1/(Lx Ly) over all solves, 1/µm²; 0 without any.
+/// Mean of 1/(Lx Ly) over all solves, 1/µm²; 0 without solves.
 fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
     let of_cell = |w: &SolvedWavelength| w.exact[0].order_area / (1e-3 * w.wavelength_nm).powi(2);
     let all: Vec<f64> = solved.iter().flat_map(|r| &r.wavelengths).map(of_cell).collect();
     all.iter().sum::<f64>() / all.len().max(1) as f64
 }
 
-/// All that is known at these wavelengths beside the solves.
+/// Everything known at these wavelengths besides the solves.
 fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<AngleNodes, InkError> {
     let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
     let albedos = nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;

@@ -1,4 +1,5 @@
-//! A layer whose scattering is made up, so that its truth is known, and ensembles of its solves.
+//! A layer with prescribed scattering, so that its true values are known, and ensembles of its
+//! solves.
 
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG, Substrate};
 use crate::evaluate::films::Films;
@@ -7,7 +8,8 @@ use crate::evaluate::layer::LayerEnsemble;
 use crate::evaluate::samples::{Scattered, SolvedDirection, SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::SpectralBasis;
 
-/// A made-up ensemble: what the grains add is smooth in angle and wavelength, plus noise of a realisation's own.
+/// A synthetic ensemble: the effect of the grains is smooth in angle and wavelength, plus noise in
+/// each realisation.
 pub struct MadeUp<'a> {
     pub(crate) films: Films<'a>,
     pub(crate) strata: usize,
@@ -17,13 +19,14 @@ pub struct MadeUp<'a> {
 
 pub(crate) const RANGE_NM: [f64; 2] = [400.0, 700.0];
 
-/// Scattering takes from T and gives to R and A, vanishing at grazing.
+/// Scattering takes from T and adds to R and A; it vanishes at grazing incidence.
 fn taken(nm: f64, mu: f64) -> [f64; 2] {
     let band = (-((nm - 520.0) / 60.0).powi(2)).exp();
     [mu * (0.05 + 0.1 * band) * (1.3 - 0.6 * mu), mu * (0.02 + 0.03 * band)]
 }
 
-/// Orders all around, brighter forward: f = 0.01 + 0.02 s − 0.01 s (μ + μ') + 0.005 (2 s² − sin²θ sin²θ'), s = sin θ sin θ' cos Δφ.
+/// Orders all around, brighter forward: f = 0.01 + 0.02 s − 0.01 s (μ + μ') + 0.005 (2 s² − sin²θ
+/// sin²θ'), s = sin θ sin θ' cos Δφ.
 fn scattered(polar_deg: f64) -> Vec<Scattered> {
     let (sine, lit) = polar_deg.to_radians().sin_cos();
     let around = |cosine: f64| (0..7).map(move |k| (cosine, (0.3 + 0.9 * f64::from(k)).cos()));
@@ -34,13 +37,13 @@ fn scattered(polar_deg: f64) -> Vec<Scattered> {
     [0.95, 0.8, 0.5, 0.2].into_iter().flat_map(around).map(order).collect()
 }
 
-/// f of the made-up layer; s = sin θ sin θ' cos Δφ.
+/// f of the synthetic layer; s = sin θ sin θ' cos Δφ.
 fn density(lit: f64, seen: f64, s: f64) -> f64 {
     let squares = (1.0 - lit * lit) * (1.0 - seen * seen);
     0.01 + 0.02 * s - 0.01 * s * (lit + seen) + 0.005 * (2.0 * s * s - squares)
 }
 
-/// Projected solid angle of an order of the made-up cells, 2 µm².
+/// Projected solid angle of an order of the synthetic cells, 2 µm².
 fn order_area(nm: f64) -> f64 {
     (1e-3 * nm).powi(2) / 2.0
 }
@@ -83,7 +86,7 @@ impl MadeUp<'_> {
         SolvedRealisation { thickness_um: 1.0, wavelengths: (0..self.wavelengths).map(wavelength).collect() }
     }
 
-    /// The ink of so many realisations, and their solves.
+    /// The ink of this number of realisations, and their solves.
     pub fn ink(&self, realisations: usize, seed: u64) -> (InkOnPaper, Vec<SolvedRealisation>) {
         let mut draws = crate::numerics::Draws::new(seed, 3);
         let sequence = crate::numerics::sequence::Sequence::<2>::new(seed);
@@ -98,7 +101,7 @@ impl MadeUp<'_> {
     }
 }
 
-/// Natural light of the made-up layer at the normal, by a dense rule of its own.
+/// Natural light of the synthetic layer at the normal, by an independent dense sum.
 pub fn truth(films: &Films, nm: f64) -> f64 {
     let film = films.at(nm);
     let count = 4000;

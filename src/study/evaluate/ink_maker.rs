@@ -1,5 +1,6 @@
-//! What an ink maker asks: hiding power, Kubelka–Munk coefficients, colours under her own light, the difference to her own
-//! measurement or to a target. All from the stored solves; errors hold chance, the grid and the solver's residual.
+//! Numbers for ink makers: hiding power, Kubelka–Munk coefficients, colours under a chosen
+//! illuminant, the difference to a measurement or to a target. All are derived from the stored
+//! solves; errors include randomness, the grid and the solver's residual.
 
 mod coefficients;
 
@@ -17,31 +18,34 @@ use serde::Serialize;
 
 /// Albedo of the black backing of a draw-down card.
 pub const BLACK: f64 = 0.0;
-/// Albedo of its white one (ISO 6504-3: Y of 80).
+/// Albedo of its white backing (ISO 6504-3: Y of 80).
 pub const WHITE: f64 = 0.8;
 
-/// All that an ink maker asks; colours at 45:0 under the study's own conditions, summed from its spectra.
+/// All numbers for ink makers; colours at 45:0 under the study's own conditions, summed from its
+/// spectra.
 #[derive(Clone, Debug, Serialize)]
 pub struct InkMaker {
-    /// Light, observer and rule of summation.
+    /// Illuminant, observer and summation rule.
     pub conditions: String,
     /// The ink on its paper.
     pub print: Swatch,
-    /// The ink on its paper under natural light instead of at 45:0; `colours` has it under D65.
+    /// The ink on its paper under natural light instead of at 45:0; `colours` gives it under D65.
     #[serde(skip)]
     pub natural_light: Swatch,
     /// The ink over black.
     pub over_black: Swatch,
     /// The ink over white.
     pub over_white: Swatch,
-    /// Y over black divided by Y over white, 0–1: 1 hides everything (ISO 6504-3).
+    /// Contrast ratio: Y over black divided by Y over white, 0–1, where 1 hides everything (ISO
+    /// 6504-3).
     pub contrast_ratio: Estimate,
-    /// Number of each realisation and what it moves the contrast ratio by.
+    /// Number of each realisation and its contribution to the contrast ratio.
     #[serde(skip)]
     pub contrast_deviations: Vec<(usize, f64)>,
-    /// K and S of the layer without its faces (Saunderson's correction), at the wavelengths where its light is diffuse.
+    /// K and S of the layer without its faces (Saunderson's correction), at the wavelengths at
+    /// which its light is diffuse.
     pub kubelka_munk: Vec<KubelkaMunkRow>,
-    /// Why there are none.
+    /// Why there are no K and S.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_kubelka_munk: Option<String>,
     /// Difference to the target colour.
@@ -50,10 +54,10 @@ pub struct InkMaker {
     pub measured: Option<MeasuredComparison>,
 }
 
-/// A colour with what a screen shows of it.
+/// A colour and its appearance on a screen.
 #[derive(Clone, Debug, Serialize)]
 pub struct Swatch {
-    /// `#rrggbb`, adapted to the light.
+    /// `#rrggbb`, adapted to the illuminant.
     pub hex: String,
     /// Standard errors of L*, a*, b*.
     pub lab_standard_error: Option<[f64; 3]>,
@@ -62,43 +66,45 @@ pub struct Swatch {
     pub colour: Colour,
 }
 
-/// How far the print is from a wanted colour.
+/// The difference of the print to a target colour.
 #[derive(Clone, Debug, Serialize)]
 pub struct Target {
-    /// L*, a*, b* wanted.
+    /// Target L*, a*, b*.
     pub lab: [f64; 3],
     /// CIEDE2000; its error is that of the prediction.
     pub delta_e_2000: Estimate,
-    /// Number of each realisation and what it moves the difference by.
+    /// Number of each realisation and its contribution to the difference.
     #[serde(skip)]
     pub deviations: Vec<(usize, f64)>,
 }
 
-/// A measured spectrum beside the prediction.
+/// A measured spectrum compared with the prediction.
 #[derive(Clone, Debug, Serialize)]
 pub struct MeasuredComparison {
-    /// The file.
+    /// Name of the file.
     pub source: String,
-    /// CIEDE2000 between both spectra on the wavelengths they share; its error is that of the prediction.
+    /// CIEDE2000 between both spectra at their common wavelengths; its error is that of the
+    /// prediction.
     pub delta_e_2000: Option<Estimate>,
     /// Root mean square of the residuals.
     pub rms: f64,
-    /// The study's wavelengths inside the measurement.
+    /// The study's wavelengths within the measured range.
     pub rows: Vec<ComparedRow>,
 }
 
-/// One wavelength of a comparison, reflectance factors at 45:0.
+/// One wavelength of a comparison of reflectance factors at 45:0.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ComparedRow {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
-    /// What was measured.
+    /// Measured value.
     pub measured: f64,
-    /// What is predicted.
+    /// Predicted value.
     pub predicted: Estimate,
 }
 
-/// Lit at 45°, seen along the normal: π times the BRDF, over the paper or another backing.
+/// Reflectance factor lit at 45° and viewed along the normal: π times the BRDF, over the paper or
+/// another backing.
 struct Question<'a> {
     ink: &'a InkOnPaper,
     uncertainty: &'a Uncertainty,
@@ -107,7 +113,7 @@ struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// The reflectance factor, moved by errors of R and T.
+    /// The reflectance factor, shifted by errors of R and T.
     fn factor(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
         lit(layer, &self.light, &self.view, by)
     }
@@ -121,7 +127,8 @@ impl Question<'_> {
         self.swatch(sight, &|layer, by| self.factor(&backing(layer), by))
     }
 
-    /// Lab with everything that is uncertain: chance, grid and residual; and what each realisation moves it by.
+    /// Lab with all uncertainty (randomness, grid and residual), and the contribution of each
+    /// realisation.
     fn swatch(
         &self,
         sight: &Sight,
@@ -133,7 +140,7 @@ impl Question<'_> {
         Ok((Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour }, deviations))
     }
 
-    /// Y over black divided by Y over white, and what each realisation moves it by.
+    /// Contrast ratio, and the contribution of each realisation.
     fn contrast_ratio(&self, sight: &Sight) -> Result<(Estimate, Vec<f64>), InkError> {
         let over = |albedo: f64, by: Shift| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), by);
         let ratio = |by: Shift| -> Result<f64, InkError> {
@@ -156,7 +163,7 @@ impl Question<'_> {
         Ok((self.uncertainty.widen(estimate, shared), deviations))
     }
 
-    /// A measured spectrum beside the prediction.
+    /// Compares a measured spectrum with the prediction.
     fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> MeasuredComparison {
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let predicted = predicted.estimates().into_iter().enumerate();
@@ -165,14 +172,15 @@ impl Question<'_> {
         let square: f64 = rows.iter().map(|r| (r.measured - r.predicted.value).powi(2)).sum();
         MeasuredComparison {
             source: measured.source.clone(),
-            // too few shared wavelengths carry no colour; the residuals stand all the same
+            // with too few common wavelengths there is no colour, but there are residuals
             delta_e_2000: self.difference(study, measured, &rows).ok(),
             rms: (square / rows.len().max(1) as f64).sqrt(),
             rows,
         }
     }
 
-    /// The wavelength number `i` of the spectra, if it lies inside the measurement; the prediction gets its shared errors.
+    /// The `i`-th wavelength of the spectra, if it is within the measured range; the prediction
+    /// includes its shared errors.
     fn compared_row(
         &self,
         measured: &MeasuredSpectrum,
@@ -185,7 +193,7 @@ impl Question<'_> {
         Some(ComparedRow { wavelength_nm, measured: measured.at(wavelength_nm)?, predicted })
     }
 
-    /// ΔE₀₀ on the wavelengths that prediction and measurement share.
+    /// ΔE₀₀ at the wavelengths common to prediction and measurement.
     fn difference(
         &self,
         study: &Study,
@@ -213,10 +221,10 @@ impl Question<'_> {
     }
 }
 
-/// Everything at once, of an ensemble of these realisations.
+/// All numbers for ink makers.
 ///
 /// # Errors
-/// Wavelengths that cannot carry a colour.
+/// The wavelengths do not suffice for a colour.
 pub(super) fn ink_maker(
     study: &Study,
     ink: &InkOnPaper,
@@ -247,19 +255,20 @@ pub(super) fn ink_maker(
     })
 }
 
-/// The wanted colour, and what realisations move the difference to it by: their part of Lab along its gradient.
+/// The difference to the target colour, and the contributions of the realisations: their
+/// contributions to Lab along its gradient.
 fn target(print: &Colour, by: &[(usize, [f64; 3])], lab: [f64; 3]) -> Target {
     let [gradient, _] = print.delta_e_2000_gradients(&exact(print, lab));
     let moved = |&(r, by): &(usize, [f64; 3])| (r, (0..3).map(|i| gradient[i] * by[i]).sum());
     Target { lab, delta_e_2000: distance(print, lab), deviations: by.iter().map(moved).collect() }
 }
 
-/// ΔE₀₀ to a colour that is exact.
+/// ΔE₀₀ to an exact colour.
 fn distance(colour: &Colour, lab: [f64; 3]) -> Estimate {
     colour.delta_e_2000(&exact(colour, lab))
 }
 
-/// A colour without uncertainty under the conditions of another.
+/// A colour without uncertainty, under the conditions of another.
 fn exact(like: &Colour, lab: [f64; 3]) -> Colour {
     Colour { lab, lab_covariance: Some([[0.0; 3]; 3]), ..*like }
 }

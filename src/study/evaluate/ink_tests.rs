@@ -1,4 +1,4 @@
-//! Homogeneous inks (no solve) and made-up ensembles.
+//! Homogeneous inks (no solves) and synthetic ensembles.
 
 #[path = "ink_made_up_tests.rs"]
 pub mod made_up;
@@ -15,7 +15,7 @@ use crate::wave::Wave;
 use made_up::{MadeUp, RANGE_NM, truth};
 use num_complex::Complex64;
 
-/// A molecular mixture of a synthetic pigment in the papers' binder, 1 µm, on paper 0.9.
+/// A molecular mixture of a synthetic pigment in the papers' binder, 1 µm, on paper of albedo 0.9.
 pub fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> InkOnPaper {
     let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
     let spectrum = Spectrum::synthetic(pigment).unwrap();
@@ -62,7 +62,8 @@ fn chroma_grows_with_concentration() {
     assert!(chroma(0.05) < chroma(0.15) && chroma(0.15) < chroma(0.3));
 }
 
-/// The specular order of a small cell carries diffuse light; what the print mirrors does not.
+/// The specular order of a small cell contains diffuse light; the mirror reflection of a print does
+/// not.
 #[test]
 fn the_mirror_part_is_without_the_diffuse_light_of_its_order() {
     let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise: 0.0 };
@@ -71,19 +72,20 @@ fn the_mirror_part_is_without_the_diffuse_light_of_its_order() {
         for deg in [0.0, PRINT_DEG] {
             let at = ink.at(deg).unwrap();
             let want = made.films.at(nm).reflectance_transmittance(deg)[0];
-            // λ² on splines of 20 nm: the penalty on their bends
+            // λ² with splines of 20 nm: the penalty on roughness
             assert!(
                 (layer.mirrored(&at) - want).abs() < 1e-5,
                 "{nm}, {deg}°: {} {want}",
                 layer.mirrored(&at)
             );
-            // planted: the order as it is
+            // planted: the whole order
             assert!(layer.specular(&at) - want > 5e-4, "the check is empty");
         }
     }
 }
 
-/// T of a renderer has the mean over the hemisphere that was measured, and its values at 0° and 45° as they were.
+/// A renderer's T has the measured mean over the hemisphere, and its values at 0° and 45° are
+/// unchanged.
 #[test]
 fn a_curve_that_is_bent_has_the_mean_measured() {
     let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise: 0.01 };
@@ -100,7 +102,7 @@ fn a_curve_that_is_bent_has_the_mean_measured() {
             };
             around.iter().map(t).sum()
         };
-        // rounding of 200 terms; without the bends the fit's mean
+        // rounding of 200 terms; without the correction it has the fit's mean
         assert!((mean(1.0) - layer.mean_transmittance()).abs() < 1e-12);
         most = most.max((mean(0.0) - layer.mean_transmittance()).abs());
         assert!(
@@ -110,7 +112,8 @@ fn a_curve_that_is_bent_has_the_mean_measured() {
     assert!(most > 1e-4, "the check is empty: {most}");
 }
 
-/// A renderer sees that the layer scatters forward, as it was made; what colours are made of is the mean over the azimuth.
+/// A renderer sees that the layer scatters forward, as prescribed; colours use the mean over the
+/// azimuth.
 #[test]
 fn the_brdf_depends_on_the_azimuth_as_the_orders_do() {
     let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 5, noise: 0.0 };
@@ -120,11 +123,12 @@ fn the_brdf_depends_on_the_azimuth_as_the_orders_do() {
         let squares = (1.0f64 - lit * lit) * (1.0 - seen * seen);
         let s = squares.sqrt() * cosine;
         let want = 0.02 * s - 0.01 * s * (lit + seen) + 0.005 * (2.0 * s * s - squares);
-        // the orders are exactly of the fit's form; its ridge and the penalty on bends over the wavelength remain
+        // the orders have exactly the form of the fit; its ridge and the penalty on roughness
+        // remain
         let got = layer.azimuthal_brdf(lit, seen, cosine);
         assert!((got - want).abs() < 1e-6, "{lit} {seen} {cosine}: {got} {want}");
     }
-    // never negative, and the mean over the azimuth is that of the colours
+    // never negative, and the azimuthal mean is that of the colours
     for (lit, seen) in [(0.7, 0.6), (0.2, 0.3), (0.9, 0.1)] {
         let around = (0..36).map(|k| (10.0 * f64::from(k)).to_radians().cos());
         let all: Vec<f64> = around.map(|cosine| layer.directional_brdf(lit, seen, cosine)).collect();
@@ -140,7 +144,8 @@ fn yellow(nm: f64) -> (Complex64, Vec<Complex64>) {
     (molecular_mixture(1.558.into(), &[(0.3, eta)]), Vec::new())
 }
 
-/// Without noise the few shifted directions and wavelengths find the spectrum and the colour of the dense rules.
+/// Without noise, a few shifted directions and wavelengths reproduce the spectrum and the colour of
+/// dense sums.
 #[test]
 fn smooth_differences_are_found_from_few_solves() {
     let films = films(&yellow, 1.0);
@@ -150,7 +155,8 @@ fn smooth_differences_are_found_from_few_solves() {
     let natural = |l: &LayerOnPaper| l.natural_light(&view, MirroredSky::Included);
     let spectrum = ink.spectrum(natural);
     for (nm, value) in ink.wavelengths_nm().iter().zip(&spectrum.values) {
-        // a band of 60 nm on splines of 20 nm, the bends' cubic against the made-up quadratic: both small
+        // a band of 60 nm with splines of 20 nm, a cubic curve for the prescribed quadratic one:
+        // both errors are small
         let want = truth(&made.films, *nm);
         assert!((value - want).abs() < 2e-3, "{nm}: {value} {want}");
     }
@@ -161,7 +167,8 @@ fn smooth_differences_are_found_from_few_solves() {
     assert!(got.delta_e_76(&want).value < 0.05, "{:?} {:?}", got.lab, want.lab);
 }
 
-/// Over many seeds the deviation of L*, a*, b* from their mean is what the jackknife says: χ² of 40 seeds within its 99.9 % range.
+/// Over many seeds the deviations of L*, a*, b* from their mean agree with the jackknife: χ² of 40
+/// seeds within its 99.9 % range.
 #[test]
 fn jackknife_errors_are_calibrated() {
     let films = films(&yellow, 1.0);
@@ -177,13 +184,15 @@ fn jackknife_errors_are_calibrated() {
         let mean = colours.iter().map(|c| c.lab[i]).sum::<f64>() / 40.0;
         let spread = colours.iter().map(|c| (c.lab[i] - mean).powi(2)).sum::<f64>() / 39.0;
         let said = colours.iter().map(|c| c.lab_covariance.unwrap()[i][i]).sum::<f64>() / 40.0;
-        // 39 degrees of freedom: χ²/39 lies between 0.42 and 1.87 in 99.9 %; the jackknife of 12 scatters by 20 % besides
+        // 39 degrees of freedom: χ²/39 is between 0.42 and 1.87 with 99.9 %; the jackknife of 12
+        // adds a scatter of 20 %
         let ratio = spread / said;
         assert!((0.4..2.0).contains(&ratio), "coordinate {i}: {ratio}");
     }
 }
 
-/// A lossless layer with scattering and noise on a perfect white: exactly 1, whatever the directions.
+/// A lossless layer with scattering and noise on perfectly white paper: exactly 1, whatever the
+/// directions.
 #[test]
 fn the_furnace_is_exact() {
     let clear = |_: f64| (Complex64::from(1.5), Vec::new());
@@ -234,20 +243,21 @@ fn angles_that_cannot_carry_paper_are_refused() {
     assert_eq!(InkOnPaper::new((layer, &[]), None, &inputs).unwrap_err(), InkError::AnglesMissing);
 }
 
-/// Mean over the hemisphere of what comes back over a backing: what Kubelka and Munk call the reflectance.
+/// Mean reflectance over the hemisphere above a backing, as in Kubelka and Munk.
 fn over_backing(layer: &LayerOnPaper, around: &[PolarAngle], backing: f64) -> f64 {
     let layer = layer.over(backing);
     around.iter().map(|at| layer.albedo(at)).sum::<f64>() / around.len() as f64
 }
 
-/// K and S from the layer over black and over white say what it is over a grey, as exactly as its noise allows. *Planted*: the
-/// straight line between black and white, without the light that goes back and forth, is 20 bars off.
+/// K and S from the layer over black and over white predict it over grey, within the noise.
+/// *Planted*: linear interpolation between black and white, without multiple reflections, is wrong
+/// by 20 standard errors.
 #[test]
 fn kubelka_and_munk_predict_a_third_backing_within_its_bar() {
     use crate::appearance::kubelka_munk::KubelkaMunk;
     let made = MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise: 2e-3 };
     let (ink, _) = made.ink(24, 11);
-    // even steps of μ², of which the hemispherical mean is the plain one
+    // equal steps of μ², whose plain mean is the hemispherical one
     let squares = (0..30).map(|k| (f64::from(k) + 0.5) / 30.0);
     let around: Vec<PolarAngle> = squares.map(|u| ink.at(u.sqrt().acos().to_degrees()).unwrap()).collect();
     let of = |layer: &LayerOnPaper| [0.0, 0.4, 0.8].map(|backing| over_backing(layer, &around, backing));

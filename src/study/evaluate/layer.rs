@@ -1,4 +1,5 @@
-//! The layer alone: totals at the angles that every realisation is solved at, and means over the hemisphere.
+//! The layer without paper: totals at the angles common to all realisations, and hemispherical
+//! means.
 
 use super::films::{FilmAt, Films};
 use super::regression::{Fits, Normal, Sums};
@@ -7,7 +8,7 @@ use super::wavelengths::{SpectralBasis, Weights};
 use crate::numerics::estimate::Estimate;
 use ndarray::Array2;
 
-/// What is known of the light at one angle, shares of the incident power.
+/// Totals at one angle, relative to the incident power.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Total {
     /// R.
@@ -16,18 +17,18 @@ pub enum Total {
     SpecularReflectance,
     /// T.
     Transmittance,
-    /// T of the order that goes straight on.
+    /// T of the unscattered order.
     SpecularTransmittance,
     /// A.
     Absorptance,
 }
 
-/// Angles as near as this are the same, degrees: rounding of what a user writes.
+/// Angles closer than this are equal, degrees: rounding of user input.
 const SAME_DEG: f64 = 1e-9;
-/// Number of totals at an angle.
+/// Number of totals per angle.
 const TOTALS: usize = 5;
 
-/// Means over the hemisphere.
+/// Hemispherical means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EnsembleMean {
     /// T̄ from the incident side.
@@ -36,17 +37,18 @@ pub enum EnsembleMean {
     Reflectance,
     /// Ā from the exit side.
     ExitAbsorptance,
-    /// R̄ from the exit side by its own quadrature: a check only, see [`crate::appearance::paper`].
+    /// R̄ from the exit side by its own quadrature; only for checks, see
+    /// [`crate::appearance::paper`].
     ExitReflectance,
 }
 
 /// Number of means.
 const MEANS: usize = 4;
 
-/// A spectrum with the values of every leave-one-out ensemble.
+/// A spectrum with the values of all leave-one-out ensembles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectrumEstimate {
-    /// Of the whole ensemble.
+    /// Values of the whole ensemble.
     pub values: Vec<f64>,
     /// \[realisation left out\]\[wavelength\]; empty for one realisation.
     pub replicates: Vec<Vec<f64>>,
@@ -60,16 +62,16 @@ impl SpectrumEstimate {
     }
 }
 
-/// Fitted differences of an ensemble from its coherent film, over the wavelength.
+/// Fitted differences of an ensemble from its coherent film, against wavelength.
 #[derive(Clone, Debug)]
 pub struct LayerEnsemble {
     /// Functions of the wavelength.
     pub basis: SpectralBasis,
-    /// Angles that every realisation is solved at, degrees.
+    /// Angles common to all realisations, degrees.
     pub exact_deg: Vec<f64>,
-    /// Number of strata of μ²; 0 where only single angles were asked for.
+    /// Number of strata of μ²; 0 if only single angles were requested.
     pub strata: usize,
-    /// True where the exit side was solved for itself.
+    /// Whether there are solves from the exit side.
     pub exit: bool,
     fits: Fits,
     /// \[realisation\]\[wavelength\]\[column\]
@@ -79,7 +81,7 @@ pub struct LayerEnsemble {
 }
 
 impl LayerEnsemble {
-    /// Fits the ensemble; realisations must be complete and alike in their angles.
+    /// Fits the ensemble; realisations must be complete and have the same angles.
     pub fn new(
         realisations: &[SolvedRealisation],
         basis: SpectralBasis,
@@ -107,14 +109,14 @@ impl LayerEnsemble {
         Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, differences, wavelengths_nm }
     }
 
-    /// A layer that is its own film: nothing to solve. `exit` where the half-spaces differ.
+    /// A layer that equals its film, without solves. `exit` if the half-spaces differ.
     pub fn film_alone(basis: SpectralBasis, exact_deg: &[f64], exit: bool) -> Self {
         let fits = Fits::nothing(&basis, 1, columns(exact_deg.len(), 1));
         let (differences, wavelengths_nm) = (Vec::new(), Vec::new());
         Self { fits, basis, exact_deg: exact_deg.to_vec(), strata: 1, exit, differences, wavelengths_nm }
     }
 
-    /// Realisations in the ensemble.
+    /// Number of realisations.
     pub fn realisations(&self) -> usize {
         self.differences.len()
     }
@@ -129,27 +131,27 @@ impl LayerEnsemble {
         without.map_or(&self.fits.whole, |r| &self.fits.without[r])
     }
 
-    /// Leave-one-out ensembles: none for a single realisation.
+    /// Number of leave-one-out ensembles; 0 for a single realisation.
     pub fn replicates(&self) -> usize {
         self.fits.without.len()
     }
 
-    /// Place of an angle among the exact ones, degrees.
+    /// Index of an angle in degrees among the exact ones.
     pub fn place(&self, polar_deg: f64) -> Option<usize> {
         self.exact_deg.iter().position(|deg| (deg - polar_deg).abs() < SAME_DEG)
     }
 
-    /// Column of a total at the exact angle number `angle`.
+    /// Column of a total at the exact angle with this index.
     pub fn column(&self, angle: usize, total: Total) -> usize {
         angle * TOTALS + total as usize
     }
 
-    /// Column of a mean over the hemisphere; there are none without strata.
+    /// Column of a hemispherical mean; there are none without strata.
     pub fn mean_column(&self, mean: EnsembleMean) -> usize {
         self.exact_deg.len() * TOTALS + mean as usize
     }
 
-    /// Measured difference from the film: realisation, place of its wavelength, column.
+    /// Measured difference from the film: realisation, index of its wavelength, column.
     pub fn measured(&self, r: usize, j: usize, column: usize) -> f64 {
         self.differences[r][j][column]
     }
@@ -186,14 +188,15 @@ fn columns(angles: usize, strata: usize) -> usize {
     angles * TOTALS + if strata > 0 { MEANS } else { 0 }
 }
 
-/// The film's means in the order of [`EnsembleMean`]; `exit` where the exit side was solved for itself.
+/// The film's means in the order of [`EnsembleMean`]; `exit` if there are solves from the exit
+/// side.
 pub fn film_means(film: &FilmAt, exit: bool) -> [f64; MEANS] {
     let [r, t] = film.means();
     if !exit {
         return [t, r, 1.0 - r - t, r];
     }
     let absorbed = film.absorptance_from_exit();
-    // reciprocity: what goes out through the film is what comes in, over n²
+    // reciprocity: what leaves through the film equals what enters, over n²
     [t, r, absorbed, 1.0 - absorbed - t / film.index_out().powi(2)]
 }
 
@@ -221,8 +224,8 @@ fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> V
     all
 }
 
-/// Differences of the means. The film is taken off solve by solve, and its exact mean is what is added again: so the strata
-/// have to catch only what the grains add.
+/// Differences of the means. The film is subtracted solve by solve and its exact mean added again,
+/// so that the strata only need to resolve the effect of the grains.
 fn means(solved: &SolvedWavelength, film: &FilmAt) -> [f64; MEANS] {
     let own = |s: &SolvedDirection| film.reflectance_transmittance(s.polar_deg);
     let transmitted = mean(&solved.strata, |s| s.transmittance - own(s)[1]);

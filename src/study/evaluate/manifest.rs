@@ -1,4 +1,4 @@
-//! `results.json`: the numbers and where they come from.
+//! `results.json`: the numbers and their provenance.
 
 use super::ink_maker::InkMaker;
 use super::survivors::Survivors;
@@ -10,21 +10,22 @@ use crate::wave::Resolution;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Whether every solve of the study is in the results.
+/// Whether the results include every solve of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// All solves asked for are in.
+    /// All requested solves are included.
     Complete,
-    /// Some are missing.
+    /// Some solves are missing.
     Partial,
 }
 
-/// All results of a run in one object. Standard errors hold chance, cell, angles and wavelengths (by the jackknife over realisations), the
-/// grid's error and the residual's, added as squares; `null` where one realisation leaves them unknown.
+/// All results of a run. Standard errors include randomness, cell, angles and wavelengths (by the
+/// jackknife over realisations), the error of the grid and that of the residual, added in
+/// quadrature; `null` if a single realisation leaves them unknown.
 #[derive(Clone, Debug, Serialize)]
 pub struct Manifest<Study: Serialize> {
-    /// Whether anything is missing.
+    /// Whether the results are complete.
     pub status: Status,
     /// The study's title.
     pub title: String,
@@ -32,59 +33,62 @@ pub struct Manifest<Study: Serialize> {
     pub study_hash: String,
     /// Name and version of the program.
     pub program: String,
-    /// Builds that made the solves; several where the results are mixed.
+    /// Builds that computed the solves; several if the results are mixed.
     pub builds: BTreeSet<String>,
-    /// Version of the methods that the results depend on.
+    /// Version of the method that the results depend on.
     pub method_version: u32,
     /// Seed of the study.
     pub seed: u64,
-    /// Realisations asked for and finished.
+    /// Requested and finished realisations.
     pub realisations: Count,
-    /// Solves asked for and finished.
+    /// Requested and finished solves.
     pub solves: Count,
-    /// Packings whose grains found room, and the others.
+    /// Numbers of packings with and without room for their grains.
     pub tried_packings: Survivors,
-    /// What failed, and why.
+    /// Failures with their reasons.
     pub failures: Vec<FailureNote>,
-    /// The grid of the shortest waves and of the largest contrast.
+    /// The grid of the shortest wavelengths and the largest contrast.
     pub resolution: Resolution,
-    /// That of the longest waves, where it is another one.
+    /// The grid of the longest wavelengths, if it differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resolution_longest: Option<Resolution>,
-    /// What is known about the errors.
+    /// Errors and their estimates.
     pub certainty: Certainty,
-    /// One record a realisation.
+    /// One record per packing.
     pub packings: Vec<PackingRecord>,
     /// Colours under all conditions.
     pub colours: Vec<ColourNote>,
-    /// Hiding power, Kubelka–Munk coefficients and differences, where there are colours.
+    /// Hiding power, Kubelka–Munk coefficients and differences, if there are colours.
     pub ink_maker: Option<InkMaker>,
-    /// Why there are no colours, where there are none.
+    /// Why there are no colours.
     pub no_colour: Option<String>,
-    /// Why there are colours but no numbers for the ink maker, such as an illuminant that the wavelengths cannot carry.
+    /// Why there are colours but no numbers for ink makers, such as an illuminant for which the
+    /// wavelengths do not suffice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_ink_maker: Option<String>,
-    /// Numbers that cannot be, such as a contrast ratio below 0, and why each is missing.
+    /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,
-    /// One row for each wavelength and angle.
+    /// One row per wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
-    /// Seconds that the solves took, added up: of a clock on the wall, while several solves may run side by side on
-    /// several threads each.
+    /// Sum of the wall times of all solves, s; several solves may run in parallel, on several
+    /// threads each.
     pub solve_seconds: f64,
-    /// Processor seconds of the whole process that wrote this, of all its threads: packings, grids, solves and evaluation since it
-    /// was started. Absent in sweeps, whose process works for all variants at once.
+    /// Processor time of the whole process that wrote this file, s, on all threads: packings,
+    /// grids, solves and evaluation since its start. Absent in sweeps, where one process works on
+    /// all variants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub process_seconds: Option<f64>,
-    /// The study with every default filled in.
+    /// The study with all defaults filled in.
     pub study: Study,
 }
 
-/// Totals outside of 0 … 1 by more than this are no results; every single solve has passed a narrower gate.
+/// Totals outside 0–1 by more than this are invalid; every single solve has passed a stricter
+/// check.
 const BEYOND: f64 = 0.03;
 
 impl<Study: Serialize> Manifest<Study> {
-    /// The first number that is no result: NaN, infinite, or a total outside of 0 … 1 beyond its error.
+    /// The first invalid number: NaN, infinite, or a total outside 0–1 by more than its error.
     pub fn unphysical(&self) -> Option<String> {
         let c = &self.certainty;
         let certainty = [
@@ -123,120 +127,130 @@ impl SpectrumRow {
     }
 }
 
-/// A number that was not published.
+/// A number that was withheld.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Withheld {
-    /// Which one.
+    /// Which number.
     pub number: String,
-    /// Why not.
+    /// The reason.
     pub reason: String,
 }
 
 impl Withheld {
-    /// In one line.
+    /// The number and the reason in one line.
     pub fn in_words(&self) -> String {
         format!("{}: {}", self.number, self.reason)
     }
 }
 
-/// How many were asked for, and how many are there.
+/// Numbers of requested and finished items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Count {
-    /// How many were asked for.
+    /// Number requested.
     pub asked: usize,
-    /// How many are in.
+    /// Number finished.
     pub finished: usize,
 }
 
-/// A solve without a result, or a packing that did not come about.
+/// A solve without a result, or a realisation without a packing.
 #[derive(Clone, Debug, Serialize)]
 pub struct FailureNote {
     /// Number of the realisation, from 0.
     pub realisation: usize,
-    /// Wavelength, nm; none of a packing.
+    /// Wavelength, nm; absent for a packing.
     pub wavelength_nm: Option<f64>,
-    /// Polar angle, degrees; none of a packing.
+    /// Polar angle, degrees; absent for a packing.
     pub polar_deg: Option<f64>,
     /// The error's message.
     pub reason: String,
 }
 
-/// What limits the numbers.
+/// What limits the accuracy of the numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Certainty {
-    /// Largest expected error of an order's complex amplitude from the grid, over the probed points.
+    /// Largest estimated error of an order's complex amplitude due to the grid, over the test
+    /// solves.
     pub amplitude_error_estimate: f64,
-    /// Expected errors of the layer's R and T from the grid, over the probed points; part of the standard errors.
+    /// Estimated error of the layer's R due to the grid, over the test solves; part of the standard
+    /// errors.
     pub reflectance_grid_error: f64,
-    /// Expected error of the transmittance from the grid, over the probed points.
+    /// Estimated error of the layer's T due to the grid, over the test solves; part of the standard
+    /// errors.
     pub transmittance_grid_error: f64,
-    /// Degrees of freedom of the standard errors: realisations less one; 0 where nothing is left to chance.
+    /// Degrees of freedom of the standard errors: number of realisations minus one; 0 without
+    /// randomness.
     pub degrees_of_freedom: usize,
-    /// Standard errors times this give 95 % intervals (Student's t).
+    /// Factor from standard errors to 95 % intervals (Student's t).
     pub coverage_factor_95: Option<f64>,
-    /// What the placing of the directions costs in T̄ at the worst wavelength: a standard error, part of those of all colours.
+    /// Standard error of T̄ at the worst wavelength due to the choice of directions; part of the
+    /// errors of all colours.
     pub angle_error_estimate: Option<f64>,
-    /// T̄ from every other stratum less T̄ from all, mean over the wavelengths: an independent check, zero within its error.
+    /// T̄ from every second stratum minus T̄ from all, averaged over the wavelengths: an
+    /// independent check, zero within its error.
     pub half_strata_difference: Option<Estimate>,
-    /// R̄ from the exit side by its own quadrature less 1 − T̄/n² − Ā, mean over the wavelengths, where that side was solved: a second check.
+    /// R̄ from the exit side by its own quadrature minus 1 − T̄/n² − Ā, averaged over the
+    /// wavelengths, if there are solves from that side: a second check.
     pub exit_reflectance_difference: Option<Estimate>,
-    /// Mean |R + T + A − 1| of all solves: what the solver's residual does to R and T; part of the standard errors.
+    /// Mean |R + T + A − 1| of all solves: the effect of the solver's residual on R and T; part of
+    /// the standard errors.
     pub mean_energy_error: f64,
     /// Largest |R + T + A − 1| of all solves.
     pub largest_energy_error: f64,
     /// Largest relative residual of all solves.
     pub largest_residual: f64,
-    /// Mean number of solver steps.
+    /// Mean number of iterations.
     pub mean_steps: f64,
-    /// Operator applications of all solves together.
+    /// Total number of operator applications.
     pub operator_applications: usize,
 }
 
 /// A colour under named conditions.
 #[derive(Clone, Debug, Serialize)]
 pub struct ColourNote {
-    /// Light and viewing.
+    /// Illumination and viewing.
     pub conditions: String,
     /// C*ab with its error.
     pub chroma: Estimate,
     /// hab with its error, degrees.
     pub hue_deg: Estimate,
-    /// Standard errors of L*, a*, b*; unknown for one realisation.
+    /// Standard errors of L*, a*, b*; unknown for a single realisation.
     pub lab_standard_error: Option<[f64; 3]>,
     /// Half width of the 95 % interval as a CIEDE2000 difference.
     pub delta_e_2000_95: Option<f64>,
-    /// What the standard error is made of.
+    /// Contributions to the standard error.
     pub budget: Budget,
-    /// What each realisation, by its number, moves Lab by: colours of the same realisations err together.
+    /// Number of each realisation and its contribution to Lab; colours of the same realisations
+    /// have correlated errors.
     #[serde(skip)]
     pub deviations: Vec<(usize, [f64; 3])>,
-    /// The colour itself.
+    /// The colour.
     #[serde(flatten)]
     pub colour: Colour,
 }
 
-/// One wavelength and angle. R, T, A and their specular parts are those of the layer alone.
+/// One wavelength and angle. R, T, A and their specular parts are those of the layer without paper.
 #[derive(Clone, Debug, Serialize)]
 pub struct SpectrumRow {
     /// Wavelength, nm.
     pub wavelength_nm: f64,
     /// Polar angle, degrees.
     pub polar_deg: f64,
-    /// Reflected share of the incident power.
+    /// Reflectance R.
     pub reflectance: Estimate,
-    /// Its specular order.
+    /// R of the specular order.
     pub specular_reflectance: Estimate,
-    /// Transmitted share.
+    /// Transmittance T.
     pub transmittance: Estimate,
-    /// Its specular order.
+    /// R of the specular order.
     pub specular_transmittance: Estimate,
-    /// Absorbed share.
+    /// Absorptance A.
     pub absorptance: Estimate,
-    /// The ink on its paper under a uniform sky, seen along the normal (white diffuser: 1).
+    /// The ink on its paper under a uniform sky, viewed along the normal (white diffuser: 1).
     pub natural_light: Option<Estimate>,
-    /// π × BRDF of the ink on its paper, lit at 45° and seen along the normal (white diffuser: 1).
+    /// π × BRDF of the ink on its paper, lit at 45° and viewed along the normal (white diffuser:
+    /// 1).
     pub lit_at_45: Option<Estimate>,
-    /// What each realisation, by its number, moves R and T by.
+    /// Number of each realisation and its contribution to R and T.
     #[serde(skip)]
     pub deviations: Vec<(usize, [f64; 2])>,
 }

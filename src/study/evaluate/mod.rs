@@ -1,9 +1,11 @@
-//! From stored solves to numbers with error bars: spectra, means over the hemisphere, curves over the angle, distributions, ink on
-//! paper, and the manifest of a study.
+//! From stored solves to numbers with errors: spectra, hemispherical means, curves against angle,
+//! distributions, ink on paper, and the results of a study.
 //!
-//! Every realisation has its own cell, azimuth, directions and wavelengths, drawn evenly ([`crate::input::variation`]); so each alone is
-//! an unbiased sample of everything, and the jackknife over realisations holds chance, cell, angles and wavelengths at once. What
-//! is fitted ([`regression`], over [`wavelengths`]) is the *difference to the coherent [`film`]*, which carries the layer's fringes.
+//! Every realisation has its own cell, azimuth, directions and wavelengths, drawn uniformly
+//! ([`crate::input::variation`]). Each one is therefore an unbiased sample of everything, and the
+//! jackknife over realisations covers randomness, cell, angles and wavelengths together. The fitted
+//! quantity ([`regression`], over [`wavelengths`]) is the *difference from the coherent [`film`]*,
+//! which contains the layer's interference fringes.
 
 pub mod composed;
 mod curves;

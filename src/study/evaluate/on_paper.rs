@@ -1,10 +1,13 @@
-//! The layer on its paper at one wavelength: the formulas of [`crate::appearance::paper`] on fitted values.
+//! The layer on its paper at one wavelength: the formulas of [`crate::appearance::paper`] applied
+//! to fitted values.
 
 mod functions;
+mod totals;
 
 pub use functions::{
     AZIMUTHAL, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
 };
+pub use totals::{Anchors, LayerTotals};
 
 use super::films::FilmAt;
 use super::wavelengths::Weights;
@@ -16,93 +19,62 @@ use std::f64::consts::PI;
 /// Nodes of the integrals of fitted curves, which are polynomials of degree 5.
 const CURVE_NODES: usize = 6;
 
-/// One of each total of the layer, or what each of them has of its own.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LayerTotals<T = f64> {
-    /// Of R.
-    pub reflectance: T,
-    /// Of T.
-    pub transmittance: T,
-    /// Of the specular part of R.
-    pub specular: T,
-}
-
-impl<T> LayerTotals<T> {
-    /// In the order of the fits' columns.
-    pub fn from_fn(of: impl FnMut(usize) -> T) -> Self {
-        let [reflectance, transmittance, specular] = std::array::from_fn(of);
-        Self { reflectance, transmittance, specular }
-    }
-}
-
-impl LayerTotals {
-    /// These and `step` times others.
-    fn plus(self, step: f64, by: &Self) -> Self {
-        Self {
-            reflectance: self.reflectance + step * by.reflectance,
-            transmittance: self.transmittance + step * by.transmittance,
-            specular: self.specular + step * by.specular,
-        }
-    }
-}
-
-/// Differences of the totals from the film at \[0°, 45°\].
-pub type Anchors = [LayerTotals; 2];
-
-/// Everything that is known at every wavelength of interest.
+/// Everything known at the wavelengths of interest.
 #[derive(Clone, Debug)]
 pub struct AngleNodes {
     /// Vacuum wavelengths, nm.
     pub wavelengths_nm: Vec<f64>,
-    /// The coherent film there.
+    /// The coherent film at each wavelength.
     pub films: Vec<FilmAt>,
-    /// The paper's albedo there.
+    /// The paper's albedo at each wavelength.
     pub albedos: Vec<f64>,
-    /// The spectral functions' values there.
+    /// Values of the spectral functions at each wavelength.
     pub weights: Vec<Weights>,
-    /// The film's means over the hemisphere, in the order of [`super::layer::EnsembleMean`].
+    /// The film's hemispherical means, in the order of [`super::layer::EnsembleMean`].
     pub means: Vec<[f64; 4]>,
 }
 
-/// Differences from the film that are measured at every wavelength solved.
+/// Differences from the film, measured at every wavelength solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// At 0° and 45°.
+    /// Totals at 0° and 45°.
     pub anchors: Anchors,
-    /// At 0° and 45° in the light returned by the paper, which is unpolarised: equal to `anchors` but where polarised light comes in.
+    /// Totals at 0° and 45° in the light returned by the paper, which is unpolarised; equal to
+    /// `anchors` unless the incident light is polarised.
     pub returned: Anchors,
-    /// Of T of the order that goes straight on, at 0°.
+    /// T of the unscattered order at 0°.
     pub straight_on: f64,
-    /// Of T̄.
+    /// T̄.
     pub transmittance: f64,
-    /// Of Ā from the exit side.
+    /// Ā from the exit side.
     pub absorptance: f64,
 }
 
-/// What is fitted over the angle.
+/// Fitted curves over the angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AngleCurve {
-    /// Coefficients of the bends between the anchors.
+    /// Coefficients of the curves between the anchors.
     pub bends: LayerTotals<[f64; BENDS]>,
     /// Coefficients in the light returned by the paper.
     pub returned: LayerTotals<[f64; BENDS]>,
-    /// Coefficients of the layer's own diffuse BRDF, 1/sr.
+    /// Coefficients of the layer's diffuse BRDF, 1/sr.
     pub diffuse: [f64; DIFFUSE],
     /// Coefficients of its dependence on the azimuth, 1/sr.
     pub azimuthal: [f64; AZIMUTHAL],
-    /// Projected solid angle of an order, mean over the ensemble, sr: so much diffuse light is in the specular order as well.
+    /// Projected solid angle of an order, averaged over the ensemble, sr; the specular order
+    /// contains this much diffuse light.
     pub order_area: f64,
 }
 
-/// A viewing or illumination angle with the film's R and T there.
+/// A viewing or illumination angle, with the film's R and T.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolarAngle {
-    /// Degrees from the normal.
+    /// Angle from the normal, degrees.
     pub polar_deg: f64,
     mu: f64,
     between: [f64; 2],
     bends: [f64; BENDS],
-    /// At every node.
+    /// Totals of the film at every node.
     film: Vec<FilmTotals>,
 }
 
@@ -111,18 +83,20 @@ pub struct PolarAngle {
 struct FilmTotals {
     reflectance: f64,
     transmittance: f64,
-    /// T in the light that the paper gives back.
+    /// T in the light returned by the paper.
     returned: f64,
 }
 
 impl PolarAngle {
-    /// The bends of a curve with these coefficients.
+    /// The part of a curve with these coefficients.
     pub fn bent(&self, coefficients: &[f64; BENDS]) -> f64 {
         self.bends.iter().zip(coefficients).map(|(b, c)| b * c).sum()
     }
 
+    /// Evaluates the films at an angle.
+    ///
     /// # Errors
-    /// Angles outside 0° ≤ θ < 90°.
+    /// The angle is outside 0° ≤ θ < 90°.
     pub fn new(polar_deg: f64, nodes: &AngleNodes) -> Result<Self, PaperError> {
         if !(0.0..90.0).contains(&polar_deg) {
             return Err(PaperError::AngleOutOfRange { value: polar_deg });
@@ -149,17 +123,18 @@ pub struct LayerOnPaper {
     node: usize,
     measured: Measured,
     curve: AngleCurve,
-    /// T̄ and Ā from the exit side, of the film.
+    /// The film's T̄ and Ā from the exit side.
     film_means: [f64; 2],
     albedo: f64,
     index_out: f64,
 }
 
 impl LayerOnPaper {
-    /// Over paper of \[albedo, index\].
+    /// The layer over paper of \[albedo, index\].
     ///
     /// # Errors
-    /// Albedo outside 0–1, a lossless mirror over a lossless paper, numbers that are not finite.
+    /// An albedo outside 0–1, a lossless mirror over a lossless paper, or numbers that are not
+    /// finite.
     pub fn new(
         node: usize,
         film_means: [f64; 2],
@@ -187,13 +162,13 @@ impl LayerOnPaper {
         1.0 - self.mean_transmittance() / self.index_out.powi(2) - self.mean_absorptance_exit()
     }
 
-    /// Place of its wavelength among the nodes, of which the spectra's are the first.
+    /// Index of its wavelength among the nodes; those of the spectra come first.
     pub(super) fn node(&self) -> usize {
         self.node
     }
 
-    /// Share of T at the normal that goes straight on, unscattered: the order's own, less the diffuse light that it carries
-    /// as every order does (π times its share of the hemisphere, as of even light).
+    /// Unscattered share of T at the normal: T of that order without the diffuse light that every
+    /// order carries (π times its share of the hemisphere, as if the diffuse light were isotropic).
     pub(super) fn straight_on(&self, normal: &PolarAngle) -> f64 {
         let straight = normal.film[self.node].transmittance + self.measured.straight_on;
         straight / self.transmittance(normal) - self.curve.order_area / PI
@@ -208,28 +183,29 @@ impl LayerOnPaper {
     pub fn return_factor(&self) -> f64 {
         let back =
             returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out);
-        // checked when the layer was made; what noise alone could move further is no result
+        // checked in `new`; noise alone cannot make it a result
         back.unwrap_or(f64::NAN)
     }
 
-    /// This layer over another backing of the given albedo.
+    /// The layer over another backing of the given albedo.
     pub fn over(&self, albedo: f64) -> Self {
         Self { albedo, ..*self }
     }
 
-    /// R(θ) of the layer alone, total.
+    /// R(θ) of the layer without paper.
     pub fn reflectance(&self, at: &PolarAngle) -> f64 {
         at.film[self.node].reflectance + self.differences(at).reflectance
     }
 
-    /// T(θ) of the layer alone, total; kept within 0 and 1, which curves through few angles and wavelengths overshoot. R and the
-    /// means are not: they enter sums, and a jackknife over values that stop at 0 would make errors too small.
+    /// T(θ) of the layer without paper, limited to 0–1 because curves through few angles and
+    /// wavelengths overshoot. R and the means are not limited: they enter sums, and a jackknife
+    /// over limited values would underestimate errors.
     pub fn transmittance(&self, at: &PolarAngle) -> f64 {
         (at.film[self.node].transmittance + self.differences(at).transmittance).clamp(0.0, 1.0)
     }
 
-    /// T(θ) of the layer alone for the light that the paper gives back, unpolarised: T(θ) itself but where polarised light
-    /// comes in.
+    /// T(θ) of the layer without paper for the light returned by the paper, which is unpolarised;
+    /// equal to T(θ) unless the incident light is polarised.
     pub fn transmittance_returned(&self, at: &PolarAngle) -> f64 {
         let beyond_film = curve(&self.measured.returned, &self.curve.returned, (at.between, at.bends));
         (at.film[self.node].returned + beyond_film.transmittance).clamp(0.0, 1.0)
@@ -240,33 +216,35 @@ impl LayerOnPaper {
         at.film[self.node].reflectance + self.differences(at).specular
     }
 
-    /// What a print of any size mirrors of R(θ). The specular order of a cell carries diffuse light as well, as every order
-    /// does: f times the projected solid angle of an order, which is taken off.
+    /// Mirror reflection of a print of any size. The specular order of a cell contains diffuse
+    /// light like every order, f times its projected solid angle, which is subtracted.
     pub fn mirrored(&self, at: &PolarAngle) -> f64 {
         self.specular(at) - self.curve.order_area * self.directional_brdf(at.mu, at.mu, 1.0)
     }
 
-    /// The layer's own diffuse f(i, o), 1/sr, azimuthal mean. Symmetric in i and o but where polarised light comes in.
+    /// The layer's diffuse f(i, o), 1/sr, azimuthal mean. Symmetric in i and o unless the incident
+    /// light is polarised.
     pub fn diffuse_brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
         self.diffuse_brdf_at(illumination.mu, viewing.mu)
     }
 
-    /// The layer's own diffuse f(i, o) at cosines of the polar angles, 1/sr.
+    /// The layer's diffuse f(i, o) for cosines of the polar angles, 1/sr.
     pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
         let functions = diffuse_functions(illumination, viewing);
         functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
     }
 
-    /// What the azimuth between the planes of illumination and viewing adds to [`LayerOnPaper::diffuse_brdf_at`]; its mean over
-    /// the azimuth is 0. `cosine` is that of the azimuth, 1 forward.
+    /// Dependence of [`LayerOnPaper::diffuse_brdf_at`] on the azimuth between the planes of
+    /// illumination and viewing, with a mean of 0. `cosine` is that of the azimuth, 1 forward.
     pub fn azimuthal_brdf(&self, illumination: f64, viewing: f64, cosine: f64) -> f64 {
         let sines = ((1.0 - illumination * illumination) * (1.0 - viewing * viewing)).max(0.0).sqrt();
         let functions = azimuthal(illumination, viewing, sines * cosine);
         functions.iter().zip(&self.curve.azimuthal).map(|(f, c)| f * c).sum()
     }
 
-    /// The layer's own diffuse f(i, o) with its dependence on the azimuth, which is lessened where it would make f negative: so the
-    /// mean over the azimuth, and with it the albedo, stays what it is. `cosine` is that of the azimuth, 1 forward.
+    /// The layer's diffuse f(i, o) with its dependence on the azimuth, reduced where f would become
+    /// negative: the azimuthal mean, and with it the albedo, is unchanged. `cosine` is that of the
+    /// azimuth, 1 forward.
     pub fn directional_brdf(&self, illumination: f64, viewing: f64, cosine: f64) -> f64 {
         let mean = self.diffuse_brdf_at(illumination, viewing);
         let [forward, backward] = [1.0, -1.0].map(|c| self.azimuthal_brdf(illumination, viewing, c));
@@ -276,22 +254,22 @@ impl LayerOnPaper {
         mean + share * self.azimuthal_brdf(illumination, viewing, cosine)
     }
 
-    /// Diffuse f(i, o), 1/sr, azimuthal mean: layer's own plus paper. Symmetric in i and o but where polarised light comes in;
-    /// all light is seen, of whichever polarisation.
+    /// Diffuse f(i, o), 1/sr, azimuthal mean: the layer's part plus that of the paper. Symmetric in
+    /// i and o unless the incident light is polarised; the observer sees both polarisations.
     pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
         let through = self.transmittance(illumination) * self.transmittance_returned(viewing);
         self.diffuse_brdf(illumination, viewing) + self.return_factor() * through / PI
     }
 
-    /// ∫ f cos θ_o dω of the layer's own diffuse f, by angles with the weights of 2∫₀¹ f μ dμ. It agrees with R less what is
-    /// mirrored as well as the fits of f and of R do.
+    /// ∫ f cos θ_o dω of the layer's diffuse f, over angles with the weights of 2∫₀¹ f μ dμ. It
+    /// equals R minus the mirror reflection as far as the fits of f and of R agree.
     pub fn own_albedo(&self, illumination: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
         let own = |(at, weight): &(PolarAngle, f64)| PI * weight * self.diffuse_brdf(illumination, at);
         hemisphere.iter().map(own).sum()
     }
 
-    /// Coefficients of the bends that T(θ) of the returned light lacks for its mean over these angles to be T̄: T̄ is measured
-    /// solve by solve, the curve between the anchors is a fit. Of all such bends the smallest.
+    /// Smallest coefficients to add to T(θ) of the returned light so that its mean over these
+    /// angles is T̄: T̄ is measured solve by solve, whereas the curve between the anchors is a fit.
     pub fn lacking_bends(&self, hemisphere: &[(PolarAngle, f64)]) -> [f64; BENDS] {
         let mut lack = self.mean_transmittance();
         let (mut means, mut squares) = ([0.0; BENDS], [[0.0; BENDS]; BENDS]);
@@ -302,21 +280,22 @@ impl LayerOnPaper {
                 at.bends.iter().enumerate().for_each(|(c, other)| squares[b][c] += weight * own * other);
             }
         }
-        // Cramer's rule: M x = m, then scaled so that the mean is what lacks
+        // Cramer's rule: M x = m, then scaled to the missing mean
         let [[a, b], [_, d]] = squares;
         let x = [d * means[0] - b * means[1], a * means[1] - b * means[0]];
         let scale = lack / (x[0] * means[0] + x[1] * means[1]);
         x.map(|x| scale * x)
     }
 
-    /// Directional–hemispherical albedo R(i) + g T(i) T̄, specular included.
+    /// Directional–hemispherical albedo R(i) + g T(i) T̄, mirror reflection included.
     pub fn albedo(&self, illumination: &PolarAngle) -> f64 {
         let returned = self.return_factor() * self.transmittance(illumination) * self.mean_transmittance();
         self.reflectance(illumination) + returned
     }
 
-    /// Radiance at `viewing` under a uniform sky of radiance 1 (white paper: 1), by reciprocity: with polarised light what an
-    /// eye behind a polariser sees of an unpolarised sky, over the white paper behind the same.
+    /// Radiance at `viewing` under a uniform sky of radiance 1 (white paper: 1), by reciprocity.
+    /// For polarised light: as seen through a polariser under an unpolarised sky, relative to white
+    /// paper seen through the same.
     pub fn natural_light(&self, viewing: &PolarAngle, sky: MirroredSky) -> f64 {
         let mirrored = match sky {
             MirroredSky::Included => 0.0,
@@ -325,7 +304,7 @@ impl LayerOnPaper {
         self.albedo(viewing) - mirrored
     }
 
-    /// This layer with `step` times other measured values added.
+    /// The layer with `step` times other measured values added.
     pub(super) fn moved(&self, by: &Measured, step: f64) -> Self {
         let mut layer = *self;
         let moved = |own: Anchors, by: &Anchors| [own[0].plus(step, &by[0]), own[1].plus(step, &by[1])];
@@ -337,7 +316,8 @@ impl LayerOnPaper {
         layer
     }
 
-    /// What solves at these angles, taken with equal weights, miss of the fitted curves' means.
+    /// Difference between the equally weighted mean over these angles and the mean of the fitted
+    /// curves.
     pub(super) fn quadrature_error(
         &self,
         polar_deg: impl Iterator<Item = f64> + Clone,
@@ -351,7 +331,7 @@ impl LayerOnPaper {
             sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * of(back(mu)))
         };
         let (reflected, transmittance) = (error(|t| t.reflectance), error(|t| t.transmittance));
-        // without solves from the exit side its A is that from the incident side, 1 − R − T
+        // without solves from the exit side, A there equals that from the incident side, 1 − R − T
         let absorptance = if exit { 0.0 } else { -reflected - transmittance };
         Measured { transmittance, absorptance, ..Measured::default() }
     }
@@ -362,7 +342,7 @@ impl LayerOnPaper {
     }
 }
 
-/// Fitted differences from the film: weights of the anchors, and bends.
+/// Fitted differences from the film: weights of the anchors, and curve functions.
 #[inline]
 fn curve(
     anchors: &Anchors,
@@ -384,7 +364,7 @@ fn curve(
 mod tests {
     use super::*;
 
-    /// Fits of few cells may fall below zero; at the normal nothing depends on the azimuth.
+    /// Fits of few cells may become negative; at the normal nothing depends on the azimuth.
     #[test]
     fn the_directional_brdf_is_a_number_where_the_fit_is_negative() {
         let curve = AngleCurve { diffuse: [-0.01; DIFFUSE], ..AngleCurve::default() };

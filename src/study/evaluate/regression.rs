@@ -1,20 +1,23 @@
-//! Linear least squares over an ensemble, with every fit that leaves one realisation out.
+//! Linear least squares over an ensemble, with all leave-one-out fits.
 //!
-//! Samples are rows of a tensor product: a few functions of the wavelength times a few of the direction. Each realisation keeps
-//! its own normal equations; those of the ensemble are their sum, and leaving one out is a subtraction. A small
-//! penalty on the roughness over the wavelength decides where there are fewer samples than functions.
+//! Samples are rows of a tensor product: a few functions of the wavelength times a few of the
+//! direction. Each realisation has its own normal equations; those of the ensemble are their sum,
+//! and leaving one out is a subtraction. A small penalty on the roughness over the wavelength
+//! regularises the fit where there are fewer samples than functions.
 
 use super::wavelengths::{SpectralBasis, Weights};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use ndarray::{Array2, s};
 
-/// Penalty on second differences, as a share of the mean diagonal of the normal equations: far below what samples say.
+/// Penalty on second differences, relative to the mean diagonal of the normal equations: far below
+/// the weight of the samples.
 const ROUGHNESS: f64 = 1e-3;
-/// Ridge on everything, as a share of the mean diagonal: decides what nothing else does, at the level of rounding.
+/// Ridge on all coefficients, relative to the mean diagonal: of the order of rounding, it
+/// determines what nothing else does.
 const RIDGE: f64 = 1e-12;
 
-/// Normal equations of one realisation: AᵀA and Aᵀy for several columns y at once.
+/// Normal equations of one realisation: AᵀA, and Aᵀy for several columns y.
 #[derive(Clone, Debug)]
 pub struct Normal {
     matrix: Array2<f64>,
@@ -22,13 +25,13 @@ pub struct Normal {
 }
 
 impl Normal {
-    /// Without samples yet: `functions` unknowns, `columns` quantities.
+    /// Starts without samples: `functions` unknowns, `columns` quantities.
     pub fn new(functions: usize, columns: usize) -> Self {
         Self { matrix: Array2::zeros((functions, functions)), right: Array2::zeros((functions, columns)) }
     }
 
-    /// Adds samples of one wavelength: its functions, and the sums over the samples of the directions' products ddᵀ and of d yᵀ.
-    /// Unknown (i, k) has the number i · width + k.
+    /// Adds the samples of one wavelength: its functions, and the sums over the samples of ddᵀ and
+    /// d yᵀ of the directions. Unknown (i, k) has the index i · width + k.
     pub fn add(&mut self, wavelength: &Weights, products: &Sums) {
         let width = products.matrix.nrows();
         for &(i, a) in wavelength {
@@ -42,7 +45,7 @@ impl Normal {
     }
 }
 
-/// Σ d dᵀ and Σ d yᵀ over samples with directions' functions d and values y.
+/// Σ d dᵀ and Σ d yᵀ over samples with directional functions d and values y.
 #[derive(Clone, Debug)]
 pub struct Sums {
     matrix: Array2<f64>,
@@ -50,7 +53,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Of no samples.
+    /// Starts without samples.
     pub fn new(width: usize, columns: usize) -> Self {
         Self { matrix: Array2::zeros((width, width)), right: Array2::zeros((width, columns)) }
     }
@@ -63,7 +66,7 @@ impl Sums {
         }
     }
 
-    /// Of one sample without a direction.
+    /// Sums of one sample without a direction.
     pub fn plain(values: &[f64]) -> Self {
         let mut sums = Self::new(1, values.len());
         sums.add(&[1.0], values);
@@ -71,22 +74,23 @@ impl Sums {
     }
 }
 
-/// Coefficients \[function, column\] of the ensemble and of every ensemble that leaves one realisation out.
+/// Coefficients \[function, column\] of the ensemble and of all leave-one-out ensembles.
 #[derive(Clone, Debug)]
 pub struct Fits {
-    /// Of all realisations.
+    /// Fit to all realisations.
     pub whole: Array2<f64>,
-    /// Of all but one; empty for one realisation.
+    /// Fits to all realisations but one; empty for a single realisation.
     pub without: Vec<Array2<f64>>,
 }
 
 impl Fits {
-    /// No difference at all, in `columns` quantities.
+    /// Zero coefficients for `columns` quantities.
     pub fn nothing(basis: &SpectralBasis, width: usize, columns: usize) -> Self {
         Self { whole: Array2::zeros((basis.len() * width, columns)), without: Vec::new() }
     }
 
-    /// Solves for the whole ensemble and for all but each one. `width` is the number of functions of the direction.
+    /// Solves for the whole ensemble and all leave-one-out ensembles. `width` is the number of
+    /// functions of the direction.
     pub fn new(parts: &[Normal], basis: &SpectralBasis, width: usize) -> Self {
         let Some(first) = parts.first() else { return Self::nothing(basis, width, 0) };
         let mut sum = Normal::new(first.matrix.nrows(), first.right.ncols());
@@ -117,7 +121,7 @@ fn solve(normal: &Normal, basis: &SpectralBasis, width: usize) -> Array2<f64> {
     matrix.diag_mut().mapv_inplace(|x| x + RIDGE * scale.max(f64::MIN_POSITIVE));
     let a = Mat::from_fn(n, n, |i, j| matrix[[i, j]]);
     let b = Mat::from_fn(n, columns, |i, j| normal.right[[i, j]]);
-    // Rounding may make a matrix of few samples indefinite; elimination with pivots takes it all the same.
+    // rounding may make a matrix of few samples indefinite; elimination with pivots still works
     let x = match a.llt(faer::Side::Lower) {
         Ok(factors) => factors.solve(&b),
         Err(_) => a.partial_piv_lu().solve(&b),
@@ -129,7 +133,7 @@ fn solve(normal: &Normal, basis: &SpectralBasis, width: usize) -> Array2<f64> {
 mod tests {
     use super::*;
 
-    /// Values of a function that the basis holds are recovered, and leaving one out changes nothing.
+    /// A function in the span of the basis is recovered, and leaving one out changes nothing.
     #[test]
     fn what_the_basis_holds_is_recovered() {
         let basis = SpectralBasis::Splines { range_nm: [400.0, 700.0], intervals: 3 };
@@ -151,12 +155,12 @@ mod tests {
         for fit in fits.without.iter().chain([&fits.whole]) {
             let weights = basis.weights(533.0);
             let value = |k: usize| SpectralBasis::at(&weights, |i| fit[[2 * i + k, 0]]);
-            // The penalty leaves straight lines alone; the ridge of 1e-12 and rounding remain.
+            // The penalty does not affect straight lines; the ridge of 1e-12 and rounding remain.
             assert!((value(0) + 0.5 * value(1) - truth(533.0, 0.5)).abs() < 1e-8);
         }
     }
 
-    /// With listed wavelengths the fit is the mean at each, and its jackknife that of a mean.
+    /// With listed wavelengths the fit is the mean at each, and its jackknife is that of a mean.
     #[test]
     fn listed_wavelengths_give_means() {
         let basis = SpectralBasis::Listed(vec![450.0, 550.0]);

@@ -1,11 +1,11 @@
-//! What the evaluation takes from a solve, and how the solves of a realisation belong together.
+//! The parts of a solve used in the evaluation, and the arrangement of a realisation's solves.
 
 use crate::wave::FarField;
 
-/// One solve: totals, their specular parts, and where the diffuse light went.
+/// One solve: totals, their specular parts, and the directions of the diffuse light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolvedDirection {
-    /// Polar angle of incidence in the half-space that the light came from, degrees.
+    /// Polar angle of incidence in the half-space that the light comes from, degrees.
     pub polar_deg: f64,
     /// Total R.
     pub reflectance: f64,
@@ -13,13 +13,13 @@ pub struct SolvedDirection {
     pub specular_reflectance: f64,
     /// Total T.
     pub transmittance: f64,
-    /// T of the order that goes straight on.
+    /// T of the unscattered order.
     pub specular_transmittance: f64,
     /// A, from the field inside the layer.
     pub absorptance: f64,
-    /// Projected solid angle λ²/(Lx Ly) that an order of the cell stands for, sr.
+    /// Projected solid angle λ²/(Lx Ly) of an order of the cell, sr.
     pub order_area: f64,
-    /// Reflected orders but the specular one.
+    /// Reflected orders except the specular one.
     pub scattered: Vec<Scattered>,
 }
 
@@ -86,20 +86,20 @@ impl SolvedDirection {
 pub struct SolvedWavelength {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
-    /// At the angles that every realisation is solved at, in the study's order.
+    /// Solves at the angles common to all realisations, in the study's order.
     pub exact: Vec<SolvedDirection>,
-    /// One in each stratum of μ², 0 < μ² < 1: their plain mean is the hemispherical one.
+    /// One solve in each stratum of μ², 0 < μ² < 1: their plain mean is the hemispherical one.
     pub strata: Vec<SolvedDirection>,
-    /// Directions from the exit side; empty where the layer is the same from both sides.
+    /// Solves from the exit side; empty if the layer is the same from both sides.
     pub exit: Vec<SolvedDirection>,
 }
 
 /// One realisation of the layer, or the mean of two that share a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolvedRealisation {
-    /// Its thickness, µm.
+    /// Thickness, µm.
     pub thickness_um: f64,
-    /// Its wavelengths, rising.
+    /// Its wavelengths, increasing.
     pub wavelengths: Vec<SolvedWavelength>,
 }
 
@@ -120,7 +120,7 @@ impl SolvedRealisation {
     }
 }
 
-/// Mean of a quantity over solves that stand for equal shares.
+/// Mean of a quantity over equally weighted solves.
 pub fn mean(solves: &[SolvedDirection], quantity: impl Fn(&SolvedDirection) -> f64) -> f64 {
     solves.iter().map(quantity).sum::<f64>() / solves.len().max(1) as f64
 }

@@ -1,4 +1,5 @@
-//! What the finished solves say: spectra of the layer, its distributions, and the ink on its paper.
+//! Evaluates the finished solves: spectra of the layer, its distributions, and the ink on its
+//! paper.
 
 use super::film::Profile;
 use super::films::{FilmAt, Films, Indices};
@@ -16,28 +17,28 @@ use crate::wave::FarField;
 use crate::wave::Wave;
 use num_complex::Complex64;
 
-/// The appearance as far as the finished solves allow.
+/// The appearance, as far as the finished solves allow.
 #[derive(Debug)]
 pub struct Seen {
-    /// The realisations in every number, by theirs.
+    /// Numbers of the realisations that enter every result.
     pub realisations: Vec<usize>,
     /// The first realisation of every cell: packings that share one are one sample of the layer.
     pub cells: Vec<usize>,
     /// The solves of every cell.
     pub solved: Vec<SolvedRealisation>,
-    /// The layer alone, once a realisation is complete.
+    /// The layer without paper, once a realisation is complete.
     pub layer: Option<LayerSeen>,
-    /// The layer's distributions at the exact angles: wavelength by wavelength.
+    /// The layer's distributions at the exact angles, wavelength by wavelength.
     pub bdfs: Vec<Bdf>,
     /// The ink on its paper, or why there is none.
     pub ink: Result<InkOnPaper, NoInk>,
 }
 
-/// The layer alone at the study's wavelengths.
+/// The layer without paper at the study's wavelengths.
 #[derive(Debug)]
 pub struct LayerSeen {
     ensemble: LayerEnsemble,
-    /// At the study's wavelengths.
+    /// The coherent film at each wavelength.
     films: Vec<FilmAt>,
     wavelengths_nm: Vec<f64>,
 }
@@ -45,19 +46,19 @@ pub struct LayerSeen {
 /// Why there is no ink on paper.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum NoInk {
-    /// The study's angles cannot carry it.
+    /// The study's angles do not suffice.
     #[error("{0}")]
     Angles(String),
-    /// Nothing is complete yet.
+    /// No realisation is complete yet.
     #[error("not every wavelength and angle of a realisation is finished")]
     Unfinished,
-    /// The paper or the angles refuse.
+    /// The paper or the angles were refused.
     #[error(transparent)]
     Refused(#[from] InkError),
 }
 
 impl LayerSeen {
-    /// Angles that every realisation is solved at, degrees.
+    /// Angles common to all realisations, degrees.
     pub fn angles_deg(&self) -> &[f64] {
         &self.ensemble.exact_deg
     }
@@ -125,10 +126,10 @@ fn films<'a>(study: &Study, profile: Profile, indices: &'a Indices<'a>) -> Films
     }
 }
 
-/// Everything that follows from the solves that are there: the complete realisations.
+/// Evaluates all complete realisations.
 ///
 /// # Errors
-/// Records that do not belong together, which is a fault of the program or of the store.
+/// The records do not match, because of a bug or a damaged store.
 pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let by_cells = complete_cells(study, collected);
     let complete = by_cells.concat();
@@ -153,7 +154,10 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
 
 /// The realisations of which every solve is there, cell by cell. One of a pair alone holds too much pigment or too little, and is
 /// left out.
-pub(in crate::evaluate) fn complete_cells<'a>(study: &Study, collected: &'a Collected) -> Vec<Vec<&'a Realisation>> {
+pub(in crate::evaluate) fn complete_cells<'a>(
+    study: &Study,
+    collected: &'a Collected,
+) -> Vec<Vec<&'a Realisation>> {
     let all: Vec<&Realisation> = collected.complete().collect();
     let find = |number: usize| all.iter().copied().find(|r| r.packing.realisation == number);
     let cell = |r: &&'a Realisation| match study.partner(r.packing.realisation) {
@@ -173,13 +177,14 @@ fn by_cell(study: &Study, cells: &[Vec<&Realisation>], wave: Wave) -> Vec<Solved
     cells.iter().map(mean).collect()
 }
 
-/// Far fields of a complete realisation in one light, direction by direction.
+/// Far fields of a complete realisation for one polarisation of the light, direction by direction.
 fn far_fields(study: &Study, realisation: &Realisation, wave: Wave) -> Vec<FarField> {
     let records: Vec<&PointRecord> = realisation.points.iter().flatten().collect();
     records.chunks(study.polarisations().len()).map(|records| in_light(records, wave)).collect()
 }
 
-/// The far field of one direction in one light, from the records of its polarisations.
+/// The far field of one direction for one polarisation of the light, from the records of its
+/// components.
 fn in_light(records: &[&PointRecord], wave: Wave) -> FarField {
     match (records, wave) {
         ([s, p], Wave::Unpolarised) => FarField::unpolarised(&s.far_field(), &p.far_field()),
@@ -195,7 +200,7 @@ fn returned(study: &Study, cells: &[Vec<&Realisation>]) -> Option<Vec<SolvedReal
     other.then(|| by_cell(study, cells, wave))
 }
 
-/// Functions of the wavelength: as many pieces as each realisation has wavelengths.
+/// Functions of the wavelength, with as many pieces as each realisation has wavelengths.
 fn basis(study: &Study) -> SpectralBasis {
     match study.variation.light {
         LightRule::Listed => SpectralBasis::Listed(study.wavelengths_nm.clone()),
@@ -203,7 +208,8 @@ fn basis(study: &Study) -> SpectralBasis {
     }
 }
 
-/// The solves of a realisation in their order: wavelength; exact angles, strata, strata from the exit side.
+/// The solves of a realisation in their order: wavelength; exact angles, strata, strata from the
+/// exit side.
 fn solved(study: &Study, realisation: &Realisation, fields: &[FarField]) -> SolvedRealisation {
     let angles = &study.angles;
     SolvedRealisation {
@@ -225,7 +231,7 @@ fn solved_at(angles: &Angles, fields: &[FarField]) -> SolvedWavelength {
     }
 }
 
-/// Background and inclusions, and last what lies above a relief.
+/// Indices of the background, the inclusions, and last of the space above a relief.
 fn indices(study: &Study, nm: f64) -> (Complex64, Vec<Complex64>) {
     let media = study.media(1e-3 * nm);
     (media.backgrounds[0], media.inclusions.into_iter().chain([media.incident]).collect())
@@ -261,7 +267,7 @@ fn on_paper(
     Ok(InkOnPaper::new((ensemble.clone(), solved), returned, &inputs)?)
 }
 
-/// Distributions at every exact angle, one for each stratum of wavelengths.
+/// Distributions at every exact angle, one per stratum of wavelengths.
 fn distributions(study: &Study, fields: &[Vec<FarField>]) -> Result<Vec<Bdf>, BdfError> {
     let each = study.angles.count();
     let places = (0..study.solved_wavelengths())
@@ -273,7 +279,8 @@ fn distributions(study: &Study, fields: &[Vec<FarField>]) -> Result<Vec<Bdf>, Bd
     places.map(of).collect()
 }
 
-/// The distribution of one direction and stratum of wavelengths, from its far field in every realisation.
+/// The distribution of one direction and stratum of wavelengths, from its far fields in all
+/// realisations.
 fn distribution(study: &Study, ensemble: &[FarField]) -> Result<Bdf, BdfError> {
     let alike = study.variation.cell == CellRule::Fixed && study.variation.light == LightRule::Listed;
     match alike && study.variation.thickness_std_um == 0.0 {

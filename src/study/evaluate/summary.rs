@@ -1,4 +1,4 @@
-//! The numbers of a run, ready for `results.json`, the tables and the page.
+//! The numbers of a run, for `results.json`, tables and the page.
 
 use super::gate;
 use super::ink::{InkError, InkOnPaper};
@@ -18,13 +18,13 @@ use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
 use crate::wave::physical::largest;
 
-/// Name of the geometry of print measurement, lit at 45° and seen along the normal.
+/// Name of the standard geometry of print measurement, lit at 45° and viewed along the normal.
 pub const LIT_AT_45: &str = "45°:0°";
-/// Name of a uniform sky, seen along the normal.
+/// Name of illumination by a uniform sky, viewed along the normal.
 pub const NATURAL_LIGHT: &str = "natural light";
 
-/// Packings before the first look at an interval that may end the run: fewer say too little of their own spread, and those that
-/// happen to spread least would end first.
+/// Minimum number of packings before an interval can end the run: the scatter of fewer is too
+/// uncertain, and studies that happen to scatter least would end first.
 const FEWEST: usize = 16;
 
 /// The program and its version.
@@ -78,7 +78,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     }
 }
 
-/// What is seen of the ink on its paper, and why anything of it is missing.
+/// Colours of the ink on its paper, and why some are missing.
 struct Looks {
     colours: Vec<ColourNote>,
     no_colour: Option<String>,
@@ -87,7 +87,7 @@ struct Looks {
     withheld: Vec<Withheld>,
 }
 
-/// Colours and the ink maker's numbers, as far as they pass the gate.
+/// Colours and the numbers for ink makers, as far as they are possible.
 fn looks(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Looks {
     let (colours, mut no_colour, mut withheld) = match colours(study, seen, uncertainty) {
         Ok(all) => {
@@ -112,7 +112,8 @@ fn looks(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Looks {
     Looks { colours, no_colour, ink_maker, no_ink_maker, withheld }
 }
 
-/// True when the 95 % interval of every colour meant is as narrow as the study wants it (ΔE₀₀); never without such a wish.
+/// Whether the 95 % intervals of all selected colours are below `run.target_delta_e`; false without
+/// a target.
 pub fn enough(study: &Study, collected: &Collected) -> bool {
     let Some(target) = study.target_delta_e else { return false };
     if collected.realisations.len() < FEWEST {
@@ -124,7 +125,7 @@ pub fn enough(study: &Study, collected: &Collected) -> bool {
     !manifest.colours.is_empty() && aimed_at(study, &manifest).all(narrow)
 }
 
-/// The colours whose bars are wanted narrow.
+/// The colours to which `run.target_delta_e` applies.
 pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Iterator<Item = &'a ColourNote> {
     let wanted = study.target_colour;
     manifest.colours.iter().filter(move |note| match wanted {
@@ -139,13 +140,13 @@ fn failures(collected: &Collected) -> Vec<FailureNote> {
     packings.chain(collected.failures().map(solve_failure)).collect()
 }
 
-/// A packing that did not come about.
+/// Note on a realisation without a packing.
 fn packing_failure(refused: &Refused) -> FailureNote {
     let (realisation, reason) = (refused.realisation, refused.reason.clone());
     FailureNote { realisation, wavelength_nm: None, polar_deg: None, reason }
 }
 
-/// A solve without a result.
+/// Note on a solve without a result.
 fn solve_failure(failure: &Failure) -> FailureNote {
     FailureNote {
         realisation: failure.point.realisation,
@@ -178,7 +179,8 @@ fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> 
     }
 }
 
-/// Even and odd strata take turns from realisation to realisation, each counted twice: (1/n) Σ ± T_k about the film.
+/// Even and odd strata alternate between realisations, each with double weight: (1/n) Σ ± T_k
+/// relative to the film.
 fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
     let layer = seen.layer.as_ref().filter(|layer| layer.ensemble().strata > 1)?;
     let of = |(r, realisation): (usize, &SolvedRealisation)| {
@@ -188,7 +190,8 @@ fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
     Some(Estimate::of_mean(&seen.solved.iter().enumerate().map(of).collect::<Vec<_>>()))
 }
 
-/// Mean over the strata of what T differs from the film's, with alternating signs that realisation number `r` begins.
+/// Mean over the strata of the difference of T from the film, with alternating signs that start
+/// according to realisation `r`.
 fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
     let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
     let film = layer.film(w.wavelength_nm);
@@ -197,10 +200,11 @@ fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
     sum / w.strata.len() as f64
 }
 
-/// Both ways to R̄ from the exit side, realisation by realisation; the film obeys both.
+/// Difference between the two estimates of R̄ from the exit side, realisation by realisation; for
+/// the film both agree.
 fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
     let ensemble = layer.ensemble();
-    // Without that side there are no such columns.
+    // these columns exist only if there are solves from the exit side
     if !ensemble.exit {
         return None;
     }
@@ -210,7 +214,7 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
     Some(Estimate::of_mean(&samples))
 }
 
-/// Mean over the wavelengths of R̄ + T̄/n² + Ā, all as differences from the film, of one realisation.
+/// Mean over the wavelengths of R̄ + T̄/n² + Ā of one realisation, all relative to the film.
 fn exit_difference(ensemble: &LayerEnsemble, index: f64, realisation: usize) -> f64 {
     let [t, a, r] =
         [EnsembleMean::Transmittance, EnsembleMean::ExitAbsorptance, EnsembleMean::ExitReflectance]
@@ -276,7 +280,7 @@ fn note(conditions: &str, Sure { colour, budget, deviations }: Sure, seen: &Seen
     }
 }
 
-/// Every angle in turn, all wavelengths of each; the ink on its paper stands beside the normal.
+/// All wavelengths of each angle in turn; the ink on its paper is included at the normal.
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
     let Some(layer) = &seen.layer else { return Vec::new() };
     let angles = 0..layer.angles_deg().len();
@@ -334,13 +338,13 @@ impl AngleTotals {
             specular_reflectance: of(Total::SpecularReflectance, reflected),
             transmittance: of(Total::Transmittance, transmitted),
             specular_transmittance: of(Total::SpecularTransmittance, transmitted),
-            // A's error: what both others may miss.
+            // A's error: the sum of both
             absorptance: of(Total::Absorptance, |[r, t]| r + t),
             replicates: varied.map(|total| layer.spectrum(angle, total).replicates),
         }
     }
 
-    /// The totals at the wavelength number `i`, without the ink on its paper.
+    /// The totals at the `i`-th wavelength, without the ink on its paper.
     fn row(&self, i: usize, wavelength_nm: f64, realisations: &[usize]) -> SpectrumRow {
         SpectrumRow {
             wavelength_nm,
@@ -356,7 +360,7 @@ impl AngleTotals {
         }
     }
 
-    /// What each of the realisations moves R and T by at the wavelength number `i`.
+    /// Contributions of the realisations to R and T at the `i`-th wavelength.
     fn deviations(&self, i: usize, realisations: &[usize]) -> Vec<(usize, [f64; 2])> {
         let [r, t] = &self.replicates;
         let replicates: Vec<[f64; 2]> = r.iter().zip(t).map(|(r, t)| [r[i], t[i]]).collect();

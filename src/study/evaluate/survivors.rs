@@ -1,28 +1,30 @@
-//! Packings whose grains found no room, and what the mean over the others may miss by it.
+//! The effect of packings without room on the mean of the others.
 //!
-//! A cell without room may be unlike the others in colour too. At worst one normal variable decides both: a missing share f then
-//! moves the mean of the others by λ = φ(z)/(1 − f) of the standard deviation of all cells, z = Φ⁻¹(f), and leaves them the
-//! variance 1 + zλ − λ² of it (truncated normal law; Heckman, Econometrica 47 (1979) 153).
+//! A cell without room may also differ from the others in colour. In the worst case one normal
+//! variable determines both: a missing fraction f then shifts the mean of the others by λ = φ(z)/(1
+//! − f) of the standard deviation of all cells, z = Φ⁻¹(f), and reduces their variance by the
+//! factor 1 + zλ − λ² (truncated normal distribution; Heckman, Econometrica 47 (1979) 153).
 
 use serde::Serialize;
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
-/// The packings of a study that were tried.
+/// Numbers of a study's packings with and without room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Survivors {
-    /// Those whose grains found room.
+    /// Number of packings with room for their grains.
     pub packed: usize,
-    /// The others.
+    /// Number of packings without room.
     pub refused: usize,
 }
 
 impl Survivors {
-    /// Share of the packings tried that have no room.
+    /// Share of the packings without room.
     pub fn missing_share(self) -> f64 {
         self.refused as f64 / (self.packed + self.refused).max(1) as f64
     }
 
-    /// Largest shift of a mean of `cells` packings, as a multiple of its standard error; 0 where every packing had room.
+    /// Largest shift of a mean of `cells` packings, as a multiple of its standard error; 0 if every
+    /// packing has room.
     pub(super) fn largest_shift(self, cells: usize) -> f64 {
         let share = self.missing_share();
         if self.refused == 0 || self.packed == 0 {
@@ -34,7 +36,7 @@ impl Survivors {
         shift / (1.0 + z * shift - shift * shift).sqrt() * (cells as f64).sqrt()
     }
 
-    /// Why the packings that had room are no result, where more than the share `allowed` had none.
+    /// Why there is no result if more than the share `allowed` has no room.
     pub fn refusal(self, allowed: f64) -> Option<String> {
         let Self { packed, refused } = self;
         if self.missing_share() <= allowed {
@@ -52,7 +54,7 @@ mod tests {
     use super::*;
     use crate::numerics::estimate::Estimate;
 
-    /// Equal steps through the quantiles stand for draws: the least tenth, or half, has no room.
+    /// Equally spaced quantiles replace draws: the lowest tenth, or half, has no room.
     #[test]
     fn the_worst_selection_moves_the_mean_by_as_much_as_is_said() {
         let law = Normal::standard();
@@ -61,7 +63,7 @@ mod tests {
             let survivors = Survivors { packed: all.len() - refused, refused };
             let mean = Estimate::of_mean(&all[refused..]);
             let said = survivors.largest_shift(survivors.packed) * mean.standard_error.unwrap();
-            // sums for integrals of a density with a jump: 1e-3
+            // sums instead of integrals of a density with a jump: 1e-3
             assert!((mean.value / said - 1.0).abs() < 1e-3, "{refused}: {} and {said}", mean.value);
         }
         assert_eq!(Survivors { packed: 24, refused: 0 }.largest_shift(24), 0.0);

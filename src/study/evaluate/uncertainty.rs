@@ -1,7 +1,8 @@
-//! Published error bars: what the jackknife over realisations holds (chance, cell, angles, wavelengths), the grid and the solver's
-//! residual, added as squares.
+//! Published standard errors: the jackknife over realisations (randomness, cell, angles,
+//! wavelengths), the grid and the solver's residual, added in quadrature.
 //!
-//! The grid's error and the residual's are shifts of a whole spectrum, the same in every realisation: averaging does not lessen them.
+//! The errors of the grid and of the residual shift a whole spectrum, equally in all realisations:
+//! averaging does not reduce them.
 
 use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::{LayerOnPaper, PolarAngle};
@@ -13,19 +14,19 @@ use crate::solve::accuracy::grid_error::GridError;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Imbalances of energy of this size are rounding.
+/// Energy errors of this size are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The errors that one study's numbers share.
+/// The errors shared by all numbers of a study.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Uncertainty {
-    /// Of R and T from the grid.
+    /// Errors of R and T due to the grid.
     pub grid: GridError,
-    /// Of R and T from the solver's residual: the mean imbalance of energy, which is nothing else.
+    /// Error of R and T due to the solver's residual: the mean energy error.
     pub residual: f64,
-    /// Largest shift by packings without room, in standard errors by chance.
+    /// Largest shift due to packings without room, in random standard errors.
     pub missing_cells: f64,
-    /// No grains: chance plays no part, and the grid is all that is uncertain.
+    /// Without grains there is no randomness, and only the grid is uncertain.
     pub certain: bool,
 }
 
@@ -33,7 +34,7 @@ pub(super) struct Uncertainty {
 pub(super) type Shift = [f64; 2];
 /// No error of R and T.
 pub(super) const UNMOVED: Shift = [0.0; 2];
-/// A quantity of the layer on paper, moved by errors of R and T.
+/// A quantity of the layer on paper, shifted by errors of R and T.
 type PaperQuantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 
 impl Uncertainty {
@@ -41,17 +42,18 @@ impl Uncertainty {
         if self.residual > ROUNDING { self.residual } else { 0.0 }
     }
 
-    /// Errors of R and T that all realisations share: the grid's, the residual's. Each moves everything at once.
+    /// Errors of R and T common to all realisations: those of the grid, and those of the residual.
+    /// Each shifts everything at once.
     pub fn shifts(&self) -> [Shift; 2] {
         [[self.grid.reflectance, self.grid.transmittance], [self.residual(); 2]]
     }
 
-    /// As [`Uncertainty::widen`], for a quantity that shared errors of R and T move by so much.
+    /// Like [`Uncertainty::widen`], for a quantity that shared errors of R and T shift by `moved`.
     pub fn widen_by(&self, estimate: Estimate, moved: impl Fn(Shift) -> f64) -> Estimate {
         self.widen(estimate, self.shifts().map(moved).iter().fold(0.0, |sum: f64, x| sum.hypot(*x)))
     }
 
-    /// Covariance of Lab by chance with what shared errors move Lab by.
+    /// Random covariance of Lab, plus the shifts of Lab by shared errors.
     pub fn widen_lab(&self, chance: Option<[[f64; 3]; 3]>, moved: &[[f64; 3]]) -> Option<[[f64; 3]; 3]> {
         let none = (self.certain && moved.iter().any(|by| *by != [0.0; 3])).then_some([[0.0; 3]; 3]);
         let shared = |i: usize, j: usize| moved.iter().map(|by| by[i] * by[j]).sum::<f64>();
@@ -59,12 +61,13 @@ impl Uncertainty {
         chance.map(|chance| self.with_missing_cells(chance)).or(none).map(sum)
     }
 
-    /// A covariance by chance with that of the largest shift by packings without room, whichever way it goes.
+    /// Adds the largest shift due to packings without room, in any direction, to a random
+    /// covariance.
     fn with_missing_cells(&self, chance: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
         chance.map(|row| row.map(|c| c * (1.0 + self.missing_cells * self.missing_cells)))
     }
 
-    /// Adds a shared error; unknown chance leaves the whole unknown.
+    /// Adds a shared error; if the random error is unknown, so is the sum.
     pub fn widen(&self, estimate: Estimate, shared: f64) -> Estimate {
         let chance = estimate.standard_error.map(|chance| chance * 1.0_f64.hypot(self.missing_cells));
         let chance = chance.or(self.certain.then_some(0.0));
@@ -72,7 +75,8 @@ impl Uncertainty {
         Estimate { standard_error, ..estimate }
     }
 
-    /// Colour of a quantity to an observer, with what errors of R and T and the range of the wavelengths add.
+    /// Colour of a quantity for an observer, including errors of R and T and the effect of the
+    /// wavelength range.
     pub fn widened(&self, ink: &InkOnPaper, sight: &Sight, of: &PaperQuantity) -> Result<Widened, InkError> {
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
         let (colour, deviations) = ink.colour_with_deviations(sight, plain)?;
@@ -87,7 +91,8 @@ impl Uncertainty {
         Ok(Widened { colour: Colour { lab_covariance, ..colour }, chance, shared, deviations })
     }
 
-    /// Colour of a quantity to the standard observer: the covariance of Lab holds all of its budget.
+    /// Colour of a quantity for the standard observer, with all contributions to the covariance of
+    /// Lab.
     pub fn colour(
         &self,
         ink: &InkOnPaper,
@@ -110,85 +115,88 @@ impl Uncertainty {
     }
 }
 
-/// A colour with its covariance, and what that is made of.
+/// A colour with its covariance, and the contributions to it.
 pub(super) struct Widened {
-    /// With the covariance of everything.
+    /// The colour with its total covariance.
     pub colour: Colour,
-    /// The covariance of chance alone.
+    /// The random covariance.
     chance: Option<[[f64; 3]; 3]>,
-    /// What the grid, the residual, and light beyond each end of the wavelengths move Lab by.
+    /// Shifts of Lab due to the grid, the residual, and light beyond each end of the wavelength
+    /// range.
     shared: [[f64; 3]; 4],
-    /// What each realisation moves Lab by.
+    /// Contribution of each realisation to Lab.
     pub deviations: Vec<[f64; 3]>,
 }
 
-/// A colour, and how sure it is.
+/// A colour with its error budget.
 pub(super) struct Sure {
-    /// With the covariance of everything.
+    /// The colour with its total covariance.
     pub colour: Colour,
-    /// What that is made of.
+    /// Contributions to the error.
     pub budget: Budget,
-    /// What each realisation moves Lab by.
+    /// Contribution of each realisation to Lab.
     pub deviations: Vec<[f64; 3]>,
 }
 
-/// What a colour's error is made of: root mean square distances in Lab (ΔE*ab). The squares of all parts but `wavelengths` add up to that of
-/// the standard error; the wavelengths' part is corrected for.
+/// Contributions to a colour's error: root mean square distances in Lab (ΔE*ab). In quadrature all
+/// parts except `wavelengths`, which is corrected for, add up to the standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Budget {
-    /// Random packings, each in its own cell; `null` where one realisation leaves it unknown.
+    /// Random packings, each in its own cell; `null` if a single realisation leaves it unknown.
     pub chance_and_cell: Option<f64>,
-    /// The directions over the hemisphere.
+    /// The choice of directions over the hemisphere.
     pub angles: Option<f64>,
-    /// What the spacing of the wavelengths would cost without the correction that the colour holds.
+    /// The effect of the wavelength spacing, for which the colour is corrected.
     pub wavelengths: f64,
     /// The grid.
     pub grid: f64,
     /// The solver's residual.
     pub residual: f64,
-    /// Packings without room: what their cells could change at most; absent where all had room.
+    /// Packings without room: the largest effect of their cells; absent if all had room.
     #[serde(skip_serializing_if = "nothing")]
     pub missing_cells: f64,
-    /// Visible light outside the range of the wavelengths, for which the spectrum's ends stand; absent where all is inside.
+    /// Visible light outside the wavelength range, extrapolated from the ends of the spectrum;
+    /// absent if there is none.
     #[serde(skip_serializing_if = "nothing")]
     pub beyond_range: f64,
 }
 
-/// True of a part that an error does not have.
+/// Whether a part is absent from the error.
 fn nothing(part: &f64) -> bool {
     *part == 0.0
 }
 
 impl Budget {
-    /// The jackknife's whole less the part that the directions have brought.
+    /// Removes the contribution of the directions from that of the jackknife.
     fn apart(self) -> Self {
         let rest = |whole: f64| (whole * whole - self.angles.unwrap_or(0.0).powi(2)).max(0.0).sqrt();
         Self { chance_and_cell: self.chance_and_cell.map(rest), ..self }
     }
 }
 
-/// The radiance factor under a uniform sky, moved by the error of R, that of T on the way in and out, and that of R̄ towards
-/// the paper.
+/// The radiance factor under a uniform sky, shifted by the error of R, of T on the way in and out,
+/// and of R̄ on the paper's side.
 pub(super) fn natural_light(layer: &LayerOnPaper, view: &PolarAngle, sky: MirroredSky, [r, t]: Shift) -> f64 {
     let through = through_paper(layer, [layer.transmittance(view), layer.mean_transmittance()], [r, t]);
     layer.natural_light(view, sky) + (r + through)
 }
 
-/// π times the BRDF of the ink on its paper, moved by errors; the layer's own diffuse part is at most as uncertain as its R.
+/// π times the BRDF of the ink on its paper, shifted by errors; the error of the layer's diffuse
+/// part is at most that of its R.
 pub(super) fn lit(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle, [r, t]: Shift) -> f64 {
     let through =
         through_paper(layer, [layer.transmittance(light), layer.transmittance_returned(view)], [r, t]);
     PI * layer.brdf(light, view) + (r + through)
 }
 
-/// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b errs by as much as R.
+/// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b has the same error as R.
 fn through_paper(layer: &LayerOnPaper, [inwards, outwards]: [f64; 2], [r, t]: Shift) -> f64 {
     let factor = layer.return_factor();
     let moved_factor = (layer.index_out() * factor).powi(2) * r;
     factor * (inwards + outwards) * t + moved_factor * inwards * outwards
 }
 
-/// Root mean square distance that a covariance stands for.
+/// Root mean square distance for a covariance.
 fn spread(c: [[f64; 3]; 3]) -> f64 {
     (c[0][0] + c[1][1] + c[2][2]).max(0.0).sqrt()
 }
@@ -218,7 +226,7 @@ mod tests {
         assert_eq!(chance.widen(unknown, 3e-3).standard_error, None);
         assert_eq!(sure.widen(unknown, 3e-3).standard_error, Some(3e-3));
         assert_eq!(sure.widen(unknown, 0.0).standard_error, None);
-        // grid 3e-3 of R alone and residual 4e-3 of both, each as a whole: 3e-3 and 8e-3 in R + T
+        // grid: 3e-3 in R only, residual: 4e-3 in both; 3e-3 and 8e-3 in R + T
         let both = sure.widen_by(unknown, |[r, t]| r + t).standard_error.unwrap();
         assert!((both - 3e-3_f64.hypot(8e-3)).abs() < 1e-15, "{both}");
     }

@@ -1,23 +1,26 @@
-//! Functions of the wavelength that spectra are fitted with: cubic B-splines over a range, or one number for each listed wavelength.
+//! Functions of the wavelength for fitting spectra: cubic B-splines over a range, or one value per
+//! listed wavelength.
 
-/// A set of basis functions over the wavelength.
+/// Basis functions of the wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpectralBasis {
-    /// Solved at just these wavelengths, nm, rising: one function each.
+    /// One function per listed wavelength, nm, increasing.
     Listed(Vec<f64>),
-    /// Uniform cubic B-splines on `intervals` pieces of a range in nm, for wavelengths that differ from realisation to realisation.
+    /// Uniform cubic B-splines on `intervals` pieces of a range in nm, for wavelengths that vary
+    /// between realisations.
     Splines {
         /// First and last wavelength, nm.
         range_nm: [f64; 2],
-        /// Pieces of the range.
+        /// Number of pieces.
         intervals: usize,
     },
 }
 
-/// Functions that a wavelength can meet at once.
+/// Maximum number of functions that are non-zero at a wavelength.
 const MOST: usize = 4;
 
-/// The basis functions that do not vanish at a wavelength, with their values: the weights of their coefficients.
+/// Indices and values of the non-zero basis functions at a wavelength: the weights of their
+/// coefficients.
 pub type Weights = Vec<(usize, f64)>;
 
 impl SpectralBasis {
@@ -29,13 +32,13 @@ impl SpectralBasis {
         }
     }
 
-    /// True without a single function.
+    /// True without any functions.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Values at a wavelength in nm: splines are continued beyond their range by the outermost pieces, a list answers with its
-    /// nearest entry.
+    /// Values at a wavelength in nm. Splines are continued beyond their range by the outermost
+    /// pieces; a list uses its nearest entry.
     pub fn weights(&self, nm: f64) -> Weights {
         match self {
             Self::Listed(list) => {
@@ -60,7 +63,8 @@ impl SpectralBasis {
         weights.iter().map(|&(i, weight)| weight * coefficients(i)).sum()
     }
 
-    /// Pairs of neighbours' second differences to be kept small (Eilers and Marx 1996): rows of (function, factor).
+    /// Second differences of neighbouring coefficients, to be kept small (Eilers and Marx 1996):
+    /// rows of (function, factor).
     pub fn roughness(&self) -> Vec<[(usize, f64); 3]> {
         match self {
             Self::Listed(_) => Vec::new(),
@@ -89,7 +93,7 @@ mod tests {
         for nm in [400.0, 401.3, 450.0, 612.0, 700.0] {
             let weights = basis.weights(nm);
             let sum: f64 = weights.iter().map(|s| s.1).sum();
-            // Coefficients at the Greville points 350, 400, … give the line λ itself.
+            // Coefficients at the Greville points 350, 400, … reproduce the line λ itself.
             let line = SpectralBasis::at(&weights, |i| 350.0 + 50.0 * i as f64);
             assert!((sum - 1.0).abs() < 1e-14 && (line - nm).abs() < 1e-11, "{nm}: {sum} {line}");
         }

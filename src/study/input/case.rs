@@ -1,4 +1,5 @@
-//! One solve of an explicit geometry: the `inputs` object of a reference case, as JSON or TOML.
+//! A single solve of an explicit geometry: the `inputs` object of a reference case, as JSON or
+//! TOML.
 
 use super::case_inputs::TEXT;
 pub use super::case_inputs::{
@@ -20,12 +21,12 @@ pub struct Case {
     pub scene: Scene,
     /// Indices of all media.
     pub media: Media,
-    /// The light.
+    /// The incident light.
     pub incidence: Incidence,
 }
 
 impl Case {
-    /// Reads a case file: the inputs themselves, or an object that holds them as `inputs`.
+    /// Reads a case file: the inputs themselves, or an object that contains them as `inputs`.
     pub fn read(path: &Path) -> Result<Case, CaseError> {
         let name = path.display().to_string();
         let text = files::read_text(path, files::CASE)
@@ -38,7 +39,7 @@ impl Case {
         })
     }
 
-    /// Parses JSON, or TOML when `toml` is set.
+    /// Parses JSON, or TOML if `toml` is set.
     pub fn parse(text: &str, toml: bool) -> Result<Case, CaseError> {
         let inputs = if toml { from_toml(text)? } else { from_json(text)? };
         Case::from_inputs(&inputs)
@@ -81,7 +82,7 @@ fn from_json(text: &str) -> Result<CaseInputs, CaseError> {
     inputs_of(parse_json(text).map_err(|fault| unreadable(&fault, text))?)
 }
 
-/// The case itself, or what an object around it holds as `inputs`.
+/// The inputs themselves, or those contained in an object as `inputs`.
 fn inputs_of(document: Node) -> Result<CaseInputs, CaseError> {
     let inputs = document.get("inputs").cloned().unwrap_or(document);
     read(inputs).map_err(|faults| CaseError::Values { path: TEXT.into(), faults: Faults(faults) })
@@ -100,7 +101,7 @@ struct CaseBuilder {
 
 impl CaseBuilder {
     fn strata(&mut self, inputs: &CaseInputs) -> Result<Vec<Stratum>, CaseError> {
-        // A binder stated beside sublayers of the same background says the same thing twice.
+        // a binder beside sublayers of the same background is redundant, not an error
         let same = |l: &SublayerInput| Some(l.eta_background) == inputs.eta_binder;
         let repeated = inputs.sublayers_from_z0.as_ref().is_some_and(|all| all.iter().all(same));
         let described = [
@@ -123,7 +124,7 @@ impl CaseBuilder {
         if parts.is_empty() {
             return Err(Fault::new("layers_from_z0", "none", "at least one", "add a layer").into());
         }
-        // A film of zero thickness changes nothing and would only ask for a cell of zero height.
+        // a film of zero thickness has no effect, and would need a cell of zero height
         let solid = parts.into_iter().filter(|p| p.0 != 0.0);
         let stratum =
             |(thickness_um, eta)| Stratum { thickness_um, background: index_of(&mut self.backgrounds, eta) };
@@ -188,7 +189,7 @@ fn check_bar(bar: &BarInput, period: f64) -> Result<(), CaseError> {
     Err(Fault::new("bars", found, allowed, "make it narrower, or repeat it in a longer period").into())
 }
 
-/// The stated H must be the sum of the layers.
+/// Checks that H, if given, is the sum of the layers.
 fn check_thickness(inputs: &CaseInputs, scene: &Scene) -> Result<(), CaseError> {
     let total = scene.thickness_um();
     match inputs.thickness {

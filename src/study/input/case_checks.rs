@@ -1,17 +1,17 @@
-//! Ranges of a case's numbers, named as they are written in the file.
+//! Allowed ranges of a case's numbers, under the names of the file.
 
 use super::case_inputs::{CaseInputs, IndexInput};
 use super::fault::{Allowed, Fault, Faults};
 use super::forms::Pair;
 use super::limits::{ABOVE_ZERO, NOT_NEGATIVE, POLAR_DEG};
 
-/// Any number that is one.
+/// Any finite number.
 const FINITE: Allowed = Allowed::between(f64::MIN, f64::MAX, "");
-/// Either part of an index.
+/// Real or imaginary part of an index.
 const INDEX_PART: Allowed = Allowed::between(0.0, f64::MAX, "");
 const IN_UM: &str = "give it in µm";
 
-/// Numbers out of range, found before they are combined into a scene.
+/// Finds numbers out of range before they are combined into a scene.
 pub fn check(inputs: &CaseInputs) -> Faults {
     let mut faults = Faults::default();
     faults.number("wavelength", inputs.wavelength, ABOVE_ZERO, IN_UM);
@@ -48,7 +48,7 @@ fn lengths(inputs: &CaseInputs, faults: &mut Faults) {
     }
 }
 
-/// Every index with its place.
+/// All indices with their fields.
 fn indices(inputs: &CaseInputs) -> Vec<(String, [f64; 2])> {
     let single = [
         ("n_in", inputs.n_in.map(IndexInput::parts)),
@@ -100,7 +100,7 @@ fn grains(inputs: &CaseInputs, faults: &mut Faults) {
     }
 }
 
-/// Grains lie inside the layer; touching a wall may exceed it by rounding.
+/// Checks that a grain lies inside the layer, up to rounding.
 fn within(grain: String, z: f64, radius: f64, height: f64, faults: &mut Faults) {
     let slack = 1e-9 * height.min(radius);
     let (low, high) = (z - radius, z + radius);

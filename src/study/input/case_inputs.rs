@@ -1,4 +1,4 @@
-//! The keys of a case, as written.
+//! The keys of a case file.
 
 use super::fault::{Fault, Faults};
 use super::forms::Pair;
@@ -8,10 +8,10 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use thiserror::Error;
 
-/// A geometry with its media and light, as written; lengths in µm, angles in degrees.
+/// A geometry with its media and light; lengths in µm, angles in degrees.
 ///
-/// `n_in` is the half-space z < 0, the incident side, `n_out` the one beyond z > H, each
-/// a number or [re, im].
+/// `n_in` is the index of the half-space z < 0, the incident side, `n_out` that of z > H, each a
+/// number or [re, im].
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseInputs {
@@ -25,13 +25,14 @@ pub struct CaseInputs {
     /// Azimuth from the x axis, degrees.
     #[serde(default)]
     pub phi_deg: f64,
-    /// Period in x, µm, and in y unless `Ly` is given; or both as a pair. Films alone need none.
+    /// Period along x, µm, and along y unless `Ly` is given; or both as a pair. Not needed for
+    /// films.
     #[serde(rename = "L")]
     pub period: Option<Pair>,
-    /// Period along y, µm; that along x unless told.
+    /// Period along y, µm (default: that along x).
     #[serde(rename = "Ly")]
     pub period_y: Option<f64>,
-    /// Thickness, µm; of the layers listed unless told.
+    /// Thickness, µm (default: sum of the layers).
     #[serde(rename = "H")]
     #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 1.0)]
     pub thickness: Option<f64>,
@@ -39,24 +40,24 @@ pub struct CaseInputs {
     pub n_in: Option<IndexInput>,
     /// Index of the half-space z > H.
     pub n_out: Option<IndexInput>,
-    /// Index of the incident side as [re, im]; published reference cases say `eta_below`.
+    /// Index of the incident side as [re, im]; called `eta_below` in published reference cases.
     #[serde(alias = "eta_below")]
     pub eta_in: Option<[f64; 2]>,
-    /// Index of the exit side as [re, im]; published reference cases say `eta_above`.
+    /// Index of the exit side as [re, im]; called `eta_above` in published reference cases.
     #[serde(alias = "eta_above")]
     pub eta_out: Option<[f64; 2]>,
     /// Index of the binder as [re, im].
     pub eta_binder: Option<[f64; 2]>,
-    /// The side the light comes from: `incident` is z < 0.
+    /// Side of incidence: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
     /// Spheres in the binder.
     pub spheres: Option<Vec<SphereInput>>,
     /// Cylinders along y in the binder.
     pub cylinders: Option<Vec<CylinderInput>>,
-    /// Homogeneous films from z = 0 on.
+    /// Homogeneous films, starting at z = 0.
     pub layers_from_z0: Option<Vec<LayerInput>>,
-    /// Films with bars along y, from z = 0 on.
+    /// Films with bars along y, starting at z = 0.
     pub sublayers_from_z0: Option<Vec<SublayerInput>>,
     #[serde(default)]
     #[allow(dead_code, reason = "free text of reference files")]
@@ -67,14 +68,14 @@ pub struct CaseInputs {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "an index: a number or [re, im]")]
 pub enum IndexInput {
-    /// Transparent.
+    /// Index of a transparent medium.
     Real(f64),
-    /// Real and imaginary part; Im ≥ 0 absorbs.
+    /// Real and imaginary part; a positive imaginary part absorbs.
     Complex([f64; 2]),
 }
 
 impl IndexInput {
-    /// [re, im].
+    /// The index as [re, im].
     pub fn parts(self) -> [f64; 2] {
         match self {
             IndexInput::Real(n) => [n, 0.0],
@@ -84,7 +85,8 @@ impl IndexInput {
 }
 
 impl CaseInputs {
-    /// Periods along x and y; `Ly` beside a pair is refused by the checks. Films alone, which no period changes, have 1 µm unless told.
+    /// Periods along x and y. `Ly` beside a pair is refused by the checks; films, which do not
+    /// depend on the period, default to 1 µm.
     pub fn period_um(&self) -> [f64; 2] {
         match self.period.unwrap_or(Pair::Both(1.0)) {
             Pair::Both(x) => [x, self.period_y.unwrap_or(x)],
@@ -92,7 +94,7 @@ impl CaseInputs {
         }
     }
 
-    /// Whether there are grains or bars, which repeat with the period.
+    /// Whether there are grains or bars, for which the period matters.
     pub fn repeats(&self) -> bool {
         let bars = self.sublayers_from_z0.iter().flatten().any(|sublayer| !sublayer.bars.is_empty());
         let spheres = self.spheres.as_ref().is_some_and(|all| !all.is_empty());
@@ -148,7 +150,7 @@ pub struct SublayerInput {
     pub thickness: f64,
     /// Index between the bars as [re, im].
     pub eta_background: [f64; 2],
-    /// Bars through the film's whole thickness.
+    /// Bars across the whole thickness of the film.
     #[serde(default)]
     pub bars: Vec<BarInput>,
 }
@@ -157,9 +159,9 @@ pub struct SublayerInput {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BarInput {
-    /// Begins at x, µm.
+    /// First edge, µm.
     pub x0: f64,
-    /// Ends at x, µm.
+    /// Second edge, µm.
     pub x1: f64,
     /// Index as [re, im].
     pub eta: [f64; 2],
@@ -173,33 +175,33 @@ pub enum CaseError {
     Read {
         /// The file.
         path: String,
-        /// What the system says.
+        /// The system's error message.
         cause: std::io::Error,
     },
-    /// The file is no case.
+    /// The file is not a valid case.
     #[error("{path} is not a case: {message}; {remedy}")]
     Parse {
         /// The file.
         path: String,
-        /// What is wrong, with its place.
+        /// What is wrong, and where.
         message: String,
-        /// What to try.
+        /// Suggested remedy.
         remedy: &'static str,
     },
-    /// Everything that is wrong with its keys and values.
+    /// Keys or values are not allowed.
     #[error("{path} is not a case: {faults}")]
     Values {
         /// The file.
         path: String,
-        /// All that is wrong.
+        /// All errors.
         faults: Faults,
     },
-    /// The case is no wave problem.
+    /// The case cannot be discretised.
     #[error(transparent)]
     Wave(#[from] crate::wave::WaveError),
 }
 
-/// Stands for the path where a text is given.
+/// Shown instead of a path if the text does not come from a file.
 pub(super) const TEXT: &str = "the text";
 
 impl From<Fault> for CaseError {

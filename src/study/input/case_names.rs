@@ -1,10 +1,10 @@
-//! What the file calls the bodies of a case: a scene knows them by their numbers.
+//! Names of a case's bodies as in its file, where a scene uses numbers.
 
 use super::case_inputs::{CaseError, CaseInputs};
 use super::fault::Fault;
 use crate::wave::WaveError;
 
-/// A refusal of the scene with the file's names in the place of its numbers.
+/// Replaces the numbers in a scene's error by the file's names.
 pub(super) fn with_names(error: WaveError, inputs: &CaseInputs) -> CaseError {
     let names = names(inputs);
     let name = |body: usize| names.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
@@ -28,13 +28,13 @@ pub(super) fn with_names(error: WaveError, inputs: &CaseInputs) -> CaseError {
     }
 }
 
-/// In the order of the scene's bodies.
+/// Names in the order of the scene's bodies.
 fn names(inputs: &CaseInputs) -> Vec<String> {
     let count = |list: Option<usize>| 0..list.unwrap_or(0);
     let spheres = count(inputs.spheres.as_ref().map(Vec::len)).map(|i| format!("spheres[{i}]"));
     let cylinders = count(inputs.cylinders.as_ref().map(Vec::len)).map(|i| format!("cylinders[{i}]"));
     let sublayers = inputs.sublayers_from_z0.iter().flatten().enumerate();
-    // Films of no thickness have no bodies.
+    // films of zero thickness have no bodies
     let solid = sublayers.filter(|(_, sublayer)| sublayer.thickness != 0.0);
     let bars = solid.flat_map(|(i, sublayer)| {
         (0..sublayer.bars.len()).map(move |j| format!("sublayers_from_z0[{i}].bars[{j}]"))

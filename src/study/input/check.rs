@@ -1,4 +1,4 @@
-//! From the file as written to a [`Study`]: every fault found at once, none let through.
+//! Checks a study file and turns it into a [`Study`]; reports all errors at once.
 
 mod angles;
 mod composed;
@@ -24,17 +24,17 @@ use crate::solve::Goal;
 use index::Tabulation;
 use std::path::Path;
 
-/// Packings of varied cells unless told.
+/// Default number of packings with varied cells.
 const VARIED_CELLS: usize = 24;
-/// Packings unless told where a bar is the aim.
+/// Default maximum number of packings with `run.target_delta_e`.
 const MOST_CELLS: usize = 400;
-/// Packings of fixed cells unless told.
+/// Default number of packings with fixed cells.
 const FIXED_CELLS: usize = 4;
 
-/// Checks every field of `file`. CSV paths are relative to `folder`; `name` titles a study without a title.
+/// Checks every field of `file`. CSV paths are relative to `folder`; `name` is the default title.
 ///
 /// # Errors
-/// All faults of the file, each with its field, what was found, what is allowed and what to try.
+/// All errors of the file, each with the field, what was found, what is allowed and what to try.
 pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
     let Examined { study, mut packing, mut optics } = examine(file, folder, name);
     packing.0.append(&mut optics.0);
@@ -50,10 +50,10 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
     if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
 }
 
-/// As [`check`], for the packings alone: faults of what only the wave needs do not count.
+/// Like [`check`], for packings only: errors in what only the wave needs are ignored.
 ///
 /// # Errors
-/// All faults of the layer, the pigments and the packing.
+/// All errors in the layer, the pigments and the packing.
 pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
     let Examined { study, mut packing, .. } = examine(file, folder, name);
     if study.pigments.is_empty() {
@@ -62,12 +62,12 @@ pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Stud
     if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
 }
 
-/// The study as far as it can be understood, and everything that is wrong with it.
+/// The study as far as it is valid, and all errors.
 struct Examined {
     study: Study,
-    /// With the layer, the grains and the run.
+    /// Errors in the layer, the grains and the run.
     packing: Faults,
-    /// With what only the wave and its results need.
+    /// Errors in what only the wave and its results need.
     optics: Faults,
 }
 
@@ -92,7 +92,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let goal = goal(&file.solver, &resolution, &mut optics);
     counts(file, &mut faults);
     let variation = variation(file, &wavelengths_nm, &mut optics);
-    // Without grains and with an even thickness all realisations are the same.
+    // without grains and with a uniform thickness all realisations are equal
     let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
     let realisations = if alike { 1 } else { realisations(file) };
     let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut optics);
@@ -136,7 +136,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     Examined { study, packing: faults, optics }
 }
 
-/// A bar as the aim of a study without a colour, which would never reach it.
+/// `target_delta_e` needs a colour; without paper it can never be met.
 fn aim(study: &Study) -> Option<Fault> {
     let target = study.target_delta_e?;
     let grid = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
@@ -169,7 +169,7 @@ fn layer(table: &LayerTable, period_um: [f64; 2], binder: IndexSpectrum, faults:
     }
 }
 
-/// Nominal period of the cells: as written, or what the grains need.
+/// Nominal period of the cells: as given, or as the grains require.
 fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
     let Some(written) = file.layer.period_um else {
         if file.layer.cell == CellRule::Fixed {
@@ -190,7 +190,7 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
     written.xy()
 }
 
-/// How realisations differ.
+/// How realisations vary.
 fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
     let thickness_std_um = file.layer.thickness_um.std();
     Variation {
@@ -200,7 +200,7 @@ fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> V
     }
 }
 
-/// Packings unless told.
+/// Default number of packings.
 fn realisations(file: &StudyFile) -> usize {
     file.run.realisations.unwrap_or(match file.layer.cell {
         _ if file.run.target_delta_e.is_some() => MOST_CELLS,
@@ -209,7 +209,8 @@ fn realisations(file: &StudyFile) -> usize {
     })
 }
 
-/// Accuracy from which a grid for each wavelength pays: 1.2 to 1.5 times faster at 1e-3 to 3e-4 (inks of 15–30 %, 200–300 nm).
+/// Accuracy at which a grid per wavelength pays: 1.2 to 1.5 times faster at 1e-3 to 3e-4 (inks of
+/// 15–30 %, 200–300 nm).
 const PER_WAVELENGTH: f64 = 1e-3;
 
 fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
@@ -249,7 +250,8 @@ fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
 
 fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults) -> Goal {
     let tolerance = table.tolerance.unwrap_or(match resolution {
-        // Three times the residual is what it may do to an amplitude: a third of the accuracy, at random from solve to solve.
+        // an amplitude's error is up to three times the residual: a third of the accuracy, and
+        // random from solve to solve
         WantedResolution::Accuracy { amplitude, .. } => (0.1 * amplitude).clamp(1e-13, 1e-3),
         WantedResolution::Grid { .. } => Goal::default().tolerance,
     });
@@ -260,7 +262,7 @@ fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults)
 }
 
 fn counts(file: &StudyFile, faults: &mut Faults) {
-    let remedy = "0.1 leaves every tenth out; with more of them the means are those of other cells";
+    let remedy = "0.1 leaves out every tenth; with more of them the means are those of different cells";
     faults.number("run.failed_packings", file.run.failed_packings, limits::FAILED_PACKINGS, remedy);
     if let Some(target) = file.run.target_delta_e {
         let remedy = "0.3 is hard to see; a hundredth of that needs 10 000 times the cells";
@@ -271,7 +273,7 @@ fn counts(file: &StudyFile, faults: &mut Faults) {
                 "run.realisations",
                 1,
                 allowed,
-                "leave it out: as many are run as it takes",
+                "leave it out: the run ends when the target is reached",
             ));
         }
     }

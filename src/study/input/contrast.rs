@@ -1,31 +1,34 @@
-//! Runs that tell which part of the contrast scatters: η² with its real or its imaginary part levelled out.
+//! Studies of which part of the contrast scatters: the real or imaginary part of η² is replaced by
+//! its mean.
 
 use crate::material::mixing::molecular_mixture;
 use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Part of the contrast in η² that is kept. The other part takes its mean over the layer everywhere, so that the mean
-/// medium is the same in all three (P1 conclusion 4 asks which fluctuations make large grains pale).
+/// The part of the contrast in η² that is kept. The other part is replaced by its mean over the
+/// layer, so that the mean medium is the same in all three (P1 conclusion 4 asks which fluctuations
+/// make large grains pale).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContrastPart {
-    /// As the materials are.
+    /// The materials are unchanged.
     #[default]
     Full,
-    /// Re η² alone differs; Im η² is the same everywhere.
+    /// Only Re η² varies; Im η² is the same everywhere.
     Real,
-    /// Im η² alone differs; Re η² is the same everywhere.
+    /// Only Im η² varies; Re η² is the same everywhere.
     Imaginary,
 }
 
 impl ContrastPart {
-    /// True where nothing is levelled out.
+    /// True if nothing is replaced.
     pub fn is_full(&self) -> bool {
         *self == ContrastPart::Full
     }
 
-    /// Indices of binder and pigments with the part kept; `shares` are the pigments' volume fractions.
+    /// Indices of binder and pigments with the part that is kept; `shares` are the pigments' volume
+    /// fractions.
     pub fn of(
         self,
         binder: Complex64,

@@ -1,21 +1,21 @@
-//! What each realisation of a study draws.
+//! The random draws of each realisation.
 
 use super::study::Study;
 use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, Turn, between, thickness_um};
 use crate::ink::{PigmentGrains, SizeDistribution};
 use crate::numerics::sequence::Sequence;
 
-/// Whole grains are sought within this share of the drawn area where several pigments must agree.
+/// With several pigments, whole grains are sought within this fraction of the drawn area.
 const AREA_SEARCH: f64 = 0.04;
-/// Numbers of grains tried on either side of the one drawn.
+/// Maximum number of grain numbers tried on either side of the one drawn.
 const MOST_TRIED: usize = 2000;
-/// Steps by this share of the circle fill it evenly: (√5 − 1)/2.
+/// Steps by this fraction of the circle cover it evenly: (√5 − 1)/2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
-/// Coordinates of the sequence.
+/// Number of coordinates of the sequence.
 const COORDINATES: usize = 6;
 
 impl Study {
-    /// What realisation `r` has drawn.
+    /// The draws of realisation `r`.
     pub fn draw(&self, r: usize) -> Draw {
         let [area, aspect, azimuth, direction, wavelength, thickness] =
             Sequence::<COORDINATES>::new(self.packing.seed).point(if self.pairs_cells() { r / 2 } else { r });
@@ -33,8 +33,9 @@ impl Study {
         Draw { period_um, thickness_um, azimuth_deg: self.angles.azimuth_deg + turn, direction, wavelength }
     }
 
-    /// Directions of a realisation at its wavelength number `j`: varied cells are turned on from wavelength to wavelength, so that no two
-    /// of them share a Bloch vector and their chances are as independent as one packing allows.
+    /// Directions of a realisation at its `j`-th wavelength. Varied cells are rotated between
+    /// wavelengths, so that no two of them share a Bloch vector and their errors are as independent
+    /// as one packing allows.
     pub fn turn(&self, draw: &Draw, j: usize) -> Turn {
         match self.variation.cell {
             CellRule::Fixed => Turn { azimuth_deg: draw.azimuth_deg, direction: draw.direction },
@@ -45,7 +46,7 @@ impl Study {
         }
     }
 
-    /// Wavelengths of a realisation, nm, rising.
+    /// Wavelengths of a realisation, nm, increasing.
     pub fn solved_wavelengths_nm(&self, draw: &Draw) -> Vec<f64> {
         match self.variation.light {
             LightRule::Listed => self.wavelengths_nm.clone(),
@@ -64,7 +65,7 @@ impl Study {
         }
     }
 
-    /// Equally likely thicknesses of the layer, µm: the mean alone where it is even.
+    /// Equally probable thicknesses of the layer, µm; only the mean if the thickness is uniform.
     pub fn thicknesses_um(&self) -> Vec<f64> {
         let count = if self.variation.thickness_std_um > 0.0 { 32 } else { 1 };
         let share = |k: usize| (k as f64 + 0.5) / count as f64;
@@ -73,7 +74,7 @@ impl Study {
             .collect()
     }
 
-    /// The area nearest to `area` (µm²) that whole grains fill to the volume fractions asked.
+    /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.
     fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
         let quanta: Vec<f64> = self
             .pigments
@@ -85,20 +86,21 @@ impl Study {
         let nearest = grains(1.0);
         let distance = |n: usize| (n as f64 - nearest as f64).abs();
         let key = |&n: &usize| (1e9 * largest_remainder(n, largest, &quanta)).round() as u64;
-        // Among very many grains the nearest are as good as any.
+        // with very many grains the nearest numbers suffice
         let fewest = grains(1.0 - AREA_SEARCH).max(nearest.saturating_sub(MOST_TRIED));
         let candidates = fewest..=grains(1.0 + AREA_SEARCH).min(nearest.saturating_add(MOST_TRIED));
         let best = candidates.min_by(|a, b| key(a).cmp(&key(b)).then(distance(*a).total_cmp(&distance(*b))));
         best.unwrap_or(nearest) as f64 * largest
     }
 
-    /// Height over which the grains' share is counted, µm.
+    /// Height to which the grains' volume fraction refers, µm.
     fn dry_um(&self, thickness_um: f64) -> f64 {
         self.packing.relief.as_ref().map_or(thickness_um, |relief| thickness_um - relief.depth_um)
     }
 }
 
-/// Largest relative distance of the pigments' numbers of grains from whole ones, in an area of `n` times `largest`.
+/// Largest relative deviation of the pigments' grain numbers from integers, in an area of `n` times
+/// `largest`.
 fn largest_remainder(n: usize, largest: f64, quanta: &[f64]) -> f64 {
     let of = |quantum: &f64| {
         let count = n as f64 * largest / quantum;
@@ -107,7 +109,7 @@ fn largest_remainder(n: usize, largest: f64, quanta: &[f64]) -> f64 {
     quanta.iter().map(of).fold(0.0, f64::max)
 }
 
-/// Area of the cell for one grain of a pigment whose grains are all alike, µm².
+/// Area of the cell per grain of a pigment with equal grains, µm².
 fn area_of_a_grain(grains: &PigmentGrains, height_um: f64) -> Option<f64> {
     let SizeDistribution::Constant { value_nm, .. } = grains.size else { return None };
     let template = grains.shape.template();

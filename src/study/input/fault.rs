@@ -1,4 +1,4 @@
-//! What can be wrong with a study, said so that it can be put right.
+//! Errors in a study, described so that they can be corrected.
 
 pub use crate::numerics::allowed::Allowed;
 use crate::numerics::allowed::shown;
@@ -6,7 +6,7 @@ use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// One thing to put right: the field, what was found there, what is allowed and what to try.
+/// An error in a study: the field, what was found there, what is allowed and what to try.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// Path of the field in the study file, such as `pigment[0].volume_fraction`.
@@ -20,7 +20,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// A fault of a field.
+    /// An error in a field.
     pub fn new(
         field: impl Into<String>,
         found: impl fmt::Display,
@@ -38,7 +38,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Why there is no checked study.
+/// Why a study is invalid.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The file cannot be read.
@@ -46,7 +46,7 @@ pub enum StudyError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error message.
         source: std::io::Error,
     },
     /// Not TOML, an unknown key, a missing key or a value of the wrong kind; `span` in bytes.
@@ -54,23 +54,23 @@ pub enum StudyError {
     Syntax {
         /// The file.
         path: PathBuf,
-        /// Its text, for pointing at the place.
+        /// Its text, to show the line.
         text: String,
-        /// The place, in bytes.
+        /// Position in the text, bytes.
         span: Option<Range<usize>>,
         /// What is wrong.
         message: String,
-        /// What to try.
+        /// Suggested remedy.
         remedy: String,
     },
-    /// Everything that is wrong with the values, at once.
+    /// Values are not allowed; all of them are listed.
     #[error("{}: {}", path.display(), list(faults))]
     Values {
         /// The file.
         path: PathBuf,
-        /// Its text, for pointing at the places.
+        /// Its text, to show the lines.
         text: String,
-        /// All that is wrong.
+        /// All errors.
         faults: Vec<Fault>,
     },
 }
@@ -79,7 +79,7 @@ fn list(faults: &[Fault]) -> String {
     faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("; ")
 }
 
-/// All faults in one line, each with its remedy.
+/// All errors in one line, each with its remedy.
 impl fmt::Display for Faults {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let one = |fault: &Fault| format!("{fault}: {}", fault.remedy);
@@ -87,7 +87,7 @@ impl fmt::Display for Faults {
     }
 }
 
-/// The keys of a table that are there, in words.
+/// Lists the keys that are present in a table.
 pub fn keys_in_words<const N: usize>(keys: [(&str, bool); N]) -> String {
     let there: Vec<&str> = keys.into_iter().filter(|(_, is_there)| *is_there).map(|(key, _)| key).collect();
     match there.split_last() {
@@ -97,17 +97,17 @@ pub fn keys_in_words<const N: usize>(keys: [(&str, bool); N]) -> String {
     }
 }
 
-/// Collects the faults of a study while it is checked.
+/// Collects the errors of a study.
 #[derive(Debug, Default)]
 pub struct Faults(pub Vec<Fault>);
 
 impl Faults {
-    /// Adds a fault.
+    /// Adds an error.
     pub fn push(&mut self, fault: Fault) {
         self.0.push(fault);
     }
 
-    /// Notes a fault unless the number is finite and allowed.
+    /// Adds an error unless the number is finite and allowed.
     pub fn number(&mut self, field: &str, value: f64, allowed: Allowed, remedy: &str) {
         if !allowed.holds(value) {
             self.push(Fault::new(field, shown(value), allowed.to_string(), remedy));

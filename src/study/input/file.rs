@@ -1,9 +1,9 @@
-//! The study file as written: TOML with the units in the key names, nothing checked yet.
+//! The study file as written: TOML with units in the names of its keys, not yet checked.
 //!
 //! ```toml
 //! title = "Yellow ink, 30 %"
 //! [layer]
-//! # period_um = 1.6                    # nominal; follows from the grains when left out
+//! # period_um = 1.6                    # nominal; by default it follows from the grains
 //! thickness_um = 1.0
 //! binder.index = 1.558
 //! [[pigment]]
@@ -30,46 +30,46 @@ pub use light::{AnglesTable, LightTable, SamplingName};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A whole study file. Tables left out take the defaults documented on their fields.
+/// A whole study file. Missing tables take the defaults given for their fields.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyFile {
-    /// Shown as the report's heading; the file's name when left out.
+    /// Title of the report (default: name of the file).
     #[schemars(example = &"Yellow ink, 30 %")]
     pub title: Option<String>,
-    /// The periodic cell and what lies above and below it.
+    /// The periodic cell and the media on both sides of it.
     pub layer: LayerTable,
-    /// The kinds of grains, one `[[pigment]]` each; without any the layer is its binder alone.
+    /// The pigments, one `[[pigment]]` each; without any the layer consists of binder only.
     #[serde(default, rename = "pigment")]
     pub pigments: Vec<PigmentTable>,
-    /// How the grains come to their places.
+    /// How the grains are placed.
     #[serde(default)]
     pub packing: PackingTable,
     /// The Lambertian substrate.
     #[serde(default)]
     pub paper: PaperTable,
-    /// Vacuum wavelengths; 400 to 700 nm by 20 nm when left out.
+    /// Vacuum wavelengths (default: 400 to 700 nm in steps of 20 nm).
     #[serde(default)]
     pub light: LightTable,
     /// Directions of the light.
     #[serde(default)]
     pub angles: AnglesTable,
-    /// How many packings, and their seed.
+    /// Number of packings, and their seed.
     #[serde(default)]
     pub run: RunTable,
-    /// A wanted accuracy, 1e-2 when nothing is said, or the grid itself.
+    /// The requested accuracy (default: 1e-2), or the grid.
     #[serde(default)]
     pub resolution: ResolutionTable,
     /// How the wave equation is solved.
     #[serde(default)]
     pub solver: SolverTable,
-    /// What the results look like; no solve depends on it.
+    /// Form of the results; no solve depends on it.
     #[serde(default)]
     pub output: OutputTable,
-    /// The conditions of an ink maker's numbers, beside D65 and the 2° observer of everything else.
+    /// Conditions of the numbers for ink makers; everything else uses D65 and the 2° observer.
     #[serde(default)]
     pub colour: ColourTable,
-    /// What the prediction is held against.
+    /// What the prediction is compared with.
     #[serde(default)]
     pub compare: CompareTable,
 }

@@ -1,4 +1,4 @@
-//! Values that may be written in more than one form.
+//! Values that can be written in several forms.
 
 use super::limits::{ABOVE_ZERO, ABSORPTION, ALBEDO, INDEX, NOT_NEGATIVE, THICKNESS_UM};
 use crate::material::named::MATERIALS;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use std::fmt;
 
-/// Grain size as written.
+/// Grain size.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged, expecting = "a number of nm such as 250, or \"molecular\"")]
 pub enum Diameter {
@@ -20,7 +20,7 @@ pub enum Diameter {
     Vanishing(Vanishing),
 }
 
-/// Grains without a size.
+/// Grains of vanishing size.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Vanishing {
@@ -28,7 +28,7 @@ pub enum Vanishing {
     Molecular,
 }
 
-/// A layer's thickness as written.
+/// Thickness of a layer.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[schemars(rename = "Thickness")]
 #[serde(
@@ -37,9 +37,9 @@ pub enum Vanishing {
     expecting = "a thickness in µm, { mean = 1.0, std = 0.1 } for an uneven layer, or a list for a composed one"
 )]
 pub enum ThicknessWritten {
-    /// An even layer, µm.
+    /// Uniform thickness, µm.
     Even(#[schemars(transform = THICKNESS_UM.mark())] f64),
-    /// An uneven layer: every realisation has a thickness of its own.
+    /// Variable thickness: every realisation has its own.
     Uneven {
         /// Mean, µm.
         #[schemars(transform = THICKNESS_UM.mark())]
@@ -78,7 +78,7 @@ impl ThicknessWritten {
     }
 }
 
-/// The paper's albedo as written.
+/// The paper's albedo.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[schemars(rename = "Albedo")]
 #[serde(
@@ -89,27 +89,27 @@ impl ThicknessWritten {
 pub enum AlbedoWritten {
     /// One albedo for all wavelengths.
     Constant(#[schemars(transform = ALBEDO.mark())] f64),
-    /// Rows of wavelength in nm and albedo, rising, linear in between.
+    /// Rows of wavelength in nm and albedo, with increasing wavelengths, linear in between.
     Rows(#[schemars(length(min = 2))] Vec<[f64; 2]>),
-    /// A table of its own.
+    /// A table in a file.
     Csv {
-        /// Table wavelength_nm, albedo, relative to the study file.
+        /// Table with the columns wavelength_nm and albedo, relative to the study file.
         csv: String,
     },
 }
 
-/// A length in both directions, or in each.
+/// One length for both directions, or one for each.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged, expecting = "a number or two numbers [x, y]")]
 pub enum Pair {
     /// One length along x and y, µm.
     Both(#[schemars(transform = ABOVE_ZERO.mark())] f64),
-    /// Along x and along y, µm.
+    /// Lengths along x and y, µm.
     Each([f64; 2]),
 }
 
 impl Pair {
-    /// Along x and along y.
+    /// Lengths along x and y, µm.
     pub fn xy(self) -> [f64; 2] {
         match self {
             Self::Both(length) => [length; 2],
@@ -118,7 +118,7 @@ impl Pair {
     }
 }
 
-/// A complex refractive index n + iκ as written: a number, or a table with one of five forms.
+/// A complex refractive index n + iκ: a number, or a table in one of five forms.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct IndexWritten {
     /// Real part.
@@ -127,7 +127,7 @@ pub struct IndexWritten {
     pub k: Option<f64>,
     /// Name of a built-in synthetic spectrum.
     pub built_in: Option<String>,
-    /// Name of a material of the program's list.
+    /// Name of a material that comes with the program.
     pub material: Option<String>,
     /// CSV file, relative to the study file: wavelength in nm, κ and optionally n.
     pub csv: Option<String>,
@@ -135,7 +135,7 @@ pub struct IndexWritten {
     pub yaml: Option<String>,
 }
 
-/// What the schema says of [`IndexWritten`]; the reader takes its keys one by one, so that each slip is named.
+/// Schema of [`IndexWritten`], whose keys are read one by one so that each error can be named.
 #[derive(JsonSchema)]
 #[schemars(rename = "Index", untagged, deny_unknown_fields)]
 #[allow(dead_code, reason = "the schema alone")]
@@ -147,7 +147,7 @@ pub(super) enum IndexForms {
         /// Real part.
         #[schemars(transform = INDEX.mark())]
         n: f64,
-        /// Imaginary part κ, which absorbs; 0 when left out.
+        /// Imaginary part κ ≥ 0, which absorbs (default: 0).
         #[schemars(transform = ABSORPTION.mark())]
         k: Option<f64>,
     },
@@ -162,16 +162,18 @@ pub(super) enum IndexForms {
         material: String,
     },
     Csv {
-        /// Table wavelength_nm, kappa[, n], relative to the study file; without a column n with n beside it.
+        /// Table with the columns wavelength_nm, kappa and optionally n, relative to the study
+        /// file; without n in the file, give it beside.
         csv: String,
-        /// Real part at all wavelengths, where the file has κ alone.
+        /// Real part at all wavelengths, if the file contains only κ.
         #[schemars(transform = INDEX.mark())]
         n: Option<f64>,
     },
     Yaml {
-        /// Record of refractiveindex.info, relative to the study file; without n with n beside it.
+        /// Record of refractiveindex.info, relative to the study file; without n in the file, give
+        /// it beside.
         yaml: String,
-        /// Real part at all wavelengths, where the file has k alone.
+        /// Real part at all wavelengths, if the file contains only k.
         #[schemars(transform = INDEX.mark())]
         n: Option<f64>,
     },
@@ -230,7 +232,7 @@ impl<'de> Visitor<'de> for IndexVisitor {
     }
 }
 
-/// Every strategy by its name, or as a table with its settings.
+/// Every strategy as a name, or as a table with its settings.
 pub(super) fn strategies(generator: &mut SchemaGenerator) -> Schema {
     let named = |name: &str, description: &str| json_schema!({ "description": description, "type": "string", "const": name });
     let registry = Registry::default();

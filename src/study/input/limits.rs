@@ -1,13 +1,13 @@
-//! The allowed ranges of a study's numbers, each written once: the check refuses by them and the schema carries them.
+//! Allowed ranges of a study's numbers, used by both the checks and the schema.
 
 use crate::numerics::allowed::{Allowed, Each, Whole};
 
-/// More wavelengths or angles than this are a slip of the pen.
+/// Longer lists of wavelengths or angles are mistakes.
 pub const LONGEST_LIST: usize = 10_000;
 
-/// Any positive length of a case.
+/// A positive length in a case.
 pub const ABOVE_ZERO: Allowed = Allowed::above(0.0, f64::MAX, "µm");
-/// Any length of a case, nothing included.
+/// A non-negative length in a case.
 pub const NOT_NEGATIVE: Allowed = Allowed::between(0.0, f64::MAX, "µm");
 /// Thickness of a layer.
 pub const THICKNESS_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
@@ -15,11 +15,11 @@ pub const THICKNESS_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
 pub const PERIOD_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
 /// Real refractive index.
 pub const INDEX: Allowed = Allowed::between(0.1, 10.0, "");
-/// Absorption, the imaginary part of an index.
+/// Imaginary part of an index, which absorbs.
 pub const ABSORPTION: Allowed = Allowed::between(0.0, 10.0, "");
-/// Share of the layer's volume: 0.64 is what no random packing exceeds; thin layers reach less and say so when packed.
+/// Volume fraction: no random packing exceeds 0.64; thin layers reach less, which packing reports.
 pub const VOLUME_FRACTION: Allowed = Allowed::above(0.0, 0.64, "");
-/// Share of the light that a paper returns.
+/// Albedo of a paper.
 pub const ALBEDO: Allowed = Allowed::between(0.0, 1.0, "");
 /// A vacuum wavelength.
 pub const WAVELENGTH_NM: Allowed = Allowed::between(100.0, 10_000.0, "nm");
@@ -29,7 +29,7 @@ pub const WAVELENGTHS_NM: Each<Allowed> = Each { entry: WAVELENGTH_NM, most: LON
 pub const STEP_NM: Allowed = Allowed::above(0.0, 10_000.0, "nm");
 /// Wavelengths of one realisation.
 pub const PER_REALISATION: Whole = Whole::between(2, LONGEST_LIST);
-/// Directions: 0°, 45° and at least one stratum.
+/// Number of directions: 0°, 45° and at least one stratum.
 pub const DIRECTIONS: Whole = Whole::between(3, 64);
 /// Angle from the normal.
 pub const POLAR_DEG: Allowed = Allowed::below(0.0, 90.0, "°");
@@ -39,19 +39,19 @@ pub const POLARS_DEG: Each<Allowed> = Each { entry: POLAR_DEG, most: LONGEST_LIS
 pub const PICTURE_MAX_DEG: Allowed = Allowed::above(0.0, 89.0, "°");
 /// Azimuth of the plane of incidence.
 pub const AZIMUTH_DEG: Allowed = Allowed::between(-360.0, 360.0, "°");
-/// Packings.
+/// Number of packings.
 pub const REALISATIONS: Whole = Whole::between(1, 100_000);
-/// Wanted 95 % interval of colours, ΔE₀₀.
+/// Target 95 % interval of colours, ΔE₀₀.
 pub const TARGET_DELTA_E: Allowed = Allowed::between(1e-3, 100.0, "");
 /// Share of packings without room.
 pub const FAILED_PACKINGS: Allowed = Allowed::between(0.0, 1.0, "");
-/// Wanted error of an order's amplitude.
+/// Accuracy of an order's amplitude.
 pub const ACCURACY: Allowed = Allowed::between(1e-6, 0.3, "");
-/// Points or planes of a grid.
+/// Points or planes of a grid per µm.
 pub const PER_UM: Allowed = Allowed::between(2.0, 400.0, "per µm");
 /// Relative residual of a solve.
 pub const TOLERANCE: Allowed = Allowed::between(1e-13, 1e-2, "");
 /// Operator applications of a solve.
 pub const APPLICATIONS: Whole = Whole::between(1, 1_000_000);
-/// Side of the picture.
+/// Side of the picture, pixels.
 pub const PICTURE_PIXELS: Whole = Whole::between(16, 8192);

@@ -1,4 +1,4 @@
-//! From a path to a checked study.
+//! Reads a study file and checks it.
 
 use super::check::{check, check_packing};
 use super::fault::{Fault, StudyError};
@@ -10,18 +10,19 @@ use crate::numerics::files;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// Reads and checks the study file at `path`. CSV files are looked for beside it.
+/// Reads and checks the study file at `path`. CSV files are relative to its folder.
 ///
 /// # Errors
-/// The file cannot be read, is no TOML, has unknown or missing keys, or has values that are not allowed.
+/// The file cannot be read, is not TOML, has unknown or missing keys, or values that are not
+/// allowed.
 pub fn load(path: &Path) -> Result<Study, StudyError> {
     load_with(path, check)
 }
 
-/// As [`load`], for the packings alone: what only the wave needs may be left out.
+/// Like [`load`], for packings only: what only the wave needs is optional.
 ///
 /// # Errors
-/// As [`load`], without the faults of optical keys.
+/// As for [`load`], without errors in optical keys.
 pub fn load_packing(path: &Path) -> Result<Study, StudyError> {
     load_with(path, check_packing)
 }
@@ -32,14 +33,13 @@ fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
     let (text, file): (String, StudyFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
-    let values = |faults| StudyError::Values { path: path.to_owned(), text, faults };
-    check(&file, folder, &name).map_err(values)
+    check(&file, folder, &name).map_err(|faults| StudyError::Values { path: path.to_owned(), text, faults })
 }
 
-/// A TOML file's text, and what it says.
+/// Reads a TOML file; returns its text and its content.
 ///
 /// # Errors
-/// The file cannot be read, is no TOML, has unknown or missing keys, or values of the wrong kind.
+/// The file cannot be read, is not TOML, has unknown or missing keys, or values of the wrong type.
 pub fn read_file<T: DeserializeOwned>(path: &Path) -> Result<(String, T), StudyError> {
     let unreadable = |source| StudyError::Unreadable { path: path.to_owned(), source };
     let text = files::read_text(path, files::STUDY).map_err(unreadable)?;

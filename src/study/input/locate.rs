@@ -1,11 +1,11 @@
-//! Where a field stands in the study file, so that an error can point at its line.
+//! Finds a field in the study file, so that an error can show its line.
 
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Bytes of the value at `field` (such as `pigment[0].index.k`), or of the deepest table on the way to it
-/// that exists. `None` when the text is no TOML or has no such table at all.
+/// Position in bytes of the value at `field` (such as `pigment[0].index.k`), or of the deepest
+/// existing table on the way to it. `None` if the text is not TOML or contains no such table.
 pub fn span_of(text: &str, field: &str) -> Option<Range<usize>> {
     let document = DeTable::parse(text).ok()?;
     let mut steps = steps(field);
@@ -36,7 +36,7 @@ fn child<'a, 'i>(
     }
 }
 
-/// A value's own bytes; for a table, whose bytes may be spread over the file, its name.
+/// Position of a value; for a table, which may be spread over the file, that of its name.
 fn outline(key: Range<usize>, value: &Spanned<DeValue>) -> Range<usize> {
     match value.get_ref() {
         DeValue::Table(_) => key,

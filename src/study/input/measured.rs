@@ -1,4 +1,4 @@
-//! Spectra that someone has measured: CSV, CxF3 or CGATS.17.
+//! Measured spectra: CSV, CxF3 or CGATS.17.
 
 use super::patches::{self, Taken, place};
 use crate::material::columns::{Columns, ColumnsError, micrometres};
@@ -8,29 +8,29 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What a perfect white has in a file.
+/// Value of a perfect white in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MeasuredUnit {
-    /// 1.
+    /// White is 1.
     Factor,
-    /// 100.
+    /// White is 100.
     Percent,
 }
 
-/// Reflectance factors (white diffuser: 1) against wavelength, nm, rising.
+/// Reflectance factors (white diffuser: 1) against wavelength, nm, increasing.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MeasuredSpectrum {
-    /// The file's name, and which sample of it.
+    /// Name of the file, and of the sample if it has several.
     pub source: String,
     /// (wavelength in nm, reflectance factor) rows.
     pub rows: Vec<[f64; 2]>,
-    /// Samples in the file.
+    /// Number of samples in the file.
     #[serde(default)]
     pub patches: usize,
 }
 
-/// A file without a usable spectrum.
+/// Why a file has no usable spectrum.
 #[derive(Debug, Error)]
 pub enum MeasuredError {
     /// The file cannot be read.
@@ -38,13 +38,13 @@ pub enum MeasuredError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The system's error message.
         source: std::io::Error,
     },
-    /// The table has faults.
+    /// The table is invalid.
     #[error(transparent)]
     Table(#[from] ColumnsError),
-    /// The file has no spectrum, or one that makes no sense.
+    /// The file has no spectrum, or an invalid one.
     #[error("{}: {reason}", path.display())]
     NoSpectrum {
         /// The file.
@@ -54,19 +54,21 @@ pub enum MeasuredError {
     },
 }
 
-/// Values above this are percentages; between 1 and this they may be either, and the unit has to be said.
+/// Larger values are percentages; values between 1 and this are ambiguous, so that the unit is
+/// required.
 const LARGEST_FACTOR: f64 = 3.0;
-/// Noise of an instrument at its black; less is no reflectance factor.
+/// Noise of an instrument at black; smaller values are not reflectance factors.
 const LEAST_FACTOR: f64 = -0.1;
 
 impl MeasuredSpectrum {
-    /// Reads the first spectrum of a file, or that of the sample named `patch`: `.cxf` and `.mxf` as CxF3, files that begin with CGATS, CTI or SPECT as
-    /// CGATS.17, all others as a table with the columns `wavelength_nm` and `reflectance`. Values in percent are divided
-    /// by 100: where `unit` says so, or where it is left out and they cannot be factors.
+    /// Reads the first spectrum of a file, or that of the sample named `patch`: `.cxf` and `.mxf`
+    /// as CxF3, files that begin with CGATS, CTI or SPECT as CGATS.17, all others as a table with
+    /// the columns `wavelength_nm` and `reflectance`. Percentages are divided by 100, if `unit`
+    /// says so or if they cannot be factors.
     ///
     /// # Errors
-    /// The file cannot be read, has no spectrum, none of that name, or one with wavelengths that do not rise, values that are no
-    /// reflectance factors, or values that may be either where the unit is left out.
+    /// The file cannot be read, has no spectrum or none of that name, its wavelengths do not
+    /// increase, its values are not reflectance factors, or they are ambiguous without a unit.
     pub fn read(path: &Path, patch: Option<&str>, unit: Option<MeasuredUnit>) -> Result<Self, MeasuredError> {
         let unreadable = |source| MeasuredError::Unreadable { path: path.into(), source };
         let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
@@ -96,7 +98,7 @@ impl MeasuredSpectrum {
             return Err(format!("{} rows; a spectrum has at least 2", rows.len()));
         }
         if let Some([nm, value]) = rows.iter().find(|row| row.iter().any(|x| !x.is_finite())) {
-            return Err(format!("{value} at {nm} nm is no number"));
+            return Err(format!("{value} at {nm} nm is not a number"));
         }
         if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
             return Err(format!(
@@ -104,13 +106,13 @@ impl MeasuredSpectrum {
             ));
         }
         if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-            return Err(format!("wavelengths do not rise: {} nm after {} nm", pair[1][0], pair[0][0]));
+            return Err(format!("wavelengths do not increase: {} nm after {} nm", pair[1][0], pair[0][0]));
         }
         let white = white(&rows, unit)?;
         let allowed = LEAST_FACTOR..=LARGEST_FACTOR;
         if let Some([nm, value]) = rows.iter().find(|row| !allowed.contains(&(row[1] / white))) {
-            let white = "a perfect white has 1, or 100 in percent";
-            return Err(format!("{value} at {nm} nm is no reflectance factor; {white}"));
+            let white = "a perfect white is 1, or 100 in percent";
+            return Err(format!("{value} at {nm} nm is not a reflectance factor; {white}"));
         }
         rows.iter_mut().for_each(|row| row[1] /= white);
         Ok(Self { source, rows, patches: 1 })
@@ -121,7 +123,7 @@ impl MeasuredSpectrum {
         [self.rows[0][0], self.rows[self.rows.len() - 1][0]]
     }
 
-    /// The value at a wavelength, linear between rows; `None` outside.
+    /// The value at a wavelength, linear between rows; `None` outside their range.
     pub fn at(&self, nm: f64) -> Option<f64> {
         let [lo, hi] = self.range_nm();
         if !(lo..=hi).contains(&nm) {
@@ -133,7 +135,7 @@ impl MeasuredSpectrum {
     }
 }
 
-/// What a perfect white has in these rows.
+/// Value of a perfect white in these rows.
 fn white(rows: &[[f64; 2]], unit: Option<MeasuredUnit>) -> Result<f64, String> {
     let largest = rows.iter().map(|row| row[1]).fold(f64::NEG_INFINITY, f64::max);
     match unit {
@@ -148,7 +150,7 @@ fn white(rows: &[[f64; 2]], unit: Option<MeasuredUnit>) -> Result<f64, String> {
     }
 }
 
-/// Where a table keeps wavelengths and values.
+/// Columns of the wavelengths and values.
 fn places(columns: &Columns) -> Result<[usize; 2], String> {
     let need = |names: &[&str]| {
         let found = columns.find(names);
@@ -193,7 +195,8 @@ mod tests {
         assert_eq!((spectrum.at(405.0), spectrum.at(399.0)), (Some(0.375), None));
     }
 
-    /// A dark print in percent has no value that tells it from factors: the unit is asked for.
+    /// A dark print in percent has no value that distinguishes it from factors: the unit is
+    /// required.
     #[test]
     fn a_dark_print_in_percent_needs_its_unit() {
         let rows = |values: [f64; 2], unit| {
@@ -211,7 +214,7 @@ mod tests {
         );
         assert_eq!(rows([0.2, 1.0], None).unwrap(), [0.2, 1.0]);
         assert!(
-            rows([20.0, 90.0], some(MeasuredUnit::Factor)).unwrap_err().contains("no reflectance factor")
+            rows([20.0, 90.0], some(MeasuredUnit::Factor)).unwrap_err().contains("not a reflectance factor")
         );
     }
 
@@ -245,12 +248,12 @@ mod tests {
     fn files_without_a_spectrum_are_refused_with_their_reason() {
         let reason = |text: &str| read(text).unwrap_err().to_string();
         assert!(reason("wavelength_nm,lab\n400,1\n").contains("column reflectance is missing"));
-        assert!(reason("wavelength_nm,reflectance\n410,1\n400,1\n").contains("do not rise"));
+        assert!(reason("wavelength_nm,reflectance\n410,1\n400,1\n").contains("do not increase"));
         assert!(
             reason("wavelength_nm,reflectance\n410,\n420,1\n")
                 .contains("line 2, column reflectance: an empty cell")
         );
-        assert!(reason("wavelength_nm,reflectance\n410,NaN\n420,1\n").contains("no number"));
+        assert!(reason("wavelength_nm,reflectance\n410,NaN\n420,1\n").contains("not a number"));
         assert!(reason("wavelength_nm,reflectance\n0.41,1\n0.42,1\n").contains("these look like µm"));
         assert!(reason("wavelength_nm,reflectance\n410,0,5\n").contains("(wavelength_nm;reflectance)"));
         assert!(reason("<CxF/>").contains("no ReflectanceSpectrum"));

@@ -1,34 +1,36 @@
-//! Colours that someone has measured: Lab alone of a CxF3 or CGATS.17 file, which is a target.
+//! Measured colours: Lab without a spectrum in a CxF3 or CGATS.17 file, which is a target.
 
 use super::patches::{CXF, cgats_set, has_bands, parsed, place};
 use super::xml_limits::too_large;
 use crate::appearance::viewing::{Summation, Viewing};
 
-/// L*, a*, b* of a sample, with the light and the observer that its file states.
+/// L*, a*, b* of a sample, with the illuminant and the observer stated in its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredColour {
     /// L*, a*, b*.
     pub lab: [f64; 3],
-    /// Name of the illuminant, as the file has it.
+    /// Name of the illuminant as in the file.
     pub illuminant: Option<String>,
     /// Name of the observer, such as `2`.
     pub observer: Option<String>,
 }
 
 impl MeasuredColour {
-    /// The sample named `patch`, or the only one; `None` where the text is no CxF3 or CGATS.17, has spectra or no Lab.
+    /// Reads the sample named `patch`, or the only one; `None` if the text is neither CxF3 nor
+    /// CGATS.17, has spectra or no Lab.
     ///
     /// # Errors
-    /// No sample of that name, several of which none is named, values that are no numbers.
+    /// There is no sample of that name, there are several and no name is given, or values are not
+    /// numbers.
     pub fn parse(text: &str, patch: Option<&str>) -> Result<Option<Self>, String> {
         let start = text.trim_start_matches('\u{feff}').trim_start();
         if start.starts_with('<') { from_cxf(start, patch) } else { from_cgats(start, patch) }
     }
 
-    /// The conditions that the file states.
+    /// The conditions stated in the file.
     ///
     /// # Errors
-    /// It states none, or names that are not known.
+    /// The file states none, or names that are unknown.
     pub fn viewing(&self, summation: Summation) -> Result<Viewing, String> {
         let (Some(illuminant), Some(observer)) = (&self.illuminant, &self.observer) else {
             return Err("its illuminant and observer are not stated".to_owned());
@@ -54,7 +56,8 @@ fn from_cgats(text: &str, patch: Option<&str>) -> Result<Option<MeasuredColour>,
     }))
 }
 
-/// What stands after a word, up to the end of the quotes or the unit: `2` in `WEIGHTING_FUNCTION "OBSERVER, 2 degree"`.
+/// The text after a word, up to the closing quote or the unit: `2` in `WEIGHTING_FUNCTION
+/// "OBSERVER, 2 degree"`.
 fn after(text: &str, word: &str) -> Option<String> {
     let rest = text.lines().find_map(|line| line.split_once(word))?.1;
     let value = rest.trim_start_matches([' ', '\t', '"']);
@@ -62,7 +65,7 @@ fn after(text: &str, word: &str) -> Option<String> {
     value.split_whitespace().next().map(str::to_owned)
 }
 
-/// A target is one colour: of several samples one has to be named.
+/// A target is a single colour: of several samples one must be named.
 fn one_is_meant(names: &[String], patch: Option<&str>) -> Result<(), String> {
     if names.len() < 2 || patch.is_some() {
         return Ok(());

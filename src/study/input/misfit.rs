@@ -1,15 +1,15 @@
-//! A value that does not fit its type, as serde tells it, in our own words.
+//! Translates serde's errors about values of the wrong type into the messages of this program.
 
 use super::fault::Fault;
 use crate::numerics::allowed::shown;
 use serde::de::{self, Expected, Unexpected};
 use std::fmt;
 
-/// A value that does not fit, in the making: its place grows while the error travels outwards.
+/// A value of the wrong type; its path is extended while the error is passed outwards.
 #[derive(Debug)]
 pub struct Misfit(pub(super) Box<Fault>);
 
-/// Longest value that is shown as found, characters.
+/// Maximum length of a value in a message, characters.
 const LONGEST_FOUND: usize = 200;
 
 impl Misfit {
@@ -22,7 +22,7 @@ impl Misfit {
         Self(Box::new(Fault::new(place, shortened(found.to_string()), allowed, remedy)))
     }
 
-    /// The misfit as seen from outside of `place`, where `found` stands.
+    /// Extends the path by `place`, which contains `found`.
     pub(super) fn inside(mut self, place: &str, found: &str) -> Self {
         if self.0.found.is_empty() {
             self = Self(Box::new(Fault { found: shortened(found.to_owned()), ..*self.0 }));
@@ -40,7 +40,7 @@ fn shortened(found: String) -> String {
     found.chars().take(LONGEST_FOUND).chain(['…']).collect()
 }
 
-/// `layer` and `binder.index` → `layer.binder.index`; indices keep their brackets.
+/// Joins paths: `layer` and `binder.index` → `layer.binder.index`; indices keep their brackets.
 pub(super) fn join(outer: &str, inner: &str) -> String {
     match (outer, inner) {
         ("", name) | (name, "") => name.to_owned(),
@@ -60,14 +60,12 @@ impl std::error::Error for Misfit {}
 pub(super) const FORM: &str =
     "write the value in that form; `inkwave schema KIND` describes every key of a file";
 
-/// What to write for keys that older files do not have.
-const NEWER: [(&str, &str); 1] = [(
-    "by",
-    "write by = \"number\", as it was meant where nothing was said, or by = \"volume\", as sizers print",
-)];
+/// Remedies for keys that older files lack.
+const NEWER: [(&str, &str); 1] =
+    [("by", "write by = \"number\", the meaning of older files, or by = \"volume\", as sizers print")];
 
 impl de::Error for Misfit {
-    /// Values that may be written in several forms say here what they take; what was found only the reader knows.
+    /// Types with several forms describe what is allowed; only the reader knows what was found.
     fn custom<T: fmt::Display>(message: T) -> Self {
         Self::new("", "", message.to_string(), FORM)
     }
@@ -101,23 +99,23 @@ impl de::Error for Misfit {
     }
 
     fn duplicate_field(key: &'static str) -> Self {
-        Self::new(key, "two values", "one", "an old and a new name of the same key, or a slip: remove one")
+        Self::new(key, "two values", "one", "both names of the same key: remove one")
     }
 }
 
-/// What was found, in the words of documents rather than of Rust.
+/// Describes what was found, in terms of documents rather than of Rust.
 pub(super) fn said(found: Unexpected) -> String {
     match found {
         Unexpected::Unit => "null".into(),
         Unexpected::Map => "a table".into(),
         Unexpected::Seq => "a list".into(),
-        // The parser's own words have all digits of 1e-300.
+        // the parser would write all digits of 1e-300
         Unexpected::Float(x) if x.to_string() != shown(x) => format!("the number `{}`", shown(x)),
         other => other.to_string(),
     }
 }
 
-/// What Rust calls a number, in words.
+/// Describes a Rust number type.
 fn in_words(kind: &str) -> String {
     match kind {
         "f64" | "f32" => "a number".into(),
@@ -138,7 +136,7 @@ pub(super) fn unknown_key(place: &str, key: &str, known: &'static [&'static str]
     Fault::new(join(place, key), "an unknown key", quoted(known), meant(key, known, "remove it"))
 }
 
-/// The name that was probably meant, or else another remedy.
+/// Suggests the known name that is most similar, or else another remedy.
 fn meant(found: &str, known: &[&str], otherwise: &str) -> String {
     let likeness = |name: &&&str| (1000.0 * strsim::jaro_winkler(found, name)) as u32;
     let nearest = known.iter().max_by_key(likeness).filter(|name| likeness(name) > 800);

@@ -1,7 +1,7 @@
-//! What was asked: files as written, checked, every fault found at once.
+//! Input files: parsing and checking, with all errors reported at once.
 //!
-//! The path of a study: [`file`](mod@file) (as written) → [`check`](mod@check) → [`study::Study`] (with its content hash). A
-//! [`case`] is one explicit geometry.
+//! The path of a study: [`file`](mod@file) (as written) → [`check`](mod@check) → [`study::Study`]
+//! (with its content hash). A [`case`] is one explicit geometry.
 
 pub mod case;
 mod case_checks;

@@ -1,24 +1,24 @@
-//! One of the samples of a CxF3 or CGATS.17 file.
+//! Selects a sample of a CxF3 or CGATS.17 file.
 
 use super::xml_limits::too_large;
 
 pub(super) const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
-/// Most names that a message lists.
+/// Maximum number of names in a message.
 const MOST_NAMES: usize = 12;
 
-/// A sample's rows, and which of how many it is.
+/// The rows of a sample, and its number among the samples of the file.
 pub(super) struct Taken {
     /// (wavelength in nm, value) rows.
     pub rows: Vec<[f64; 2]>,
-    /// Its name in quotes, or words for none.
+    /// Its name in quotes, or a phrase if it has none.
     pub name: String,
-    /// Counted from 1.
+    /// Number of the sample, from 1.
     pub number: usize,
-    /// Samples in the file.
+    /// Number of samples in the file.
     pub of: usize,
 }
 
-/// Place of the wanted sample among those of a file; the first unless one is named.
+/// Index of the selected sample; the first unless one is named.
 pub(super) fn place(names: &[String], patch: Option<&str>) -> Result<usize, String> {
     let Some(wanted) = patch else { return Ok(0) };
     let shown = names.iter().filter(|name| !name.is_empty()).take(MOST_NAMES);
@@ -36,7 +36,7 @@ fn taken(rows: Vec<[f64; 2]>, names: &[String], place: usize) -> Taken {
     Taken { rows, name, number: place + 1, of: names.len() }
 }
 
-/// The object with a reflectance spectrum that is wanted, by its name, or the first.
+/// The object with a reflectance spectrum that has this name, or the first.
 pub(super) fn from_cxf(text: &str, patch: Option<&str>) -> Result<Taken, String> {
     if let Some(reason) = too_large(text) {
         return Err(reason);
@@ -72,19 +72,19 @@ pub(super) fn from_cxf(text: &str, patch: Option<&str>) -> Result<Taken, String>
     Ok(taken(rows.collect::<Result<_, String>>()?, &names, place))
 }
 
-/// One set of a CGATS.17 file.
+/// One data set of a CGATS.17 file.
 pub(super) struct Set<'a> {
     /// Names of all fields.
     fields: Vec<&'a str>,
-    /// Its values, as many.
+    /// Its values, one per field.
     cells: Vec<String>,
-    /// Names of all sets, and its place among them.
+    /// Names of all sets, and the index of this one.
     names: Vec<String>,
     place: usize,
 }
 
 impl Set<'_> {
-    /// The number of a field, where the file has it.
+    /// The number in a field; `None` if the file lacks the field.
     pub fn number(&self, field: &str) -> Option<Result<f64, String>> {
         self.fields.iter().position(|name| *name == field).map(|i| parsed(&self.cells[i]))
     }
@@ -101,14 +101,14 @@ pub(super) fn has_bands(text: &str) -> bool {
     format.take_while(|l| *l != "END_DATA_FORMAT").flat_map(str::split_whitespace).any(|w| band(w).is_some())
 }
 
-/// Wavelength that a field's name stands for, nm.
+/// Wavelength given by the name of a field, nm.
 fn band(name: &str) -> Option<f64> {
     let prefixes = ["SPEC_", "SPECTRAL_NM", "nm"];
     let digits = prefixes.iter().find_map(|prefix| name.strip_prefix(prefix))?;
     digits.trim_start_matches('_').parse::<f64>().ok()
 }
 
-/// The set that is wanted, by its SAMPLE_NAME or SAMPLE_ID, or the first.
+/// The set with this SAMPLE_NAME or SAMPLE_ID, or the first.
 pub(super) fn cgats_set<'a>(text: &'a str, patch: Option<&str>) -> Result<Set<'a>, String> {
     let between = |from: &str, to: &str| -> Option<Vec<&'a str>> {
         let lines = text.lines().map(str::trim);
@@ -134,7 +134,7 @@ pub(super) fn cgats_set<'a>(text: &'a str, patch: Option<&str>) -> Result<Set<'a
     Ok(Set { fields, cells, names, place })
 }
 
-/// The spectrum of the set that is wanted.
+/// The spectrum of the selected set.
 pub(super) fn from_cgats(text: &str, patch: Option<&str>) -> Result<Taken, String> {
     let set = cgats_set(text, patch)?;
     let bands = set.fields.iter().zip(&set.cells).filter_map(|(name, cell)| Some((band(name)?, cell)));
@@ -142,12 +142,12 @@ pub(super) fn from_cgats(text: &str, patch: Option<&str>) -> Result<Taken, Strin
     if rows.is_empty() { Err("no fields SPEC_nnn".into()) } else { Ok(taken(rows, &set.names, set.place)) }
 }
 
-/// Words of a line; quotes keep blanks together.
+/// Words of a line; quoted words may contain blanks.
 fn words(line: &str) -> Vec<String> {
     line.split('"').enumerate().flat_map(words_of_piece).collect()
 }
 
-/// Words of what stands before the quote number `i`: one word where it stands between two.
+/// Words in the `i`-th piece between quotes: one word if it is quoted.
 fn words_of_piece((i, piece): (usize, &str)) -> Vec<String> {
     if i % 2 == 1 {
         return vec![piece.to_owned()];

@@ -1,8 +1,8 @@
-//! From a tree to a type, with every unknown key told at once.
+//! Deserialises a tree into a type and reports all unknown keys at once.
 //!
-//! Serde stops at the first thing that it does not like and says it in English. This deserializer knows each struct's keys
-//! before their values are read, so it can take the unknown ones out, note them all and go on; and its error has
-//! places for what was found and what is allowed, so that nobody needs to understand the English.
+//! Serde stops at the first error and describes it in English. This deserialiser knows the keys of
+//! each struct before their values are read: it removes the unknown ones, records them all and
+//! continues. Its error type separates what was found from what is allowed.
 
 use super::fault::Fault;
 use super::misfit::{FORM, Misfit, join, quoted, said, unknown_key};
@@ -17,7 +17,7 @@ use std::cell::RefCell;
 /// Reads a `T`.
 ///
 /// # Errors
-/// All unknown keys, and the first value that is missing or of the wrong kind, each at its place.
+/// All unknown keys, and the first value that is missing or of the wrong type, each with its path.
 pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
     let unknown = RefCell::new(Vec::new());
     let result = T::deserialize(Reader { node, place: String::new(), unknown: &unknown });
@@ -44,7 +44,7 @@ struct Reader<'a> {
     node: Node,
     /// Path of the node.
     place: String,
-    /// Unknown keys so far.
+    /// Unknown keys found so far.
     unknown: &'a RefCell<Vec<Fault>>,
 }
 
@@ -53,7 +53,7 @@ impl<'a> Reader<'a> {
         Reader { node, place: join(&self.place, step), unknown: self.unknown }
     }
 
-    /// Takes the keys that are not `known` out of a table, and notes them.
+    /// Removes and records the keys of a table that are not `known`.
     fn keep_known(&mut self, known: &'static [&'static str]) {
         if let Node::Table(entries) = &mut self.node {
             let strangers = entries.extract_if(.., |(key, _)| !known.contains(&key.as_str()));
@@ -63,7 +63,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A value in words.
+/// Describes a value.
 fn described(node: &Node) -> String {
     match node {
         Node::List(items) => format!("a list of {} entries", items.len()),
@@ -128,7 +128,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
-        // Derived code would take the values of a list for the keys in their order.
+        // derived code would assign the values of a list to the keys in order
         if let Node::List(_) = self.node {
             return Err(de::Error::invalid_type(unexpected(&self.node), &visitor));
         }
@@ -136,7 +136,8 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         self.deserialize_any(visitor)
     }
 
-    /// A choice is written by its name, or as a table of its name with its settings, which may all have defaults.
+    /// A choice is written as its name, or as a table with its name and settings, which may all
+    /// have defaults.
     fn deserialize_enum<V: Visitor<'de>>(
         mut self,
         _: &'static str,
@@ -163,7 +164,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     }
 }
 
-/// The entries of a list, one after the other.
+/// The entries of a list in order.
 struct Items<'a> {
     reader: Reader<'a>,
     next: usize,
@@ -183,7 +184,7 @@ impl<'de> SeqAccess<'de> for &mut Items<'_> {
     }
 }
 
-/// The keys and values of a table, one after the other.
+/// The keys and values of a table in order.
 struct Entries<'a> {
     reader: Reader<'a>,
     next: usize,
@@ -218,11 +219,11 @@ impl<'de> MapAccess<'de> for Entries<'_> {
     }
 }
 
-/// A choice and what stands beside its name.
+/// The settings of a choice.
 struct Content<'a> {
     reader: Reader<'a>,
     key: String,
-    /// Nothing stands beside it.
+    /// Whether there are no settings.
     is_bare: bool,
 }
 
@@ -239,7 +240,7 @@ impl<'de> EnumAccess<'de> for Content<'_> {
 impl<'de> VariantAccess<'de> for Content<'_> {
     type Error = Misfit;
 
-    /// A choice without settings is written by its name.
+    /// A choice without settings is written as its name.
     fn unit_variant(self) -> Result<(), Misfit> {
         if self.is_bare {
             return Ok(());

@@ -1,4 +1,4 @@
-//! What is told of keys and values that do not fit.
+//! Tests of messages about unknown keys and wrong values.
 
 use super::*;
 use crate::input::tree::parse_toml;

@@ -1,4 +1,4 @@
-//! A study that has passed every check: the only input a run takes.
+//! A checked study: the only input of a run.
 
 mod composed;
 mod layer;
@@ -19,58 +19,60 @@ use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// All that was asked, checked. Built by [`super::check`] alone.
+/// Everything that was requested, checked; only [`super::check`] creates it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Study {
-    /// Title, for people.
+    /// Title of the report.
     pub title: String,
-    /// The layer and what is around it.
+    /// The layer and its surroundings.
     pub layer: Layer,
-    /// The pigments, in their order.
+    /// The pigments with grains, in order.
     pub pigments: Vec<Pigment>,
-    /// Pigments without grains (`diameter_nm = "molecular"`); they are part of `layer.binder`'s index.
+    /// Pigments without grains (`diameter_nm = "molecular"`), which are included in the index of
+    /// `layer.binder`.
     pub dissolved: Vec<Dissolved>,
     /// The packing of the nominal cell; realisations differ in their cell and random stream.
     pub packing: PackingRequest,
     /// The paper under the layer.
     pub paper: Paper,
-    /// Vacuum wavelengths, nm, rising.
+    /// Vacuum wavelengths, nm, increasing.
     pub wavelengths_nm: Vec<f64>,
-    /// The equation solved and the light's polarisation.
+    /// The equation to solve, and the polarisation of the light.
     pub wave: Wave,
     /// Directions of the light.
     pub angles: Angles,
-    /// Most packings.
+    /// Maximum number of packings.
     pub realisations: usize,
-    /// The run may end once the 95 % interval of the colours is as narrow as this, ΔE₀₀.
+    /// The run may end once the 95 % interval of the colours is below this, ΔE₀₀.
     pub target_delta_e: Option<f64>,
-    /// Which colours.
+    /// Colours to which the target applies.
     pub target_colour: TargetColour,
-    /// Largest share of the packings that may have no room; no solve depends on it.
+    /// Largest share of packings that may have no room; no solve depends on it.
     #[serde(default)]
     pub failed_packings: f64,
-    /// How realisations differ.
+    /// How realisations vary.
     pub variation: Variation,
-    /// The grid asked for.
+    /// The requested grid or accuracy.
     pub resolution: WantedResolution,
     /// The strategy with its settings.
     pub solver: SolverChoice,
-    /// Residual to reach, and the most operator applications.
+    /// Residual to reach, and maximum number of operator applications.
     pub goal: Goal,
     /// Folder and pictures.
     pub output: Output,
-    /// Conditions and spectra that the prediction is judged by; no solve depends on them.
+    /// Conditions and measurements that the prediction is compared with; no solve depends on them.
     pub judgement: Judgement,
-    /// The slab of a composed layer that this study is of.
+    /// The slab of a composed layer that this study describes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub portion: Option<Portion>,
-    /// What its file leaves open, and how it was taken: one line each, for whoever starts it.
+    /// Remarks for the user on what the file leaves open, one line each.
     #[serde(skip)]
     pub remarks: Vec<String>,
 }
 
-/// Realisations from which on two share a cell each. Fewer than four pairs say too little of their spread, and chance moves the mean
-/// of so few cells more than their constant share does.
+/// Minimum number of realisations for cells to be shared in pairs. The scatter of fewer than four
+/// pairs is too uncertain, and chance moves the mean of so few cells more than their constant
+/// volume fraction does.
 const FEWEST_PAIRED: usize = 8;
 
 /// One solve of the study.
@@ -78,7 +80,7 @@ const FEWEST_PAIRED: usize = 8;
 pub struct Point {
     /// Number of the realisation, from 0.
     pub realisation: usize,
-    /// Place of the wavelength among those of the realisation.
+    /// Index of the wavelength among those of the realisation.
     pub wavelength: usize,
     /// Wavelength, direction and side of the light.
     pub incidence: Incidence,
@@ -86,22 +88,23 @@ pub struct Point {
     pub polarisation: Option<Polarisation>,
 }
 
-/// The colours that a wanted bar speaks of.
+/// Colours to which `target_delta_e` applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TargetColour {
     /// All of them.
     #[default]
     Every,
-    /// Under a uniform sky, seen along the normal.
+    /// Under a uniform sky, viewed along the normal.
     NaturalLight,
-    /// Lit at 45°, seen along the normal.
+    /// Lit at 45°, viewed along the normal.
     #[serde(rename = "lit_at_45")]
     LitAt45,
 }
 
 impl Study {
-    /// Content hash of everything the results depend on: all but the title and the output's form.
+    /// Content hash of everything the results depend on: all but the title and the form of the
+    /// output.
     pub fn key(&self) -> Key {
         if let Some(portion) = &self.portion {
             return Key::of("portion", &(portion, &Study { portion: None, ..self.clone() }.key()));
@@ -112,7 +115,7 @@ impl Study {
         Key::of("study", &(ensemble, ends, light, &self.resolution, &self.solver, &self.goal))
     }
 
-    /// The packing of a realisation: its own cell, and its own stream of the study's seed.
+    /// The packing of a realisation, with its own cell and its own random stream.
     pub fn packing_request(&self, realisation: usize) -> PackingRequest {
         let draw = self.draw(realisation);
         let request = PackingRequest {
@@ -127,23 +130,25 @@ impl Study {
         }
     }
 
-    /// The other realisation of the same cell, whose pigments are as far above what is asked as those of this one are below it,
-    /// as in windows of a wide layer ([`PackingRequest::fluctuating`]); `None` for cells that do not vary, without grains, for
+    /// The other realisation in the same cell, whose pigment volumes deviate from the requested
+    /// ones by the opposite amounts, as in windows of a wide layer
+    /// ([`PackingRequest::fluctuating`]); `None` for cells that do not vary, without grains, for
     /// fewer than eight realisations, and for the last of an odd number.
     pub fn partner(&self, realisation: usize) -> Option<usize> {
         let other = realisation ^ 1;
         (self.pairs_cells() && other < self.realisations).then_some(other)
     }
 
-    /// Whether two realisations share a cell each.
+    /// Whether realisations share cells in pairs.
     pub(super) fn pairs_cells(&self) -> bool {
         self.variation.cell == CellRule::Varied
             && !self.pigments.is_empty()
             && self.realisations >= FEWEST_PAIRED
     }
 
-    /// Content hash of all that the packings of every realisation depend on. The first one is not enough: cells are drawn to hold
-    /// whole grains, so two nominal periods may agree in one realisation and differ in the next.
+    /// Content hash of everything that the packings of all realisations depend on. The first
+    /// packing is not enough: cells are drawn to hold whole grains, so two nominal periods may
+    /// agree in one realisation and differ in the next.
     pub fn packings_key(&self) -> Key {
         let (layer, variation) = (&self.layer, &self.variation);
         let cell = (layer.period_um, layer.thickness_um, variation.cell, variation.thickness_std_um);
@@ -171,13 +176,14 @@ impl Study {
         [incident, exit].into_iter().chain(backgrounds).chain(inclusions).collect()
     }
 
-    /// The wave where it is one of Maxwell's, for content hashes.
+    /// The wave if it satisfies Maxwell's equations, for content hashes.
     pub fn vector_wave(&self) -> Option<Wave> {
         self.wave.is_vector().then_some(self.wave)
     }
 
-    /// Polarisations that every direction is solved in, next to each other; one entry, `None`, for the scalar wave. Paper
-    /// depolarises: what comes back from it through the layer is unpolarised, so ink on paper needs both whatever lights it.
+    /// Polarisations in which every direction is solved; a single `None` for the scalar wave. Paper
+    /// depolarises: light returned by it through the layer is unpolarised, so ink on paper needs
+    /// both polarisations, whatever the illumination.
     pub fn polarisations(&self) -> &'static [Option<Polarisation>] {
         const BOTH: [Option<Polarisation>; 2] = [Some(Polarisation::S), Some(Polarisation::P)];
         let on_paper = self.angles.no_paper.is_none();
@@ -189,8 +195,8 @@ impl Study {
         }
     }
 
-    /// All solves of one realisation, in their order: wavelength; exact angles, strata, strata from the exit side;
-    /// polarisation.
+    /// All solves of one realisation, in order: wavelength; exact angles, strata, strata from the
+    /// exit side; polarisation.
     pub fn points(&self, realisation: usize) -> Vec<Point> {
         let draw = self.draw(realisation);
         let at = |(wavelength, nm): (usize, f64)| {
@@ -200,7 +206,8 @@ impl Study {
         self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
     }
 
-    /// All directions of a realisation at its wavelength number `wavelength`: exact angles, strata, strata from the exit side.
+    /// All directions of a realisation at the wavelength with this index: exact angles, strata,
+    /// strata from the exit side.
     fn incidences(&self, draw: &Draw, wavelength: usize, nm: f64) -> Vec<Incidence> {
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
         let Turn { azimuth_deg, direction } = self.turn(draw, wavelength);
@@ -214,7 +221,7 @@ impl Study {
         incident.chain(exit).map(lit).collect()
     }
 
-    /// The solves of one direction, one for each polarisation.
+    /// The solves of one direction, one per polarisation.
     fn points_of(
         &self,
         realisation: usize,
@@ -225,7 +232,7 @@ impl Study {
         self.polarisations().iter().map(point)
     }
 
-    /// Volume of the cell, µm³.
+    /// Volume of the nominal cell, µm³.
     pub fn volume_um3(&self) -> f64 {
         self.layer.period_um[0] * self.layer.period_um[1] * self.layer.thickness_um
     }

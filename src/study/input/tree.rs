@@ -1,4 +1,4 @@
-//! A document as a tree, whatever language it was written in.
+//! A document as a tree, independent of its language.
 
 use crate::input::fault::StudyError;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
@@ -15,20 +15,20 @@ pub enum Node {
     Null,
     /// True or false.
     Bool(bool),
-    /// A whole number.
+    /// An integer.
     Int(i64),
     /// Any other number.
     Float(f64),
-    /// A text, or TOML's dates as they are written.
+    /// A text, or a TOML date as written.
     Text(String),
-    /// Values in their order.
+    /// Values in order.
     List(Vec<Node>),
     /// Keys with their values.
     Table(Vec<(String, Node)>),
 }
 
 impl Node {
-    /// The value of a key; `None` without that key, and for what is no table.
+    /// The value of a key; `None` if there is none, or if this is not a table.
     pub fn get(&self, key: &str) -> Option<&Node> {
         match self {
             Node::Table(entries) => entries.iter().find(|(k, _)| k == key).map(|(_, node)| node),
@@ -57,7 +57,7 @@ impl From<toml::Table> for Node {
     }
 }
 
-/// JSON, where a key may be there once: the parser's own tables keep the last of two and say nothing.
+/// JSON in which keys must be unique: the parser's own tables silently keep the last of two.
 impl<'de> Deserialize<'de> for Node {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(NodeVisitor)
@@ -118,22 +118,22 @@ impl<'de> Visitor<'de> for NodeVisitor {
     }
 }
 
-/// What is said of a repeated key.
-const TWICE: &str = "is there twice";
+/// Message for a repeated key.
+const TWICE: &str = "occurs twice";
 
-/// Why a text is no document: what the parser says, and where.
+/// Why a text cannot be parsed: the parser's message and the position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SyntaxFault {
-    /// What is wrong, without its place.
+    /// The message, without the position.
     pub message: String,
-    /// What to try.
+    /// Suggested remedy.
     pub remedy: &'static str,
-    /// Bytes of the text; unknown for some.
+    /// Position in bytes; `None` if unknown.
     pub span: Option<Range<usize>>,
 }
 
 impl SyntaxFault {
-    /// With its line and column, where they are known.
+    /// The message with line and column, if known.
     pub fn in_words(&self, text: &str) -> String {
         let Some(span) = &self.span else { return self.message.clone() };
         let before = &text[..floor_char_boundary(text, span.start)];
@@ -141,7 +141,7 @@ impl SyntaxFault {
         format!("line {line}, column {}: {}", before[start..].chars().count() + 1, self.message)
     }
 
-    /// With the file that it is in.
+    /// Adds the file that contains the error.
     pub fn in_file(self, path: &Path, text: &str) -> StudyError {
         let SyntaxFault { message, remedy, span } = self;
         let (path, text, remedy) = (path.to_owned(), text.to_owned(), remedy.to_owned());
@@ -149,20 +149,21 @@ impl SyntaxFault {
     }
 }
 
-/// The last boundary between characters up to a byte.
+/// The last character boundary up to a byte.
 fn floor_char_boundary(text: &str, byte: usize) -> usize {
     (0..=byte.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
 }
 
-/// Parses TOML. The parser's own report is not used: it cannot show lines of more than 65 535 columns.
+/// Parses TOML. The parser's own report is not used: it cannot show lines of more than 65 535
+/// columns.
 ///
 /// # Errors
-/// The text is no TOML.
+/// The text is not TOML.
 pub fn parse_toml(text: &str) -> Result<toml::Table, SyntaxFault> {
     text.parse().map_err(|error: toml::de::Error| toml_fault(text, &error))
 }
 
-/// What the parser of TOML says; of whole numbers that are too large it speaks in terms of its own code.
+/// The message of the TOML parser; for integers that are too large it would refer to its own code.
 fn toml_fault(text: &str, error: &toml::de::Error) -> SyntaxFault {
     let (said, span) = (error.message().trim(), error.span());
     let found = span.clone().and_then(|span| text.get(span)).unwrap_or_default();
@@ -174,7 +175,7 @@ fn toml_fault(text: &str, error: &toml::de::Error) -> SyntaxFault {
     SyntaxFault { message, remedy: "take a smaller number, or write it with a point or a power of ten", span }
 }
 
-/// Whether this is a whole number of more than 64 bits.
+/// Whether this is an integer of more than 64 bits.
 fn is_too_large(number: &str) -> bool {
     let digits = number.replace('_', "");
     let unsigned = digits.trim_start_matches(['+', '-']);
@@ -184,12 +185,12 @@ fn is_too_large(number: &str) -> bool {
 /// Parses JSON.
 ///
 /// # Errors
-/// The text is no JSON, or a key is there twice; NaN and Infinity have a remedy of their own.
+/// The text is not JSON, or a key is repeated; NaN and Infinity have a remedy of their own.
 pub fn parse_json(text: &str) -> Result<Node, SyntaxFault> {
     serde_json::from_str(text).map_err(|error| json_fault(text, &error))
 }
 
-/// What the parser of JSON says, with its place in bytes instead of lines.
+/// The message of the JSON parser, with the position in bytes instead of lines.
 fn json_fault(text: &str, error: &serde_json::Error) -> SyntaxFault {
     let lines = text.split_inclusive('\n').take(error.line().saturating_sub(1));
     let place = lines.map(str::len).sum::<usize>() + error.column().saturating_sub(1);
@@ -199,12 +200,12 @@ fn json_fault(text: &str, error: &serde_json::Error) -> SyntaxFault {
     SyntaxFault { remedy: json_remedy(text, &message), message, span: Some(place..place) }
 }
 
-/// What to try where JSON is wrong.
+/// Suggests a remedy for invalid JSON.
 fn json_remedy(text: &str, message: &str) -> &'static str {
     if ["NaN", "Infinity"].iter().any(|word| text.contains(word)) {
-        "JSON knows neither NaN nor Infinity: give finite numbers"
+        "JSON has neither NaN nor Infinity: give finite numbers"
     } else if message.ends_with(TWICE) {
-        "keep the value that you mean"
+        "remove one of them"
     } else {
         "correct the JSON here, or write TOML in a file that ends in .toml"
     }

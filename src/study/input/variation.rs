@@ -1,14 +1,18 @@
-//! How the realisations of a study differ: cell, thickness, azimuth, directions and wavelengths.
+//! How the realisations of a study vary: cell, thickness, azimuth, directions and wavelengths.
 //!
-//! A periodic cell answers at one Bloch vector of one reciprocal lattice; asked again and again at the same one, the same few guided
-//! resonances are hit or missed each time, and a small cell is biased. Quantum Monte Carlo cures the like by twist averaging (Lin, Zong,
-//! Ceperley 2001). Here the lattice itself varies: area, aspect and azimuth, all drawn evenly by a
-//! [`Sequence`](crate::numerics::sequence::Sequence), together with the directions over the hemisphere and the wavelengths. Realisation r has the
-//! same draws however many there are, so that a study may be extended.
+//! A periodic cell samples one Bloch vector of one reciprocal lattice. If it is always the same,
+//! the same few guided resonances are hit or missed each time, and a small cell is biased. Quantum
+//! Monte Carlo solves the same problem by twist averaging (Lin, Zong, Ceperley 2001). Here the
+//! lattice itself varies: area, aspect ratio and azimuth, all drawn uniformly by a
+//! [`Sequence`](crate::numerics::sequence::Sequence), together with the directions over the
+//! hemisphere and the wavelengths. Realisation r has the same draws whatever the number of
+//! realisations, so that a study can be extended.
 //!
-//! Two packings share each cell with its directions and wavelengths: one holds more pigment than is asked, one less, as windows of the
-//! cell's size in a wide layer do. Cells that all hold the asked share absorb too much where ink absorbs: T of 30 % yellow, 250 nm,
-//! at 460 nm is 0.1693 ± 0.0004 in them, 0.1719 ± 0.0005 in these, 0.1719 ± 0.0004 in cells of 2.4 µm and more.
+//! Two packings share each cell with its directions and wavelengths: one contains more pigment than
+//! requested, the other less, as do windows of the cell's size in a wide layer. Cells that all
+//! contain the requested fraction absorb too much where the ink absorbs: T of 30 % yellow, 250 nm,
+//! at 460 nm is 0.1693 ± 0.0004 in them, 0.1719 ± 0.0005 in these, 0.1719 ± 0.0004 in cells of
+//! 2.4 µm and more.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,49 +22,50 @@ use statrs::distribution::{ContinuousCDF, Normal};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CellRule {
-    /// Area, aspect and azimuth differ from realisation to realisation: no bias from the period.
+    /// Area, aspect ratio and azimuth differ between realisations: the period causes no bias.
     #[default]
     Varied,
-    /// Constant period and azimuth: for the comparison of methods.
+    /// Constant period and azimuth, for comparing methods.
     Fixed,
 }
 
-/// Which wavelengths a realisation is solved at.
+/// Which wavelengths a realisation uses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LightRule {
-    /// Those listed, always.
+    /// Always those listed.
     Listed,
-    /// One in each of equally wide strata, all shifted together by a share of the width that differs from realisation to realisation.
+    /// One in each of equally wide strata, all shifted together by a fraction of the width that
+    /// differs between realisations.
     Shifted {
         /// First and last wavelength, nm.
         range_nm: [f64; 2],
-        /// Wavelengths of a realisation.
+        /// Number of wavelengths of a realisation.
         strata: usize,
     },
 }
 
-/// What differs, and how much.
+/// What varies, and how much.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variation {
-    /// Whether cells differ.
+    /// Whether cells vary.
     pub cell: CellRule,
     /// Standard deviation of the layer's thickness, µm.
     pub thickness_std_um: f64,
-    /// Wavelengths.
+    /// Sampling of the wavelengths.
     pub light: LightRule,
 }
 
-/// Area of a cell over the nominal one.
+/// Range of the cell's area over the nominal one.
 pub(super) const AREA: [f64; 2] = [0.7, 1.3];
-/// Lx/Ly over the nominal ratio.
+/// Range of Lx/Ly over the nominal ratio.
 pub(super) const ASPECT: [f64; 2] = [0.6, 1.4];
-/// Thicknesses are cut at this many standard deviations.
+/// The distribution of thicknesses is truncated at this many standard deviations.
 pub const THICKNESS_CUT: f64 = 3.0;
-/// Strata of μ² are not sampled nearer to grazing: 89.4°.
+/// Strata of μ² are not sampled closer to grazing incidence than 89.4°.
 const LEAST_SQUARED_COSINE: f64 = 1e-4;
 
-/// What one realisation has drawn.
+/// The draws of one realisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draw {
     /// Period of its cell, µm.
@@ -69,9 +74,9 @@ pub struct Draw {
     pub thickness_um: f64,
     /// Azimuth of its planes of incidence, degrees from the cell's x.
     pub azimuth_deg: f64,
-    /// Place within every stratum of directions, 0–1.
+    /// Position within every stratum of directions, 0–1.
     pub direction: f64,
-    /// Place within every stratum of wavelengths, 0–1.
+    /// Position within every stratum of wavelengths, 0–1.
     pub wavelength: f64,
 }
 
@@ -80,19 +85,19 @@ pub struct Draw {
 pub struct Turn {
     /// Azimuth of the planes of incidence, degrees from the cell's x.
     pub azimuth_deg: f64,
-    /// Place within every stratum of directions, 0–1.
+    /// Position within every stratum of directions, 0–1.
     pub direction: f64,
 }
 
-/// Polar angles, degrees, one in each of `strata` equal strata of μ² = cos²θ (the weight of the hemispherical mean is uniform
-/// there), at the place `share` of every stratum; rising.
+/// Polar angles, degrees, one in each of `strata` equal strata of μ² = cos²θ (in which the weight
+/// of the hemispherical mean is uniform), at the position `share` of every stratum; increasing.
 pub fn stratified_deg(strata: usize, share: f64) -> Vec<f64> {
     let squared = |k: usize| ((k as f64 + share) / strata as f64).max(LEAST_SQUARED_COSINE);
     (0..strata).rev().map(|k| squared(k).sqrt().acos().to_degrees()).collect()
 }
 
-/// Which way each pigment's volume is moved in a realisation: both of a pair opposite ways, and all ways of several pigments
-/// in turns.
+/// Sign of the deviation of each pigment's volume in a realisation: opposite in the two of a pair;
+/// with several pigments all combinations of signs take turns.
 pub(super) fn signs(realisation: usize, pigments: usize) -> Vec<f64> {
     let own = |bit: usize| if bit.is_multiple_of(2) { 1.0 } else { -1.0 };
     let pair = realisation / 2;
@@ -102,7 +107,7 @@ pub(super) fn signs(realisation: usize, pigments: usize) -> Vec<f64> {
     (0..pigments).map(of).collect()
 }
 
-/// The shortest side that a cell of this nominal period may get, µm.
+/// The shortest possible side of a cell of this nominal period, µm.
 pub fn shortest_side_um(cell: CellRule, [x, y]: [f64; 2]) -> f64 {
     match cell {
         CellRule::Fixed => x.min(y),
@@ -114,7 +119,7 @@ pub(super) fn between([low, high]: [f64; 2], share: f64) -> f64 {
     low + (high - low) * share
 }
 
-/// A cut normal law by its quantiles.
+/// Truncated normal distribution by its quantiles.
 pub(super) fn thickness_um(mean_um: f64, std_um: f64, share: f64) -> f64 {
     let law = Normal::standard();
     let cut = law.cdf(-THICKNESS_CUT);
@@ -147,7 +152,7 @@ mod tests {
         let all: Vec<f64> = (0..400).map(|k| thickness_um(1.0, 0.1, (k as f64 + 0.5) / 400.0)).collect();
         let mean = all.iter().sum::<f64>() / 400.0;
         let spread = (all.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / 400.0).sqrt();
-        // a normal law cut at 3σ keeps 98.7 % of its spread
+        // a normal distribution truncated at 3σ keeps 98.7 % of its standard deviation
         assert!((mean - 1.0).abs() < 1e-12 && (spread - 0.0987).abs() < 2e-4, "{mean} {spread}");
     }
 }

@@ -1,13 +1,13 @@
-//! Sizes of an XML file that are refused before it is parsed: the parser's time grows with their squares.
+//! Refuses XML files whose sizes would make the parser slow: its time grows with their squares.
 
-/// Attributes of one element.
+/// Maximum number of attributes of one element.
 const MOST_ATTRIBUTES: usize = 256;
-/// Elements inside one another.
+/// Maximum nesting depth of elements.
 const DEEPEST: usize = 64;
-/// Declarations of namespaces in the whole file.
+/// Maximum number of namespace declarations in the whole file.
 const MOST_NAMESPACES: usize = 4096;
 
-/// What is too large, if anything. The text need not be well formed.
+/// Describes what is too large, if anything. The text need not be well formed.
 pub(super) fn too_large(text: &str) -> Option<String> {
     let namespaces = text.matches("xmlns").count();
     if namespaces > MOST_NAMESPACES {
@@ -38,7 +38,7 @@ pub(super) fn too_large(text: &str) -> Option<String> {
     None
 }
 
-/// What stands between `<` and its end, and what follows; comments and character data end in their own way.
+/// The text between `<` and its end, and the rest; comments and character data have their own ends.
 fn tag(rest: &str) -> (&str, &str) {
     let end =
         |words: &str| rest.find(words).map_or((rest, ""), |at| (&rest[..at], &rest[at + words.len()..]));

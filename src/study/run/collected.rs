@@ -1,4 +1,4 @@
-//! What a run needs, and what it has in the end.
+//! The inputs and outputs of a run.
 
 use super::resolve::Resolved;
 use crate::input::study::Point;
@@ -13,14 +13,15 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-/// How to run, as opposed to what.
+/// How to run, as opposed to what to compute.
 #[derive(Clone, Copy, Debug)]
 pub struct RunSettings {
-    /// Most solves at a time; the number of threads when nothing is said. As many run as the memory holds.
+    /// Maximum number of parallel solves, as far as the memory suffices (default: number of
+    /// threads).
     pub jobs: Option<usize>,
-    /// Bytes that all solves at a time may take.
+    /// Memory for all parallel solves, bytes.
     pub memory: f64,
-    /// Tries again what has failed before, unless other processes are at work.
+    /// Retry what failed before, unless other processes are working.
     pub retry_failed: bool,
 }
 
@@ -30,42 +31,43 @@ impl Default for RunSettings {
     }
 }
 
-/// All that a run has, finished or not.
+/// Everything a run has computed, finished or not.
 #[derive(Clone, Debug)]
 pub struct Collected {
-    /// The grid and what is known about its error.
+    /// The grid and its error.
     pub resolved: Resolved,
-    /// All realisations whose packings came about, in their order.
+    /// All realisations that could be packed, in order.
     pub realisations: Vec<Realisation>,
-    /// The others.
+    /// The realisations without a packing or a grid.
     pub refused: Vec<Refused>,
-    /// True when the wanted bar was reached before the last realisation asked for.
+    /// True if `run.target_delta_e` was reached before the last realisation.
     pub enough: bool,
-    /// What was found damaged in the store, and computed again as far as this study needs it.
+    /// Damage found in the store; what this study needs has been recomputed.
     pub damages: Vec<Damage>,
 }
 
-/// One realisation's records, in the order of [`Study::points`](crate::input::study::Study::points); `None` where a solve is missing.
+/// Records of one realisation.
 #[derive(Clone, Debug)]
 pub struct Realisation {
-    /// How the grains were packed.
+    /// The packing.
     pub packing: PackingRecord,
-    /// One a solve, in the study's order; `None` where it is missing.
+    /// One record per solve, in the order of [`Study::points`](crate::input::study::Study::points);
+    /// `None` if it is missing.
     pub points: Vec<Option<PointRecord>>,
-    /// What failed, and why.
+    /// Failed solves with their reasons.
     pub failures: Vec<Failure>,
 }
 
-/// A realisation whose grains found no room.
+/// A realisation without a packing or a grid.
 #[derive(Clone, Debug)]
 pub struct Refused {
-    /// Its number, from 0.
+    /// Number of the realisation, from 0.
     pub realisation: usize,
     /// The error's message.
     pub reason: String,
 }
 
-/// A solve that ended without a result.
+/// A solve without a result.
 #[derive(Clone, Debug)]
 pub struct Failure {
     /// The solve.
@@ -75,47 +77,47 @@ pub struct Failure {
 }
 
 impl Collected {
-    /// Solves that are there.
+    /// Number of finished solves.
     pub fn finished(&self) -> usize {
         self.realisations.iter().map(|r| r.points.iter().flatten().count()).sum()
     }
 
-    /// Realisations that were tried.
+    /// Number of realisations that were tried.
     pub fn tried(&self) -> usize {
         self.realisations.len() + self.refused.len()
     }
 
-    /// All failures of all realisations.
+    /// The failures of all realisations.
     pub fn failures(&self) -> impl Iterator<Item = &Failure> {
         self.realisations.iter().flat_map(|r| &r.failures)
     }
 
-    /// Realisations of which every solve is there.
+    /// Realisations in which every solve is finished.
     pub fn complete(&self) -> impl Iterator<Item = &Realisation> {
         self.realisations.iter().filter(|r| r.points.iter().all(Option::is_some))
     }
 }
 
-/// What a folder keeps, one store a kind of record.
+/// The records of a folder, one store per kind.
 pub struct Stores {
     database: Arc<Database>,
     /// Solves.
     pub points: Store<PointRecord>,
     /// Packings.
     pub packings: Store<PackingRecord>,
-    /// Grids that were searched.
+    /// Chosen grids.
     pub grids: Store<Resolved>,
-    /// Solves, packings and grids that have failed, and are not tried again before that is asked.
+    /// Failed solves, packings and grids; they are retried only on request.
     pub failures: Store<FailureRecord>,
 }
 
 impl Stores {
-    /// The stores of a folder that is written to.
+    /// Opens the stores of a folder for writing.
     pub fn open(folder: &OutputFolder) -> io::Result<Self> {
         Self::at(folder.path())
     }
 
-    /// The stores of a folder that is only read.
+    /// Opens the stores of a folder for reading.
     pub fn at(path: &Path) -> io::Result<Self> {
         let database = Arc::new(Database::open(path)?);
         let (points, packings) = (Store::of(&database), Store::of(&database));
@@ -123,13 +125,13 @@ impl Stores {
         Ok(Self { points, packings, grids, failures, database })
     }
 
-    /// How a solve has failed before; `None` where it has not.
+    /// The recorded failure of a solve; `None` if it has not failed.
     pub fn failure(&self, (point, key): &(Point, Key)) -> Option<Failure> {
         let record = self.failures.get(key.as_str())?;
         Some(Failure { point: *point, reason: record.reason })
     }
 
-    /// What all of them are part of.
+    /// The database that holds all stores.
     pub fn database(&self) -> &Database {
         &self.database
     }

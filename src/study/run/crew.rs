@@ -1,26 +1,26 @@
-//! Independent solves side by side.
+//! Runs independent solves in parallel.
 //!
-//! Each worker owns a small thread pool, so that a solve never waits for a neighbour's work and at most
-//! `jobs` solves hold memory at a time. What a solve computes does not depend on its worker, so the results
-//! do not depend on the number of threads.
+//! Each worker has a small thread pool of its own, so that no solve waits for another worker's and
+//! at most `jobs` solves hold memory at a time. Results depend neither on the worker nor on the
+//! number of threads.
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Workers with their threads.
+/// Workers with their thread pools.
 #[derive(Debug)]
 pub struct Crew {
     pools: Vec<ThreadPool>,
-    /// Solves at a time that each worker is allowed.
+    /// Number of parallel solves per worker.
     pub jobs_each: usize,
 }
 
 impl Crew {
-    /// As many workers as `jobs` (by default one for each thread), but no more than there are `tasks`; fewer where the system
-    /// grants fewer threads.
+    /// Starts `jobs` workers (default: one per thread), but at most one per task; fewer if the
+    /// system refuses threads.
     ///
     /// # Errors
-    /// The system grants no thread at all.
+    /// The system refuses every thread.
     pub fn new(jobs: Option<usize>, tasks: usize) -> Result<Self, ThreadPoolBuildError> {
         let jobs = jobs.unwrap_or_else(rayon::current_num_threads).max(1);
         let workers = jobs.min(tasks.max(1));
@@ -30,18 +30,19 @@ impl Crew {
         Ok(Self { jobs_each: jobs / pools.len(), pools })
     }
 
-    /// Their number.
+    /// Number of workers.
     pub fn workers(&self) -> usize {
         self.pools.len()
     }
 
-    /// Every worker does what `take` gives it until that is nothing.
+    /// Each worker runs `work` on what `take` returns, until that is `None`.
     pub fn work_off(&self, take: impl Fn() -> Option<usize> + Sync, work: impl Fn(usize) + Sync) {
         in_each(&self.pools, &|| std::iter::from_fn(&take).for_each(&work));
     }
 }
 
-/// Does `work` in every pool at a time, on the threads that the pools have: none is started, so none can be refused.
+/// Runs `work` in every pool at once. It uses the pools' existing threads, because the system could
+/// refuse new ones.
 fn in_each(pools: &[ThreadPool], work: &(impl Fn() + Sync)) {
     let Some((first, others)) = pools.split_first() else { return };
     first.in_place_scope(|scope| {
@@ -50,7 +51,8 @@ fn in_each(pools: &[ThreadPool], work: &(impl Fn() + Sync)) {
     });
 }
 
-/// All that are made before the first refusal; after it only half of them, as the work itself takes memory too.
+/// All items made before the first refusal; after a refusal only half of them, because the work
+/// itself needs memory too.
 fn as_many_as_granted<T, E>(made: impl Iterator<Item = Result<T, E>>) -> Result<Vec<T>, E> {
     let mut granted = Vec::new();
     for one in made {
@@ -66,11 +68,11 @@ fn as_many_as_granted<T, E>(made: impl Iterator<Item = Result<T, E>>) -> Result<
     Ok(granted)
 }
 
-/// Does `work` for every index below `count`, `jobs` at a time, in rising order of their beginnings; ends
-/// early once `stop` says so.
+/// Runs `work` for every index below `count`, `jobs` at a time, starting them in order; ends early
+/// if `stop` returns true.
 ///
 /// # Errors
-/// The system refuses threads; nothing has been done then.
+/// The system refuses threads; then nothing has been done.
 pub fn work_through(
     count: usize,
     jobs: usize,
@@ -83,7 +85,8 @@ pub fn work_through(
     Ok(())
 }
 
-/// Processor time of this process so far, user and system, where the system tells it: other programs do not count.
+/// Processor time of this process so far, user plus system, s; `None` if the system does not report
+/// it.
 pub fn processor_seconds() -> Option<f64> {
     cpu_time::ProcessTime::try_now().ok().map(|time| time.as_duration().as_secs_f64())
 }
@@ -112,7 +115,7 @@ mod tests {
         assert_eq!(as_many_as_granted(granted(0)), Err("refused"));
     }
 
-    /// Threads that wait for each other: each pool has its own.
+    /// The threads wait for each other: each pool needs its own.
     #[test]
     fn all_workers_are_at_work_at_a_time() {
         let (crew, meeting) = (Crew::new(Some(3), 3).unwrap(), std::sync::Barrier::new(3));

@@ -8,45 +8,46 @@ use crate::store::queue::QueueError;
 use crate::wave::WaveError;
 use std::io;
 
-/// Why a run ended without collecting anything.
+/// Why a run has no results.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// A packing was not delivered.
+    /// A realisation could not be packed.
     #[error("realisation {}: {source}", realisation + 1)]
     Packing {
         /// Number of the realisation, from 0.
         realisation: usize,
-        /// Why.
+        /// The reason.
         source: PackError,
     },
-    /// No grid reaches the accuracy.
+    /// No grid reaches the requested accuracy.
     #[error(transparent)]
     Resolution(#[from] AccuracyError),
-    /// The work would not fit into memory.
+    /// The solves do not fit into memory.
     #[error(transparent)]
     Memory(#[from] TooLarge),
-    /// The scene does not make a problem.
+    /// The scene cannot be discretised.
     #[error(transparent)]
     Wave(#[from] WaveError),
-    /// The folder of results.
+    /// The output folder cannot be used.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// A record could not be kept.
-    #[error("cannot keep a result: {0}")]
+    /// A record could not be stored.
+    #[error("cannot store a result: {0}")]
     Store(#[from] io::Error),
-    /// The queue of work.
+    /// The queue of tasks failed.
     #[error(transparent)]
     Queue(#[from] QueueError),
     /// Threads could not be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// Someone asked to stop; what is finished is kept.
+    /// The user asked to stop; finished solves are kept.
     #[error("stopped before the first solve")]
     Stopped,
 }
 
 impl RunError {
-    /// With all that a stop looks like as [`RunError::Stopped`]: it is no failure of packing or grid.
+    /// Turns every error caused by a stop into [`RunError::Stopped`]: a stop is not a failure of
+    /// packing or grid.
     pub fn stopped(self) -> Self {
         match self {
             Self::Packing { source: PackError::Stopped { .. }, .. } | Self::Wave(WaveError::Stopped) => {
@@ -57,7 +58,7 @@ impl RunError {
         }
     }
 
-    /// True when the grains of one realisation found no room, which says nothing of the others.
+    /// True if the grains of one realisation found no room, which does not affect the others.
     pub fn has_no_room(&self) -> bool {
         let no_room =
             |source: &PackError| matches!(source, PackError::Blocked { .. } | PackError::NotReached { .. });

@@ -1,4 +1,5 @@
-//! The grids of one realisation: one for each wavelength, and finer ones for the few waves that do not fit into theirs.
+//! The grids of one realisation: one per wavelength, and finer ones for the few waves that these
+//! cannot represent.
 
 use super::error::RunError;
 use super::point::systems_of;
@@ -8,18 +9,18 @@ use crate::solve::accuracy::raised;
 use crate::wave::{Geometry, Precision, Resolution, Scene, System, WaveError};
 use std::sync::{Mutex, PoisonError};
 
-/// One wavelength's grid, and the packing on it.
+/// The grid of one wavelength, and the packing on it.
 pub struct Wavelength {
-    /// In vacuum, µm.
+    /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
-    /// Its grid.
+    /// The grid.
     pub resolution: Resolution,
     /// The packing on that grid.
     pub geometry: Geometry,
 }
 
 impl Wavelength {
-    /// The grids of all these waves; `cover` puts the packing on a grid, once for each.
+    /// The grids of all wavelengths; `cover` computes the packing's coverage once per grid.
     pub fn all(
         wavelengths_um: impl Iterator<Item = f64>,
         grid: impl Fn(f64) -> Resolution,
@@ -38,15 +39,16 @@ impl Wavelength {
         Ok(made)
     }
 
-    /// That of a point.
+    /// The grid of a point's wavelength.
     pub fn of<'a>(all: &'a [Self], point: &Point) -> &'a Self {
         let own = |known: &&Self| known.wavelength_um == point.incidence.wavelength_um;
         all.iter().find(own).expect("the grids of all solves to be made")
     }
 }
 
-/// The grid was chosen on other packings and at the probes' wavelengths. A cell of this packing may hold more pigment, and a
-/// wavelength between the probes may meet a larger index: then cells that the wave just fits in are too high for it.
+/// The grid was chosen on other packings and at the probed wavelengths. A cell of this packing may
+/// contain more pigment, and a wavelength between the probes may meet a larger index, for which the
+/// cells of the chosen grid are too high.
 pub(super) struct Grids<'a> {
     study: &'a Study,
     packing: &'a Packing,
@@ -59,7 +61,8 @@ impl<'a> Grids<'a> {
         Self { study, packing, own, finer: Mutex::default() }
     }
 
-    /// The problems of a point's light, one for each polarisation, on the coarsest of these grids that carries its wave: a property of the point alone.
+    /// The problems of a point, one per polarisation, on the coarsest grid that can represent its
+    /// wave; the choice depends on the point alone.
     pub fn systems(&self, point: &Point) -> Result<Vec<Box<dyn System>>, WaveError> {
         let own = Wavelength::of(&self.own, point);
         let (mut resolution, mut made) = (own.resolution, systems_of(self.study, &own.geometry, point));

@@ -1,21 +1,23 @@
-//! How much coarser the grids of longer waves may be.
+//! Coarser grids for longer waves.
 //!
-//! The error of a grid with spacing h grows as V h² at least, with V ∝ |η² − η_b²|/λ² (numerics, order of the coverage), and as
-//! the phase k h does. So a wave longer than the shortest allows a spacing larger by λ/λ₀, by √(V₀/V) where that is less: the
-//! work per solve falls as (λ₀/λ)³ in a clear ink. Two probes at the longest wavelength say whether it is so.
+//! The error of a grid with spacing h grows at least as V h², with V ∝ |η² − η_b²|/λ² (numerics,
+//! order of the coverage), and as the phase k h. A wave longer than the shortest one therefore
+//! allows a spacing larger by λ/λ₀, or by √(V₀/V) if that is less: the work per solve falls as
+//! (λ₀/λ)³ in a clear ink. Two test solves at the longest wavelength check this.
 
 use crate::input::study::{Pigment, Study, WantedResolution};
 use crate::input::variation::stratified_deg;
 use crate::solve::accuracy::smooth_size;
 use crate::wave::{Incidence, Resolution, Side};
 
-/// Exponents on the coarsening that are tried, in turn; no coarsening where none of them keeps the accuracy.
+/// Exponents of the coarsening, tried in this order; if none keeps the accuracy, the grid is not
+/// coarsened.
 pub(super) const SHARES: [f64; 3] = [1.0, 0.7, 0.4];
 
-/// Steps of the coarsening in an octave: the wavelengths between two of them share a coverage.
+/// Steps of the coarsening per octave: wavelengths within one step share a coverage.
 const STEPS: f64 = 4.0;
 
-/// Largest |η² − η_b²|/λ² of any pigment in the binder, what its contrast V grows with, 1/nm².
+/// Largest |η² − η_b²|/λ² of the pigments in the binder, proportional to the contrast V, 1/nm².
 pub(super) fn largest_contrast(study: &Study, nm: f64) -> f64 {
     let binder = study.layer.binder.index_at(1e-3 * nm);
     let of = |p: &Pigment| {
@@ -25,7 +27,8 @@ pub(super) fn largest_contrast(study: &Study, nm: f64) -> f64 {
     study.pigments.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A grid of the shortest waves as a longer one has it; `share` is the exponent on the coarsening that the wave allows.
+/// The grid of the shortest wave, coarsened for a longer one; `share` is the exponent of the
+/// coarsening.
 pub fn coarsened(study: &Study, own: Resolution, wavelength_um: f64, share: f64) -> Resolution {
     let factor = coarser(study, wavelength_um, share);
     let fewer = |n: usize| (n as f64 / factor * (1.0 - 1e-9)).ceil() as usize;
@@ -33,7 +36,7 @@ pub fn coarsened(study: &Study, own: Resolution, wavelength_um: f64, share: f64)
     Resolution { nx: points(own.nx), ny: points(own.ny), cells: fewer(own.cells).max(1), scheme: own.scheme }
 }
 
-/// How many times coarser than at the shortest wavelength the grid may be, at least 1.
+/// Factor ≥ 1 by which the grid may be coarser than at the shortest wavelength.
 fn coarser(study: &Study, wavelength_um: f64, share: f64) -> f64 {
     if share == 0.0 {
         return 1.0;
@@ -44,20 +47,20 @@ fn coarser(study: &Study, wavelength_um: f64, share: f64) -> f64 {
     stepped(by_phase.min(by_contrast).max(1.0).powf(share))
 }
 
-/// Down to a whole number of steps; rounding at a step is not another grid.
+/// Rounds down to a whole step; rounding errors do not select another step.
 fn stepped(factor: f64) -> f64 {
     ((STEPS * factor.log2() + 1e-9).floor() / STEPS).exp2()
 }
 
-/// The smallest and the largest polar angle of a study, degrees.
+/// The smallest and the largest polar angle of the study, degrees.
 pub(super) fn probed_angles_deg(study: &Study) -> [f64; 2] {
     let exact = &study.angles.exact_deg;
     let all = stratified_deg(study.angles.strata, 0.5).into_iter().chain(exact.iter().copied());
     [exact[0], all.fold(0.0, f64::max)]
 }
 
-/// The longest wavelength at the smallest and the largest angle of the study, on one packing; nothing where all waves share a grid:
-/// so it is wanted, there is but one wavelength, or nothing that a grid could miss.
+/// The longest wavelength at the smallest and the largest angle, on one packing; empty if all waves
+/// share a grid: on request, with a single wavelength, or without any contrast.
 pub(super) fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     let (first, last) = (study.wavelengths_nm[0], study.wavelengths_nm[study.wavelengths_nm.len() - 1]);
     let allowed = matches!(study.resolution, WantedResolution::Accuracy { per_wavelength: true, .. });
@@ -91,7 +94,7 @@ mod tests {
 
     const OWN: Resolution = Resolution { nx: 40, ny: 30, cells: 14, scheme: Scheme::Cubic };
 
-    /// λ/λ₀ in a clear ink, down to steps of 2^¼.
+    /// λ/λ₀ in a clear ink, rounded down to steps of 2^¼.
     #[test]
     fn a_clear_ink_allows_a_spacing_in_proportion_to_the_wavelength() {
         let study = study("1.9", "accuracy = 1e-3");
@@ -101,7 +104,7 @@ mod tests {
         };
         assert_eq!(points(400.0, 1.0), (40, 30, 14));
         assert_eq!(points(450.0, 1.0), (40, 30, 14), "not a step yet");
-        // 600/400 is 2^(2/4) and some, 700/400 is 2^(3/4) and some.
+        // 600/400 is a little more than 2^(2/4), 700/400 a little more than 2^(3/4).
         assert_eq!(points(600.0, 1.0), (30, 24, 10));
         assert_eq!(points(700.0, 1.0), (24, 18, 9));
         assert_eq!(points(700.0, 0.4), (36, 27, 12));
@@ -109,7 +112,7 @@ mod tests {
         assert_eq!(probes(&study, 0).len(), 2);
     }
 
-    /// Where the pigment absorbs most its contrast decides, however long the wave.
+    /// Where the pigment absorbs most, its contrast decides, however long the wave.
     #[test]
     fn the_largest_contrast_keeps_the_finest_grid() {
         let study = study("{ built_in = 'red' }", "accuracy = 1e-3");

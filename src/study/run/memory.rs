@@ -1,23 +1,23 @@
-//! Memory that a run may use when nobody says how much: what the machine, the process's limits and its cgroups leave.
+//! Default memory of a run: what the machine, the process's limits and its cgroups leave.
 
 use std::path::Path;
 
-/// Where the system does not tell what is free.
+/// Assumed free memory where the system does not report it, bytes.
 const OTHERWISE: f64 = 4e9;
-/// Of what is free: the packing, the pages and the rest of the machine need some.
+/// Share of the free memory for solves: packings, pages and other programs need the rest.
 const SHARE: f64 = 0.8;
-/// A cgroup of version 1 without a limit has about 2⁶³ bytes.
+/// Above this a limit is none, bytes: a version 1 cgroup without a limit reports about 2⁶³.
 const UNLIMITED: f64 = 1e18;
 
-/// Bytes that solves may take: most of what is available, where the system tells it (Linux).
+/// Memory for solves, bytes: most of what is available, where the system reports it (Linux).
 pub fn usable() -> f64 {
     let meminfo = read("/proc/meminfo");
     let machine = after(&meminfo, "MemAvailable:").map_or(OTHERWISE, |kilobytes| SHARE * 1024.0 * kilobytes);
     machine.min(allowed())
 }
 
-/// Bytes that solves may take of what the process is allowed (`ulimit -v`, `ulimit -d`, cgroups): a solve beyond them would end the
-/// program. Infinite where there is no limit.
+/// Memory for solves within the limits of the process (`ulimit -v`, `ulimit -d`, cgroups), bytes;
+/// exceeding them would end the program. Infinite without limits.
 pub fn allowed() -> f64 {
     let (limits, status) = (read("/proc/self/limits"), read("/proc/self/status"));
     let of_process = [("Max address space", "VmSize:"), ("Max data size", "VmData:")];
@@ -35,19 +35,20 @@ fn after(text: &str, word: &str) -> Option<f64> {
     rest.split_whitespace().next()?.parse().ok()
 }
 
-/// Bytes of a process's limit that it has not taken yet; a limit that is "unlimited" is no number.
+/// Bytes left of a limit of the process; `None` if it is "unlimited".
 fn left_of_limit(limits: &str, limit: &str, status: &str, used: &str) -> f64 {
     let used = 1024.0 * after(status, used).unwrap_or(0.0);
     after(limits, limit).map_or(f64::INFINITY, |most| (most - used).max(0.0))
 }
 
-/// Bytes that the process's cgroup and those around it leave.
+/// Bytes left by the process's cgroup and its ancestors.
 fn left_of_cgroups() -> f64 {
     let groups = read("/proc/self/cgroup");
     groups.lines().map(left_of_hierarchy).fold(f64::INFINITY, f64::min)
 }
 
-/// Of one hierarchy, `number:controllers:path`: the second version's has no controllers in its name, the first's for memory says so.
+/// Bytes left in one hierarchy, given as `number:controllers:path`: version 2 names no controllers,
+/// version 1 names `memory`.
 fn left_of_hierarchy(line: &str) -> f64 {
     let [_, controllers, path] = line.splitn(3, ':').collect::<Vec<_>>()[..] else { return f64::INFINITY };
     let (root, names) = match controllers {
@@ -62,7 +63,7 @@ fn left_of_hierarchy(line: &str) -> f64 {
     folders.map(|folder| left_of_group(&Path::new(root).join(folder), names)).fold(f64::INFINITY, f64::min)
 }
 
-/// Of one group: its limit less its use, without the files' pages that the kernel drops on demand.
+/// Bytes left in one group: its limit minus its use, without file pages, which the kernel can drop.
 fn left_of_group(folder: &Path, [limit, current, droppable]: [&str; 3]) -> f64 {
     let Some(most) = after(&read(folder.join(limit)), "").filter(|&bytes| bytes < UNLIMITED) else {
         return f64::INFINITY;

@@ -1,5 +1,5 @@
-//! Carries a study out: a point (one solve), a realisation (one packing), its resolution, work side by side. Who takes which
-//! realisation is a sweep's business.
+//! The computation of a study: a point (one solve), a realisation (one packing), the choice of the
+//! grid, parallel execution. `sweep` distributes the realisations.
 
 pub mod collected;
 pub mod crew;

@@ -13,28 +13,28 @@ use std::ops::ControlFlow;
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum PointError {
-    /// The scene, the light or the grid is refused.
+    /// The scene, the light or the grid was refused.
     #[error(transparent)]
     Wave(#[from] WaveError),
-    /// The strategy gave up or was stopped.
+    /// The solver gave up or was stopped.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// The result breaks a law it must obey.
+    /// The result violates a physical law.
     #[error(transparent)]
     Unphysical(#[from] Unphysical),
-    /// A number of the record is not finite.
+    /// A number in the record is not finite.
     #[error(transparent)]
     NotFinite(#[from] NotFinite),
 }
 
 impl PointError {
-    /// True when the user stopped the solve, which is no failure.
+    /// True if the user stopped the solve, which is not a failure.
     pub fn is_stop(&self) -> bool {
         matches!(self, Self::Solve(SolveError::Cancelled { .. }))
     }
 }
 
-/// Packs the grains of a realisation; stops when the watch says so.
+/// Packs the grains of a realisation; can be stopped by the watch.
 pub fn pack_realisation(
     study: &Study,
     realisation: usize,
@@ -44,14 +44,14 @@ pub fn pack_realisation(
     pack(&request, &mut Stopper(watch))
 }
 
-/// How many times the errors of R and T at the probes others may have.
+/// Safety factor: other solves may have errors of R and T this many times those of the test solves.
 const BEYOND_PROBES: f64 = 3.0;
 
 pub(super) fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
     TotalErrors::of_totals([grid.reflectance, grid.transmittance].map(|e| BEYOND_PROBES * e), residual)
 }
 
-/// True for a kept record that passes the gate a new one has to pass: older programs had none.
+/// Whether a stored record passes the check for new results, which older programs did not make.
 pub fn is_physical(record: &PointRecord, grid: GridError) -> bool {
     Physical::judge(record.far_field(), total_errors(grid, record.account.residual)).is_ok()
 }
@@ -59,22 +59,24 @@ pub fn is_physical(record: &PointRecord, grid: GridError) -> bool {
 /// What the solves of one realisation share.
 #[derive(Clone, Copy)]
 pub struct PointSolver<'a> {
-    /// What is asked.
+    /// The study.
     pub study: &'a Study,
-    /// The strategy.
+    /// The solver.
     pub solver: &'a dyn Solver,
-    /// How wrong R and T may be.
+    /// Expected errors of R and T.
     pub grid: GridError,
-    /// Who is told of the work.
+    /// Follows the progress.
     pub watch: &'a dyn RunWatch,
 }
 
 impl PointSolver<'_> {
-    /// Solves one point, of `systems` the one of its polarisation, and keeps what it found under `key`.
+    /// Solves one point on the one of `systems` with its polarisation and returns the record with
+    /// its `key`.
     ///
-    /// It starts from nothing. The field of a neighbouring angle or wavelength was tried as a start (2.5 µm, 30 % of 200 nm,
-    /// residual 2e-5): another angle costs 1 to 2 steps more of 12 to 19, 20 nm and even 5 nm save none or one, since the
-    /// phase of the incident wave changes everywhere. What is shared is the geometry, and the problem by s and p.
+    /// It starts from zero. Starting from the field of a neighbouring angle or wavelength was tried
+    /// (2.5 µm, 30 % of 200 nm, residual 2e-5): a neighbouring angle costs 1 to 2 more of 12 to 19
+    /// iterations, 20 nm or even 5 nm save one at most, because the phase of the incident wave
+    /// changes everywhere. The geometry is shared, and so is the problem of s and p.
     pub fn solve(
         &self,
         systems: &[Box<dyn System>],
@@ -93,10 +95,10 @@ impl PointSolver<'_> {
     }
 }
 
-/// The problems of a point's light, one for each polarisation.
+/// The problems of a point, one per polarisation.
 ///
 /// # Errors
-/// The scene does not make a problem on the grid.
+/// The scene cannot be discretised on the grid.
 pub fn systems_of(
     study: &Study,
     geometry: &Geometry,
@@ -106,7 +108,7 @@ pub fn systems_of(
     geometry.systems(&media, &point.incidence, Mean::default())
 }
 
-/// Passes the run's wish to stop on to packings and solvers.
+/// Forwards the run's request to stop to packings and solvers.
 pub struct Stopper<'a>(pub &'a dyn RunWatch);
 
 impl Stopper<'_> {
@@ -136,7 +138,8 @@ mod tests {
     use super::*;
     use crate::store::record::tests::{account, two_orders};
 
-    /// Records of programs that had no gate are sound to the seal, so that this alone stands between them and a page.
+    /// The seals of records written before this check are valid, so that only this check keeps them
+    /// out of a report.
     #[test]
     fn a_kept_record_that_breaks_a_law_counts_as_absent() {
         let grid = GridError { reflectance: 1e-3, transmittance: 1e-3 };

@@ -19,25 +19,25 @@ use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Packings on demand; the first one serves the choice of the resolution too, and the latest one all studies
-/// that share it.
+/// Packings on demand. The first one is kept for the choice of the grid, the latest one for all
+/// studies that share it.
 pub struct Packings<'a> {
     study: &'a Study,
     watch: &'a dyn RunWatch,
     first: Option<Packing>,
     latest: Option<(usize, Packing)>,
-    /// Of the latest realisation, by wave (vector or not), grid and error: inks that share a packing
-    /// share them too, and so do their waves that take turns.
+    /// Geometries of the latest realisation, by wave (vector or not), grid and error: inks that
+    /// share a packing share them, and so do the polarisations.
     geometries: Vec<((bool, usize, Resolution, f64), Geometry)>,
 }
 
 impl<'a> Packings<'a> {
-    /// No packing yet.
+    /// Starts without packings.
     pub fn new(study: &'a Study, watch: &'a dyn RunWatch) -> Self {
         Self { study, watch, first: None, latest: None, geometries: Vec::new() }
     }
 
-    /// The packing of a realisation, made where it is not at hand.
+    /// The packing of a realisation, computed unless it is kept.
     pub fn get(&mut self, realisation: usize) -> Result<Packing, RunError> {
         match (&self.first, &self.latest) {
             (Some(first), _) if realisation == 0 => return Ok(first.clone()),
@@ -66,7 +66,7 @@ impl<'a> Packings<'a> {
         if let Some((_, geometry)) = self.geometries.iter().find(|(kept, _)| *kept == asked) {
             return Ok(geometry.clone());
         }
-        // Those of another realisation are of no use any more.
+        // Geometries of other realisations are no longer needed.
         self.geometries.retain(|((_, r, ..), _)| *r == realisation);
         let scene = Scene::from_packing(&self.get(realisation)?);
         let stop = || self.watch.stop();
@@ -76,7 +76,7 @@ impl<'a> Packings<'a> {
     }
 }
 
-/// The solves of a realisation with the content hashes of all that they depend on.
+/// The solves of a realisation with the content hashes of their inputs.
 pub fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
     let packing = Key::of_packing(&study.packing_request(realisation));
     let draw = study.draw(realisation);
@@ -87,7 +87,7 @@ pub fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec
     study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
 }
 
-/// Content hash of all that one solve depends on.
+/// Content hash of everything that one solve depends on.
 fn point_key(study: &Study, packing: &Key, resolution: &Resolution, point: &Point) -> Key {
     let error = study.resolution.coverage_error();
     let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
@@ -95,34 +95,33 @@ fn point_key(study: &Study, packing: &Key, resolution: &Resolution, point: &Poin
     Key::of_wave("point", &(packing, indices, &point.incidence, method), point.polarisation)
 }
 
-/// What one realisation needs.
+/// The work on one realisation.
 pub struct RealisationRun<'a> {
-    /// What is asked.
+    /// The study.
     pub study: &'a Study,
-    /// On which grids.
+    /// Its grids.
     pub resolved: &'a Resolved,
-    /// Where results go.
+    /// Where records are stored.
     pub stores: &'a Stores,
-    /// How it is carried out.
+    /// How to run.
     pub settings: RunSettings,
-    /// Who is told of the work.
+    /// Follows the progress.
     pub watch: &'a dyn RunWatch,
-    /// Which one, from 0.
+    /// Number of the realisation, from 0.
     pub realisation: usize,
 }
 
 impl RealisationRun<'_> {
-    /// Solves what the store lacks; gives the number of solves that have no result.
+    /// Computes the solves missing in the store; returns the number of solves without a result.
     pub fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
         let keyed = point_keys(self.study, self.resolved, self.realisation);
         let lacking: Vec<&(Point, Key)> = keyed.iter().filter(|keyed| !self.is_kept(keyed)).collect();
         let (failed, todo): (Vec<_>, Vec<_>) =
             lacking.iter().partition(|keyed| self.stores.failure(keyed).is_some());
-        self.watch.hear(Event::Kept(keyed.len() - lacking.len()));
-        self.watch.hear(Event::Dropped(failed.len()));
+        let kept = keyed.len() - lacking.len();
         let packing_key = Key::of_packing(&self.study.packing_request(self.realisation));
         if todo.is_empty() && self.stores.packings.has(packing_key.as_str()) {
-            return Ok(failed.len());
+            return Ok(self.pass(kept, failed.len()));
         }
         let packing = packings.get(self.realisation)?;
         self.stores.packings.put(packing_key.as_str(), &PackingRecord::new(self.realisation, &packing))?;
@@ -132,16 +131,23 @@ impl RealisationRun<'_> {
         let jobs = self.jobs(size.admit(&*solver, self.settings.memory)?.bytes);
         let solver = size.admit(&*solver, self.settings.memory / jobs as f64)?;
         let grids = Grids::new(self.study, &packing, self.geometries(packings, &todo)?);
-        Ok(failed.len() + self.solve_all(solver.solver(), jobs, &grids, &todo)?)
+        Ok(self.pass(kept, failed.len()) + self.solve_all(solver.solver(), jobs, &grids, &todo)?)
     }
 
-    /// Whether the store has a sound result of this solve.
+    /// Reports the solves that need no work; returns the number of those without a result.
+    fn pass(&self, kept: usize, failed: usize) -> usize {
+        self.watch.hear(Event::Kept(kept));
+        self.watch.hear(Event::Dropped(failed));
+        failed
+    }
+
+    /// Whether the store has a valid result of this solve.
     fn is_kept(&self, (_, key): &(Point, Key)) -> bool {
         let record = self.stores.points.get(key.as_str());
         record.is_some_and(|record| is_physical(&record, self.resolved.grid_error))
     }
 
-    /// The packing on the grids of all these solves.
+    /// The packing on the grids of these solves.
     fn geometries(
         &self,
         packings: &mut Packings,
@@ -156,7 +162,7 @@ impl RealisationRun<'_> {
         })
     }
 
-    /// Solves at a time: as many as were asked for, and the memory holds.
+    /// Number of parallel solves: as requested, as far as the memory suffices.
     fn jobs(&self, bytes_each: f64) -> usize {
         let asked = self.settings.jobs.unwrap_or_else(rayon::current_num_threads);
         let fitting = (self.settings.memory / bytes_each) as usize;
@@ -176,7 +182,8 @@ impl RealisationRun<'_> {
         self.stores.failures.put(key.as_str(), &record)
     }
 
-    /// Solves side by side, those of one problem after one another; gives the number of those without a result.
+    /// Runs the solves in parallel, those of one problem in sequence; returns the number of solves
+    /// without a result.
     fn solve_all(
         &self,
         solver: &dyn Solver,
@@ -198,7 +205,8 @@ impl RealisationRun<'_> {
         }
     }
 
-    /// The solves of one wavelength and direction, whose problem they share. The error is the store's alone.
+    /// Solves for one wavelength and direction, which share their problem. Errors are those of the
+    /// store.
     fn solve_group(&self, solver: &dyn Solver, grids: &Grids, group: &[&(Point, Key)]) -> io::Result<usize> {
         let (mut systems, mut failed) = (None, 0);
         for keyed in group {
@@ -210,8 +218,8 @@ impl RealisationRun<'_> {
         Ok(failed)
     }
 
-    /// One solve, in the store when it returns; the problems are made for the first of a group. False for one that fails. The
-    /// error is the store's alone.
+    /// Runs one solve and stores its record; the first of a group sets up the problems. Returns
+    /// false if the solve fails. Errors are those of the store.
     fn solve_one(
         &self,
         solver: &dyn Solver,

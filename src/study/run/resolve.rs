@@ -1,8 +1,9 @@
-//! The grid of a study: as asked, or chosen for the accuracy that was asked; with its error in either case.
+//! The grid of a study, as requested or chosen for the requested accuracy, and its error.
 //!
-//! Three probes on the first packing that comes about stand for the whole study: the shortest wavelength at the smallest and
-//! at the largest angle, and the wavelength at which grains and binder differ most. The largest of
-//! their error estimates is the study's. Longer waves get grids as much coarser as two more probes allow (`longer_waves`).
+//! Three test solves on the first packing that succeeds represent the whole study: the shortest
+//! wavelength at the smallest and at the largest angle, and the wavelength of the largest
+//! difference between grains and binder. The largest of their error estimates is the study's.
+//! Longer waves get coarser grids as far as two more test solves allow (`longer_waves`).
 
 mod probed;
 
@@ -22,41 +23,42 @@ use crate::wave::{Incidence, Mean, Resolution, Scene, Side};
 use probed::{Prepared, grid, probe};
 use serde::{Deserialize, Serialize};
 
-/// Packings on which two grids are compared: enough for a standard error of the difference.
+/// Number of packings on which two grids are compared: enough for a standard error of the
+/// difference.
 const GRID_PACKINGS: usize = 4;
 
-/// The grid of a study's shortest waves, and what longer ones make of it.
+/// The grid of a study's shortest wave, and its coarsening for longer ones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resolved {
-    /// Of the cell it was chosen on, the first that could be packed; at the shortest wavelength and wherever the contrast is largest.
+    /// The grid of the cell it was chosen on (the first that could be packed), for the shortest
+    /// wavelength and wherever the contrast is largest.
     pub resolution: Resolution,
     /// Period of that cell, µm.
     pub period_um: [f64; 2],
-    /// Thickness of its layer, µm.
+    /// Thickness of the layer in that cell, µm.
     pub thickness_um: f64,
-    /// Largest expected error of an order's complex amplitude, over the probes.
+    /// Largest estimated error of an order's complex amplitude in the test solves.
     pub error_estimate: f64,
     /// Expected errors of R and T.
     pub grid_error: GridError,
-    /// Exponent on the coarsening that longer waves allow: 1 takes all of it, 0 is one grid for all wavelengths, as in records that
-    /// older programs made.
+    /// Exponent of the coarsening for longer waves: 1 uses all of it, 0 none, as in older records.
     #[serde(default)]
     pub longer_waves: f64,
 }
 
 impl Resolved {
-    /// The grid of a wave in a cell: that of the shortest waves, coarser by what this one allows.
+    /// The grid of a wave in a cell: that of the shortest wave, coarsened if the wave is longer.
     pub fn for_wave(&self, study: &Study, draw: &Draw, wavelength_um: f64) -> Resolution {
         coarsened(study, self.for_cell(draw), wavelength_um, self.longer_waves)
     }
 
-    /// The grid of the longest wave in the cell that the finest one was chosen on.
+    /// The grid of the longest wave, in the cell on which the finest grid was chosen.
     pub fn longest(&self, study: &Study) -> Resolution {
         let last_um = 1e-3 * study.wavelengths_nm[study.wavelengths_nm.len() - 1];
         coarsened(study, self.resolution, last_um, self.longer_waves)
     }
 
-    /// The finest grid in another cell: no coarser than the first one's.
+    /// The finest grid in another cell, no coarser than in the first.
     pub fn for_cell(&self, draw: &Draw) -> Resolution {
         let points = |own: usize, first_um: f64, um: f64| {
             let wanted = (own as f64 * um / first_um * (1.0 - 1e-9)).ceil() as usize;
@@ -76,7 +78,7 @@ impl Resolved {
     }
 }
 
-/// What the study's solves take on a grid.
+/// What a solve of the study needs on a grid.
 pub fn size(study: &Study, resolution: Resolution) -> Size {
     let indices = study.pigments.iter().map(|p| &p.material).chain([&study.layer.binder]);
     let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
@@ -92,10 +94,12 @@ impl Record for Resolved {
     const KIND: &'static str = "grid";
 }
 
-/// The study's grid: from the store, or from solves on the first realisations' scenes, which are made when they are needed.
+/// The study's grid: from the store, or from test solves on the first realisations, whose scenes
+/// are made on demand.
 ///
 /// # Errors
-/// The accuracy is out of reach, the grid does not fit `memory` (bytes), or a probe cannot be solved.
+/// The accuracy cannot be reached, the grid does not fit into `memory` (bytes), or a test solve
+/// fails.
 pub fn resolve(
     study: &Study,
     store: &Store<Resolved>,
@@ -120,7 +124,8 @@ pub fn resolve(
     Ok(resolved)
 }
 
-/// The first realisations whose packings come about, one at least: what cannot be packed costs its own realisation alone.
+/// The scenes of the first realisations that can be packed, at least one: a failed packing affects
+/// only its own realisation.
 fn scenes(
     study: &Study,
     mut scene: impl FnMut(usize) -> Result<Scene, RunError>,
@@ -136,18 +141,19 @@ fn scenes(
     refusal.filter(|_| scenes.is_empty()).map_or(Ok(scenes), Err)
 }
 
-/// The study's grid if the store has it.
+/// The study's grid if it is stored.
 pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
     store.get(key(study).as_str())
 }
 
-/// Realisations whose packings two grids are compared on.
+/// Number of realisations on which two grids are compared.
 fn compared(study: &Study) -> usize {
     study.realisations.min(GRID_PACKINGS)
 }
 
-/// Content hash of all that the choice of the grid and its error depend on. Every packing compared counts: studies may share the
-/// first one and differ in others, since cells are drawn to hold whole grains.
+/// Content hash of everything that the choice of the grid and its error depend on. It includes all
+/// packings compared: studies may share the first and differ in others, because cells are drawn to
+/// hold whole grains.
 pub fn key(study: &Study) -> Key {
     let packing = |realisation: usize| {
         let probes = probes(study, realisation);
@@ -155,7 +161,8 @@ pub fn key(study: &Study) -> Key {
         (Key::of_packing(&study.packing_request(realisation)), media, probes)
     };
     let packings: Vec<_> = (0..compared(study)).map(packing).collect();
-    // Older records hold half the error where a finer grid had to be compared with: they are made again, their solves are not.
+    // Older records halve the error where a finer grid was needed for comparison: the grids are
+    // computed again, the solves are not.
     let method = (study.resolution, Mean::default(), &study.solver, &study.goal, JUDGEMENT);
     // s, p and unpolarised light share a grid.
     let vector = study.wave.is_vector().then_some(());
@@ -204,7 +211,7 @@ fn settle(
     coarsen(study, &draw, &Prepared::new(study, scene, &longest, memory, &stop).tasks(), one, watch)
 }
 
-/// Takes as much of the coarsening that longer waves allow as keeps the accuracy at the longest of them.
+/// Uses the largest coarsening that keeps the accuracy at the longest wavelength.
 fn coarsen(
     study: &Study,
     draw: &Draw,
@@ -233,7 +240,7 @@ fn coarsen(
     Ok(one)
 }
 
-/// What the grid does to R and T of the probes on one packing.
+/// Changes of R and T due to the grid, for the test solves on one packing.
 fn grid_differences(
     study: &Study,
     resolved: &Resolved,

@@ -1,42 +1,42 @@
-//! Who looks on while a study runs, and may stop it.
+//! Observes a running study and can stop it.
 
 use crate::input::study::{Point, Study};
 use crate::store::queue::QueueStanding;
 
-/// What happens in a run.
+/// An event of a run.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
     /// A stage other than the solves begins, such as "packing realisation 2".
     Stage(&'a str),
-    /// How far all workers of a folder are.
+    /// Progress of all workers of a folder.
     Standing(&'a QueueStanding),
-    /// A solve of a study begins.
+    /// A solve begins.
     Solving(&'a Study, &'a Point),
-    /// Number of solves that are in the store already.
+    /// Number of solves that are already stored.
     Kept(usize),
-    /// Number of solves that cannot be made, for want of a packing or a grid.
+    /// Number of solves that cannot be computed for lack of a packing or a grid.
     Dropped(usize),
-    /// A solve has ended, in whichever way.
+    /// A solve has ended, successfully or not.
     Ended,
-    /// The record of a solve is safe, or it has failed for the reason given.
+    /// A solve is stored, or has failed for the given reason.
     Solved(&'a Point, Option<&'a str>),
 }
 
-/// Hears what a run does; called from several threads.
+/// Receives the events of a run, from several threads.
 pub trait RunWatch: Sync {
-    /// True when the run is to end; asked at every step of every solver and packing.
+    /// True if the run should stop; checked at every step of solvers and packings.
     fn stop(&self) -> bool {
         false
     }
 
-    /// Something happens.
+    /// Receives an event.
     fn hear(&self, _event: Event) {}
 
-    /// A stage begins.
+    /// Announces a stage.
     fn stage(&self, what: &str) {
         self.hear(Event::Stage(what));
     }
 }
 
-/// Watches nothing and never stops.
+/// Ignores all events and never stops.
 impl RunWatch for () {}

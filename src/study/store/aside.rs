@@ -1,4 +1,4 @@
-//! Damaged files of records: put aside, and what is sound taken over.
+//! Quarantines damaged record files and salvages their intact records.
 
 use super::rows::{End, Rows, StoredRow};
 use super::seal::Sealed;
@@ -7,16 +7,16 @@ use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Files of records.
+/// Extension of record files.
 pub(super) const ROWS: &str = "sqlite";
-/// Files that were damaged and are being taken over.
+/// Extension of damaged files whose records are being salvaged.
 pub(super) const DAMAGED: &str = "damaged";
 
-/// What ends a copy.
+/// Why a copy ended early.
 pub(super) enum Interruption {
-    /// The file that is read.
+    /// The source file cannot be read.
     There(rusqlite::Error),
-    /// The file that is written.
+    /// The target file cannot be written.
     Here(rusqlite::Error),
     Contradiction(Box<(Sealed, StoredRow)>),
 }
@@ -27,7 +27,8 @@ impl From<rusqlite::Error> for Interruption {
     }
 }
 
-/// Renames damaged files that no other process holds, closing those in `open`; gives the new names and what is wrong.
+/// Renames damaged files that no other process holds and closes those in `open`; returns the new
+/// names and what is wrong.
 pub(super) fn put_aside(
     folder: &Path,
     slot: &Slot,
@@ -58,7 +59,7 @@ pub(super) fn put_aside(
     Ok(reasons)
 }
 
-/// Copies what is sound, from both ends; gives the number of records saved.
+/// Copies the intact records, reading from both ends; returns their number.
 pub(super) fn take_over(damaged: &Path, into: &Rows) -> rusqlite::Result<usize> {
     let Ok(from) = Rows::read(damaged) else { return Ok(0) };
     let mut saved = HashSet::new();
@@ -70,7 +71,7 @@ pub(super) fn take_over(damaged: &Path, into: &Rows) -> rusqlite::Result<usize> 
     Ok(saved.len())
 }
 
-/// Copies a sound record whose kind and key are not among those `saved` before.
+/// Copies an intact record unless its kind and key are among those already `saved`.
 fn save(row: &StoredRow, into: &Rows, saved: &mut HashSet<(String, String)>) -> Result<(), Interruption> {
     if row.sealed.check(&row.kind, &row.key).is_ok() && saved.insert((row.kind.clone(), row.key.clone())) {
         into.put(row).map_err(Interruption::Here)?;
@@ -78,7 +79,8 @@ fn save(row: &StoredRow, into: &Rows, saved: &mut HashSet<(String, String)>) -> 
     Ok(())
 }
 
-/// Gives the records to `keep`, from one end on as far as they can be read: the damage of this file is known already.
+/// Passes the records to `keep`, starting at one end, as far as they can be read. Errors are
+/// ignored because the damage of this file is already known.
 fn save_from(
     damaged: &Rows,
     end: End,
@@ -90,7 +92,7 @@ fn save_from(
     }
 }
 
-/// Files with this extension, in the order of their numbers.
+/// Files with this extension, ordered by number.
 pub(super) fn files_of(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
     let entries = match std::fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -103,7 +105,7 @@ pub(super) fn files_of(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf
     Ok(paths)
 }
 
-/// SQLite's log beside a file.
+/// SQLite's write-ahead log beside a file.
 fn log_of(path: &Path) -> PathBuf {
     with_suffix(path, "-wal")
 }
@@ -114,7 +116,7 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     name.into()
 }
 
-/// Removes a file and what SQLite keeps beside it, as far as they are there.
+/// Removes a file, if it exists, and what SQLite keeps beside it.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
     for path in [path.to_owned(), log_of(path), with_suffix(path, "-shm")] {
         match std::fs::remove_file(path) {

@@ -1,16 +1,16 @@
-//! Which build of the program this is.
+//! Identifies the build of the program.
 
 use std::sync::OnceLock;
 
 static BUILD: OnceLock<&str> = OnceLock::new();
 
-/// Name, version and, where the program knows it, commit of this build, such as `inkwave 0.1.0 (7207559)`. A `+` after the
-/// commit says that the sources had changes of their own.
+/// Name, version and, where known, commit of this build, such as `inkwave 0.1.0 (7207559)`. A `+`
+/// after the commit marks uncommitted changes.
 pub fn build() -> &'static str {
     BUILD.get().copied().unwrap_or(concat!("inkwave ", env!("CARGO_PKG_VERSION")))
 }
 
-/// States the build, once, before anything is stored: libraries on their own do not know the commit.
+/// Sets the build, once, before anything is stored: a library on its own does not know the commit.
 pub fn set_build(build: &'static str) {
     _ = BUILD.set(build);
 }

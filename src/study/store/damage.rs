@@ -1,58 +1,58 @@
-//! What was found damaged in a store, in words.
+//! Describes damage found in a store.
 
 use super::identity::METHOD_VERSION;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Damaged records that are named one by one; the others are counted.
+/// Number of damaged records that are listed one by one; the rest are only counted.
 const NAMED: usize = 5;
 
-/// Why a record counts as absent although something is there.
+/// Why a stored record is ignored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RecordFault {
-    /// Content, kind or name are not those that were sealed.
+    /// Content, kind or key do not match the seal.
     Seal,
-    /// Sound, but made by another method.
+    /// Intact, but computed with another version of the method.
     Method(u32),
-    /// Sound, but of a form that this program does not read.
+    /// Intact, but in a format that this program does not read.
     Form(String),
 }
 
 impl fmt::Display for RecordFault {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Seal => write!(f, "its checksum does not fit its name and content"),
+            Self::Seal => write!(f, "its checksum does not match its name and content"),
             Self::Method(found) => write!(f, "made by method {found}, this program's is {METHOD_VERSION}"),
-            Self::Form(why) => write!(f, "not of the form that this program reads: {why}"),
+            Self::Form(why) => write!(f, "not in a format that this program reads: {why}"),
         }
     }
 }
 
-/// Something damaged in a store.
+/// Damage found in a store.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Damage {
     /// One record.
     Record {
-        /// Such as `point`.
+        /// Kind, such as `point`.
         kind: String,
         /// Its content hash.
         key: String,
-        /// What is wrong with it.
+        /// What is wrong with the record.
         fault: RecordFault,
     },
-    /// A whole file, or pages of it.
+    /// A whole file, or some of its pages.
     File {
         /// The file.
         path: PathBuf,
-        /// What SQLite says.
+        /// SQLite's error message.
         reason: String,
-        /// Sound records taken over into another file; `None` while the file is left as it is.
+        /// Number of intact records copied to another file; `None` if the file was left as it is.
         saved: Option<usize>,
     },
 }
 
 impl Damage {
-    /// The record or file that is damaged.
+    /// Identifies the damaged record or file.
     pub fn subject(&self) -> String {
         match self {
             Self::Record { kind, key, .. } => format!("{kind} {key}"),
@@ -60,7 +60,7 @@ impl Damage {
         }
     }
 
-    /// The file, where a file is damaged.
+    /// The damaged file; `None` for a record.
     pub fn file(&self) -> Option<&PathBuf> {
         match self {
             Self::Record { .. } => None,
@@ -75,13 +75,13 @@ impl fmt::Display for Damage {
             Self::Record { fault, .. } => write!(f, "{}: {fault}", self.subject()),
             Self::File { reason, saved: None, .. } => write!(f, "{}: {reason}", self.subject()),
             Self::File { reason, saved: Some(saved), .. } => {
-                write!(f, "{}: {reason}; {saved} sound records of it were saved", self.subject())
+                write!(f, "{}: {reason}; {saved} intact records were saved", self.subject())
             }
         }
     }
 }
 
-/// Says how many records and files are damaged, and which; `None` when all is sound.
+/// Reports which records and files are damaged, and how many; `None` if there is no damage.
 pub fn in_words(damages: &[Damage]) -> Option<String> {
     let records = damages.iter().filter(|d| matches!(d, Damage::Record { .. })).count();
     let files = damages.len() - records;

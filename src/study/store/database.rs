@@ -1,7 +1,8 @@
-//! The packed store of a folder: sealed records in one SQLite file for each process that writes.
+//! The store of a folder: sealed records, in one SQLite file per writing process.
 //!
-//! Everybody reads all files and writes its own. So processes never wait for one another, and a file that was damaged
-//! is never written to again: what is sound in it is taken over, what is lost counts as absent.
+//! Every process reads all files and writes only its own. Processes therefore never wait for each
+//! other, and a damaged file is never written to again: its intact records are copied, the rest
+//! counts as absent.
 
 use super::aside::{DAMAGED, Interruption, ROWS, files_of, put_aside, remove, take_over};
 use super::damage::Damage;
@@ -14,13 +15,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Where a folder keeps its records.
+/// Subfolder that holds the records.
 pub const RECORDS: &str = "records";
 
 /// All records of a folder.
 #[derive(Debug)]
 pub struct Database {
-    /// `None` in memory.
+    /// `None` if in memory.
     folder: Option<PathBuf>,
     files: Mutex<Files>,
     damages: Mutex<Damages>,
@@ -28,7 +29,7 @@ pub struct Database {
 
 #[derive(Debug, Default)]
 struct Files {
-    /// This process's own file, from the first record on.
+    /// The file of this process, created with its first record.
     own: Option<Own>,
     others: Vec<Rows>,
 }
@@ -52,7 +53,7 @@ impl Files {
 }
 
 impl Database {
-    /// The records below `folder` (in its [`RECORDS`]), of which there may be none yet.
+    /// Opens the records in [`RECORDS`] below `folder`; there may be none yet.
     ///
     /// # Errors
     /// The folder cannot be read.
@@ -63,7 +64,7 @@ impl Database {
         Ok(database)
     }
 
-    /// A store that lives as long as the value.
+    /// Opens a store in memory.
     ///
     /// # Errors
     /// SQLite cannot be started.
@@ -73,7 +74,7 @@ impl Database {
         Ok(Self { folder: None, files, damages: Mutex::default() })
     }
 
-    /// Looks for files that other processes have begun since.
+    /// Opens files that other processes have created since.
     ///
     /// # Errors
     /// The folder cannot be read.
@@ -92,7 +93,7 @@ impl Database {
         Ok(())
     }
 
-    /// The sound record of this name; a damaged one is noted and counts as absent.
+    /// The intact record with this key; damaged ones are noted and count as absent.
     pub fn get(&self, kind: &str, key: &str) -> Option<Vec<u8>> {
         let files = lock(&self.files);
         let mut fault = None;
@@ -112,40 +113,40 @@ impl Database {
         None
     }
 
-    /// Keeps a record for good.
+    /// Stores a record permanently.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The record cannot be written.
     pub fn put(&self, kind: &str, key: &str, content: Vec<u8>) -> io::Result<()> {
         let row =
             StoredRow { kind: kind.to_owned(), key: key.to_owned(), sealed: Sealed::new(kind, key, content) };
         self.writing(|rows| rows.put(&row))
     }
 
-    /// Forgets a record, in all files.
+    /// Deletes a record from all files.
     ///
     /// # Errors
-    /// They cannot be written to.
+    /// A file cannot be written.
     pub fn remove(&self, kind: &str, key: &str) -> io::Result<()> {
         let files = lock(&self.files);
         files.all().try_for_each(|rows| rows.remove(kind, key).map_err(|error| failed(rows.path(), &error)))
     }
 
-    /// Forgets all records of a kind, in all files.
+    /// Deletes all records of a kind from all files.
     ///
     /// # Errors
-    /// They cannot be written to.
+    /// A file cannot be written.
     pub fn remove_all(&self, kind: &str) -> io::Result<()> {
         let files = lock(&self.files);
         files.all().try_for_each(|rows| rows.remove_all(kind).map_err(|error| failed(rows.path(), &error)))
     }
 
-    /// Copies the sound records of these kinds (or of all, where none is named) that this store has not, all or none;
-    /// damaged ones are noted in the other store.
-    /// Stops at a record that contradicts the one that is here, by `same` of their kind and contents, and gives both.
+    /// Copies the intact records of `kinds` (of all kinds if empty) that this store lacks, in one
+    /// transaction; damaged ones are noted in the source store. Stops at a record that contradicts
+    /// the one stored here, according to `same`, and returns both.
     ///
     /// # Errors
-    /// They cannot be written here.
+    /// This store cannot be written.
     pub fn adopt(
         &self,
         from: &Self,
@@ -165,7 +166,7 @@ impl Database {
         }
     }
 
-    /// Gives all records of one of the files to `each`; what cannot be read of it is noted.
+    /// Passes all records of a file to `each`; what cannot be read is noted.
     fn scan(
         &self,
         rows: &Rows,
@@ -177,7 +178,7 @@ impl Database {
         }
     }
 
-    /// Copies a sound record of this store into a file that has none of its name; a damaged one is noted.
+    /// Copies an intact record into a file that lacks it; a damaged one is noted.
     fn hand_over(
         &self,
         row: StoredRow,
@@ -194,7 +195,7 @@ impl Database {
         }
     }
 
-    /// Names of all records of a kind, sound or not, in order.
+    /// Sorted keys of all records of a kind, damaged ones included.
     pub fn keys(&self, kind: &str) -> BTreeSet<String> {
         let files = lock(&self.files);
         let mut keys = BTreeSet::new();
@@ -207,23 +208,15 @@ impl Database {
         keys
     }
 
-    /// True when there is no record at all.
+    /// True if there are no records.
     pub fn is_empty(&self) -> bool {
         lock(&self.files).all().all(|rows| rows.is_empty())
     }
 
-    /// Gets ready to write: takes a place in the folder and takes over what is sound in damaged files.
+    /// Joins the work called `name` in this folder, or starts it.
     ///
     /// # Errors
-    /// The folder cannot be written to.
-    pub fn prepare(&self) -> io::Result<()> {
-        self.own(&mut lock(&self.files)).map(drop)
-    }
-
-    /// Joins the work called `name` in this folder, or begins it.
-    ///
-    /// # Errors
-    /// Others work on something else there, or the folder cannot be written to.
+    /// Other work is in progress there, or the folder cannot be written.
     pub fn queue(&self, name: &str) -> Result<Queue, QueueError> {
         let mut files = lock(&self.files);
         match (&self.folder, &self.own(&mut files)?.slot) {
@@ -232,7 +225,7 @@ impl Database {
         }
     }
 
-    /// Notes damage once; what was saved of a file takes the place of what was said of it before.
+    /// Notes damage once; a note on salvaged records replaces earlier notes on the same file.
     pub(super) fn note(&self, damage: Damage) {
         let mut damages = lock(&self.damages);
         if let Damage::File { path, saved: Some(_), .. } = &damage {
@@ -243,7 +236,7 @@ impl Database {
         damages.found.push(damage);
     }
 
-    /// All damage met so far.
+    /// All damage found so far.
     pub fn damages(&self) -> Vec<Damage> {
         lock(&self.damages).found.clone()
     }
@@ -258,7 +251,7 @@ impl Database {
         write(&own.rows).map_err(|error| failed(own.rows.path(), &error))
     }
 
-    /// The own file, made when it is first needed.
+    /// This process's file, created when first needed.
     fn own<'a>(&self, files: &'a mut Files) -> io::Result<&'a Own> {
         if files.own.is_none() {
             let begun = self.begin(files)?;
@@ -267,7 +260,7 @@ impl Database {
         files.own.as_ref().ok_or_else(|| io::Error::other("no file for records"))
     }
 
-    /// Takes a place and puts aside what is damaged before anything is written.
+    /// Reserves a slot and quarantines damaged files before anything is written.
     fn begin(&self, files: &mut Files) -> io::Result<Own> {
         let folder = self.folder.as_deref().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder)?;

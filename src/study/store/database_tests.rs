@@ -1,4 +1,4 @@
-//! Several processes, damage, copies.
+//! Tests with several processes, damage and copies.
 
 use super::*;
 use crate::store::damage::RecordFault;
@@ -7,7 +7,7 @@ fn open(folder: &tempfile::TempDir) -> Database {
     Database::open(folder.path()).unwrap()
 }
 
-/// Changes a row of a worker's file behind the store's back.
+/// Changes rows of a worker's file directly in SQLite.
 fn tamper(folder: &tempfile::TempDir, sql: &str) {
     let path = folder.path().join("records/1.sqlite");
     rusqlite::Connection::open(path).unwrap().execute_batch(sql).unwrap();
@@ -65,20 +65,20 @@ fn a_damaged_file_is_put_aside_and_what_is_sound_is_saved() {
         damaged[place] ^= 0x55;
         std::fs::write(&path, damaged).unwrap();
         let store = open(&folder);
-        store.prepare().unwrap();
+        drop(store.queue("work").unwrap());
         for (key, content) in [("a", vec![1; 5000]), ("b", vec![2])] {
             assert!(store.get("point", key).is_none_or(|found| found == content), "byte {place}");
             store.put("point", key, content).unwrap();
         }
         drop(store);
         let healed = open(&folder);
-        healed.prepare().unwrap();
+        drop(healed.queue("work").unwrap());
         assert!(healed.get("point", "a").is_some() && healed.damages().is_empty(), "byte {place}");
     }
     for length in [0, 1, 100, whole.len() / 2] {
         std::fs::write(&path, &whole[..length]).unwrap();
         let store = open(&folder);
-        store.prepare().unwrap();
+        drop(store.queue("work").unwrap());
         assert!(store.get("point", "a").is_none() && (length < 2 || !store.damages().is_empty()), "{length}");
     }
 }
@@ -105,7 +105,7 @@ fn a_copy_takes_what_is_sound_and_stops_at_contradictions() {
     assert_eq!(merged.get("point", "c"), None, "all or nothing");
 }
 
-/// Two workers that made the same record before either saw the other's: one sound copy is enough.
+/// Two workers computed the same record before either saw the other's: one intact copy is enough.
 #[test]
 fn a_sound_copy_in_another_file_is_found_behind_a_damaged_one() {
     for damaged in ["1", "2"] {

@@ -1,10 +1,10 @@
-//! The folder a run writes to.
+//! The folder that a run writes to.
 //!
 //! ```text
-//! inkwave.json                                         marks the folder as ours
-//! records/1.sqlite …                                   finished solves, packings, grids (one file a worker)
-//! results.json          numbers and provenance         report.html            the page to show
-//! picture.png  spectra.csv  bdf.csv                    PARTIAL                there while not all is finished
+//! inkwave.json                                marks the folder as ours
+//! records/1.sqlite …                          solves, packings, grids (one file per worker)
+//! results.json          numbers, provenance   report.html            the page
+//! picture.png  spectra.csv  bdf.csv           PARTIAL                present while unfinished
 //! ```
 
 use super::database::{Database, RECORDS};
@@ -17,7 +17,7 @@ use super::slot::Slot;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Files that tell of a study and must not outlive it.
+/// Result files, which are removed when a new study begins.
 pub const RESULTS: [&str; 8] = [
     "results.json",
     "report.html",
@@ -28,89 +28,89 @@ pub const RESULTS: [&str; 8] = [
     "kubelka-munk.csv",
     "measured.csv",
 ];
-/// Folders inside that are written to.
+/// Subfolders that are written to.
 const PARTS: [&str; 3] = [RECORDS, "variants", "inputs"];
 
-/// Why a folder cannot take results.
+/// Why a folder cannot hold the results.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// Files cannot be made or written.
+    /// Files cannot be created or written.
     #[error("cannot write results to {}: {source}", path.display())]
     NotWritable {
         /// The folder or file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error message.
         source: io::Error,
     },
-    /// No marker of ours, but other files.
+    /// The folder holds files but no marker of this program.
     #[error("{} holds other files ({found}), but no results of inkwave", path.display())]
     Foreign {
         /// The folder.
         path: PathBuf,
-        /// One of the files.
+        /// Name of one of the files.
         found: String,
     },
-    /// Ours, for something else.
+    /// The folder holds something else written by this program.
     #[error("{} holds {found} of inkwave, not {wanted}", path.display())]
     Other {
         /// The folder.
         path: PathBuf,
         /// What the folder holds.
         found: Holds,
-        /// What shall be written.
+        /// What was to be written.
         wanted: Holds,
     },
-    /// A part of the folder lies elsewhere.
-    #[error("{} is a link to elsewhere, and results are not written through it", path.display())]
+    /// Part of the folder is a link to another place.
+    #[error("{} is a link, and results are not written through links", path.display())]
     Link {
         /// The link.
         path: PathBuf,
     },
-    /// Results in a form that is no longer, or not yet, read.
+    /// The layout is of another version.
     #[error("{} holds results of {found}, which this version neither reads nor continues", path.display())]
     Older {
         /// The folder.
         path: PathBuf,
-        /// The program that wrote them.
+        /// The program that wrote the results.
         found: String,
     },
 }
 
 impl FolderError {
-    /// What to try.
+    /// Suggests a remedy.
     pub fn remedy(&self) -> &'static str {
         match self {
-            Self::NotWritable { .. } => {
-                "give a folder that you may write to, on a disk with room: --output DIR"
+            Self::NotWritable { .. } => "choose a writable folder, on a disk with free space: --output DIR",
+            Self::Foreign { .. } => {
+                "choose a new folder, an empty one or that of an earlier run: --output DIR"
             }
-            Self::Foreign { .. } => "give a new folder, an empty one or one of an earlier run: --output DIR",
-            Self::Other { .. } => "give a folder of its own: --output DIR",
-            Self::Link { .. } => "put what it points to in its place, or give another folder: --output DIR",
+            Self::Other { .. } => "choose another folder: --output DIR",
+            Self::Link { .. } => "replace it by what it points to, or choose another folder: --output DIR",
             Self::Older { .. } => {
-                "give a new folder (--output DIR) to compute everything again, or use the version that wrote it"
+                "choose a new folder (--output DIR) to compute everything again, or use the version that wrote it"
             }
         }
     }
 }
 
-/// A folder proven to be writable and to hold nothing but results.
+/// A folder known to be writable and to hold only results.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    /// Folders that were not there before.
+    /// Folders that did not exist before.
     made: Vec<PathBuf>,
-    /// The marker was there before.
+    /// Whether the marker existed before.
     marked: bool,
-    /// The command that goes on when the work is interrupted.
+    /// The command that resumes interrupted work.
     go_on: Option<String>,
     presence: Presence,
 }
 
 impl OutputFolder {
-    /// Makes the folder for what it shall hold, where it is not there, and marks it as ours.
+    /// Creates the folder if necessary and marks it.
     ///
     /// # Errors
-    /// It cannot be made or written to, or holds files of something else.
+    /// The folder cannot be created or written, or holds files of something else.
     pub fn open(path: &Path, holds: Holds) -> Result<Self, FolderError> {
         let marked = refuse_foreign(path, holds)?;
         let missing = |p: &&Path| !p.as_os_str().is_empty() && !p.exists();
@@ -129,7 +129,8 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// The folder with the command that continues it, which its marker states until it is finished.
+    /// Sets the command that resumes the work; it is written to the folder until the work is
+    /// finished.
     pub fn going_on_with(self, command: String) -> Self {
         Self { go_on: Some(command), ..self }
     }
@@ -144,7 +145,7 @@ impl OutputFolder {
         }
     }
 
-    /// Removes what a killed process left half written, unless others are at work here.
+    /// Removes temporary files of killed processes, unless others are working here.
     fn remove_leftovers(&self) {
         let records = self.path.join(RECORDS);
         if !Slot::any_is_held(&records) {
@@ -152,29 +153,29 @@ impl OutputFolder {
         }
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Marks the folder partial and takes the results of earlier runs away, before the first new solve.
+    /// Marks the folder as partial and removes earlier results; called before the first new solve.
     pub fn begin(&self) -> Result<(), FolderError> {
         self.mark_partial()?;
         RESULTS.iter().try_for_each(|name| self.remove(name))
     }
 
-    /// Marks the folder partial and leaves what is there.
+    /// Marks the folder as partial and keeps its files.
     pub fn mark_partial(&self) -> Result<(), FolderError> {
         self.write(PARTIAL, partial::text(self.go_on.as_deref()).as_bytes())
     }
 
-    /// Writes one file whole or not at all.
+    /// Writes a file atomically.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), FolderError> {
         let path = self.path.join(name);
         safely::write(&path, bytes).map_err(|source| FolderError::NotWritable { path, source })
     }
 
-    /// Removes a file of an earlier study, if it is there.
+    /// Removes a file if it exists.
     pub fn remove(&self, name: &str) -> Result<(), FolderError> {
         let path = self.path.join(name);
         match std::fs::remove_file(&path) {
@@ -185,7 +186,7 @@ impl OutputFolder {
         }
     }
 
-    /// Removes what an earlier work of another extent has left beside the new: files of `ours` by their names.
+    /// Removes files whose names satisfy `ours`: leftovers of earlier work of another extent.
     ///
     /// # Errors
     /// The folder cannot be read, or a file cannot be removed.
@@ -196,12 +197,13 @@ impl OutputFolder {
         names.filter(|name| ours(name)).try_for_each(|name| self.remove(&name))
     }
 
-    /// Takes the partial mark away.
+    /// Removes the mark of partial results.
     pub fn complete(&self) -> Result<(), FolderError> {
         self.remove(PARTIAL)
     }
 
-    /// After a failure: leaves no empty folders behind that this run made, unless another process is at work in them.
+    /// After a failure, removes the empty folders that this run created, unless another process is
+    /// working in them.
     pub fn discard_when_empty(&self) {
         let records = self.path.join(RECORDS);
         if self.marked || !self.presence.is_alone() {
@@ -210,7 +212,7 @@ impl OutputFolder {
         if Database::open(&self.path).is_ok_and(|database| !database.is_empty()) {
             return;
         }
-        // What cannot be removed stays; removal of a folder fails when it is not empty, which is what is wanted.
+        // Removing a folder fails if it is not empty, as it should; errors are ignored.
         let _ = std::fs::remove_dir_all(records);
         let _ = self.complete();
         let _ = self.remove(MARKER);
@@ -220,7 +222,7 @@ impl OutputFolder {
     }
 }
 
-/// Folders of results that came from elsewhere may hold links; what they point to is nobody's to overwrite.
+/// Refuses links: a folder received from elsewhere must not redirect writes to other places.
 fn refuse_links(path: &Path) -> Result<(), FolderError> {
     let is_link = |path: &Path| path.symlink_metadata().is_ok_and(|metadata| metadata.is_symlink());
     for part in PARTS.map(|part| path.join(part)) {
@@ -232,7 +234,7 @@ fn refuse_links(path: &Path) -> Result<(), FolderError> {
     Ok(())
 }
 
-/// True when the folder is marked as ours; false when it is new or empty.
+/// True if the folder is marked as ours; false if it is new or empty.
 fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
     let path_owned = || path.to_owned();
     if let Some(marker) = Marker::read(path) {
@@ -250,7 +252,7 @@ fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
     let names: Vec<String> =
         entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
     match names.into_iter().find(|name| !name.starts_with('.')) {
-        // Another process may have marked the folder since: its files are ours.
+        // Another process may have marked the folder in the meantime: then its files are ours.
         Some(_) if Marker::read(path).is_some() => refuse_foreign(path, wanted),
         Some(found) => Err(FolderError::Foreign { path: path_owned(), found }),
         None => Ok(false),

@@ -1,15 +1,15 @@
-//! What makes two results the same: a content hash of everything that a result depends on.
+//! Content hashes that identify results by everything they depend on.
 //!
-//! A key hashes the inputs as compact JSON (fields in their declared order, floats in their shortest form that
-//! reads back exactly) together with [`METHOD_VERSION`]. So what is computed is never computed again, and a
-//! changed input recomputes just what depends on it, in any study or sweep that shares a store.
+//! A key hashes the inputs as compact JSON (fields in declaration order, floats in their shortest
+//! form that reads back exactly) together with [`METHOD_VERSION`]. Nothing is computed twice, and a
+//! changed input recomputes only what depends on it, in any study or sweep that shares the store.
 
 use crate::ink::PackingRequest;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Counts up whenever the same inputs give different numbers, so that stored results of older methods are
-/// not taken for new ones.
+/// Version of the numerical method, increased whenever the same inputs give different numbers, so
+/// that results of older methods are not reused.
 pub const METHOD_VERSION: u32 = 3;
 
 /// Content hash (BLAKE3, first 128 bits in hexadecimal) of what a result depends on.
@@ -18,7 +18,8 @@ pub const METHOD_VERSION: u32 = 3;
 pub struct Key(String);
 
 impl Key {
-    /// Key of `inputs` of a `kind` (such as `"packing"`). The inputs hold no NaN and no non-string map keys.
+    /// Key of `inputs` of a `kind` (such as `"packing"`). The inputs hold no NaN and no non-string
+    /// map keys.
     pub fn of(kind: &str, inputs: &impl Serialize) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(format!("inkwave/{kind}/{METHOD_VERSION}/").as_bytes());
@@ -26,7 +27,8 @@ impl Key {
         Self(hasher.finalize().to_hex()[..32].to_owned())
     }
 
-    /// The key where inputs are the scalar wave's (`None`), or Maxwell's equations' with what these add.
+    /// Key for the scalar wave (`vector` is `None`) or for Maxwell's equations, with the inputs
+    /// specific to them.
     pub fn of_wave(kind: &str, inputs: &impl Serialize, vector: Option<impl Serialize>) -> Self {
         match vector {
             None => Self::of(kind, inputs),
@@ -34,17 +36,17 @@ impl Key {
         }
     }
 
-    /// The key of a packing.
+    /// Key of a packing.
     pub fn of_packing(request: &PackingRequest) -> Self {
         Self::of("packing", request)
     }
 
-    /// The key as text, fit for a file name.
+    /// The key as text, suitable for file names.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// The first eight digits, for people.
+    /// The first eight digits, for display.
     pub fn short(&self) -> &str {
         &self.0[..8]
     }

@@ -1,13 +1,14 @@
-//! The marker of a folder that the program made: a small file of its own, so that nobody else's folder is taken for ours.
+//! The marker file that identifies folders written by this program, so that no other folder is
+//! overwritten.
 
 use super::build::build;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
 
-/// The marker's file.
+/// Name of the marker file.
 pub const MARKER: &str = "inkwave.json";
-/// Counts up when the folder's layout changes so that older programs cannot read it.
+/// Version of the folder layout, increased when older programs can no longer read it.
 const LAYOUT: u32 = 2;
 
 /// What a folder holds.
@@ -16,7 +17,7 @@ const LAYOUT: u32 = 2;
 pub enum Holds {
     /// Results of one study.
     Study,
-    /// Results of a sweep, or of a part of it.
+    /// Results of a sweep, or of a shard of it.
     Sweep,
     /// A comparison of strategies.
     Comparison,
@@ -44,29 +45,29 @@ impl fmt::Display for Holds {
     }
 }
 
-/// The marker's content.
+/// Content of the marker file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Marker {
     /// What the folder holds.
     pub inkwave_folder: Holds,
-    /// Version of the folder's layout.
+    /// Version of the folder layout.
     pub layout: u32,
-    /// The build that made the folder.
+    /// The build that created the folder.
     pub program: String,
 }
 
 impl Marker {
-    /// The marker of a new folder.
+    /// Marker for a new folder.
     pub fn new(holds: Holds) -> Self {
         Self { inkwave_folder: holds, layout: LAYOUT, program: build().to_owned() }
     }
 
-    /// The marker in `folder`; `None` where there is none of ours.
+    /// Reads the marker in `folder`; `None` if there is none of this program.
     pub fn read(folder: &Path) -> Option<Self> {
         serde_json::from_slice(&std::fs::read(folder.join(MARKER)).ok()?).ok()
     }
 
-    /// Whether this program reads the folder.
+    /// Whether this program can read the folder.
     pub fn is_readable(&self) -> bool {
         self.layout == LAYOUT
     }

@@ -1,9 +1,12 @@
-//! What is kept: one record for each finished solve, packing and grid, named by the content hash of what it depends on.
+//! Storage: one record per finished solve, packing and grid, identified by the content hash of its
+//! inputs.
 //!
-//! A [`database`] keeps sealed records ([`seal`]) in one SQLite file for each worker ([`rows`], [`slot`]); [`store`] is the typed
-//! door to it, [`mod@record`] and [`packing_record`] are what goes through. Damage counts as absence and is told ([`damage`]).
-//! Workers of one folder share their tasks through a [`queue`]. [`folder`] is the place for everything a run writes, known
-//! by its [`marker`], its processes by their `presence`; [`safely`] is the way it is written, [`identity`] the content hash, [`build`](mod@build) the program's own name.
+//! A [`database`] keeps sealed records ([`seal`]) in one SQLite file per worker ([`rows`],
+//! [`slot`]); [`store`] is the typed interface to it, [`mod@record`] and [`packing_record`] define
+//! the records. Damaged records count as absent and are reported ([`damage`]). The workers of a
+//! folder share tasks through a [`queue`]. [`folder`] holds everything a run writes: it is
+//! identified by its [`marker`], `presence` tracks the processes in it, and [`safely`] writes files
+//! atomically. [`identity`] defines the content hash, [`build`](mod@build) the name of the program.
 
 mod aside;
 pub mod build;

@@ -1,14 +1,15 @@
-//! What is kept of one packing: what was asked, what was reached and how.
+//! The record of one packing: what was requested, what was achieved and how.
 
 use super::store::Record;
 use crate::ink::statistics::{ReachedSizes, profile};
 use crate::ink::{Method, Packing, PackingAccount, Share};
 use serde::{Deserialize, Serialize};
 
-/// Slices of the profile.
+/// Number of slices in the profile.
 const SLICES: usize = 40;
 
-/// One realisation's packing. The grains themselves follow from the request, bit for bit.
+/// Record of one realisation's packing. The grains themselves can be reproduced from the request,
+/// bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PackingRecord {
     /// Number of the realisation, from 0.
@@ -17,17 +18,18 @@ pub struct PackingRecord {
     pub period_um: [f64; 2],
     /// Thickness of the layer, µm.
     pub thickness_um: f64,
-    /// Volume fractions in equal slices across the layer, from the incident side: each pigment, and what lies above a relief.
+    /// Volume fractions in equal slices across the layer, from the incident side: each pigment,
+    /// then the volume above a relief.
     pub profile: Vec<Vec<f64>>,
-    /// How the grains came to their places.
+    /// Packing method.
     pub method: Method,
-    /// Attempts of sequential addition or steps of relaxation.
+    /// Attempts of sequential addition, or relaxation steps.
     pub steps: u64,
-    /// Smallest distance between two surfaces, µm, where any are near.
+    /// Smallest gap between two surfaces, µm; `None` if no grains are close.
     pub smallest_gap_um: Option<f64>,
-    /// Notes of the packing for the reader.
+    /// Notes for the reader.
     pub notes: Vec<String>,
-    /// One entry for each pigment, in the study's order.
+    /// One entry per pigment, in the study's order.
     pub shares: Vec<ShareRecord>,
 }
 
@@ -35,18 +37,18 @@ impl Record for PackingRecord {
     const KIND: &'static str = "packing";
 }
 
-/// One pigment's share of the layer's volume.
+/// Volume fraction and sizes of one pigment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShareRecord {
-    /// Volume fraction asked for.
+    /// Requested volume fraction.
     pub requested_fraction: f64,
-    /// Volume fraction of whole grains.
+    /// Volume fraction of the placed grains.
     pub achieved_fraction: f64,
     /// Number of grains.
     pub grains: usize,
-    /// Factor on the drawn sizes (1 unless the share is met by scaling).
+    /// Factor on the drawn sizes (1 unless sizes are scaled to meet the fraction).
     pub size_factor: f64,
-    /// Percentiles of its grains' sizes; none without grains.
+    /// Percentiles of the grain sizes; `None` without grains.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sizes: Option<ReachedSizes>,
 }

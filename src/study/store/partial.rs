@@ -1,22 +1,23 @@
-//! The mark of a folder whose work is not finished, with the command that goes on.
+//! The mark of a folder with unfinished work, and the command that resumes it.
 
 use std::path::Path;
 
-/// Marks a folder whose study is not finished.
+/// File that marks a folder as unfinished.
 pub const PARTIAL: &str = "PARTIAL";
-/// Stands before the command.
+/// Precedes the command.
 const INDENT: &str = "    ";
 
-/// What the mark says.
+/// Text of the mark.
 pub(super) fn text(go_on: Option<&str>) -> String {
-    let begun = "The work here is not finished, and files may be of an earlier run. The same command goes on";
+    let begun =
+        "The work here is unfinished, and files may be from an earlier run. The same command resumes it";
     match go_on {
         Some(command) => format!("{begun}:\n\n{INDENT}{command}\n"),
         None => format!("{begun}.\n"),
     }
 }
 
-/// The command that goes on with a folder, if its mark has it.
+/// The command that resumes the work in a folder, if its mark contains one.
 pub fn go_on(folder: &Path) -> Option<String> {
     let text = std::fs::read_to_string(folder.join(PARTIAL)).ok()?;
     text.lines().find_map(|line| line.strip_prefix(INDENT)).map(str::to_owned)

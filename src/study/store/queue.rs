@@ -1,8 +1,8 @@
-//! Tasks that the workers of one folder take in turn, the costliest first.
+//! Tasks shared by the workers of one folder, most expensive first.
 //!
-//! The queue is an SQLite file that all workers share. A claim holds as long as its worker lives ([`Slot`]): what a
-//! killed worker had taken, the others take up at once. What the queue says of finished tasks holds for one session only,
-//! from the first worker's start to the last one's end; the records themselves tell what is really there.
+//! The queue is an SQLite file. A claim is valid as long as its worker lives ([`Slot`]); the tasks
+//! of a killed worker are released at once. Task states are valid for one session only, from the
+//! start of the first worker to the end of the last; the records show what is actually stored.
 
 mod tables;
 
@@ -12,57 +12,57 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tables::{begin, enlist, enter, free_claims_of_the_dead, living, next, open, take, under_way};
 
-/// One piece of work.
+/// A task of the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QueuedTask {
-    /// In any unit: the costliest is taken first.
+    /// Cost in arbitrary units.
     pub cost: f64,
-    /// The task that must be finished before.
+    /// Task that has to be finished first.
     pub after: Option<usize>,
 }
 
-/// What a worker finds when it asks for work.
+/// Answer to a worker that asks for work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Assignment {
-    /// This task is its own now.
+    /// This task is now assigned to the worker.
     Task(usize),
-    /// Others hold what is left, or what it waits for: ask again soon.
+    /// The remaining tasks are assigned to others or wait for theirs: ask again soon.
     Wait,
     /// Everything is finished.
     Finished,
 }
 
-/// How far all workers are.
+/// Progress of all workers together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct QueueStanding {
-    /// Workers at work.
+    /// Number of active workers.
     pub workers: usize,
-    /// Tasks finished.
+    /// Number of finished tasks.
     pub tasks: usize,
-    /// Solves ended, also of tasks under way.
+    /// Number of processed solves, including those of unfinished tasks.
     pub solves: usize,
-    /// Solves among them that have no result, of finished tasks.
+    /// Number of solves without a result, in finished tasks.
     pub failed: usize,
 }
 
-/// Why there is no queue.
+/// Why the queue cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum QueueError {
-    /// Another sweep, or another version of it, is under way.
-    #[error("other processes work on another sweep in {}", folder.display())]
+    /// Another sweep, or another version of it, is running.
+    #[error("other processes are running another study or sweep in {}", folder.display())]
     OtherWork {
         /// Folder of the records.
         folder: PathBuf,
     },
-    /// The queue's file.
+    /// The queue's file cannot be used.
     #[error("cannot share the work in {}: {source}", folder.display())]
     File {
         /// Folder of the records.
         folder: PathBuf,
-        /// What SQLite says.
+        /// SQLite's error.
         source: rusqlite::Error,
     },
-    /// No place among the workers.
+    /// No slot is available.
     #[error("cannot join the work: {0}")]
     Place(#[from] std::io::Error),
 }
@@ -76,10 +76,10 @@ pub struct Queue {
 }
 
 impl Queue {
-    /// Joins the work called `name` in `folder`, or begins it, without a task, when nobody is at it.
+    /// Joins the work called `name` in `folder`; starts it, without tasks, if no worker is active.
     ///
     /// # Errors
-    /// Others work on something else there, or the queue's file cannot be used.
+    /// Other work is in progress there, or the queue's file cannot be used.
     pub fn join(folder: &Path, slot: &Slot, name: &str) -> Result<Self, QueueError> {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
         let mut connection = open(folder, slot).map_err(failed)?;
@@ -95,8 +95,8 @@ impl Queue {
         Ok(Self { folder: folder.to_owned(), worker: slot.number(), connection: Mutex::new(connection) })
     }
 
-    /// Puts tasks into the queue under the numbers from `first` on; those that another worker has put there stay as they
-    /// are. Tasks wait for tasks of the same call ([`QueuedTask::after`] counts from 0).
+    /// Adds tasks numbered from `first`; tasks that another worker has already added are left
+    /// unchanged. [`QueuedTask::after`] refers to tasks of the same call, counted from 0.
     ///
     /// # Errors
     /// The queue's file cannot be used.
@@ -104,7 +104,7 @@ impl Queue {
         self.turn(|transaction| enlist(transaction, first, tasks))
     }
 
-    /// Asks for work.
+    /// Claims the next task.
     ///
     /// # Errors
     /// The queue's file cannot be used.
@@ -112,7 +112,7 @@ impl Queue {
         self.turn(|transaction| self.claim_in(transaction))
     }
 
-    /// A task that is free, or was a dead worker's.
+    /// Claims a task that is free or was held by a dead worker.
     fn claim_in(&self, transaction: &Transaction) -> rusqlite::Result<Assignment> {
         if let Some(task) = next(transaction)? {
             take(transaction, task, self.worker)?;
@@ -129,7 +129,7 @@ impl Queue {
         Ok(Assignment::Task(task))
     }
 
-    /// A task is finished, with so many solves, of which some have no result.
+    /// Marks a task as finished, with its number of solves and how many of them have no result.
     ///
     /// # Errors
     /// The queue's file cannot be used.
@@ -138,7 +138,7 @@ impl Queue {
         self.turn(|transaction| transaction.execute(sql, params![task, solves, failed]).map(drop))
     }
 
-    /// So many solves of a task are there.
+    /// Sets the number of processed solves of a task.
     ///
     /// # Errors
     /// The queue's file cannot be used.
@@ -147,7 +147,7 @@ impl Queue {
         self.turn(|transaction| transaction.execute(sql, params![task, solves]).map(drop))
     }
 
-    /// Tells what the tasks that wait for this one cost, now that it is known.
+    /// Sets the cost of the tasks that wait for this one, once it is known.
     ///
     /// # Errors
     /// The queue's file cannot be used.
@@ -156,7 +156,7 @@ impl Queue {
         self.turn(|transaction| transaction.execute(sql, params![after, cost]).map(drop))
     }
 
-    /// Gives a task back unfinished.
+    /// Releases an unfinished task.
     ///
     /// # Errors
     /// The queue's file cannot be used.
@@ -165,7 +165,7 @@ impl Queue {
         self.turn(|transaction| transaction.execute(sql, [task]).map(drop))
     }
 
-    /// How far all workers are.
+    /// Progress of all workers together.
     ///
     /// # Errors
     /// The queue's file cannot be used.
@@ -173,7 +173,7 @@ impl Queue {
         self.turn(|transaction| self.standing_in(transaction))
     }
 
-    /// Sums over all tasks, and the workers that live.
+    /// Sums over all tasks, and the number of living workers.
     fn standing_in(&self, transaction: &Transaction) -> rusqlite::Result<QueueStanding> {
         let sql =
             "select coalesce(sum(done), 0), coalesce(sum(solves), 0), coalesce(sum(failed), 0) from tasks";
@@ -182,7 +182,7 @@ impl Queue {
         Ok(QueueStanding { workers: living(transaction, &self.folder)?.len(), tasks, solves, failed })
     }
 
-    /// True for the one worker that shall write the report.
+    /// True for exactly one worker: the one that writes the report.
     ///
     /// # Errors
     /// The queue's file cannot be used.
@@ -190,7 +190,7 @@ impl Queue {
         self.turn(|transaction| self.publishes_in(transaction))
     }
 
-    /// Signs this worker in as the one that publishes, unless another one that lives is.
+    /// Registers this worker as the publisher unless another living one is.
     fn publishes_in(&self, transaction: &Transaction) -> rusqlite::Result<bool> {
         let publisher: Option<u32> =
             transaction.query_row("select publisher from work", [], |row| row.get(0))?;
@@ -209,7 +209,7 @@ impl Queue {
     }
 }
 
-/// Does all of the work or, after an error, nothing; other processes wait meanwhile.
+/// Runs `work` in a transaction; other processes wait meanwhile.
 fn in_transaction<T>(
     connection: &mut Connection,
     work: impl FnOnce(&Transaction) -> rusqlite::Result<T>,
@@ -248,7 +248,7 @@ mod tests {
         assert_eq!(queue.claim().unwrap(), Assignment::Task(1));
         [1, 2, 3].iter().for_each(|&task| queue.finish(task, 1, 0).unwrap());
         assert_eq!(queue.claim().unwrap(), Assignment::Finished);
-        // What is there already stays finished; what is new waits for its own.
+        // Existing tasks stay finished; new ones wait for the tasks of their own call.
         queue.enlist(0, &tasks()).unwrap();
         assert_eq!(queue.claim().unwrap(), Assignment::Finished);
         queue.enlist(100, &tasks()[..2]).unwrap();

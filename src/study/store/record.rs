@@ -1,4 +1,4 @@
-//! What is kept of one solve: its propagating orders, its energy receipt and its account.
+//! The record of one solve: its propagating orders, its energy balance and its cost.
 
 use super::store::Record;
 use crate::wave::far_field::FURTHER;
@@ -7,15 +7,15 @@ use crate::wave::{FarField, Incidence, Order};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-/// One finished point: a realisation under one wavelength and direction.
+/// One finished point: a realisation at one wavelength and direction.
 ///
-/// Lengths in nm and µm, angles in degrees, efficiencies as shares of the incident flux. Amplitudes follow
-/// [`Order`]'s conventions; evanescent orders are not kept.
+/// Lengths in nm and µm, angles in degrees, efficiencies relative to the incident power. Amplitudes
+/// follow the conventions of [`Order`]; evanescent orders are not stored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointRecord {
-    /// Content hash of everything the numbers depend on; also the record's name.
+    /// Content hash of everything the numbers depend on; also the record's key.
     pub key: String,
-    /// The build that made it: program, version and, where known, commit.
+    /// The build that computed it: program, version and, where known, commit.
     pub build: String,
     /// Number of the realisation, from 0.
     pub realisation: usize,
@@ -23,15 +23,15 @@ pub struct PointRecord {
     pub incidence: Incidence,
     /// Lateral periods, µm.
     pub period_um: [f64; 2],
-    /// Reflected share of the incident power.
+    /// Reflectance R.
     pub reflectance: f64,
-    /// Transmitted share.
+    /// Transmittance T.
     pub transmittance: f64,
-    /// Absorbed share.
+    /// Absorptance A.
     pub absorptance: f64,
-    /// What the solve took.
+    /// Cost of the solve.
     pub account: SolveAccount,
-    /// All orders listed.
+    /// The propagating orders.
     pub orders: Vec<OrderRecord>,
     /// Polarisation of the light; `None` for the scalar wave.
     pub polarisation: Option<Polarisation>,
@@ -49,25 +49,25 @@ impl Record for FailureRecord {
     const KIND: &'static str = "failure";
 }
 
-/// What is kept of a solve, packing or grid that ended without a result.
+/// Record of a solve, packing or grid without a result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailureRecord {
-    /// Name of the variant; empty for a study of its own.
+    /// Name of the variant; empty for a single study.
     pub variant: String,
     /// Number of the realisation, from 0.
     pub realisation: usize,
-    /// The solve; `None` where the packing or the grid failed before any solve.
+    /// The failed solve; `None` if the packing or the grid failed.
     pub incidence: Option<Incidence>,
-    /// The error's message.
+    /// The error message.
     pub reason: String,
 }
 
-/// What the solve took and how well it ended.
+/// Cost and final residual of a solve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolveAccount {
     /// Name of the strategy.
     pub solver: String,
-    /// Steps taken.
+    /// Number of iterations.
     pub steps: usize,
     /// Operator applications.
     pub operator_applications: usize,
@@ -77,26 +77,26 @@ pub struct SolveAccount {
     pub seconds: f64,
 }
 
-/// One propagating order; its names are short because thousands of orders are kept.
+/// One propagating order; field names are short because there are thousands of them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OrderRecord {
-    /// Order along x.
+    /// Index along x.
     pub m: i32,
-    /// Order along y.
+    /// Index along y.
     pub n: i32,
     /// (kx, ky)/k0.
     #[serde(rename = "k")]
     pub direction: [f64; 2],
-    /// Whether it propagates: reflected, transmitted.
+    /// Whether the order propagates in reflection and in transmission.
     #[serde(rename = "p")]
     pub propagates: [bool; 2],
     /// Reflected and transmitted amplitude.
     #[serde(rename = "a")]
     pub amplitudes: [Complex64; 2],
-    /// Reflected and transmitted share of the incident power.
+    /// Reflected and transmitted efficiencies.
     #[serde(rename = "e")]
     pub efficiencies: [f64; 2],
-    /// Reflected and transmitted amplitude into the other polarisation; `None` for the scalar wave.
+    /// Reflected and transmitted amplitudes in the other polarisation; `None` for the scalar wave.
     #[serde(rename = "x", default, skip_serializing_if = "Option::is_none")]
     pub crossed: Option<[Complex64; 2]>,
 }
@@ -114,7 +114,7 @@ impl OrderRecord {
         }
     }
 
-    /// The order again.
+    /// Converts back to an order.
     fn order(&self) -> Order {
         let mut further = <[[Complex64; 2]; FURTHER]>::default();
         further[0] = self.crossed.unwrap_or_default();
@@ -138,13 +138,14 @@ impl OrderRecord {
     }
 }
 
-/// A number of a far field is NaN or infinite, so it is no result.
+/// A far field contains NaN or infinity, so it is not a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the far field holds a number that is not finite")]
 pub struct NotFinite;
 
 impl PointRecord {
-    /// Keeps what a solve found for light of one polarisation, or the scalar wave. Fails when any number is not finite.
+    /// Records the far field for one polarisation, or for the scalar wave. Fails if any number is
+    /// not finite.
     pub fn new(
         key: String,
         realisation: usize,
@@ -169,7 +170,7 @@ impl PointRecord {
         if record.is_finite() { Ok(record) } else { Err(NotFinite) }
     }
 
-    /// The far field again, without its evanescent orders.
+    /// The far field without its evanescent orders.
     pub fn far_field(&self) -> FarField {
         FarField {
             incidence: self.incidence,
@@ -198,7 +199,7 @@ pub(crate) mod tests {
     use crate::store::Store;
     use crate::wave::Side;
 
-    /// A far field of two orders, one of them evanescent, with numbers that need all their digits.
+    /// A far field with two orders, one of them evanescent, whose numbers need all their digits.
     pub(crate) fn two_orders() -> FarField {
         let order = |m, propagates| Order {
             m,

@@ -1,36 +1,37 @@
-//! One SQLite file of sealed records.
+//! An SQLite file of sealed records.
 //!
-//! Write-ahead logging without a flush at every commit: a process that is killed loses nothing that it wrote, a machine
-//! that loses power the last moments at most, and thousands of small records a second are no burden. Any SQLite reads it:
-//! `select kind, key, program, length(content) from records`.
+//! It uses write-ahead logging without a flush at every commit: a killed process loses nothing that
+//! it has written, a power failure only the last moments, and thousands of small records per second
+//! are cheap. Any SQLite client can read it: `select kind, key, program, length(content) from
+//! records`.
 
 use super::seal::Sealed;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Marks SQLite files of ours ("inkw").
+/// SQLite application number of our files ("inkw").
 const APPLICATION: i32 = 0x696e_6b77;
-/// Other processes read and check-point the same file; their turns are short.
+/// Timeout: other processes read the file and checkpoint its log, which is quick.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Pages of the log before it is folded into the file.
+/// Pages of the log before it is merged into the file.
 const LOG_PAGES: i32 = 4000;
 
 const COLUMNS: &str =
     "(kind text not null, key text not null, method integer not null, program text not null,
     seal blob not null, content blob not null, primary key (kind, key))";
 
-/// A file of records, open.
+/// An open record file.
 #[derive(Debug)]
 pub struct Rows {
     path: PathBuf,
     connection: Connection,
 }
 
-/// A record with its kind and name.
+/// A record with its kind and key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StoredRow {
-    /// Such as `point`.
+    /// Kind, such as `point`.
     pub kind: String,
     /// Content hash of what the record depends on.
     pub key: String,
@@ -38,7 +39,7 @@ pub struct StoredRow {
     pub sealed: Sealed,
 }
 
-/// Where a scan begins; the other end reaches what lies behind a damaged page.
+/// Where a scan starts; the other end reaches what lies behind a damaged page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// The oldest record.
@@ -48,19 +49,20 @@ pub enum End {
 }
 
 impl Rows {
-    /// Opens the file to write, making it when it is not there.
+    /// Opens the file for writing; creates it if necessary.
     pub fn create(path: &Path) -> rusqlite::Result<Self> {
         Self::to_write(path.to_owned(), Connection::open(path)?)
     }
 
-    /// Records that live as long as the value.
+    /// Opens a file in memory.
     pub fn in_memory() -> rusqlite::Result<Self> {
         Self::to_write(PathBuf::new(), Connection::open_in_memory()?)
     }
 
     fn to_write(path: PathBuf, connection: Connection) -> rusqlite::Result<Self> {
         connection.busy_timeout(PATIENCE)?;
-        // File systems without shared memory refuse the log; there a journal serves, more slowly.
+        // File systems without shared memory do not support the log; a rollback journal works, more
+        // slowly.
         let logged = connection.pragma_update(None, "journal_mode", "wal");
         logged.or_else(|_| connection.pragma_update(None, "journal_mode", "truncate"))?;
         connection.pragma_update(None, "synchronous", "normal")?;
@@ -70,7 +72,7 @@ impl Rows {
         Ok(Self { path, connection })
     }
 
-    /// Opens the file to read, also while another process writes it.
+    /// Opens the file for reading, even while another process writes it.
     pub fn read(path: &Path) -> rusqlite::Result<Self> {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection = Connection::open_with_flags(path, flags)?;
@@ -83,7 +85,8 @@ impl Rows {
         Ok(Self { path: path.to_owned(), connection })
     }
 
-    /// In a folder that may only be read there is no room for the log's shared memory; nobody writes there either.
+    /// Opens a file in a read-only folder, where the log's shared memory cannot be created; such a
+    /// file has no writers.
     fn as_it_is(path: &Path) -> rusqlite::Result<Connection> {
         let name = path.display().to_string().replace('%', "%25").replace('?', "%3f").replace('#', "%23");
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
@@ -93,19 +96,19 @@ impl Rows {
         )
     }
 
-    /// Where the file is; empty in memory.
+    /// Path of the file; empty if in memory.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What is there under this name, sound or not.
+    /// The record with this key, damaged or not.
     pub fn get(&self, kind: &str, key: &str) -> rusqlite::Result<Option<Sealed>> {
         let sql = "select method, program, seal, content from records where kind = ?1 and key = ?2";
         let mut statement = self.connection.prepare_cached(sql)?;
         statement.query_row([kind, key], |row| Self::sealed(row, 0)).optional()
     }
 
-    /// Keeps a record, in place of one of the same name.
+    /// Stores a record, replacing one with the same key.
     pub fn put(&self, row: &StoredRow) -> rusqlite::Result<()> {
         let sql = "insert or replace into records values (?1, ?2, ?3, ?4, ?5, ?6)";
         let Sealed { method, program, seal, content } = &row.sealed;
@@ -113,20 +116,20 @@ impl Rows {
         statement.execute(params![row.kind, row.key, method, program, seal, content]).map(drop)
     }
 
-    /// Forgets a record, if it is there.
+    /// Deletes a record if it exists.
     pub fn remove(&self, kind: &str, key: &str) -> rusqlite::Result<()> {
         self.connection.execute("delete from records where kind = ?1 and key = ?2", [kind, key]).map(drop)
     }
 
-    /// Forgets all records of a kind.
+    /// Deletes all records of a kind.
     pub fn remove_all(&self, kind: &str) -> rusqlite::Result<()> {
         self.connection.execute("delete from records where kind = ?1", [kind]).map(drop)
     }
 
-    /// Gives every record from the first or from the last on, until the file cannot be read further.
+    /// Passes all records to `each`, starting at one end, until the file cannot be read further.
     ///
     /// # Errors
-    /// Why the file cannot be read further.
+    /// The reason why the file cannot be read further.
     pub fn scan<E: From<rusqlite::Error>>(
         &self,
         from: End,
@@ -146,13 +149,13 @@ impl Rows {
         Ok(())
     }
 
-    /// Names of all records of a kind.
+    /// Keys of all records of a kind.
     pub fn keys(&self, kind: &str) -> rusqlite::Result<Vec<String>> {
         let mut statement = self.connection.prepare_cached("select key from records where kind = ?1")?;
         statement.query_map([kind], |row| row.get(0))?.collect()
     }
 
-    /// True when there is no record, or none that can be seen.
+    /// True if there are no readable records.
     pub fn is_empty(&self) -> bool {
         self.connection.query_row("select 1 from records limit 1", [], |_| Ok(())).is_err()
     }
@@ -171,14 +174,14 @@ impl Rows {
         })
     }
 
-    /// What is wrong with the file's layout or its pages; `None` when they are sound.
+    /// What is wrong with the file's layout or pages; `None` if they are intact.
     pub fn trouble(&self) -> Option<String> {
         let layout =
             "select sql, (select encoding from pragma_encoding) from sqlite_schema where name = 'records'";
         let texts = |row: &rusqlite::Row| Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?));
         match self.connection.query_row(layout, [], texts) {
             Ok((table, encoding)) if table.ends_with(COLUMNS) && encoding == "UTF-8" => {}
-            Ok(_) => return Some("the table of records is not as it was made".into()),
+            Ok(_) => return Some("the table of records has another structure".into()),
             Err(error) => return Some(error.to_string()),
         }
         if self.connection.is_readonly("main").unwrap_or(true) {
@@ -192,10 +195,10 @@ impl Rows {
         }
     }
 
-    /// Does several things as one: all of them are kept, or none.
+    /// Runs `work` in one transaction.
     ///
     /// # Errors
-    /// Those of `work`, or of SQLite when it keeps them.
+    /// Errors of `work`, or of SQLite at the commit.
     pub fn at_once<T, E: From<rusqlite::Error>>(&self, work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
         let transaction = self.connection.unchecked_transaction()?;
         let done = work()?;

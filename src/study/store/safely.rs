@@ -1,15 +1,15 @@
-//! Files written so that nobody ever sees half of one.
+//! Atomic writing of files: readers never see half of one.
 
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
 
-/// Names of temporary files begin and end so.
+/// Prefix of temporary files.
 const PREFIX: &str = ".inkwave-";
 const SUFFIX: &str = ".partial";
 
-/// Writes `bytes` to a temporary file beside `path`, flushes it to the disk and renames it into place: a
-/// crash, a full disk or a second process leaves either the old file or the whole new one.
+/// Writes `bytes` to a temporary file beside `path`, flushes it to disk and renames it: a crash, a
+/// full disk or a second process leaves either the old file or the complete new one.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut file = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempfile_in(folder)?;
@@ -20,11 +20,11 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Nobody writes one file for so long.
+/// A temporary file of this age has no writer any more.
 const LEFT_BEHIND: Duration = Duration::from_secs(60);
 
-/// Removes temporary files that a killed process left in `folder` and below it. Those of the last minute stay: another
-/// process may be writing them.
+/// Removes temporary files that a killed process left in `folder` and below. Files younger than a
+/// minute are kept: another process may be writing them.
 pub fn remove_leftovers(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -32,7 +32,7 @@ pub fn remove_leftovers(folder: &Path) {
         if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
             remove_leftovers(&path);
         } else if is_temporary(&path) && age(&entry).is_some_and(|age| age > LEFT_BEHIND) {
-            // Another process may have been faster.
+            // Another process may already have removed the file.
             let _ = std::fs::remove_file(path);
         }
     }
@@ -47,7 +47,7 @@ fn is_temporary(path: &Path) -> bool {
     name.is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX))
 }
 
-/// Temporary files are private to their owner; results follow the usual permissions.
+/// Temporary files are private to their owner; results get the usual permissions.
 #[cfg(unix)]
 fn readable_by_others(path: &Path) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -73,7 +73,8 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
-    /// Who has opened the old file reads all of it, however long that takes: the new one takes its name, not its place.
+    /// A process that has opened the old file can read all of it: the new file takes its name, not
+    /// its content.
     #[test]
     fn a_file_that_is_being_read_stays_whole() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,27 +1,28 @@
-//! The seal of a record: what shows that it is whole, of this method, and the one that its name promises.
+//! The seal of a record, which shows that it is intact, of the current method and stored under its
+//! own key.
 
 use super::build::build;
 use super::damage::RecordFault;
 use super::identity::METHOD_VERSION;
 
-/// Bytes of a seal: 128 bits of BLAKE3.
+/// Length of a seal: 128 bits of BLAKE3.
 const SEAL_BYTES: usize = 16;
 
-/// A record as it lies in the store.
+/// A record as stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sealed {
-    /// [`METHOD_VERSION`] of the program that made it.
+    /// [`METHOD_VERSION`] of the program that computed it.
     pub method: u32,
-    /// The program that made it: name, version, commit.
+    /// The program that computed it: name, version, commit.
     pub program: String,
-    /// Checksum of the record's kind, name, method, program and content.
+    /// Checksum of the record's kind, key, method, program and content.
     pub seal: Vec<u8>,
     /// The record itself (MessagePack).
     pub content: Vec<u8>,
 }
 
 impl Sealed {
-    /// Seals `content` as the record `key` of a `kind`.
+    /// Seals `content` as the record `key` of `kind`.
     pub fn new(kind: &str, key: &str, content: Vec<u8>) -> Self {
         Self::by(METHOD_VERSION, build(), kind, key, content)
     }
@@ -33,10 +34,11 @@ impl Sealed {
         record
     }
 
-    /// Whether this is, untouched, the record `key` of a `kind`.
+    /// Checks that this is the unchanged record `key` of `kind`.
     ///
     /// # Errors
-    /// The seal does not fit (a changed digit, another record under this name), or the method is another one.
+    /// The seal does not match (a changed byte, another record under this key), or the method
+    /// differs.
     pub fn check(&self, kind: &str, key: &str) -> Result<(), RecordFault> {
         if self.seal != self.expected_seal(kind, key) {
             Err(RecordFault::Seal)

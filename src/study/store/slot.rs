@@ -1,20 +1,20 @@
-//! Numbered places for the processes that work in one folder.
+//! Numbered slots for the processes that work in one folder.
 //!
-//! A process holds the lock of its number's file. The system takes the lock back when the process ends in whichever
-//! way, so a killed worker's place, and its work, is free at once. The file tells who holds it, so that a later process
-//! at the same place is not taken for an earlier one.
+//! A process holds the lock on the file of its slot. The system releases the lock however the
+//! process ends, so the slot and the tasks of a killed worker are free at once. The file names its
+//! holder, so that a later process in the same slot is not mistaken for an earlier one.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// More processes in one folder are a mistake.
+/// More processes than this in one folder are a mistake.
 const MOST: u32 = 10_000;
-/// Bytes that a process's number and the time take at most.
+/// Maximum length of a process number and a time, bytes.
 const LONGEST_HOLDER: u64 = 64;
 
-/// A place, held as long as the value lives.
+/// A slot, held for the lifetime of the value.
 #[derive(Debug)]
 pub struct Slot {
     number: u32,
@@ -23,23 +23,23 @@ pub struct Slot {
 }
 
 impl Slot {
-    /// The lowest free place of `folder`.
+    /// Takes the lowest free slot of `folder`.
     ///
     /// # Errors
-    /// The lock's file cannot be made.
+    /// The lock file cannot be created.
     pub fn first_free(folder: &Path) -> io::Result<Self> {
         for number in 1..=MOST {
             if let Some(slot) = Self::take(folder, number)? {
                 return Ok(slot);
             }
         }
-        Err(io::Error::other(format!("{MOST} processes work in {} already", folder.display())))
+        Err(io::Error::other(format!("{MOST} processes are already working in {}", folder.display())))
     }
 
-    /// Takes the place `number`; `None` while another process holds it.
+    /// Takes the slot `number`; `None` if another process holds it.
     ///
     /// # Errors
-    /// The lock's file cannot be made.
+    /// The lock file cannot be created.
     pub fn take(folder: &Path, number: u32) -> io::Result<Option<Self>> {
         let Some(mut lock) = locked(&lock_file(folder, number), true)? else { return Ok(None) };
         let holder = name_of_this_process();
@@ -48,12 +48,12 @@ impl Slot {
         Ok(Some(Self { number, holder, _lock: lock }))
     }
 
-    /// Whether a process holds the place `number`.
+    /// Whether a process holds the slot `number`.
     pub fn is_held(folder: &Path, number: u32) -> bool {
         matches!(locked(&lock_file(folder, number), false), Ok(None))
     }
 
-    /// Whether a process holds any place of `folder`.
+    /// Whether a process holds any slot of `folder`.
     pub fn any_is_held(folder: &Path) -> bool {
         let Ok(entries) = std::fs::read_dir(folder) else { return false };
         let mut numbers = entries.flatten().filter_map(|entry| {
@@ -64,36 +64,37 @@ impl Slot {
         numbers.any(|number| Self::is_held(folder, number))
     }
 
-    /// Whether `holder`, and no later process, holds the place `number`.
+    /// Whether `holder`, and not a later process, holds the slot `number`.
     pub fn is_held_by(folder: &Path, number: u32, holder: &str) -> bool {
         let told = std::fs::read_to_string(lock_file(folder, number));
         told.is_ok_and(|told| told == holder) && Self::is_held(folder, number)
     }
 
-    /// Counted from 1.
+    /// Number of the slot, from 1.
     pub fn number(&self) -> u32 {
         self.number
     }
 
-    /// Name of the process, unlike that of any other.
+    /// Unique name of the holding process.
     pub fn holder(&self) -> &str {
         &self.holder
     }
 }
 
-/// The file, locked; `None` while another process has the lock.
+/// The file, locked; `None` if another process holds the lock.
 fn locked(path: &Path, make: bool) -> io::Result<Option<File>> {
     refuse_what_is_no_lock(path)?;
     let file = OpenOptions::new().create(make).append(true).open(path)?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Ok(None),
-        // Some network file systems have no locks; there a folder must not be shared.
+        // Some network file systems have no locks; a folder there must not be shared.
         Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => Err(error),
         _ => Ok(Some(file)),
     }
 }
 
-/// A place's file is emptied when it is taken: a link to something else, or a file that is no lock of ours, stays as it is.
+/// Refuses links and files that are not lock files of ours: a lock file is overwritten when its
+/// slot is taken.
 fn refuse_what_is_no_lock(path: &Path) -> io::Result<()> {
     let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
     let ours = |text: String| text.chars().all(|c| c.is_ascii_digit() || " \0".contains(c));
@@ -101,11 +102,11 @@ fn refuse_what_is_no_lock(path: &Path) -> io::Result<()> {
     {
         return Ok(());
     }
-    let reason = "is no lock of inkwave, and is not overwritten: remove it if nobody needs it";
+    let reason = "is not a lock file of inkwave, and is not overwritten: remove it if it is not needed";
     Err(io::Error::other(format!("{} {reason}", path.display())))
 }
 
-/// The process's number and the time, since numbers are used again.
+/// The process number and the time, because process numbers are reused.
 fn name_of_this_process() -> String {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     format!("{} {}", std::process::id(), since.as_nanos())
@@ -143,7 +144,7 @@ mod tests {
         std::fs::hard_link(&thesis, folder.path().join("2.lock")).unwrap();
         for number in [1, 2] {
             let refused = Slot::take(folder.path(), number).unwrap_err().to_string();
-            assert!(refused.contains("is no lock of inkwave"), "{refused}");
+            assert!(refused.contains("is not a lock file of inkwave"), "{refused}");
         }
         assert_eq!(std::fs::read_to_string(thesis).unwrap(), "words");
     }

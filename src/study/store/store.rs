@@ -8,24 +8,24 @@ use std::marker::PhantomData;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What can be kept.
+/// A type that can be stored.
 pub trait Record: Serialize + DeserializeOwned {
-    /// Names the kind in the store and in messages, such as `point`.
+    /// Name of the kind in the store and in messages, such as `point`.
     const KIND: &'static str;
 
-    /// What must be equal when the same inputs are computed twice: all but times and builds.
+    /// The record without times and builds: what two computations of the same inputs must agree on.
     fn numbers(self) -> Self {
         self
     }
 }
 
-/// Whether two records as they lie in the store tell the same numbers.
+/// Whether two stored records contain the same numbers.
 pub fn same<R: Record + PartialEq>(one: &[u8], other: &[u8]) -> bool {
     let read = |content| rmp_serde::from_slice::<R>(content).map(R::numbers);
     matches!((read(one), read(other)), (Ok(one), Ok(other)) if one == other)
 }
 
-/// Records of one kind; what is put is there for good, what is got is what was put, or nothing.
+/// Records of one kind. A stored record is returned unchanged, or not at all.
 #[derive(Debug)]
 pub struct Store<R> {
     database: Arc<Database>,
@@ -46,7 +46,7 @@ impl<R: Record> Store<R> {
         Ok(Self::of(&Arc::new(Database::open(folder.as_ref())?)))
     }
 
-    /// A store that lives as long as the value.
+    /// Opens a store in memory.
     ///
     /// # Errors
     /// SQLite cannot be started.
@@ -54,7 +54,7 @@ impl<R: Record> Store<R> {
         Ok(Self::of(&Arc::new(Database::in_memory()?)))
     }
 
-    /// The record of this key; `None` when there is none, or none that is sound, which is noted as damage.
+    /// The record with this key; `None` if it is missing or damaged, which is noted.
     pub fn get(&self, key: &str) -> Option<R> {
         let content = self.database.get(R::KIND, key)?;
         let fault = match rmp_serde::from_slice(&content) {
@@ -65,37 +65,37 @@ impl<R: Record> Store<R> {
         None
     }
 
-    /// True when there is a record of this key with its seal unbroken.
+    /// Whether there is an intact record with this key.
     pub fn has(&self, key: &str) -> bool {
         self.database.get(R::KIND, key).is_some()
     }
 
-    /// Keeps a record for good.
+    /// Stores a record permanently.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The record cannot be written.
     pub fn put(&self, key: &str, record: &R) -> io::Result<()> {
         let content = rmp_serde::to_vec_named(record).map_err(io::Error::other)?;
         self.database.put(R::KIND, key, content)
     }
 
-    /// Forgets a record, if it is there.
+    /// Deletes a record if it exists.
     ///
     /// # Errors
-    /// The store cannot be written to.
+    /// The store cannot be written.
     pub fn remove(&self, key: &str) -> io::Result<()> {
         self.database.remove(R::KIND, key)
     }
 
-    /// Forgets all records of this kind.
+    /// Deletes all records of this kind.
     ///
     /// # Errors
-    /// They cannot be written to.
+    /// The store cannot be written.
     pub fn remove_all(&self) -> io::Result<()> {
         self.database.remove_all(R::KIND)
     }
 
-    /// The store that these records are part of.
+    /// The database that holds these records.
     pub fn database(&self) -> &Arc<Database> {
         &self.database
     }

@@ -1,38 +1,38 @@
-//! Axes: from lists, ranges and cases to labelled settings.
+//! Axes of a sweep: turns lists, ranges and cases into labelled settings.
 
 use super::file::AxisTable;
 use crate::input::fault::{Allowed, Fault, Faults};
 use toml::{Table, Value};
 
-/// Most values of one axis.
+/// Maximum number of values of an axis.
 const LONGEST_AXIS: usize = 10_000;
 
-/// An axis with its checked values.
+/// An axis with checked values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Name of the axis.
     pub name: String,
-    /// Name shared by axes that vary together.
+    /// Name shared by axes that advance together.
     pub zip: Option<String>,
-    /// Unit of its values where they are numbers of a field: "nm", "µm", "°"; empty otherwise.
+    /// Unit of numeric values: "nm", "µm", "°"; otherwise empty.
     pub unit: String,
-    /// Its settings, in their order.
+    /// Its settings, in order.
     pub settings: Vec<AxisSetting>,
 }
 
 /// One value of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisSetting {
-    /// Label of the setting, in names and on sheets.
+    /// Label of the setting, in names and on contact sheets.
     pub label: String,
-    /// The value in words, which conditions may name too.
+    /// The value as text; conditions may use it too.
     pub value: String,
-    /// What the setting changes in the study.
+    /// Fields of the study and their values.
     pub set: Table,
 }
 
 impl Axis {
-    /// Reads `[[axis]]` number `i`.
+    /// Reads the `i`-th `[[axis]]`.
     pub fn read(i: usize, table: &AxisTable, faults: &mut Faults) -> Self {
         let of = |key: &str| format!("axis[{i}].{key}");
         let last = |field: &String| field.rsplit(['.', ']']).next().unwrap_or(field).to_owned();
@@ -68,7 +68,7 @@ impl Axis {
         }
     }
 
-    /// Places of the values that a condition names: a label, a value, or a list of them.
+    /// Indices of the settings that a condition selects by label, by value or by a list of them.
     pub fn matching(&self, wanted: &Value) -> Vec<usize> {
         let all = match wanted {
             Value::Array(list) => list.iter().map(in_words).collect(),
@@ -79,16 +79,16 @@ impl Axis {
     }
 }
 
-/// Ends of the names of fields, and the units that they stand for.
+/// Suffixes of field names and the units they stand for.
 const UNITS: [(&str, &str); 3] = [("_nm", "nm"), ("_um", "µm"), ("_deg", "°")];
 
-/// The unit of a field's values, unless they have labels of their own, which may hold units.
+/// The unit of a field's values; empty if the values have labels, which may contain units.
 fn unit(field: &str, settings: &[AxisSetting]) -> &'static str {
     let bare = settings.iter().all(|s| s.label == s.value);
     UNITS.iter().find(|(end, _)| bare && field.ends_with(end)).map_or("", |(_, unit)| unit)
 }
 
-/// A name without the unit that it ends with.
+/// The name without its unit suffix.
 pub(super) fn plain(name: &str) -> &str {
     UNITS.iter().find_map(|(end, _)| name.strip_suffix(end)).unwrap_or(name)
 }
@@ -139,12 +139,12 @@ fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -
         return Vec::new();
     }
     let step = table.step.unwrap_or(if count > 1.0 { (to - from) / (count - 1.0) } else { 0.0 });
-    // Twelve digits: 0.15 + 3 × 0.05 is meant to be 0.3.
+    // Rounded to twelve digits: 0.15 + 3 × 0.05 must give 0.3.
     let rounded = |x: f64| format!("{x:.11e}").parse::<f64>().unwrap_or(x);
     (0..count as usize).map(|k| Value::Float(rounded(from + k as f64 * step))).collect()
 }
 
-/// A value as a person writes it: 100 and 100.0 are the same.
+/// Formats a value the way people write it: 100 and 100.0 are equal.
 pub fn in_words(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),

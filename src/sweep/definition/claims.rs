@@ -1,4 +1,4 @@
-//! Conclusions as written, with the variants that they speak of.
+//! Checked conclusions, with the variants they refer to.
 
 mod each;
 mod light;
@@ -11,59 +11,60 @@ use crate::input::fault::{Fault, Faults};
 pub use light::check_variants;
 use serde::{Deserialize, Serialize};
 
-/// Whose conclusion it is, in which words, and why it is tested so.
+/// Source, wording and justification of a conclusion.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Words {
-    /// Whose sentence it is; `None` for the sweep's own question.
+    /// Source of the statement; `None` for a question of the sweep's own.
     pub source: Option<String>,
-    /// The source's own words.
+    /// The wording of the source.
     pub quote: Option<String>,
     /// The quote in English.
     pub translation: Option<String>,
-    /// Why this inequality and these bounds.
+    /// Why this inequality and these bounds were chosen.
     pub because: Option<String>,
 }
 
-/// A checked conclusion about variants by their number.
+/// A checked conclusion; variants are given by number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
     /// Short name.
     pub id: String,
     /// The conclusion as one sentence.
     pub statement: String,
-    /// Whose sentence it is.
+    /// Source, wording and justification.
     #[serde(default)]
     pub words: Words,
-    /// What is measured of each variant.
+    /// Quantity measured on each variant.
     pub quantity: Quantity,
-    /// The wavelength it is measured at, nm, where one is meant.
+    /// Wavelength of the measurement, nm, for a single one.
     pub wavelength_nm: Option<f64>,
-    /// The wavelengths it is measured at, nm, where it speaks of a range.
+    /// Wavelengths of the measurement, nm, for a range.
     #[serde(default)]
     pub range_nm: Option<[f64; 2]>,
-    /// At which wavelengths of the range it is to hold.
+    /// How the wavelengths of the range are combined.
     #[serde(default)]
     pub over: Over,
-    /// Number of the variant that absorbs well what counts of the range.
+    /// Variant whose absorption selects the wavelengths of the range.
     #[serde(default)]
     pub absorbed_by: Option<usize>,
-    /// The size of the sum counts, whatever its sign.
+    /// Whether to compare the absolute value of the sum.
     #[serde(default)]
     pub absolute: bool,
-    /// Numbers of the variants that count positively.
+    /// Variants that are added.
     pub plus: Vec<usize>,
-    /// Numbers of the variants that count negatively.
+    /// Variants that are subtracted.
     pub minus: Vec<usize>,
-    /// Least value that confirms it.
+    /// Smallest value that confirms the conclusion.
     pub at_least: Option<f64>,
-    /// Most value that confirms it.
+    /// Largest value that confirms the conclusion.
     pub at_most: Option<f64>,
-    /// Places and numbers of the variants of a curve that the value is looked up on; empty where it counts itself.
+    /// Abscissas and variants of the curve on which the value is looked up; empty if the value
+    /// itself is compared.
     #[serde(default)]
     pub curve: Vec<(f64, usize)>,
 }
 
-/// Finds the variants that the conclusions speak of.
+/// Resolves the variants that the conclusions refer to.
 pub fn claims(
     tables: &[ConclusionTable],
     axes: &[Axis],
@@ -114,7 +115,7 @@ fn words(table: &ConclusionTable) -> Words {
     }
 }
 
-/// The variants that a list of conditions names, one each.
+/// Resolves a list of conditions, each of which must select exactly one variant.
 fn variants(field: &str, list: &[Where], axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Vec<usize> {
     let one = |(k, condition)| one_variant(&format!("{field}[{k}]"), condition, axes, drafts, faults);
     list.iter().enumerate().filter_map(one).collect()

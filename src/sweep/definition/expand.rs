@@ -1,4 +1,4 @@
-//! From axes to variants: products and zips, less the exclusions, with overrides.
+//! Expands axes into variants: products and zips, minus exclusions, plus overrides.
 
 use super::axes::Axis;
 use super::field;
@@ -6,24 +6,25 @@ use super::file::{SweepFile, Where};
 use crate::input::fault::{Fault, Faults};
 use toml::Table;
 
-/// Most variants of one sweep.
+/// Maximum number of variants of a sweep.
 const MOST_VARIANTS: usize = 100_000;
 
-/// Longest name of a variant, bytes: file systems take 255, and temporary files add a few.
+/// Maximum length of a variant's name, bytes: file systems allow 255, and temporary files add a
+/// few.
 const LONGEST_NAME: usize = 200;
 
-/// A variant not yet checked.
+/// A variant that has not been checked yet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
-    /// File name made of the labels.
+    /// Name made of the labels, suitable for files.
     pub name: String,
-    /// Place on every axis.
+    /// Index of the setting on each axis.
     pub place: Vec<usize>,
-    /// The variant's study as a table.
+    /// The study of the variant as a table.
     pub study: Table,
 }
 
-/// All variants in the order of the axes, the last axis fastest.
+/// All variants in the order of the axes; the last axis varies fastest.
 pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults) -> Vec<Draft> {
     for (i, axis) in axes.iter().enumerate() {
         if axes[..i].iter().any(|earlier| earlier.name == axis.name) {
@@ -48,7 +49,7 @@ pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults
     drafts
 }
 
-/// True when a variant's place fulfils a condition.
+/// Whether a variant satisfies a condition.
 pub fn matches(condition: &Where, axes: &[Axis], place: &[usize]) -> bool {
     condition.iter().all(|(name, wanted)| {
         let axis = axes.iter().position(|axis| axis.name == *name);
@@ -56,7 +57,7 @@ pub fn matches(condition: &Where, axes: &[Axis], place: &[usize]) -> bool {
     })
 }
 
-/// A condition names axes that exist and values that they have.
+/// Checks that a condition names existing axes and values.
 pub fn check_where(field: &str, condition: &Where, axes: &[Axis], faults: &mut Faults) {
     for (name, wanted) in condition {
         let field = format!("{field}.{name}");
@@ -76,7 +77,7 @@ pub fn check_where(field: &str, condition: &Where, axes: &[Axis], faults: &mut F
     }
 }
 
-/// Every combination of the groups of axes.
+/// All combinations of the groups of axes.
 fn places(axes: &[Axis], faults: &mut Faults) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (a, axis) in axes.iter().enumerate() {
@@ -141,7 +142,7 @@ fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, fault
     Draft { name: if name.is_empty() { "study".into() } else { name }, place, study }
 }
 
-/// Letters, digits, dots and underscores; everything else becomes one underscore.
+/// Keeps letters, digits, dots and underscores; replaces everything else by one underscore.
 fn slug(label: &str) -> String {
     let kept = |c: char| match c {
         'µ' => 'u',
@@ -152,17 +153,16 @@ fn slug(label: &str) -> String {
     text.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_")
 }
 
-/// Whether a variant's name is that of one folder inside another, on every system.
+/// Whether a name is that of a single folder, on every operating system.
 pub fn is_folder_name(name: &str) -> bool {
-    let kept = |c: char| c.is_ascii_alphanumeric() || "._+-".contains(c);
     let speaks = name.chars().any(|c| c.is_ascii_alphanumeric());
-    speaks && name.chars().all(kept)
+    speaks && name.chars().all(|c: char| c.is_ascii_alphanumeric() || "._+-".contains(c))
 }
 
 fn check_names(drafts: &[Draft], faults: &mut Faults) {
     let mut names: Vec<&str> = drafts.iter().map(|d| d.name.as_str()).collect();
     if let Some(name) = names.iter().find(|name| name.len() > LONGEST_NAME) {
-        let found = format!("labels that make a name of {} characters", name.len());
+        let found = format!("labels that give a name of {} characters", name.len());
         let allowed = format!("at most {LONGEST_NAME}: it is the name of the variant's folder");
         faults.push(Fault::new(
             "axis",

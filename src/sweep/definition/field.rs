@@ -1,19 +1,20 @@
-//! Fields of a study by their dotted names: `layer.thickness_um`, `pigment[0].index`, `pigment.yellow.index`, `pigment[*].index`.
+//! Fields of a study by their dotted names: `layer.thickness_um`, `pigment[0].index`,
+//! `pigment.yellow.index`, `pigment[*].index`.
 
 use toml::{Table, Value};
 
-/// Sets `field`, making tables on the way where there are none.
+/// Sets `field`, creating missing tables.
 ///
 /// # Errors
-/// Why there is no such place, in words.
+/// A message that says why there is no such field.
 pub fn set(study: &mut Table, field: &str, value: &Value) -> Result<(), String> {
     in_table(study, &steps(field)?, value)
 }
 
-/// The steps of a name: keys between dots, each with any number of `[entry]` behind it.
+/// Splits a name into steps: keys separated by dots, each followed by any number of `[entry]`.
 ///
 /// # Errors
-/// A step without a name, brackets that do not close.
+/// A step without a name, or brackets that do not close.
 pub fn steps(field: &str) -> Result<Vec<&str>, String> {
     let mut all = Vec::new();
     for part in field.split('.') {

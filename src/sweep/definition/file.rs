@@ -28,11 +28,11 @@ use toml::{Table, Value};
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {
-    /// Heading of the report; the file's name when left out.
+    /// Title of the report (default: name of the file).
     pub title: Option<String>,
-    /// The study that all variants start from.
+    /// The study that all variants are based on.
     pub base: Base,
-    /// What varies; the last axis is the fastest.
+    /// What varies; the last axis varies fastest.
     #[serde(default)]
     pub axis: Vec<AxisTable>,
     /// Variants that are left out.
@@ -44,15 +44,15 @@ pub struct SweepFile {
     /// The axes of the contact sheets.
     #[serde(default)]
     pub sheet: SheetTable,
-    /// The variant that colour differences refer to; the first one when left out.
+    /// The reference variant of colour differences (default: the first).
     #[schemars(with = "Option<Names>", example = Names::from([("share".to_owned(), "30 %".into())]))]
     pub reference: Option<Where>,
-    /// Inequalities about the variants, to be judged.
+    /// Inequalities about the variants, to be tested.
     #[serde(default)]
     pub conclusion: Vec<ConclusionTable>,
 }
 
-/// The study that all variants start from.
+/// The study that all variants are based on.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(untagged, expecting = "a study file's path, or a table with a whole study")]
 pub enum Base {
@@ -76,9 +76,9 @@ impl JsonSchema for Base {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AxisTable {
-    /// Short name for captions and conditions; the field's last part when left out.
+    /// Short name for captions and conditions (default: last part of the field).
     pub name: Option<String>,
-    /// Dotted field that varies.
+    /// Dotted name of the field that varies.
     pub field: Option<String>,
     /// Its values.
     #[schemars(with = "Option<Vec<serde_json::Value>>", example = [0.15, 0.3, 0.5])]
@@ -91,11 +91,11 @@ pub struct AxisTable {
     pub to: Option<f64>,
     /// Step of a range.
     pub step: Option<f64>,
-    /// Number of values from `from` to `to`, both included; instead of `step`.
+    /// Number of values from `from` to `to`, both included; replaces `step`.
     pub count: Option<usize>,
     /// Axes with the same word here advance together instead of forming a product.
     pub zip: Option<String>,
-    /// Settings of several fields each.
+    /// Named settings of several fields.
     #[serde(default)]
     pub case: Vec<CaseTable>,
 }
@@ -106,13 +106,13 @@ pub struct AxisTable {
 pub struct CaseTable {
     /// Label of the setting.
     pub label: String,
-    /// Dotted field (in quotes) → value.
+    /// Dotted name of a field (in quotes) → value.
     #[serde(default)]
     #[schemars(schema_with = "fields")]
     pub set: Table,
 }
 
-/// Axis name → label, value, or list of them. Axes that are not named match anything.
+/// Axis name → label, value, or list of them. Axes that are not named are unrestricted.
 pub type Where = BTreeMap<String, Value>;
 /// [`Where`] with JSON values.
 type Names = BTreeMap<String, serde_json::Value>;
@@ -121,7 +121,7 @@ type Names = BTreeMap<String, serde_json::Value>;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExcludeTable {
-    /// Which variants are left out.
+    /// Variants to leave out.
     #[serde(rename = "where")]
     #[schemars(with = "Names", example = Names::from([("share".to_owned(), "30 %".into())]))]
     pub condition: Where,
@@ -131,22 +131,22 @@ pub struct ExcludeTable {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OverrideTable {
-    /// Which variants are changed.
+    /// Variants to change.
     #[serde(rename = "where")]
     #[schemars(with = "Names", example = Names::from([("share".to_owned(), "30 %".into())]))]
     pub condition: Where,
-    /// Dotted field → value.
+    /// Dotted name of a field → value.
     #[schemars(schema_with = "fields")]
     pub set: Table,
 }
 
-/// `[sheet]`: the axes of the contact sheets; the others give one sheet for each of their values.
+/// `[sheet]`: axes of the contact sheets; each setting of the other axes has a sheet of its own.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SheetTable {
-    /// Axis along the sheet's rows.
+    /// Axis of the rows.
     pub rows: Option<String>,
-    /// Axis along the sheet's columns.
+    /// Axis of the columns.
     pub columns: Option<String>,
 }
 
@@ -158,30 +158,33 @@ pub struct ConclusionTable {
     pub id: String,
     /// The conclusion as one sentence.
     pub statement: String,
-    /// Whose sentence it is, such as `P1`; a question of the sweep's own when left out. Pages keep the two apart.
+    /// Source of the statement, such as `P1` (default: a question of the sweep's own). The report
+    /// separates the two.
     pub source: Option<String>,
-    /// The source's own words.
+    /// The wording of the source.
     pub quote: Option<String>,
     /// The quote in English.
     pub translation: Option<String>,
-    /// Why this inequality and these bounds.
+    /// Why this inequality and these bounds were chosen.
     pub because: Option<String>,
-    /// Name of an axis: the conclusion is asked for each of its labels, with `label: ` before its `id`.
+    /// Name of an axis: the conclusion is repeated for each of its labels, with `label: ` before
+    /// its `id`.
     pub each: Option<String>,
-    /// What is measured of each variant.
+    /// Quantity measured on each variant.
     pub quantity: Quantity,
-    /// For `transmittance` and `reflectance`: one wavelength.
+    /// Wavelength of `transmittance` or `reflectance`, nm.
     pub wavelength_nm: Option<f64>,
-    /// For `transmittance` and `reflectance`: the wavelengths from the first to the second, all of which count as `over` says.
+    /// First and last wavelength of `transmittance` or `reflectance`, nm, combined according to
+    /// `over`.
     pub range_nm: Option<[f64; 2]>,
-    /// At which wavelengths of the range the inequality is to hold.
+    /// How the wavelengths of the range are combined.
     #[serde(default)]
     pub over: Over,
-    /// Of the range only the wavelengths that this variant absorbs well: where its transmittance is in the lower half
-    /// between its least and its greatest in the range.
+    /// Restricts the range to wavelengths that this variant absorbs well: those at which its
+    /// transmittance is below the mean of its smallest and largest value in the range.
     #[schemars(with = "Option<Names>")]
     pub absorbed_by: Option<Where>,
-    /// The size of the sum counts, whatever its sign.
+    /// Compare the absolute value of the sum.
     #[serde(default)]
     pub absolute: bool,
     /// Variants whose quantity is added.
@@ -191,34 +194,34 @@ pub struct ConclusionTable {
     #[serde(default)]
     #[schemars(with = "Vec<Names>")]
     pub minus: Vec<Where>,
-    /// Least value that confirms it.
+    /// Smallest value that confirms the conclusion.
     pub at_least: Option<f64>,
-    /// Most value that confirms it.
+    /// Largest value that confirms the conclusion.
     pub at_most: Option<f64>,
-    /// Variants along a curve: instead of the sum itself, the place on this curve that has the same value is measured,
-    /// such as the diameter of the spheres that an agglomerate acts like.
+    /// Variants of a curve. Instead of the sum itself, the place on the curve that has the same
+    /// value is compared, such as the diameter of the spheres that act like an agglomerate.
     #[serde(default)]
     #[schemars(with = "Vec<Names>")]
     pub among: Vec<Where>,
-    /// The places of `among`, rising, such as their diameters in nm.
+    /// Abscissas of `among`, increasing, such as diameters in nm.
     #[serde(default)]
     pub along: Vec<f64>,
 }
 
-/// At which wavelengths of its range a conclusion is to hold.
+/// How the wavelengths of a range are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Over {
-    /// At every one.
+    /// The inequality holds at every wavelength.
     #[default]
     Every,
-    /// At one or more.
+    /// The inequality holds at one wavelength or more.
     Some,
-    /// On their mean.
+    /// The inequality holds for the mean.
     Mean,
 }
 
-/// What a conclusion compares.
+/// The quantity that a conclusion compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -228,14 +231,15 @@ pub enum Quantity {
     Lightness,
     /// Hue angle under natural light, degrees.
     Hue,
-    /// T of the layer alone at the smallest angle.
+    /// T of the layer without paper at the smallest angle.
     Transmittance,
-    /// R of the layer alone at the smallest angle.
+    /// R of the layer without paper at the smallest angle.
     Reflectance,
     /// CIEDE2000 between one `plus` and one `minus`.
     DeltaE,
-    /// Y over black divided by Y over white, lit at 45° and seen along the normal, 0–1.
+    /// Contrast ratio: Y over black divided by Y over white, lit at 45° and viewed along the
+    /// normal, 0–1.
     ContrastRatio,
-    /// CIEDE2000 of each variant to its own `colour.target_lab`.
+    /// CIEDE2000 between each variant and its own `colour.target_lab`.
     DeltaEToTarget,
 }

@@ -1,5 +1,5 @@
-//! What the schema of a sweep says beyond its types: its base is a study that the axes may complete, and axes set fields
-//! of a study.
+//! Parts of the sweep schema that its types do not express: the axes may complete the base study,
+//! and they set fields of a study.
 
 use crate::input::file::StudyFile;
 use schemars::generate::SchemaSettings;
@@ -7,7 +7,7 @@ use schemars::transform::transform_subschemas;
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
-/// A study that the axes may complete: its file, or itself.
+/// A study that the axes may complete: the name of its file, or the study itself.
 pub(super) fn base() -> Schema {
     let mut study = study();
     unfinished(&mut study);
@@ -16,7 +16,7 @@ pub(super) fn base() -> Schema {
     json_schema!({ "anyOf": [{ "description": file, "type": "string" }, study] })
 }
 
-/// A whole study without references to definitions.
+/// The schema of a study, without references.
 fn study() -> Schema {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<StudyFile>();
@@ -24,7 +24,8 @@ fn study() -> Schema {
     schema
 }
 
-/// No key must be there any more, but those that tell the forms of a value apart or exclude each other.
+/// Makes every key optional, except those that distinguish the forms of a value or exclude each
+/// other.
 fn unfinished(schema: &mut Schema) {
     if ["anyOf", "oneOf", "not"].iter().any(|key| schema.get(*key).is_some()) {
         return;

@@ -1,10 +1,13 @@
 //! The folder of a sweep.
 //!
 //! ```text
-//! sweep.json                       axes, variants, conclusions        inputs/…             tables that variants read
-//! variants/<name>/study.toml       each variant as a study of its own, beside its results
-//! records/                         the store that all variants share      inkwave.json     marks the folder
-//! sweep.csv  conclusions.csv  contact-sheet*.png  report.html          PARTIAL while not all is finished
+//! sweep.json                    axes, variants, conclusions
+//! inputs/…                      tables read by variants
+//! variants/<name>/study.toml    each variant as a study of its own, beside its results
+//! records/                      the store shared by all variants
+//! inkwave.json                  marks the folder
+//! sweep.csv  conclusions.csv  contact-sheet*.png  report.html
+//! PARTIAL                       present while unfinished
 //! ```
 
 use super::load::{Input, Place, Sweep, Variant};
@@ -21,12 +24,12 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Outline of the sweep.
+/// File with the outline of the sweep.
 pub const OUTLINE: &str = "sweep.json";
-/// One folder for each variant.
+/// Folder of the variants.
 pub const VARIANTS: &str = "variants";
 
-/// Why a folder holds no sweep.
+/// Why a folder cannot be read as a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The folder holds no sweep.
@@ -34,26 +37,26 @@ pub enum OpenError {
     NoSweep {
         /// The folder.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         reason: String,
     },
-    /// Files that are not those that were written.
+    /// Files differ from those that were written.
     #[error("{} was changed since it was written: {what}", path.display())]
     Changed {
         /// The folder.
         path: PathBuf,
-        /// What does not fit.
+        /// What does not match.
         what: String,
     },
-    /// A variant's study.
+    /// The study of a variant cannot be read.
     #[error(transparent)]
     Variant(#[from] StudyError),
 }
 
-/// Writes all that the folder needs to be reported without the sweep file.
+/// Writes everything needed to report on the folder without the sweep file.
 ///
 /// # Errors
-/// Files that cannot be written.
+/// A file cannot be written.
 pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
     let make = |path: PathBuf| -> Result<(), FolderError> {
         std::fs::create_dir_all(&path).map_err(|source| FolderError::NotWritable { path, source })
@@ -73,16 +76,16 @@ pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
     folder.write(OUTLINE, &outline)
 }
 
-/// The bytes of `sweep.json`.
+/// Content of `sweep.json`.
 fn sealed(sweep: &Sweep) -> serde_json::Result<Vec<u8>> {
     let seal = Some(seal(&sweep.outline, sweep.variants.iter().map(|variant| variant.text.as_str()))?);
     serde_json::to_vec_pretty(&SealedOutline { outline: sweep.outline.clone(), seal })
 }
 
-/// Reads the sweep back from its folder.
+/// Reads the sweep from its folder.
 ///
 /// # Errors
-/// No sweep there, or files of it that were changed or lost.
+/// The folder holds no sweep, or its files were changed or lost.
 pub fn read(path: &Path) -> Result<Sweep, OpenError> {
     let no_sweep = |reason: String| no_sweep(path, reason);
     let unreadable = |error: &dyn Display| no_sweep(format!("{OUTLINE}: {error}"));
@@ -95,9 +98,9 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
     let texts = texts.collect::<Result<Vec<_>, _>>()?;
     let fitting = seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))?;
     match found {
-        None => return Err(changed("sweep.json has no seal, as those of older versions")),
+        None => return Err(changed("sweep.json has no checksum, like those of older versions")),
         Some(found) if found != fitting => {
-            return Err(changed("the seal of sweep.json does not fit it and the variants' study.toml"));
+            return Err(changed("the checksum of sweep.json does not match it and the variants' study.toml"));
         }
         Some(_) => {}
     }
@@ -111,12 +114,12 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
     }
 }
 
-/// The refusal of a folder.
+/// The error for a folder without a sweep.
 fn no_sweep(path: &Path, reason: String) -> OpenError {
     OpenError::NoSweep { path: path.to_owned(), reason }
 }
 
-/// One variant from its own folder.
+/// Reads one variant from its folder.
 fn variant(path: &Path, place: &Place, text: String) -> Result<Variant, OpenError> {
     let study = crate::input::load::load(&study_file(path, place))?;
     Ok(Variant { name: place.name.clone(), study, text })
@@ -131,7 +134,8 @@ fn study_file(path: &Path, place: &Place) -> PathBuf {
     path.join(VARIANTS).join(&place.name).join("study.toml")
 }
 
-/// Copies the grids that another folder has, with those that could not be chosen; gives their number.
+/// Copies the grids of another folder, including those that could not be chosen; returns their
+/// number.
 ///
 /// # Errors
 /// The other folder holds no sweep, or the records cannot be written.

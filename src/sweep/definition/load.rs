@@ -1,4 +1,4 @@
-//! From a sweep file to checked variants.
+//! Reads a sweep file and checks its variants.
 
 use super::axes::{Axis, plain};
 use super::claims;
@@ -16,37 +16,37 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
-/// Faults of variants that are shown; the others mostly repeat them.
+/// Number of errors in variants that are shown; most others repeat them.
 const SHOWN_FAULTS: usize = 5;
 
-/// A sweep whose variants are all checked.
+/// A sweep with checked variants.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// Axes, sheet and conclusions.
     pub outline: Outline,
-    /// All variants, in their order.
+    /// All variants, in order.
     pub variants: Vec<Variant>,
-    /// Tables that the variants read, kept with the results.
+    /// Tables read by the variants, stored with the results.
     pub inputs: Vec<Input>,
 }
 
-/// All of a sweep but its studies: the file `sweep.json`.
+/// Everything about a sweep except its studies; content of `sweep.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
-    /// Title, for people.
+    /// Title of the report.
     pub title: String,
-    /// The axes, in their order.
+    /// The axes, in order.
     pub axes: Vec<AxisOutline>,
-    /// How the contact sheets are laid out.
+    /// Layout of the contact sheets.
     pub sheet: SheetTable,
-    /// The variant that colour differences refer to.
+    /// The reference variant of colour differences.
     pub reference: usize,
-    /// Whether the file names that variant.
+    /// Whether the file names the reference variant.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub reference_asked: bool,
-    /// Conclusions to be judged.
+    /// Conclusions to be tested.
     pub claims: Vec<Claim>,
-    /// Where each variant lies on the axes.
+    /// Position of each variant on the axes.
     pub variants: Vec<Place>,
 }
 
@@ -57,50 +57,50 @@ pub struct AxisOutline {
     pub name: String,
     /// Labels of its settings.
     pub labels: Vec<String>,
-    /// Unit of the labels, where they are numbers that have one.
+    /// Unit of the labels; empty if they have none.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub unit: String,
 }
 
 impl AxisOutline {
-    /// A value's caption where it stands alone: `paper 0.9`, but `yellow` rather than `ink yellow`.
+    /// Caption of a value on its own: `paper 0.9`, but `yellow` rather than `ink yellow`.
     pub fn named(&self, k: usize) -> String {
         let label = self.caption(k);
         let speaks = label.chars().next().is_some_and(char::is_alphabetic);
         if speaks { label } else { format!("{} {label}", self.plain_name()) }
     }
 
-    /// A label with its unit, where it is a number that has one.
+    /// A label with its unit, if it has one.
     pub fn caption(&self, k: usize) -> String {
         let label = &self.labels[k];
         let bare = self.unit.is_empty() || label.parse::<f64>().is_err();
         if bare { label.clone() } else { format!("{label}\u{a0}{}", self.unit) }
     }
 
-    /// The name without the unit that it ends with.
+    /// The name without its unit suffix.
     pub fn plain_name(&self) -> &str {
         if self.unit.is_empty() { &self.name } else { plain(&self.name) }
     }
 
-    /// The number of a label, alone or before its unit: `0.9`, `15 %`, `200 nm`.
+    /// The number of a label, alone or followed by its unit: `0.9`, `15 %`, `200 nm`.
     pub fn number(&self, k: usize) -> Option<f64> {
         let mut words = self.labels.get(k)?.split_whitespace();
         let number = words.next()?.parse().ok().filter(|x: &f64| x.is_finite())?;
         (words.count() < 2).then_some(number)
     }
 
-    /// The name as it stands at an axis or over a column, with the unit: `diameter, nm`.
+    /// The name with its unit, for axes and column headings: `diameter, nm`.
     pub fn heading(&self) -> String {
         if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", self.plain_name(), self.unit) }
     }
 }
 
-/// A variant's name and its place on every axis.
+/// Name and position of a variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Name of the variant.
     pub name: String,
-    /// Number of its setting on each axis.
+    /// Index of its setting on each axis.
     pub place: Vec<usize>,
 }
 
@@ -109,28 +109,28 @@ pub struct Place {
 pub struct Variant {
     /// Name of the variant.
     pub name: String,
-    /// Its study, checked.
+    /// The checked study.
     pub study: Study,
-    /// The study as a file of its own, to be put into `variants/<name>`.
+    /// The study as a file, written to `variants/<name>`.
     pub text: String,
 }
 
 /// A table read by some variant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Input {
-    /// Relative to the sweep's folder.
+    /// Path relative to the sweep's folder.
     pub path: String,
     /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
 impl Input {
-    /// A table that a variant names `name`, in the folder of its content's checksum.
+    /// A table called `name`, in a folder named after the checksum of its content.
     fn new(name: &str, bytes: Vec<u8>) -> Self {
         Self { path: format!("inputs/{}/{name}", Self::checksum(&bytes)), bytes }
     }
 
-    /// Whether the content is that which the folder's name speaks of.
+    /// Whether the content matches the checksum in the folder's name.
     pub fn is_whole(&self) -> bool {
         Path::new(&self.path).starts_with(Path::new("inputs").join(Self::checksum(&self.bytes)))
     }
@@ -141,7 +141,7 @@ impl Input {
 }
 
 impl Sweep {
-    /// A study alone, as a sweep of one variant; a composed layer's slabs are one each.
+    /// A study as a sweep of one variant; each slab of a composed layer is a variant.
     pub fn of_one(name: &str, study: Study) -> Self {
         let portions = study.portions();
         let title = study.title.clone();
@@ -164,10 +164,10 @@ impl Sweep {
     }
 }
 
-/// Reads and checks the sweep file at `path`, and every variant of it.
+/// Reads the sweep file at `path` and checks it and all its variants.
 ///
 /// # Errors
-/// The file or its base cannot be read, is no TOML, or some variant is not allowed.
+/// The file or its base cannot be read, is not TOML, or some variant is not allowed.
 pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     let (text, file): (String, SweepFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -242,7 +242,7 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
     }
 }
 
-/// What reading the variants needs.
+/// State needed to read the variants.
 struct Reading<'a> {
     title: &'a str,
     axes: &'a [Axis],
@@ -251,7 +251,7 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// `None` after a fault of the values.
+    /// Reads a variant; `None` if it has errors.
     fn variant(&mut self, draft: &Draft, faults: &mut Faults) -> Result<Option<Variant>, StudyError> {
         let mut table = draft.study.clone();
         table.insert("title".into(), Value::String(self.heading(draft)));
@@ -282,7 +282,7 @@ impl Reading<'_> {
         if labels.is_empty() { self.title.to_owned() } else { format!("{}: {labels}", self.title) }
     }
 
-    /// A variant's fault, said once: at the axis that set the field, else at the base.
+    /// Reports an error of a variant once: at the axis that set the field, otherwise at the base.
     fn fault(&self, draft: &Draft, fault: Fault, faults: &mut Faults) {
         let sets = |axis: &Axis, k: usize| {
             axis.settings[k].set.keys().any(|name| same_field(&draft.study, name, &fault.field))
@@ -298,7 +298,7 @@ impl Reading<'_> {
         }
     }
 
-    /// Copies the files that the study names, and names the copies instead.
+    /// Copies the files that the study refers to, and refers to the copies instead.
     fn keep_inputs(&mut self, study: &mut Value) -> Result<(), StudyError> {
         for path in FILES {
             for value in at_path(study, path) {
@@ -324,8 +324,8 @@ impl Reading<'_> {
     }
 }
 
-/// `pigment.0.index`, `pigment.yellow.index` and `pigment[0].index.k` speak of the same field of `study`, as far
-/// as the shorter one goes.
+/// Whether two dotted names refer to the same field of `study`, as far as the shorter one goes:
+/// `pigment.0.index`, `pigment.yellow.index`, `pigment[0].index.k`.
 fn same_field(study: &Table, one: &str, other: &str) -> bool {
     let steps = |name: &str| -> Vec<String> {
         name.split(['.', '[', ']']).filter(|step| !step.is_empty()).map(str::to_owned).collect()
@@ -351,7 +351,7 @@ const FILES: [&[&str]; 6] = [
     &["compare", "measured"],
 ];
 
-/// The values at a path, as far as they are there.
+/// The values at a path, as far as they exist.
 fn at_path<'a>(value: &'a mut Value, path: &[&str]) -> Vec<&'a mut Value> {
     match (path, value) {
         ([], value) => vec![value],
@@ -361,7 +361,8 @@ fn at_path<'a>(value: &'a mut Value, path: &[&str]) -> Vec<&'a mut Value> {
     }
 }
 
-/// Two axes of one field: the later one would decide, and the captions of the earlier one lie.
+/// Refuses two axes for one field: the later would override the earlier, whose captions would be
+/// wrong.
 fn check_fields(file: &SweepFile, faults: &mut Faults) {
     for (i, table) in file.axis.iter().enumerate() {
         let Some(field) = &table.field else { continue };

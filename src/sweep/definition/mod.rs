@@ -1,4 +1,4 @@
-//! The language of studies of many variants: a file as written, and what it means.
+//! The definition of a sweep: its file, and the variants it describes.
 
 pub mod axes;
 pub mod claims;

@@ -1,5 +1,5 @@
-//! What an outline must be, wherever its file came from: names that stay inside the folder, numbers of variants, axes
-//! and labels that are there. The seal shows what was changed by accident; this holds for what was made on purpose.
+//! Validates an outline, wherever its file comes from: names must stay inside the folder; variants,
+//! axes and labels must exist. The checksum detects accidental changes, this check deliberate ones.
 
 use super::claims::{Claim, check_variants};
 use super::expand::is_folder_name;
@@ -9,10 +9,10 @@ use crate::input::fault::Faults;
 use crate::input::study::Study;
 use std::collections::HashSet;
 
-/// Checks an outline before any of its names becomes a path and any of its numbers an index.
+/// Checks an outline before any of its names is used as a path and any of its numbers as an index.
 ///
 /// # Errors
-/// The field, what was found and what is allowed.
+/// A message with the field, what was found and what is allowed.
 pub fn check(outline: &Outline) -> Result<(), String> {
     let count = outline.variants.len();
     if count == 0 {
@@ -39,10 +39,10 @@ pub fn check(outline: &Outline) -> Result<(), String> {
     claims.try_for_each(|(i, claim)| check_claim(&format!("claims[{i}]"), claim, count))
 }
 
-/// Checks that the variants have what the conclusions ask of them: wavelengths, a target colour.
+/// Checks that the variants have what the conclusions need: wavelengths, a target colour.
 ///
 /// # Errors
-/// As [`check`].
+/// As for [`check`].
 pub fn check_wavelengths(claims: &[Claim], variants: &[Variant]) -> Result<(), String> {
     let studies: Vec<&Study> = variants.iter().map(|v| &v.study).collect();
     let mut faults = Faults::default();
@@ -57,7 +57,7 @@ fn within(field: &str, found: usize, count: usize) -> Result<(), String> {
     Err(format!("{field}: found {found}; allowed: whole numbers below {count}"))
 }
 
-/// A variant's name is that of its folder, its place one label of every axis.
+/// A variant's name must be a folder name, its position one label of every axis.
 fn check_place(at: &str, place: &Place, outline: &Outline) -> Result<(), String> {
     if !is_folder_name(&place.name) {
         return Err(format!(
@@ -75,7 +75,7 @@ fn check_place(at: &str, place: &Place, outline: &Outline) -> Result<(), String>
         .try_for_each(|(a, (axis, &k))| within(&format!("{at}.place[{a}]"), k, axis.labels.len()))
 }
 
-/// A conclusion's variants are there, and there are as many as its quantity compares.
+/// A conclusion's variants must exist, in the number that its quantity compares.
 fn check_claim(at: &str, claim: &Claim, count: usize) -> Result<(), String> {
     let curve: Vec<usize> = claim.curve.iter().map(|(_, variant)| *variant).collect();
     let absorbing: Vec<usize> = claim.absorbed_by.into_iter().collect();
@@ -93,7 +93,7 @@ fn check_claim(at: &str, claim: &Claim, count: usize) -> Result<(), String> {
     }
     let rising = claim.curve.windows(2).all(|pair| pair[0].0 < pair[1].0);
     if !rising || claim.curve.len() == 1 {
-        return Err(format!("{at}.curve: found places that do not rise; allowed: two or more that do"));
+        return Err(format!("{at}.curve: found places that do not increase; allowed: two or more that do"));
     }
     if claim.at_least.is_none() && claim.at_most.is_none() {
         return Err(format!("{at}.at_least: found nothing; allowed: a bound, at_least, at_most or both"));

@@ -1,35 +1,35 @@
-//! The colour that a variant shall have, and how near to it it has come.
+//! The target colour of a variant, and its distance from it.
 
 use crate::evaluate::ink_maker::InkMaker;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 
-/// What `[colour] target_lab` of a variant asks.
+/// The target set by `[colour] target_lab`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aim {
-    /// L*, a*, b* wanted.
+    /// Target L*, a*, b*.
     pub lab: [f64; 3],
-    /// Light, observer and rule of summation; lit at 45°, seen along the normal.
+    /// Illuminant, observer and summation rule; lit at 45°, viewed along the normal.
     pub conditions: String,
-    /// What the variant has, once it has a colour.
+    /// The result, once the variant has a colour.
     pub found: Option<AimFound>,
 }
 
-/// The ink maker's numbers of a variant with an aim.
+/// Results of a variant with a target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AimFound {
-    /// ΔE₀₀ to the wanted colour.
+    /// ΔE₀₀ to the target.
     pub delta_e_2000: Estimate,
-    /// Number of each realisation and what it moves the difference by.
+    /// Number of each realisation and its contribution to the difference.
     pub deviations: Vec<(usize, f64)>,
-    /// Y over black divided by Y over white.
+    /// Contrast ratio: Y over black divided by Y over white.
     pub contrast_ratio: Estimate,
-    /// `#rrggbb` of the print, adapted to the light.
+    /// `#rrggbb` of the print, adapted to the illuminant.
     pub hex: String,
 }
 
 impl AimFound {
-    /// The numbers of a variant that states a colour.
+    /// The results, if the study sets a target.
     fn of(maker: &InkMaker) -> Option<Self> {
         let target = maker.target.as_ref()?;
         Some(Self {
@@ -42,18 +42,18 @@ impl AimFound {
 }
 
 impl Aim {
-    /// The aim of a study that states one.
+    /// The target of a study, if it sets one.
     pub fn of(study: &Study) -> Option<Self> {
         let lab = study.judgement.target_lab?;
         Some(Self { lab, conditions: study.judgement.viewing.name(), found: None })
     }
 
-    /// The target together with the result of a variant.
+    /// Adds the result of a variant.
     pub fn with(self, maker: Option<&InkMaker>) -> Self {
         Self { found: maker.and_then(AimFound::of), ..self }
     }
 
-    /// `L* 70, a* 5, b* −40 (D65, 2° observer)`.
+    /// Formats the target: `L* 70, a* 5, b* −40 (D65, 2° observer)`.
     pub fn in_words(&self) -> String {
         let [l, a, b] = self.lab.map(|x| x.to_string().replace('-', "−"));
         format!("L* {l}, a* {a}, b* {b} ({})", self.conditions)

@@ -1,8 +1,6 @@
 //! Sweeps of composed layers: every layer in its own folder, and what changes along the first axis, such
 //! as the crowding of a pigment against its share.
 
-use crate::sweep::definition::load::Sweep;
-use crate::sweep::work::portions::run_portions;
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::composed::report::MediumRow;
 use crate::numerics::estimate::Estimate;
@@ -10,9 +8,11 @@ use crate::report::cell::{numbers, table};
 use crate::report::composed::{PublishedLayer, coefficients, publish as publish_layer};
 use crate::report::page::{Figure, Meant, Page, svg_data};
 use crate::report::publish::PublishError;
-use crate::run::{RunError, RunSettings};
 use crate::run::watch::RunWatch;
+use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
+use crate::sweep::definition::load::Sweep;
+use crate::sweep::work::portions::run_portions;
 use std::path::PathBuf;
 
 /// Coefficients that are drawn, by their places.

@@ -12,42 +12,42 @@ use crate::sweep::definition::file::Quantity;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// Two-sided confidence of a verdict: 95 %.
+/// Quantile for a two-sided confidence level of 95 %.
 pub(super) const QUANTILE: f64 = 0.975;
 
-/// What the sweep says about a claim.
+/// The verdict on a conclusion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judged {
     /// Short name.
     pub id: String,
     /// The conclusion as one sentence.
     pub statement: String,
-    /// Whose sentence it is.
+    /// Source, wording and justification.
     pub words: Words,
-    /// In words, such as "C*(a) − C*(b) ≥ 5".
+    /// The inequality, such as "C*(a) − C*(b) ≥ 5".
     pub inequality: String,
-    /// What was measured, with its error; `None` when a variant is missing.
+    /// The measured value with its error; `None` if a variant is missing.
     pub measured: Option<Estimate>,
-    /// What the numbers say.
+    /// The verdict.
     pub verdict: Verdict,
-    /// Why it is undecided, and what a decision would take.
+    /// Why the conclusion is undecided, and what would decide it.
     pub remark: String,
 }
 
-/// Confirmed and refuted hold with 95 % confidence.
+/// Confirmed and refuted both hold with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The inequality holds with 95 % confidence.
     Confirmed,
-    /// It fails with 95 % confidence.
+    /// The inequality fails with 95 % confidence.
     Refuted,
     /// Neither is certain, or numbers are missing.
     Undecided,
 }
 
 impl Verdict {
-    /// The verdict as a word.
+    /// Name of the verdict.
     pub fn name(self) -> &'static str {
         match self {
             Self::Confirmed => "confirmed",
@@ -57,7 +57,7 @@ impl Verdict {
     }
 }
 
-/// Judges a claim by the outcomes of all variants.
+/// Tests a conclusion on the outcomes of all variants.
 pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
     let (verdict, measured, remark) = match claim.range_nm {
         Some(range) => spectrum::judge(claim, outcomes, range),
@@ -81,15 +81,16 @@ fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>,
     }
 }
 
-/// What a verdict says of a variant that is not there.
+/// Remark for a variant without results.
 fn no_value(outcome: &Outcome) -> String {
     match &outcome.reason {
-        Some(reason) => format!("no value of {}: {reason}", outcome.name),
-        None => format!("no value of {} yet: finish the sweep", outcome.name),
+        Some(reason) => format!("{} has no value: {reason}", outcome.name),
+        None => format!("{} has no value yet: finish the sweep", outcome.name),
     }
 }
 
-/// The measured value, and the fewest realisations behind it; 0 where chance plays no part.
+/// The measured value, and the smallest number of realisations it depends on; 0 if there is no
+/// randomness.
 fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), String> {
     let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
     let behind = all().chain(claim.curve.iter().map(|&(_, v)| &outcomes[v])).map(|o| o.realisations);
@@ -106,13 +107,13 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), Strin
     let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
     let mut sum = Linked::sum(signs.zip(&numbers));
     if claim.quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
-        // Hues on both sides of red are near each other.
+        // hues on both sides of red are close to each other
         sum.estimate.value = 180.0 - (180.0 - sum.estimate.value).rem_euclid(360.0);
     }
     Ok((sum, fewest))
 }
 
-/// The verdict at a one-sided confidence, and what a decision would take.
+/// The verdict at the given quantile, and what would decide the conclusion.
 fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Verdict, String) {
     let Some(error) = measured.estimate.standard_error else {
         return (
@@ -128,7 +129,7 @@ fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Ve
     (Verdict::Undecided, what_it_takes(measured.chance_variance(), error, margin, fewest))
 }
 
-/// Distance to the nearer bound: negative beyond it.
+/// Distance to the nearer bound, negative beyond it.
 fn margin(claim: &Claim, value: f64) -> f64 {
     let value = if claim.absolute { value.abs() } else { value };
     let above = claim.at_least.map(|bound| value - bound);
@@ -136,7 +137,8 @@ fn margin(claim: &Claim, value: f64) -> f64 {
     above.into_iter().chain(below).fold(f64::INFINITY, f64::min)
 }
 
-/// Realisations that would bring two standard errors below the margin, where the part that they do not lessen leaves room.
+/// Number of realisations that would bring two standard errors below the margin, if the part of the
+/// error that they do not reduce allows it.
 fn what_it_takes(chance: f64, error: f64, margin: f64, fewest: usize) -> String {
     let room = (0.5 * margin).powi(2) - (error * error - chance).max(0.0);
     let needed = fewest as f64 * chance / room;
@@ -147,10 +149,11 @@ fn what_it_takes(chance: f64, error: f64, margin: f64, fewest: usize) -> String 
         let needed = needed.ceil().max(fewest as f64 + 1.0);
         return format!("about {needed:.0} realisations instead of {fewest}, if the value stays");
     }
-    "the value sits on the bound".into()
+    "the value lies on the bound".into()
 }
 
-/// Quantile of Student's t for a mean of n realisations; the normal law's where chance plays no part.
+/// Quantile of Student's t for a mean of n realisations, or of the normal distribution without
+/// randomness.
 pub(super) fn student(realisations: usize, quantile: f64) -> f64 {
     if realisations == 0 {
         return Normal::standard().inverse_cdf(quantile);
@@ -172,23 +175,23 @@ mod tests {
 
     #[test]
     fn a_verdict_needs_a_margin_beyond_students_t() {
-        // t of 3 degrees of freedom is 3.18
+        // t for 3 degrees of freedom is 3.18
         assert_eq!(verdict(8.3, 1.0, 4), Verdict::Confirmed);
         assert_eq!(verdict(8.0, 1.0, 4), Verdict::Undecided);
         assert_eq!(verdict(1.7, 1.0, 4), Verdict::Refuted);
         assert_eq!(verdict(7.1, 1.0, 100), Verdict::Confirmed);
         assert_eq!(verdict(5.1, 0.0, 0), Verdict::Confirmed);
-        // no chance: the normal law's 1.96
+        // no randomness: 1.96 of the normal distribution
         assert_eq!(verdict(7.0, 1.0, 0), Verdict::Confirmed);
         assert_eq!(verdict(6.9, 1.0, 0), Verdict::Undecided);
     }
 
     #[test]
     fn what_a_decision_takes_depends_on_what_leaves_it_open() {
-        // two errors of chance alone against a margin of 1: four times the realisations
+        // two standard errors, all random, against a margin of 1: four times the realisations
         assert!(what_it_takes(1.0, 1.0, 1.0, 10).starts_with("about 40 realisations instead of 10"));
-        // a grid error of 0.8 beside it: no number of realisations brings two errors below 1
+        // with a grid error of 0.8 no number of realisations brings two standard errors below 1
         assert!(what_it_takes(0.36, 1.0, 1.0, 10).contains("resolution.accuracy"));
-        assert_eq!(what_it_takes(1.0, 1.0, 0.0, 10), "the value sits on the bound");
+        assert_eq!(what_it_takes(1.0, 1.0, 0.0, 10), "the value lies on the bound");
     }
 }

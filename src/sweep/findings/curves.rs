@@ -1,5 +1,5 @@
-//! Curves against concentration and grain size (P1 section 6): transmittance of the layer where the pigment absorbs most,
-//! and chroma on paper.
+//! Curves against concentration and grain size (P1 section 6): transmittance of the layer where the
+//! pigment absorbs most, and chroma on paper.
 
 use super::outcome::Outcome;
 use super::sheets::Sheet;
@@ -12,28 +12,32 @@ use crate::numerics::estimate::Estimate;
 use crate::sweep::definition::load::Sweep;
 use std::collections::{BTreeMap, HashMap};
 
-/// What a variant is made of, as far as curves sort it; sizes in hundredths of a nm, shares in millionths, so that
-/// equal numbers are equal.
+/// Maximum number of curves per figure: colours of the palette.
+pub(super) const MOST_CURVES: usize = 7;
+
+/// Composition of a variant, as far as curves distinguish it; sizes in hundredths of a nm and
+/// fractions in millionths, so that equal numbers compare equal.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct CurveMaker {
     share: u64,
     size: u64,
-    /// Pigments, shapes, orientations, agglomeration; the same for molecular mixtures of the same pigments.
+    /// Pigments, shapes, orientations, agglomeration; equal for molecular mixtures of the same
+    /// pigments.
     kind: String,
     pigments: String,
-    /// Captions on the axes that change nothing of the above, such as the paper or the wave.
+    /// Captions on the axes that do not change the composition, such as the paper or the wave.
     others: String,
 }
 
-/// The number that a curve runs over.
+/// Abscissa of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Abscissa {
     Share,
     Size,
 }
 
-/// All curves of a sheet; none where neither share nor size has several values.
-pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_curves: usize) -> Vec<Chart> {
+/// All curves of a sheet; empty if neither the fraction nor the size varies.
+pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome]) -> Vec<Chart> {
     let shown = sheet.variants.iter().flatten().flatten();
     let made: Vec<(usize, CurveMaker)> =
         shown.filter_map(|&v| Some((v, CurveMaker::of(&sweep.variants[v].study)?))).collect();
@@ -49,13 +53,13 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome], most_cur
     let mut plots = Vec::new();
     for x in [Abscissa::Share, Abscissa::Size] {
         for (label, y) in [(of_t.as_str(), &transmittance as &dyn Fn(usize) -> _), ("chroma C*", &chroma)] {
-            plots.extend(plot(sheet, &made, x, label, y, most_curves));
+            plots.extend(plot(sheet, &made, x, label, y));
         }
     }
     plots
 }
 
-/// Tells apart what is made alike but stands on other papers, is seen by another wave, and so on.
+/// Distinguishes variants of the same composition by their paper, their wave and so on.
 fn with_others(sweep: &Sweep, mut made: Vec<(usize, CurveMaker)>) -> Vec<(usize, CurveMaker)> {
     let place = |v: usize| &sweep.outline.variants[v].place;
     let axes = 0..sweep.outline.axes.len();
@@ -67,7 +71,8 @@ fn with_others(sweep: &Sweep, mut made: Vec<(usize, CurveMaker)>) -> Vec<(usize,
     made
 }
 
-/// Whether an axis alone tells two variants of one make apart; grains speak for molecular mixtures.
+/// Whether an axis distinguishes two variants of the same composition. Variants with grains decide;
+/// molecular mixtures follow.
 fn tells_apart(sweep: &Sweep, made: &[(usize, CurveMaker)], axis: usize) -> bool {
     let all_dissolved = made.iter().all(|(_, make)| make.size == 0);
     let mut seen: HashMap<(Vec<usize>, &CurveMaker), usize> = HashMap::new();
@@ -84,7 +89,6 @@ fn plot(
     x: Abscissa,
     y_label: &str,
     y: &dyn Fn(usize) -> Option<Estimate>,
-    most_curves: usize,
 ) -> Option<Chart> {
     let mut curves: Vec<Curve> = Vec::new();
     for name in names(made, x) {
@@ -95,7 +99,7 @@ fn plot(
                 points.entry(make.at(x)).or_insert(value);
             }
         }
-        // A molecular mixture alone is no curve.
+        // a molecular mixture alone is not a curve
         if points.len() > 1 {
             curves.push(
                 Curve::measured(name.in_words(made), points.into_iter().map(|(k, y)| (in_units(k, x), y)))
@@ -103,7 +107,7 @@ fn plot(
             );
         }
     }
-    curves.truncate(most_curves);
+    curves.truncate(MOST_CURVES);
     if curves.is_empty() {
         return None;
     }
@@ -117,7 +121,8 @@ fn plot(
     Some(Chart { from_zero: true, ..Chart::linear(&title, x_label, y_label, curves) })
 }
 
-/// Makes that differ in more than the abscissa, in their order of appearance; molecular mixtures belong to all sizes.
+/// Compositions that differ in more than the abscissa, in order of appearance; molecular mixtures
+/// belong to all sizes.
 fn names(made: &[(usize, CurveMaker)], x: Abscissa) -> Vec<CurveMaker> {
     let mut names: Vec<CurveMaker> = Vec::new();
     for (_, make) in made {
@@ -185,7 +190,7 @@ impl CurveMaker {
         }
     }
 
-    /// The curve's name; the pigments only where they differ.
+    /// Name of the curve; pigments are named only if they differ.
     fn in_words(&self, made: &[(usize, Self)]) -> String {
         let mut words = Vec::new();
         if made.iter().any(|(_, other)| other.pigments != self.pigments) {
@@ -223,7 +228,7 @@ fn kind(grains: &PigmentGrains) -> String {
     format!("{}s{orientation}{agglomerated}", grains.shape.name())
 }
 
-/// The wavelength at which the strongest pigment absorbs most.
+/// Wavelength at which the strongest pigment absorbs most, nm.
 fn strongest_nm(study: &Study) -> f64 {
     let materials =
         || study.pigments.iter().map(|p| &p.material).chain(study.dissolved.iter().map(|d| &d.material));

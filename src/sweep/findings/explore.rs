@@ -1,8 +1,8 @@
-//! A page to explore a sweep by hand: sliders over its axes, and of the variant they point at the swatch, spectra, numbers with
-//! their errors and the picture. One file, no network.
+//! The interactive page of a sweep: sliders for its axes; for the selected variant its swatch,
+//! spectra, numbers with errors and picture. One file, no network.
 //!
-//! Spectra travel as 16-bit steps of 1/20 000, pictures as PNG and numbers to a millionth, so that 260 variants stay below 1 MB;
-//! `sweep.csv` has every digit.
+//! Spectra are stored as 16-bit multiples of 1/20 000, pictures as PNG and numbers to a millionth,
+//! so that 260 variants take less than 1 MB; `sweep.csv` has all digits.
 
 use super::outcome::Outcome;
 use super::reported::shown;
@@ -17,13 +17,13 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-/// Steps of a spectrum's values per unit; the largest value is 3.2767 − 0.1.
+/// Steps per unit of a spectrum; the largest value is 3.2767 − 0.1.
 const STEPS: f64 = 20_000.0;
-/// Added before the steps are counted: values may be slightly negative.
+/// Offset of the steps: values may be slightly negative.
 const LOWEST: f64 = -0.1;
-/// Steps of the numbers per unit: no error is shown with more decimals.
+/// Steps per unit of the numbers: no error is shown with more decimals.
 const NUMBERS: f64 = 1e6;
-/// What stands for an unknown value or error.
+/// Code of an unknown value or error.
 const UNKNOWN: u16 = u16::MAX;
 
 const TEMPLATE: &str = include_str!("explore.html");
@@ -34,20 +34,20 @@ struct ExplorePage<'a> {
     title: &'a str,
     program: String,
     reference: &'a str,
-    /// The wanted colour, where there is one.
+    /// The target colour, if there is one.
     target: Option<Wanted>,
     axes: Vec<AxisOf<'a>>,
     wavelengths_nm: Vec<f64>,
-    /// Names of the spectra in their order.
+    /// Names of the spectra, in order.
     spectra: [&'static str; 4],
-    /// What each is a share of, at its axis.
+    /// Units of the spectra, for their axes.
     units: [&'static str; 4],
     steps: f64,
     lowest: f64,
     variants: Vec<VariantOf<'a>>,
 }
 
-/// The wanted colour in words, and which variant is nearest.
+/// Description of the target colour, and the nearest variant.
 #[derive(Serialize)]
 struct Wanted {
     colour: String,
@@ -65,15 +65,16 @@ struct VariantOf<'a> {
     name: &'a str,
     place: &'a [usize],
     hex: Option<String>,
-    /// \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀; with a target ΔE₀₀ to it and the contrast ratio.
+    /// \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀; with a target also ΔE₀₀ to it and the
+    /// contrast ratio.
     numbers: Option<Vec<[Option<f64>; 2]>>,
     realisations: usize,
     state: String,
     /// Base64 of u16: for every spectrum all values, then all errors.
     spectra: String,
-    /// Angles along an edge of the picture.
+    /// Number of angles along an edge of the picture.
     angles: usize,
-    /// Base64 of a PNG: the strip is its first column, the square the rest.
+    /// Base64 of a PNG: its first column is the strip, the rest the square.
     picture: String,
 }
 
@@ -117,7 +118,7 @@ pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]
     TEMPLATE.replace("/*style*/", STYLE).replace("/*data*/null", &json)
 }
 
-/// Wavelengths of the variant that has most.
+/// Wavelengths of the variant that has the most, nm.
 fn wavelengths_nm(outcomes: &[Outcome]) -> Vec<f64> {
     let longest = outcomes.iter().map(Outcome::at_first_angle).max_by_key(|rows| rows.len());
     longest.unwrap_or(&[]).iter().map(|row| row.wavelength_nm).collect()
@@ -174,7 +175,7 @@ fn counted(value: Option<f64>) -> u16 {
 
 fn pixels(picture: &InkPicture) -> String {
     let side = picture.strip.len();
-    // A picture without rows has nothing to show.
+    // a picture without rows shows nothing
     let Ok(mut bitmap) = Bitmap::white(side + 1, side) else { return String::new() };
     for (y, colour) in picture.strip.iter().enumerate() {
         bitmap.fill([0, y], [1, 1], colour.srgb8);
@@ -194,7 +195,7 @@ mod tests {
     use crate::sweep::findings::aim::{Aim, AimFound};
     use ndarray::Array2;
 
-    /// A variant with every number, noise in all digits.
+    /// A variant with all numbers, and noise in all digits.
     fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> (Outcome, InkPicture) {
         let mut draws = crate::numerics::Draws::new(seed, 0);
         let mut number = || Estimate { value: draws.uniform(), standard_error: Some(0.01 * draws.uniform()) };
@@ -225,7 +226,7 @@ mod tests {
         });
         let solves = Count { asked: 24, finished: 24 };
         let labels = vec![name.clone(), name.clone(), name.clone()];
-        // Colours that change from angle to angle, as those of inks do.
+        // colours that vary from angle to angle, like those of inks
         let at = |x: usize, y: usize| {
             let srgb8 = [250 - 2 * x - y, 230 - x - 2 * y, 90 + x * y / 16].map(|c| c as u8);
             Colour { srgb8, ..colour }
@@ -252,8 +253,9 @@ mod tests {
         (outcome, picture)
     }
 
-    /// The paper's study: 5 × 4 × 13 variants, 16 wavelengths at two angles, pictures of 31 × 31. *Planted*: pictures without
-    /// compression are 1 MB more; with the wavelengths of both angles the curves would run back.
+    /// The paper's study: 5 × 4 × 13 variants, 16 wavelengths at two angles, pictures of 31 × 31.
+    /// *Planted*: uncompressed pictures take 1 MB more; with the wavelengths of both angles the
+    /// curves would run back.
     #[test]
     fn a_page_of_260_variants_stays_below_1_megabyte() {
         let nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();

@@ -1,4 +1,4 @@
-//! What a sweep has found: outcomes, conclusions, tables, sheets and pages.
+//! The results of a sweep: outcomes, conclusions, tables, contact sheets and pages.
 
 pub mod aim;
 pub mod composed;

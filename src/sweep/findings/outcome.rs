@@ -1,4 +1,4 @@
-//! What one variant has come to, finished or not.
+//! The result of one variant, finished or not.
 
 use super::aim::Aim;
 use crate::appearance::colour::Colour;
@@ -12,37 +12,38 @@ use crate::sweep::definition::file::Quantity;
 use crate::sweep::definition::load::{Sweep, Variant};
 use std::collections::BTreeMap;
 
-/// The numbers of a variant that tables and conclusions use.
+/// The numbers of a variant for tables and conclusions.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Name of the variant.
     pub name: String,
-    /// Captions of its place on every axis.
+    /// Captions of its settings on every axis.
     pub labels: Vec<String>,
-    /// Solves asked for and finished.
+    /// Requested and finished solves.
     pub solves: Count,
-    /// Solves that failed; packings and grids that failed count as one.
+    /// Number of failures: solves, packings and grids.
     pub failures: usize,
-    /// Why it has no results, if it has none.
+    /// Why there are no results, if so.
     pub reason: Option<String>,
-    /// Complete realisations.
+    /// Number of complete realisations.
     pub realisations: usize,
-    /// True when chance plays no part: no grains.
+    /// True if there is no randomness, because there are no grains.
     pub certain: bool,
-    /// Under natural light, seen along the normal.
+    /// Colour under natural light, viewed along the normal.
     pub colour: Option<Colour>,
-    /// What each realisation, by its number, moves its Lab by.
+    /// Contribution of each realisation to Lab, by its number.
     pub lab_deviations: BTreeMap<usize, [f64; 3]>,
-    /// Y over black divided by Y over white, with the number of each realisation and what it moves the ratio by.
+    /// Contrast ratio (Y over black divided by Y over white), with the number and contribution of
+    /// each realisation.
     pub contrast: Option<(Estimate, Vec<(usize, f64)>)>,
-    /// The colour that it shall have, where its study states one.
+    /// The target colour, if the study sets one.
     pub aim: Option<Aim>,
-    /// One row for each wavelength and angle.
+    /// One row per wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
 }
 
 impl Outcome {
-    /// A variant of which there is nothing yet.
+    /// A variant without any results yet.
     pub fn nothing(sweep: &Sweep, number: usize) -> Self {
         let Variant { name, study, .. } = &sweep.variants[number];
         let outline = &sweep.outline;
@@ -63,7 +64,7 @@ impl Outcome {
         }
     }
 
-    /// The numbers of a variant's manifest.
+    /// Adds the numbers of a variant's manifest.
     pub fn with(self, manifest: &Manifest<&Study>) -> Self {
         let natural = manifest.colours.iter().find(|note| note.conditions == NATURAL_LIGHT);
         Self {
@@ -83,14 +84,15 @@ impl Outcome {
         }
     }
 
-    /// With the packings and grids that failed.
+    /// Adds the packings and grids that failed.
     pub fn with_failed_stages(self, refused: Vec<Refused>) -> Self {
         let failures = refused.len();
         Self { failures, reason: refused.into_iter().next().map(|r| r.reason), ..self }
     }
 
-    /// One number, if it is there, with its error and what each realisation moves it by. An unfinished variant counts with its complete
-    /// realisations; one in which nothing is uncertain is exact.
+    /// One number, if available, with its error and the contribution of each realisation. An
+    /// unfinished variant counts with its complete realisations; without uncertainty the number is
+    /// exact.
     pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Linked> {
         let of_lab = |estimate: Estimate, gradient: [f64; 3]| {
             let moved = |by: &[f64; 3]| (0..3).map(|i| gradient[i] * by[i]).sum();
@@ -121,7 +123,7 @@ impl Outcome {
         self.spectra.iter().find(near).filter(|_| self.realisations > 0)
     }
 
-    /// ΔE₀₀ to the colour that it shall have.
+    /// ΔE₀₀ to the target colour.
     pub fn to_target(&self) -> Option<Linked> {
         let found = self.aim.as_ref()?.found.as_ref()?;
         Some(self.linked(found.delta_e_2000, found.deviations.iter().copied()))
@@ -134,14 +136,15 @@ impl Outcome {
 }
 
 impl Outcome {
-    /// Rows of the first angle, one for each wavelength: what a curve shows.
+    /// Rows of the first angle, one per wavelength, as shown by curves.
     pub fn at_first_angle(&self) -> &[SpectrumRow] {
         let first = self.spectra.first().map(|row| row.polar_deg);
         &self.spectra[..self.spectra.iter().take_while(|row| Some(row.polar_deg) == first).count()]
     }
 
-    /// ΔE₀₀ to another variant's colour, of which realisations of the same numbers are the same draws of cells, directions and
-    /// wavelengths, often the same packings; a colour in which nothing is uncertain counts as exact.
+    /// ΔE₀₀ to another variant's colour. Realisations with the same number have the same cells,
+    /// directions and wavelengths, and often the same packings, so their errors are correlated; a
+    /// colour without uncertainty is exact.
     pub fn difference(&self, other: &Self) -> Option<Linked> {
         let colour = |o: &Self| {
             let exact = o.certain.then_some([[0.0; 3]; 3]);
@@ -162,13 +165,13 @@ impl Outcome {
         Some(Linked { estimate: here.delta_e_2000_among(&there, &common), deviations })
     }
 
-    /// ΔE₀₀ to another outcome, without the contributions of each realisation.
+    /// ΔE₀₀ to another outcome, without the contributions of the realisations.
     pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
         Some(self.difference(other)?.estimate)
     }
 }
 
-/// L*, a* or b* with its error.
+/// L*, a* or b* (`i` = 0, 1, 2) with its error.
 pub fn lab(colour: &Colour, i: usize) -> Estimate {
     Estimate { value: colour.lab[i], standard_error: colour.lab_standard_error().map(|e| e[i]) }
 }
@@ -178,7 +181,8 @@ mod tests {
     use super::*;
     use crate::appearance::colour::Colorimeter;
 
-    /// A yellow of two realisations that move b* by ± `by`, and a variance of 0.01 in L* of its own.
+    /// A yellow with two realisations that move b* by ± `by`, and an independent variance of 0.01
+    /// in L*.
     fn outcome(values: [f64; 4], by: f64) -> Outcome {
         let meter = Colorimeter::new(&[400.0, 500.0, 600.0, 700.0]).unwrap();
         let mut covariance = [[0.0; 3]; 3];
@@ -211,7 +215,7 @@ mod tests {
             together < 0.5 * independent && independent < 0.8 * apart,
             "{together} {independent} {apart}"
         );
-        // what each realisation moves the difference by is what its error holds but for L*'s own part
+        // the realisations contribute all of the error except L*'s own part
         let linked = outcome(pale, 0.3).difference(&outcome(deep, -0.3)).unwrap();
         let own = apart * apart - linked.chance_variance();
         assert!(own > 0.0 && own < 0.02 && linked.deviations.len() == 2, "{own}");
@@ -223,7 +227,8 @@ mod tests {
         for quantity in [Quantity::Chroma, Quantity::Hue] {
             let number = yellow.quantity(quantity, None).unwrap();
             let error = number.estimate.standard_error.unwrap();
-            // L* moves neither: all of it is what the realisations bring; gradients to 1e-6
+            // without the error of L* the realisations contribute all of it; gradients are accurate
+            // to 1e-6
             assert!((number.chance_variance().sqrt() / error - 1.0).abs() < 1e-5, "{quantity:?} {number:?}");
         }
         let lightness = yellow.quantity(Quantity::Lightness, None).unwrap();

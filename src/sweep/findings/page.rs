@@ -1,4 +1,4 @@
-//! What the page of a sweep says.
+//! Content of a sweep's page.
 
 use super::conclusions::Judged;
 use super::curves;
@@ -14,9 +14,7 @@ use crate::report::page::{Picture, hex, made_by, png_data, svg_data};
 use crate::report::scalar_error;
 use crate::sweep::definition::load::Sweep;
 
-/// Most spectra in one figure: colours of the palette.
-const MOST_CURVES: usize = 7;
-/// Most figures of spectra on the page.
+/// Maximum number of figures with spectra.
 const MOST_FIGURES: usize = 24;
 
 pub(crate) fn page(
@@ -51,25 +49,25 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
     let unfinished = |o: &&Outcome| o.solves.finished < o.solves.asked;
     if reported.outcomes.iter().filter(unfinished).all(|outcome| outcome.reason.is_some()) {
         return format!(
-            "{complete} of {all} variants are finished; nothing more can be computed of the other {}, for the reasons in the \
-             table. --retry-failed tries them again.",
+            "{complete} of {all} variants are finished; the other {} have no results, for the reasons in the table. \
+             --retry-failed retries them.",
             all - complete
         );
     }
     let failed = match reported.failures() {
         0 => String::new(),
-        failures => format!(" {failures} failures are recorded; --retry-failed tries them again."),
+        failures => format!(" {failures} failures are recorded; --retry-failed retries them."),
     };
     let solves =
         |count: fn(&Count) -> usize| reported.outcomes.iter().map(|o| count(&o.solves)).sum::<usize>();
     let (finished, asked) = (solves(|c| c.finished), solves(|c| c.asked));
     format!(
-        "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A sweep that runs writes this page \
-         anew now and then; one that was stopped goes on when it is run again."
+        "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A running sweep updates this page \
+         regularly; a stopped one resumes when it is run again."
     )
 }
 
-/// What each source says, and apart from that the sweep's own questions.
+/// Groups conclusions by source; the sweep's own questions are a group of their own.
 fn conclusions(all: &[Judged]) -> Vec<ConclusionGroup> {
     let mut sources: Vec<Option<&str>> = Vec::new();
     for judged in all {
@@ -78,7 +76,7 @@ fn conclusions(all: &[Judged]) -> Vec<ConclusionGroup> {
             sources.push(source);
         }
     }
-    // the sweep's own questions last
+    // the sweep's own questions come last
     sources.sort_by_key(Option::is_none);
     let quoted = sources.iter().any(Option::is_some);
     let group = |source: &Option<&str>| ConclusionGroup {
@@ -123,12 +121,12 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
     }
 }
 
-/// Curves against concentration and size; then spectra of the layer's transmittance: one figure for each row of each
-/// sheet, one curve for each column.
+/// Curves against concentration and size; then spectra of the layer's transmittance: one figure per
+/// row of each sheet, one curve per column.
 fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
     let mut figures = Vec::new();
     for sheet in sheets {
-        for plot in curves::plots(sweep, sheet, outcomes, MOST_CURVES) {
+        for plot in curves::plots(sweep, sheet, outcomes) {
             figures.push(drawn(&plot));
         }
         for (name, row) in sheet.rows.iter().zip(&sheet.variants) {
@@ -153,7 +151,7 @@ fn figure(
         let asked = &sweep.variants[(*v)?].study.wavelengths_nm;
         Some(transmittance(name, &outcomes[(*v)?])?.asked_at(asked))
     };
-    let curves: Vec<Curve> = columns.iter().zip(row).filter_map(curve).take(MOST_CURVES).collect();
+    let curves: Vec<Curve> = columns.iter().zip(row).filter_map(curve).take(curves::MOST_CURVES).collect();
     if curves.is_empty() {
         return Ok(None);
     }
@@ -161,7 +159,7 @@ fn figure(
     drawn(&Chart { from_zero: true, ..chart }).map(Some)
 }
 
-/// A variant's transmittance against wavelength; `None` where there is none yet.
+/// A variant's transmittance against wavelength; `None` without results.
 fn transmittance(name: &str, outcome: &Outcome) -> Option<Curve> {
     let rows = outcome.at_first_angle();
     (!rows.is_empty()).then(|| Curve::measured(name, rows.iter().map(|r| (r.wavelength_nm, r.transmittance))))

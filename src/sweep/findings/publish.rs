@@ -1,4 +1,5 @@
-//! From the store to what a person opens, at any time: every variant's page, table, contact sheets, conclusions.
+//! Writes a sweep's results from its store, at any time: the page of every variant, the table,
+//! contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
 use super::explore;
@@ -28,35 +29,35 @@ use crate::sweep::work::stored::{collect, refused};
 const SHEET_ANGLES: usize = 31;
 const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap_px: 4, labels: false };
 
-/// Writes everything that the store allows; takes the partial mark away when all variants are finished.
+/// Writes all available results; removes the partial mark once all variants are finished.
 ///
 /// # Errors
-/// Files that cannot be written, or records that do not belong together.
+/// Files cannot be written, or records do not match.
 pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, PublishError> {
     Publisher::new(sweep).publish(folder)
 }
 
-/// Writes the pages of a sweep as often as is asked, such as while it runs; variants that are finished are seen once.
+/// Writes the results of a sweep repeatedly while it runs; finished variants are evaluated once.
 #[derive(Debug)]
 pub struct Publisher<'a> {
     sweep: &'a Sweep,
-    /// What came of the variants that are finished.
+    /// Results of the finished variants.
     finished: Vec<Option<Told>>,
 }
 
-/// What came of a variant, and its picture.
+/// The result of a variant, and its picture.
 type Told = (Outcome, Option<InkPicture>);
 
 impl<'a> Publisher<'a> {
-    /// Nothing is seen yet.
+    /// Starts without results.
     pub fn new(sweep: &'a Sweep) -> Self {
         Self { sweep, finished: vec![None; sweep.variants.len()] }
     }
 
-    /// Writes everything that the store allows now. A page that is there stays until the new one takes its place.
+    /// Writes all results available now. An existing page is kept until the new one replaces it.
     ///
     /// # Errors
-    /// As [`publish`].
+    /// As for [`publish`].
     pub fn publish(&mut self, folder: &OutputFolder) -> Result<Reported, PublishError> {
         folder.mark_partial()?;
         let stores = Stores::open(folder)?;
@@ -76,7 +77,7 @@ impl<'a> Publisher<'a> {
     }
 }
 
-/// Contact sheets, tables and pages of the whole.
+/// Writes the contact sheets, tables and pages of the whole sweep.
 fn report(
     sweep: &Sweep,
     folder: &OutputFolder,
@@ -103,7 +104,7 @@ fn report(
     Ok(reported)
 }
 
-/// `contact-sheet.png`, or numbered from 1 where there are several.
+/// `contact-sheet.png`, numbered from 1 if there are several.
 fn sheet_name(i: usize, count: usize) -> String {
     if count == 1 { "contact-sheet.png".into() } else { format!("contact-sheet-{}.png", i + 1) }
 }
@@ -122,7 +123,7 @@ fn variant(
     let manifest = summarise(study, &collected, &seen);
     let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
     match publish_seen(study, &manifest, &seen, &of_variant) {
-        // One variant without a result is no reason to keep back the others.
+        // a variant without a result does not hold back the others
         Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
             let (solves, failures) = (manifest.solves, 1 + manifest.failures.len());
             Ok((Outcome { solves, failures, reason: Some(none.to_string()), ..nothing }, None))
@@ -137,25 +138,25 @@ fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {
     seen.ink.as_ref().ok()?.picture(&angles, study.output.mirrored_sky).ok()
 }
 
-/// Every contact sheet as PNG.
+/// All contact sheets as PNG.
 fn draw(
     title: &str,
     sheets: &[Sheet],
     pictures: &[Option<InkPicture>],
     outcomes: &[Outcome],
 ) -> Result<Vec<Vec<u8>>, PublishError> {
-    let one = |sheet: &Sheet| Ok(png(&sheet.contact_sheet(title, pictures, outcomes))?);
-    sheets.iter().map(one).collect()
+    sheets.iter().map(|sheet: &Sheet| Ok(png(&sheet.contact_sheet(title, pictures, outcomes))?)).collect()
 }
 
-/// A contact sheet as PNG with its title.
+/// A contact sheet as PNG, with its title.
 fn png(sheet: &ContactSheet) -> Result<Vec<u8>, OutputError> {
     sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])
 }
 
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
 
-/// `sweep.csv`: one row a variant; what came later stands at the end, where it was asked for.
+/// `sweep.csv`, with one row per variant; columns for targets are last and only present if there
+/// are targets.
 fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
     let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
@@ -167,7 +168,7 @@ fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     cell::table(header, outcomes.iter().map(|outcome| outcome_row(outcome, reference, aims.len())))
 }
 
-/// A variant's names, counts and numbers, with so many of its aims.
+/// A variant's names, counts and numbers, with the first `aims` of its target's numbers.
 fn outcome_row(o: &Outcome, reference: &Outcome, aims: usize) -> impl Iterator<Item = String> {
     let all = o.solves;
     let counts = [all.asked, all.finished, o.failures, o.realisations].map(|n| n.to_string());

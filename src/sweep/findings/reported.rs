@@ -1,4 +1,4 @@
-//! What a sweep's report has found.
+//! Summary of a sweep's report.
 
 use super::conclusions::Judged;
 use super::outcome::{Outcome, lab};
@@ -6,32 +6,33 @@ use crate::numerics::estimate::Estimate;
 use crate::store::damage::Damage;
 use crate::sweep::definition::load::Sweep;
 
-/// What a report has found.
+/// Summary of a report.
 #[derive(Clone, Debug)]
 pub struct Reported {
-    /// What came of each variant.
+    /// The outcome of each variant.
     pub outcomes: Vec<Outcome>,
     /// The conclusions with their verdicts.
     pub conclusions: Vec<Judged>,
-    /// Which variant comes nearest to the wanted colour, in words; none where there is no such colour.
+    /// Description of the variant nearest to the target colour; `None` without a target.
     pub nearest: Option<String>,
-    /// What was found damaged in the store.
+    /// Damage found in the store.
     pub damages: Vec<Damage>,
 }
 
 impl Reported {
-    /// Variants of which every solve is there.
+    /// Number of variants in which every solve is finished.
     pub fn complete(&self) -> usize {
         self.outcomes.iter().filter(|o| o.solves.finished == o.solves.asked).count()
     }
 
-    /// Solves that have failed, over all variants.
+    /// Number of failures, over all variants.
     pub fn failures(&self) -> usize {
         self.outcomes.iter().map(|o| o.failures).sum()
     }
 }
 
-/// The numbers of a variant that a page shows: no ΔE₀₀ to a reference of another ink, unless the file names the reference.
+/// The numbers of a variant for a page: ΔE₀₀ to a reference of another ink is left out, unless the
+/// file names the reference.
 pub(crate) fn shown(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Option<[Estimate; 6]> {
     let outline = &sweep.outline;
     let mut numbers = numbers(&outcomes[number], &outcomes[outline.reference])?;
@@ -55,7 +56,7 @@ fn inks(sweep: &Sweep, number: usize) -> Vec<&str> {
 pub(crate) fn numbers(outcome: &Outcome, reference: &Outcome) -> Option<[Estimate; 6]> {
     let colour = outcome.colour.as_ref()?;
     let difference = match outcome.delta_e_2000(reference) {
-        // No difference to itself, and no error of it.
+        // the difference to itself is zero, without an error
         Some(_) if outcome.name == reference.name => Estimate::unknown_error(0.0),
         difference => difference.unwrap_or(Estimate::unknown_error(f64::NAN)),
     };

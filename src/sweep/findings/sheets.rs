@@ -1,11 +1,11 @@
-//! Contact sheets: two axes in rows and columns, one sheet for each place on the others.
+//! Contact sheets: two axes as rows and columns, one sheet for each combination of the others.
 
 use super::outcome::Outcome;
 use crate::appearance::picture::InkPicture;
 use crate::draw::contact_sheet::ContactSheet;
 use crate::sweep::definition::load::Outline;
 
-/// A sheet, and the variants on it as \[row\]\[column\].
+/// A sheet with its variants as \[row\]\[column\].
 pub(crate) struct Sheet {
     /// Captions of the axes that the sheet does not show.
     pub caption: String,
@@ -16,7 +16,7 @@ pub(crate) struct Sheet {
     pub variants: Vec<Vec<Option<usize>>>,
 }
 
-/// All sheets of a sweep that show some variant.
+/// All sheets of a sweep that contain a variant.
 pub(crate) fn sheets(outline: &Outline) -> Vec<Sheet> {
     let (row, column) = shown_axes(outline);
     let mut others: Vec<Vec<usize>> = Vec::new();
@@ -29,7 +29,7 @@ pub(crate) fn sheets(outline: &Outline) -> Vec<Sheet> {
     others.into_iter().map(|other| sheet(outline, row, column, &other)).collect()
 }
 
-/// The axes of rows and columns: as asked, else the first two that are free.
+/// The axes of rows and columns: as requested, otherwise the first two unused ones.
 fn shown_axes(outline: &Outline) -> (Option<usize>, Option<usize>) {
     let named = |name: &Option<String>| outline.axes.iter().position(|a| Some(&a.name) == name.as_ref());
     let (mut row, mut column) = (named(&outline.sheet.rows), named(&outline.sheet.columns));
@@ -41,7 +41,7 @@ fn shown_axes(outline: &Outline) -> (Option<usize>, Option<usize>) {
     (row, column)
 }
 
-/// The place without rows and columns, these as 0.
+/// The position with rows and columns set to 0.
 fn others_of(place: &[usize], row: Option<usize>, column: Option<usize>) -> Vec<usize> {
     let shown = |a: usize| Some(a) == row || Some(a) == column;
     place.iter().enumerate().map(|(a, &k)| if shown(a) { 0 } else { k }).collect()
@@ -51,7 +51,7 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
     let here = |v: &usize| others_of(&outline.variants[*v].place, row, column) == other;
     let on_sheet: Vec<usize> = (0..outline.variants.len()).filter(here).collect();
     let at = |v: usize, axis: Option<usize>| axis.map_or(0, |a| outline.variants[v].place[a]);
-    // Values without any variant on this sheet take no room.
+    // values without a variant on this sheet are left out
     let used = |axis: Option<usize>| distinct(on_sheet.iter().map(|&v| at(v, axis)).collect());
     let (rows, columns) = (used(row), used(column));
     let find = |r: usize, c: usize| on_sheet.iter().copied().find(|&v| at(v, row) == r && at(v, column) == c);
@@ -72,7 +72,7 @@ fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[
     }
 }
 
-/// Each value once, rising.
+/// Distinct values in increasing order.
 fn distinct(mut values: Vec<usize>) -> Vec<usize> {
     values.sort_unstable();
     values.dedup();
@@ -80,7 +80,7 @@ fn distinct(mut values: Vec<usize>) -> Vec<usize> {
 }
 
 impl Sheet {
-    /// The sheet with its pictures, and where there is none the reason.
+    /// Lays out a sheet with its pictures, or with the reasons why they are missing.
     pub fn contact_sheet(
         &self,
         title: &str,
@@ -103,13 +103,13 @@ impl Sheet {
     }
 }
 
-/// Why a place of a sheet has no picture.
+/// Why there is no picture at a place of the sheet.
 fn why_blank(outcome: Option<&Outcome>) -> String {
     match outcome {
         None => "left out of the sweep".into(),
         Some(o) if o.failures > 0 && o.colour.is_none() => format!("{} failed", o.failures),
         Some(o) if o.solves.finished == 0 => "not solved yet".into(),
         Some(o) if o.realisations == 0 => format!("{} of {} solves", o.solves.finished, o.solves.asked),
-        Some(_) => "angles without paper".into(),
+        Some(_) => "no paper at these angles".into(),
     }
 }

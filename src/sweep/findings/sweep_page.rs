@@ -1,31 +1,31 @@
-//! The page of a sweep: one HTML file with its contact sheets and figures inside.
+//! The page of a sweep: an HTML file that includes its contact sheets and figures.
 
 use crate::report::page::{Picture, rendered};
 use minijinja::value::Serde;
 use serde::Serialize;
 
-/// All that the page says; its layout is `sweep.html`.
+/// Everything on the page; its template is `sweep.html`.
 #[derive(Clone, Debug, Serialize)]
 pub struct SweepPage {
     /// The sweep's title.
     pub title: String,
-    /// What is finished, in a sentence.
+    /// Says what is finished.
     pub summary: String,
-    /// What is missing, while the sweep is not finished.
+    /// Says what is missing while the sweep is unfinished.
     pub partial: Option<String>,
-    /// How far the scalar wave is off, where a variant is scalar.
+    /// Describes the error of the scalar wave, if a variant is scalar.
     pub scalar_error: Option<String>,
     /// Contact sheets.
     pub sheets: Vec<Picture>,
-    /// The conclusions, those of each source apart.
+    /// The conclusions, grouped by source.
     pub conclusions: Vec<ConclusionGroup>,
-    /// Which variants come nearest to a wanted colour, where there is one.
+    /// The variants nearest to a target colour, if there is one.
     pub nearest: Option<Nearest>,
-    /// Names of the axes: columns of the table of variants.
+    /// Names of the axes, the first columns of the table of variants.
     pub axes: Vec<String>,
-    /// Name of the variant that ΔE refers to.
+    /// Name of the reference variant of ΔE.
     pub reference: String,
-    /// One row a variant.
+    /// One row per variant.
     pub variants: Vec<VariantRow>,
     /// Plots.
     pub figures: Vec<Picture>,
@@ -36,7 +36,7 @@ pub struct SweepPage {
 /// The conclusions of one source.
 #[derive(Clone, Debug, Serialize)]
 pub struct ConclusionGroup {
-    /// Whose they are; none where nobody is quoted.
+    /// The source; `None` without one.
     pub heading: Option<String>,
     /// Its conclusions.
     pub rows: Vec<ConclusionRow>,
@@ -49,34 +49,34 @@ pub struct ConclusionRow {
     pub id: String,
     /// The conclusion as one sentence.
     pub statement: String,
-    /// The bounds in words.
+    /// The inequality as text.
     pub inequality: String,
-    /// The difference with its error.
+    /// The measured value with its error.
     pub measured: String,
-    /// The verdict as a word.
+    /// The verdict.
     pub verdict: String,
-    /// What else is to be known.
+    /// Further remarks.
     pub remark: String,
-    /// The source's own words.
+    /// The wording of the source.
     pub quote: Option<String>,
     /// The quote in English.
     pub translation: Option<String>,
-    /// Why this inequality and these bounds.
+    /// Why this inequality and these bounds were chosen.
     pub because: Option<String>,
 }
 
-/// The variants nearest to a wanted colour.
+/// The variants nearest to a target colour.
 #[derive(Clone, Debug, Serialize)]
 pub struct Nearest {
-    /// The wanted colour with its conditions.
+    /// The target colour with its conditions.
     pub target: String,
-    /// Which one is nearest, and how many cannot be told apart from it.
+    /// Names the nearest variant, and how many cannot be distinguished from it.
     pub summary: String,
-    /// The nearest ones in their order.
+    /// The nearest variants, in order.
     pub rows: Vec<NearRow>,
 }
 
-/// One of the variants nearest to a wanted colour.
+/// One of the variants nearest to a target colour.
 #[derive(Clone, Debug, Serialize)]
 pub struct NearRow {
     /// Labels of the variant on the axes.
@@ -87,9 +87,9 @@ pub struct NearRow {
     pub hex: Option<String>,
     /// ΔE₀₀ with its 95 % interval.
     pub delta_e: String,
-    /// Y over black divided by Y over white, with its 95 % interval.
+    /// Contrast ratio (Y over black divided by Y over white) with its 95 % interval.
     pub contrast_ratio: String,
-    /// Whether it can be told apart from the nearest.
+    /// Whether it can be distinguished from the nearest.
     pub verdict: String,
 }
 
@@ -102,9 +102,9 @@ pub struct VariantRow {
     pub link: Option<String>,
     /// `#rrggbb`
     pub hex: Option<String>,
-    /// L*, a*, b*, C*, h, ΔE in words.
+    /// L*, a*, b*, C*, h, ΔE as text.
     pub numbers: Vec<String>,
-    /// What is missing or failed; empty when the variant is finished.
+    /// What is missing or has failed; empty if the variant is finished.
     pub state: String,
 }
 
@@ -112,7 +112,7 @@ impl SweepPage {
     /// The page as HTML; all text is escaped.
     ///
     /// # Errors
-    /// The template does not fit the page's data, which is a fault of the program.
+    /// The template does not match the page's data, which is a bug.
     pub fn html(&self) -> Result<String, minijinja::Error> {
         rendered(include_str!("sweep.html"), Serde(self))
     }
@@ -122,7 +122,8 @@ impl SweepPage {
 mod tests {
     use super::*;
 
-    /// *Planted*: the reason in the last of ten columns is a sliver at 1280 pixels.
+    /// *Planted*: in the last of ten columns the reason would be only a few characters wide at 1280
+    /// pixels.
     #[test]
     fn the_reason_of_a_failure_has_the_whole_width() {
         let row = |state: &str| VariantRow {

@@ -1,4 +1,4 @@
-//! Which variants come nearest to the colour that they shall have.
+//! Ranks the variants by their distance to the target colour.
 
 use super::conclusions::{QUANTILE, student};
 use super::outcome::Outcome;
@@ -7,40 +7,41 @@ use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
 use crate::sweep::definition::load::{Outline, Place};
 
-/// Most variants in the page's table.
+/// Maximum number of variants in the page's table.
 const MOST_ROWS: usize = 12;
 
-/// A variant's place in the order of nearness.
+/// A variant with its distance to the target.
 struct Near {
     variant: usize,
     /// ΔE₀₀ to its target.
     to_target: Linked,
-    /// How much farther it is than the nearest.
+    /// How much farther it is than the nearest variant.
     farther: Estimate,
-    /// Half of the 95 % interval of that; none where an error is unknown.
+    /// Half of the 95 % interval of that difference; `None` if an error is unknown.
     bar: Option<f64>,
 }
 
 impl Near {
-    /// Whether chance and grid explain that it is farther than the nearest; `None` where that is unknown.
+    /// Whether the difference to the nearest variant is within its 95 % interval; `None` if
+    /// unknown.
     fn is_tied(&self) -> Option<bool> {
         Some(self.farther.value <= self.bar?)
     }
 }
 
-/// Columns of `sweep.csv` for variants that shall have a colour; none where no variant states one.
+/// Columns of `sweep.csv` for target colours; empty without a target.
 pub(crate) fn columns(outcomes: &[Outcome]) -> &'static [&'static str] {
     let asked = outcomes.iter().any(|outcome| outcome.aim.is_some());
     if asked { &["delta_e_2000_to_target", "contrast_ratio"] } else { &[] }
 }
 
-/// Their numbers, as the variant's own `results.json` has them.
+/// Values of these columns, as in the variant's own `results.json`.
 pub(crate) fn numbers(outcome: &Outcome) -> [Option<Estimate>; 2] {
     let found = outcome.aim.as_ref().and_then(|aim| aim.found.as_ref());
     [found.map(|found| found.delta_e_2000), found.map(|found| found.contrast_ratio)]
 }
 
-/// The wanted colour in words; `None` where no variant states one.
+/// Describes the target colour; `None` without a target.
 pub(crate) fn in_words(outcomes: &[Outcome]) -> Option<String> {
     let mut wanted =
         outcomes.iter().filter_map(|outcome| outcome.aim.as_ref()).map(super::aim::Aim::in_words);
@@ -49,7 +50,7 @@ pub(crate) fn in_words(outcomes: &[Outcome]) -> Option<String> {
     Some(if same { first } else { "each variant's own".into() })
 }
 
-/// The part of the page that says which variants come nearest.
+/// The part of the page with the nearest variants.
 pub(crate) fn nearest(outline: &Outline, outcomes: &[Outcome]) -> Option<Nearest> {
     let target = in_words(outcomes)?;
     let order = in_order(outcomes);
@@ -72,8 +73,8 @@ fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]
     match tied {
         0 if unknown == 0 && known > 1 => text += " All others are farther with 95 % confidence.",
         0 => {}
-        1 => text += " One other cannot be told apart from it.",
-        n => text += &format!(" {n} others cannot be told apart from it."),
+        1 => text += " One other cannot be distinguished from it.",
+        n => text += &format!(" {n} others cannot be distinguished from it."),
     }
     if unknown > 0 {
         text += &format!(" Of {unknown} that is unknown: two or more realisations are needed.");
@@ -84,17 +85,18 @@ fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]
     text
 }
 
-/// Where a variant has the least or the largest number of an axis: what is nearest there may be surpassed beyond.
+/// Warns if a variant has the smallest or largest number of an axis, because there may be a nearer
+/// one beyond.
 fn at_the_edge(outline: &Outline, variant: usize) -> String {
     let Some(Place { place, .. }) = outline.variants.get(variant) else { return String::new() };
     let edges: Vec<String> = (0..place.len()).filter_map(|a| edge(outline, a, place[a])).collect();
     if edges.is_empty() {
         return String::new();
     }
-    format!(" It lies at the edge of what was tried ({}): a nearer one may lie beyond.", edges.join(", "))
+    format!(" It lies at the edge of the sweep ({}): there may be a nearer one beyond.", edges.join(", "))
 }
 
-/// In words whether a label has the least or the largest number that the variants have on an axis.
+/// Describes whether a label has the smallest or largest number of an axis.
 fn edge(outline: &Outline, a: usize, k: usize) -> Option<String> {
     let axis = &outline.axes[a];
     let here = axis.number(k)?;
@@ -104,7 +106,7 @@ fn edge(outline: &Outline, a: usize, k: usize) -> Option<String> {
     (below != above).then(|| format!("{} is the {which}", axis.named(k)))
 }
 
-/// All variants that have a distance, the nearest first.
+/// All variants with a distance to their target, the nearest first.
 fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
     let distance = |(v, outcome): (usize, &Outcome)| Some((v, outcome.to_target()?));
     let mut all: Vec<(usize, Linked)> = outcomes.iter().enumerate().filter_map(distance).collect();
@@ -114,20 +116,20 @@ fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
     all.into_iter().map(|one| near(outcomes, (best, &least), one)).collect()
 }
 
-/// A variant with its distance to the target, beside the nearest one with its own.
+/// A variant's distance to the target, compared with that of the nearest.
 fn near(
     outcomes: &[Outcome],
     (best, least): (usize, &Linked),
     (variant, to_target): (usize, Linked),
 ) -> Near {
-    // realisations that both share move both alike
+    // common realisations move both distances alike
     let farther = Linked::sum([(1.0, &to_target), (-1.0, least)]).estimate;
     let factor = factor_of(&[&outcomes[best], &outcomes[variant]]);
     let bar = if variant == best { Some(0.0) } else { farther.standard_error.map(|s| factor * s) };
     Near { variant, to_target, farther, bar }
 }
 
-/// Standard errors in half of a 95 % interval, by the fewest realisations behind the number.
+/// Standard errors in half of a 95 % interval, for the smallest number of realisations.
 fn factor_of(outcomes: &[&Outcome]) -> f64 {
     let behind = outcomes.iter().filter(|o| !o.certain).map(|o| o.realisations);
     student(behind.min().unwrap_or(0), QUANTILE)
@@ -148,7 +150,7 @@ fn row(rank: usize, near: &Near, outcomes: &[Outcome]) -> NearRow {
             .map_or_else(String::new, |c| with_bar(c, c.standard_error.map(|s| factor_of(&[outcome]) * s))),
         verdict: match (rank, near.is_tied()) {
             (0, _) => "nearest".into(),
-            (_, Some(true)) => "cannot be told apart from it".into(),
+            (_, Some(true)) => "cannot be distinguished from it".into(),
             (_, Some(false)) => format!("farther by {}", with_bar(near.farther, near.bar)),
             (_, None) => "unknown".into(),
         },

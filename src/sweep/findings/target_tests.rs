@@ -3,7 +3,7 @@ use crate::evaluate::manifest::Count;
 use crate::sweep::definition::load::AxisOutline;
 use crate::sweep::findings::aim::{Aim, AimFound};
 
-/// A variant of three realisations that is so far from its target.
+/// A variant with three realisations at the given distance from its target.
 fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> Outcome {
     let estimate = Estimate { value, standard_error: error };
     let found = AimFound {
@@ -29,7 +29,7 @@ fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> 
     }
 }
 
-/// Variants along an axis of diameters from 100 nm on.
+/// Variants along an axis of diameters, starting at 100 nm.
 fn grid(count: usize) -> Outline {
     let labels = (0..count).map(|k| (100 * (k + 1)).to_string()).collect();
     let axis = AxisOutline { name: "diameter_nm".into(), labels, unit: "nm".into() };
@@ -44,7 +44,7 @@ fn grid(count: usize) -> Outline {
     }
 }
 
-/// *Planted*: the nearest at the end of an axis passed for the best there is.
+/// *Planted*: the nearest variant at the end of an axis would pass for the optimum.
 #[test]
 fn the_nearest_at_the_edge_of_the_grid_is_flagged() {
     let far = [3.0, 2.0, 1.0];
@@ -62,7 +62,8 @@ fn the_nearest_at_the_edge_of_the_grid_is_flagged() {
     assert_eq!(grid(1).axes[0].caption(0), "100\u{a0}nm");
 }
 
-/// t of 2 degrees of freedom is 4.303. *Planted*: errors added as if independent tie "same packings", too.
+/// t for 2 degrees of freedom is 4.303. *Planted*: if errors were added as independent, "same
+/// packings" would be tied, too.
 #[test]
 fn ties_with_the_nearest_rest_on_the_error_of_the_difference() {
     let by = [0.3, -0.1, -0.2];
@@ -78,16 +79,16 @@ fn ties_with_the_nearest_rest_on_the_error_of_the_difference() {
     let told: Vec<[&str; 2]> =
         nearest.rows.iter().map(|r| [r.labels[0].as_str(), r.verdict.as_str()]).collect();
     assert_eq!(told[0], ["best", "nearest"]);
-    // moved alike: the difference of 1 is exact
+    // moved in the same direction: the difference of 1 is exact
     assert_eq!(told[1], ["same packings", "farther by 1.00"]);
-    // moved against each other: 4.303 · 2 · 0.374 = 3.2 above 1.5
-    assert_eq!(told[2], ["other packings", "cannot be told apart from it"]);
+    // moved in opposite directions: 4.303 · 2 · 0.374 = 3.2 exceeds 1.5
+    assert_eq!(told[2], ["other packings", "cannot be distinguished from it"]);
     assert_eq!(told[3], ["one realisation", "unknown"]);
     assert!(told[4][0] == "far" && told[4][1].starts_with("farther by 8.0"), "{told:?}");
     assert_eq!(nearest.target, "L* 70, a* −5, b* 40 (D50, 2° observer)");
     let said = &nearest.summary;
     assert!(
-        said.starts_with("best is nearest. One other cannot be told apart") && said.contains("Of 1"),
+        said.starts_with("best is nearest. One other cannot be distinguished") && said.contains("Of 1"),
         "{said}"
     );
     // ± 4.303 · 0.374
@@ -101,7 +102,7 @@ fn without_a_target_there_is_neither_a_table_nor_a_column() {
         nearest(&grid(1), std::slice::from_ref(&plain)).is_none()
             && columns(std::slice::from_ref(&plain)).is_empty()
     );
-    // one that is not computed yet still has its columns
+    // a variant without results still has its columns
     let mut asked = variant("asked", 1.0, None, [0.0; 3]);
     asked.aim.as_mut().unwrap().found = None;
     let both = [plain, asked];

@@ -1,4 +1,4 @@
-//! A study alone: a sweep of one variant, with its results at the top of the folder.
+//! A single study, run as a sweep of one variant; its results are written to the top of the folder.
 
 use super::run::{Scope, run};
 use super::stored::collect;
@@ -9,20 +9,21 @@ use crate::run::{Collected, RunError, RunSettings, Stores};
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::load::Sweep;
 
-/// What a run of a study has come to, over all processes of its folder.
+/// Result of running a study, over all processes of the folder.
 #[derive(Debug)]
 pub struct Ran {
-    /// All that the folder has of the study.
+    /// Everything computed for the study.
     pub collected: Collected,
-    /// Whether this process is the one to write the results.
+    /// Whether this process has to write the results.
     pub publishes: bool,
 }
 
-/// Runs `study` into `folder` until it is finished or stopped, together with other processes that do the same. What failed
-/// before is tried again.
+/// Runs `study` in `folder` until it is finished or stopped, sharing the work with other processes
+/// that run it there. What failed before is retried.
 ///
 /// # Errors
-/// No packing or grid comes about, or records cannot be written. A solve or a packing that fails is part of what is collected.
+/// No realisation could be packed, no grid was found, or records cannot be written. A single failed
+/// solve or packing is not an error: it is part of what is collected.
 pub fn run_study(
     study: &Study,
     folder: &OutputFolder,
@@ -39,7 +40,7 @@ pub fn run_study(
         }
         None => {
             if tally.publishes {
-                // A folder without a result of any kind is not kept.
+                // A folder without any result is removed.
                 Stores::open(folder)?.failures.remove_all()?;
             }
             Err(tally.failure.unwrap_or(RunError::Stopped))
@@ -47,7 +48,7 @@ pub fn run_study(
     }
 }
 
-/// What a folder has of a study; `None` before the first packing and grid.
+/// Everything stored for a study; `None` before the first packing and grid.
 ///
 /// # Errors
 /// The records cannot be read.

@@ -1,4 +1,4 @@
-//! Joins the stores of several shards into one folder.
+//! Merges the stores of several shards into one folder.
 
 use crate::run::Stores;
 use crate::run::realisation::point_keys;
@@ -16,31 +16,31 @@ use crate::sweep::definition::folder::OpenError;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why shards cannot be joined.
+/// Why shards cannot be merged.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// A shard holds no sweep.
+    /// A folder holds no shard of a sweep.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The folder cannot be written to.
+    /// The output folder cannot be written.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// Shards of different sweeps.
-    #[error("{} is of another sweep than {}", other.display(), first.display())]
+    /// The shards belong to different sweeps.
+    #[error("{} belongs to another sweep than {}", other.display(), first.display())]
     OtherSweep {
         /// The first shard.
         first: PathBuf,
         /// The one that differs.
         other: PathBuf,
     },
-    /// Two sound records of the same inputs with different numbers.
-    #[error("{what} in {} differs from the sound record of the same inputs in another shard ({builds})", shard.display())]
+    /// Two intact records of the same inputs contain different numbers.
+    #[error("{what} in {} differs from the intact record of the same inputs in another shard ({builds})", shard.display())]
     Contradiction {
-        /// Which solve, packing or grid.
+        /// The solve, packing or grid.
         what: String,
         /// The later shard.
         shard: PathBuf,
-        /// The programs that made them.
+        /// The programs that computed them.
         builds: String,
     },
     /// A store cannot be read or written.
@@ -48,26 +48,27 @@ pub enum MergeError {
     Copy {
         /// The shard.
         shard: PathBuf,
-        /// What the system says.
+        /// The system's error message.
         source: io::Error,
     },
 }
 
-/// What a merge has come to.
+/// Result of a merge.
 #[derive(Debug)]
 pub struct Merged {
     /// The sweep that the shards belong to.
     pub sweep: Sweep,
-    /// Damaged records and files of the shards of which no sound copy was found.
+    /// Damaged records and files without an intact copy in another shard.
     pub damages: Vec<Damage>,
-    /// Damaged records of which another shard had a sound copy.
+    /// Number of damaged records replaced by an intact copy from another shard.
     pub healed: usize,
 }
 
-/// Copies the sound records of all shards into `folder`.
+/// Copies the intact records of all shards into `folder`.
 ///
 /// # Errors
-/// Shards of different sweeps, sound records of the same inputs that differ, or files that cannot be read or written.
+/// The shards belong to different sweeps, intact records of the same inputs differ, or files cannot
+/// be read or written.
 pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeError> {
     let first = shards.first().map_or(Path::new(""), PathBuf::as_path);
     let sweep = folder::read(first)?;
@@ -111,7 +112,8 @@ fn is_healed(damage: &Damage, into: &Database) -> bool {
     }
 }
 
-/// Whether two records of a kind tell the same, whoever made them and however long it took.
+/// Whether two records of a kind contain the same numbers, regardless of program and computing
+/// time.
 fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
     match kind {
         PointRecord::KIND => same::<PointRecord>(one, other),
@@ -122,7 +124,8 @@ fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
     }
 }
 
-/// The record in words: variant, realisation, wavelength and angle of a solve, kind and hash of anything else.
+/// Describes a record: variant, realisation, wavelength and angle of a solve; kind and hash of
+/// anything else.
 fn describe(sweep: &Sweep, folder: &OutputFolder, row: &StoredRow) -> String {
     let hash = format!("{} {}", row.kind, row.key);
     let Ok(stores) = Stores::open(folder) else { return hash };

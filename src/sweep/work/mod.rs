@@ -1,4 +1,4 @@
-//! The work on a sweep: what it costs, who does what, and what the store has of it.
+//! The computation of a sweep: its expected cost, its distribution, and what is stored.
 
 pub mod alone;
 pub mod merge;

@@ -1,4 +1,4 @@
-//! What a sweep will cost, said before anything runs; calibrated by a few solves of the sweep itself.
+//! Estimates the cost of a sweep before it runs, calibrated by a few of its own solves.
 
 mod deadline;
 mod scaled;
@@ -21,53 +21,54 @@ use std::collections::HashSet;
 use std::time::Duration;
 use trial::{MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial, volume};
 
-/// Most variants that are tried.
+/// Maximum number of trial variants.
 const TRIALS: usize = 4;
-/// Trials end by then: a plan answers within ten seconds.
+/// Time limit of the trials: a plan takes less than ten seconds.
 const LIMIT: Duration = Duration::from_secs(7);
-/// What takes longer on the cores there are is out of reach: a month.
+/// Work that takes longer on the available cores is out of reach: one month.
 const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
 
-/// The size of a sweep, and its cost.
+/// Size and expected cost of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// Number of variants.
     pub variants: usize,
-    /// Packings to be made; variants share them.
+    /// Number of different packings; variants may share them.
     pub packings: usize,
-    /// Different solves; variants share them.
+    /// Number of different solves; variants may share them.
     pub solves: usize,
-    /// Units that shards divide among them.
+    /// Number of units that can be distributed over shards.
     pub units: usize,
-    /// Unknowns of the largest solve among the variants tried, at full size.
+    /// Unknowns of the largest solve among the trial variants, at full size.
     pub unknowns: usize,
-    /// For one solve at a time, at most.
+    /// Maximum memory of one solve, MB.
     pub memory_mb: usize,
-    /// On one core, all in all.
+    /// Total time on one core, s.
     pub core_seconds: f64,
-    /// What was tried, in words.
+    /// Describes the trials.
     pub calibration: String,
-    /// Why it cannot be computed here, where time or memory are far from enough.
+    /// Why the sweep cannot be computed here, if time or memory are far from sufficient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out_of_reach: Option<String>,
 }
 
-/// Counts, and times some solves with `jobs` at a time.
+/// Counts solves and times a few of them, `jobs` at a time.
 ///
-/// Variants spread over the densities of grains are tried in small cells, with a share of their solves; one of them is
-/// solved at full size as well, and tells how much more a µm³ costs there. All else is scaled by volume. For each wanted
-/// resolution the grid is sought once, for the fewest grains; the other variants are tried on the same grid. A trial that does
-/// not end in time is replaced by an estimate from unknowns and operator applications.
+/// Trial variants are spread over the densities of grains and run in small cells, with a sample of
+/// their solves. One of them is also solved at full size, which gives the ratio of the costs per
+/// µm³. Everything else is scaled by volume. For each requested resolution the grid is searched
+/// once, for the fewest grains; the other variants use the same grid. A trial that exceeds its time
+/// is replaced by an estimate from unknowns and operator applications.
 ///
 /// # Errors
-/// No variant that was tried can be packed and solved; the watch says stop.
+/// No trial variant can be packed and solved, or the watch requests a stop.
 pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
     let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
     let (groups, deadline) = (groups(sweep), Deadline::after(watch, LIMIT));
     let (mut trials, late) = tried(sweep, representatives(sweep, &groups), jobs, &deadline)?;
     let mut calibration = in_words(sweep, &trials);
     if let Some((name, factor)) = at_full_size(sweep, &trials, jobs, &deadline)? {
-        calibration += &format!("; {name} at full size costs {factor:.2} times as much a µm³");
+        calibration += &format!("; {name} at full size costs {factor:.2} times as much per µm³");
         trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
     }
     let by_size: Vec<Trial> = late.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
@@ -76,14 +77,14 @@ pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Resul
     Ok(costed(sweep, &trials, calibration, settings))
 }
 
-/// What a sweep costs by its size alone, at once.
+/// Estimates the cost from the size alone, without trials.
 pub fn by_size(sweep: &Sweep, settings: RunSettings) -> Plan {
     let all = representatives(sweep, &groups(sweep));
     let trials: Vec<Trial> = all.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
     costed(sweep, &trials, late_in_words(sweep, &all, true), settings)
 }
 
-/// Trials that ended in time, and the variants whose did not.
+/// Trials that finished in time, and the variants whose trials did not.
 fn tried(
     sweep: &Sweep,
     variants: Vec<usize>,
@@ -92,7 +93,7 @@ fn tried(
 ) -> Result<(Vec<Trial>, Vec<usize>), RunError> {
     let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
     for (place, &v) in variants.iter().enumerate() {
-        // One part more is for the solve at full size.
+        // one more part for the solve at full size
         let part = deadline.part(variants.len() - place + 1);
         part.stage(&format!("calibrating with {} in a small cell", sweep.variants[v].name));
         let study = &sweep.variants[v].study;
@@ -110,7 +111,7 @@ fn tried(
     }
 }
 
-/// The plan that trials lead to.
+/// The plan based on the trials.
 fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSettings) -> Plan {
     let groups = groups(sweep);
     let (solves, core_seconds) = cost(sweep, &groups, trials);
@@ -135,7 +136,7 @@ fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSet
     }
 }
 
-/// Why the cores and the memory there are do not do.
+/// Why the available cores and memory do not suffice; `None` if they do.
 fn out_of_reach(core_seconds: f64, bytes: f64, memory: f64) -> Option<String> {
     let cores = rayon::current_num_threads() as f64;
     let [need, free] = [bytes, memory].map(|bytes| memory_in_words(1e-9 * bytes));
@@ -146,14 +147,14 @@ fn out_of_reach(core_seconds: f64, bytes: f64, memory: f64) -> Option<String> {
     (core_seconds / cores > REACH_SECONDS).then(|| format!("estimated {days:.0} days on {cores} cores"))
 }
 
-/// Variants whose trials did not end in time.
+/// Reports the variants whose trials did not finish in time.
 fn late_in_words(sweep: &Sweep, late: &[usize], alone: bool) -> String {
     if late.is_empty() {
         return String::new();
     }
     let names: Vec<&str> = late.iter().map(|&v| sweep.variants[v].name.as_str()).collect();
     let start = if alone { "" } else { "; " };
-    format!("{start}unknowns × operator applications of {}: no trial ended in time", names.join(", "))
+    format!("{start}unknowns × operator applications of {}: no trial finished in time", names.join(", "))
 }
 
 fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
@@ -165,7 +166,7 @@ fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
     format!("{} in cells of up to {widest} µm, scaled by volume", names.join(", "))
 }
 
-/// For each wanted resolution, variants with grains in the order of their density of grains, evenly spread over it.
+/// For each requested resolution, variants evenly spread over the densities of grains.
 fn representatives(sweep: &Sweep, groups: &[Vec<usize>]) -> Vec<usize> {
     let wanted = resolutions(sweep, &(0..sweep.variants.len()).collect::<Vec<_>>());
     let each = (TRIALS / wanted.len()).max(2);
@@ -176,10 +177,10 @@ fn representatives(sweep: &Sweep, groups: &[Vec<usize>]) -> Vec<usize> {
     wanted.iter().enumerate().flat_map(of_resolution).collect()
 }
 
-/// One variant of each group with the wanted resolution number `n`.
+/// One variant of each group with the `n`-th requested resolution.
 fn one_of_each(sweep: &Sweep, groups: &[Vec<usize>], n: usize, wanted: &WantedResolution) -> Vec<usize> {
     let here = |v: &&usize| sweep.variants[**v].study.resolution == *wanted;
-    // The inks of a group take turns, so that not all trials are of the first one.
+    // takes the inks of a group in turn, so that the trials do not all use the first
     let member = |(k, group): (usize, &Vec<usize>)| {
         let members: Vec<usize> = group.iter().filter(here).copied().collect();
         members.get((k + n) % members.len().max(1)).copied()
@@ -187,7 +188,7 @@ fn one_of_each(sweep: &Sweep, groups: &[Vec<usize>], n: usize, wanted: &WantedRe
     groups.iter().enumerate().filter_map(member).collect()
 }
 
-/// Those of the variants that have grains, in the order of their density of grains; the first alone where none has.
+/// The variants with grains, ordered by their density; the first variant if none has grains.
 fn by_density(sweep: &Sweep, all: Vec<usize>) -> Vec<usize> {
     let study = |v: usize| &sweep.variants[v].study;
     let mut some: Vec<usize> = all.iter().copied().filter(|&v| !study(v).pigments.is_empty()).collect();
@@ -198,13 +199,13 @@ fn by_density(sweep: &Sweep, all: Vec<usize>) -> Vec<usize> {
     some
 }
 
-/// So many at most of the variants in a list, evenly spread from its first to its last.
+/// At most `most` variants of a list, evenly spread from the first to the last.
 fn spread(list: &[usize], most: usize) -> Vec<usize> {
     let (count, last) = (list.len().min(most), list.len().saturating_sub(1));
     (0..count).map(|k| list[k * last / (count - 1).max(1)]).collect()
 }
 
-/// Different wanted resolutions among variants.
+/// The different requested resolutions of the variants.
 fn resolutions(sweep: &Sweep, variants: &[usize]) -> Vec<WantedResolution> {
     let mut found: Vec<WantedResolution> = Vec::new();
     for &v in variants {
@@ -216,7 +217,8 @@ fn resolutions(sweep: &Sweep, variants: &[usize]) -> Vec<WantedResolution> {
     found
 }
 
-/// The variant that was packed fastest, solved at full size: its name, and what a µm³ costs there over the small cell.
+/// Solves the variant with the fastest packing at full size; returns its name and the cost per µm³
+/// relative to the small cell.
 fn at_full_size(
     sweep: &Sweep,
     trials: &[Trial],
@@ -236,7 +238,7 @@ fn at_full_size(
     }
 }
 
-/// Core seconds of a solve at full size, a µm³.
+/// Core seconds per µm³ of a solve at full size.
 fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Result<f64, RunError> {
     let scene = Scene::from_packing(&Packings::new(study, watch).get(0)?);
     let grids = (full_resolution(trial, study), trial.longer_waves);
@@ -244,7 +246,8 @@ fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -
     Ok(time_solves(study, &covers, jobs, watch)? / volume(study))
 }
 
-/// Different solves, and core seconds: each group at the rates of the trials with the nearest density of grains.
+/// Number of different solves, and core seconds: each group at the rates of the trials with the
+/// nearest density of grains.
 fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) {
     let (mut solves, mut seconds) = (0, 0.0);
     for group in groups {
@@ -256,9 +259,9 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
             let distance = |t: &&Trial| (t.density / density(studies[0])).ln().abs();
             let alike = trials.iter().filter(|t| t.wanted == *wanted);
             let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            // A layer without grains has no contrast to iterate on.
+            // without grains there is no contrast to iterate on
             if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
-                // Resolutions share the packings of their group.
+                // resolutions share the packings of their group
                 let packings = if n == 0 { counts.packings } else { 0 };
                 let once = trial.packing * packings as f64 + trial.coverage * counts.coverages as f64;
                 let work = once + trial.grid * counts.grids as f64 + trial.solve * counts.solves as f64;
@@ -269,7 +272,7 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
     (solves, seconds)
 }
 
-/// What variants with the same packings and the same wanted resolution have to compute.
+/// Work of variants with the same packings and the same requested resolution.
 struct Counts {
     packings: usize,
     coverages: usize,

@@ -1,9 +1,9 @@
-//! How many realisations a variant asks for when it is to end at a wanted bar (`run.target_delta_e`).
+//! Number of realisations needed until the 95 % interval is below `run.target_delta_e`.
 //!
-//! The bar is looked at after every [`BATCH`] realisations, so that a variant ends at the same
-//! realisation whoever runs it. All variants go through their realisations in rounds of that many; what a round is
-//! follows from the store alone, so that every process of a folder finds the same. Without a wanted bar there is one
-//! round.
+//! The interval is checked after every [`BATCH`] realisations, so that a variant ends at the same
+//! realisation whichever process runs it. All variants proceed in rounds of this size. A round is
+//! determined by the store alone, so that all processes of a folder agree on it. Without a target
+//! there is a single round.
 
 use super::stored::{collect_some, stage_key};
 use super::units::{Unit, units, units_within};
@@ -16,22 +16,24 @@ use crate::run::resolve::Resolved;
 use crate::sweep::definition::load::{Sweep, Variant};
 use std::ops::Range;
 
-/// Realisations between two looks at the bar: the same for everybody, so that a study ends at the same realisation again.
+/// Realisations between two checks of the interval; fixed, so that a study always ends at the same
+/// realisation.
 const BATCH: usize = 8;
 
-/// Where a variant stands.
+/// Progress of a variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Standing {
-    /// Realisations up to the next look at the bar, or to the end.
+    /// Number of realisations up to the next check, or to the end.
     pub border: usize,
-    /// Some of them have not ended.
+    /// Whether some of these realisations are unfinished.
     pub open: bool,
-    /// The bar is reached with them.
+    /// Whether the target is reached with these realisations.
     pub enough: bool,
 }
 
 impl Standing {
-    /// What the store tells of a study whose bar is known to be too wide after `known` realisations.
+    /// Reads the progress of a study from the store; its target is known to be missed after `known`
+    /// realisations.
     pub fn of(study: &Study, stores: &Stores, known: usize) -> Self {
         let all = study.realisations;
         let (closed, wants) = (Self { border: all, open: false, enough: false }, study.target_delta_e);
@@ -43,7 +45,8 @@ impl Standing {
             if !has_ended(study, stores, border) {
                 return Self { border, open: true, enough: false };
             }
-            // What has no grid, or no packing of so many, has no more to hope for.
+            // Stop here: without a grid, or without a packing in this many attempts, more
+            // realisations would not help.
             if (0..border).all(|r| has_failed(study, stores, r)) {
                 return Self { border, open: false, enough: false };
             }
@@ -56,7 +59,7 @@ impl Standing {
 }
 
 impl Standing {
-    /// What the store tells now of a variant that was open.
+    /// Updates the progress of an open variant from the store.
     fn after(self, study: &Study, stores: &Stores) -> Self {
         let border = study.realisations;
         match study.target_delta_e {
@@ -75,42 +78,41 @@ fn has_failed(study: &Study, stores: &Stores, realisation: usize) -> bool {
     stores.failures.has(stage_key(study, realisation).as_str())
 }
 
-/// Whether each of the first realisations has all its solves, or failed.
+/// Whether each of the first realisations is either solved or failed.
 fn has_ended(study: &Study, stores: &Stores, realisations: usize) -> bool {
     let resolved = resolve::kept(study, &stores.grids);
     let solved = |r: usize| resolved.as_ref().is_some_and(|grid| has_all_solves(study, stores, grid, r));
-    let ended = |r: usize| has_failed(study, stores, r) || solved(r);
-    // The last ones are the likeliest to be missing.
-    (0..realisations).rev().all(ended)
+    // checked backwards, because the last ones are the most likely to be missing
+    (0..realisations).rev().all(|r: usize| has_failed(study, stores, r) || solved(r))
 }
 
-/// Whether all solves of a realisation are in the store, with or without a result.
+/// Whether all solves of a realisation are recorded, with or without a result.
 fn has_all_solves(study: &Study, stores: &Stores, resolved: &Resolved, realisation: usize) -> bool {
     let is_kept = |key: &str| stores.points.has(key) || stores.failures.has(key);
     point_keys(study, resolved, realisation).iter().all(|(_, key)| is_kept(key.as_str()))
 }
 
-/// The rounds of a sweep, one after the other.
+/// The rounds of a sweep.
 #[derive(Debug)]
 pub(super) struct Rounds<'a> {
     sweep: &'a Sweep,
-    /// What is known of each variant.
+    /// Progress of each variant, as far as known.
     standings: Vec<Standing>,
 }
 
 impl<'a> Rounds<'a> {
-    /// Nothing is known yet.
+    /// Starts without any knowledge of the variants.
     pub fn new(sweep: &'a Sweep) -> Self {
         let start = Standing { border: 0, open: true, enough: false };
         Self { sweep, standings: vec![start; sweep.variants.len()] }
     }
 
-    /// True when some variant wants a bar.
+    /// True if some variant has a target.
     pub fn wanted(sweep: &Sweep) -> bool {
         sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some())
     }
 
-    /// The number of the round under way, from 1, and its units; `None` when all variants have ended.
+    /// Number of the current round, from 1, and its units; `None` if all variants are finished.
     pub fn next(&mut self, stores: &Stores) -> Option<(usize, Vec<Unit>)> {
         if !Self::wanted(self.sweep) {
             return Some((1, units(self.sweep)));
@@ -125,7 +127,8 @@ impl<'a> Rounds<'a> {
         Some((round, units_within(self.sweep, &self.realisations(round))))
     }
 
-    /// Realisations of each variant in a round; variants without a wanted bar have all of theirs in the first.
+    /// The realisations of each variant in a round; variants without a target have all of theirs in
+    /// the first.
     fn realisations(&self, round: usize) -> Vec<Range<usize>> {
         let before = (round - 1) * BATCH;
         let of = |(standing, variant): (&Standing, &Variant)| match variant.study.target_delta_e {

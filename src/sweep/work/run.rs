@@ -1,8 +1,9 @@
-//! Carries a sweep out, or one shard of it, alone or together with other processes of the same folder.
+//! Runs a sweep or one shard of it, alone or together with other processes in the same folder.
 //!
-//! Workers (threads of a process, and processes) take units from a common [`Queue`], the costliest first; a group's
-//! grids are chosen before its realisations. Every solve is in the store before the next begins. What fails is recorded
-//! there too and does not stop the rest; it is not tried again before that is asked.
+//! Workers (threads and processes) take units from a shared [`Queue`], most expensive first; the
+//! grids of a group are chosen before its realisations. Every solve is stored before the next
+//! begins. Failures are recorded and do not stop the rest; they are retried only with
+//! `--retry-failed`, and by `inkwave run`.
 
 mod jobs;
 mod named;
@@ -32,44 +33,44 @@ use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 use work::{Work, is_failure};
 
-/// A worker without work looks again after this time.
+/// Interval at which an idle worker looks for work again.
 const WAIT: Duration = Duration::from_millis(50);
-/// Others are told of progress at most so often.
+/// Minimum time between two progress reports to other processes.
 const BETWEEN_NEWS: Duration = Duration::from_millis(500);
-/// Tasks of a round are numbered from a multiple of this: more than any round has.
+/// Offset between the task numbers of consecutive rounds: more than any round has tasks.
 const ROUND: usize = 1 << 32;
-/// Grids come before all units.
+/// Cost that puts grids before all units.
 const GRIDS_FIRST: f64 = 1e30;
 
-/// What a run of a sweep has come to, over all workers of the folder.
+/// Result of running a sweep, over all workers of the folder.
 #[derive(Debug, Default)]
 pub struct Tally {
-    /// Solves of the shard, those that variants share counted for each of them.
+    /// Number of solves of the shard; shared solves count once per variant.
     pub asked: usize,
-    /// Solves that are there.
+    /// Number of finished solves.
     pub finished: usize,
-    /// Solves without a result.
+    /// Number of solves without a result.
     pub failed: usize,
-    /// Whether this process is the one to write the report.
+    /// Whether this process has to write the report.
     pub publishes: bool,
-    /// What this process found damaged in the store.
+    /// Damage that this process found in the store.
     pub damages: Vec<Damage>,
-    /// The first packing or grid that failed in this process.
+    /// The first failure of a packing or grid in this process.
     pub failure: Option<RunError>,
-    /// Time that the threads of this process waited for others.
+    /// Total time that threads of this process waited for others.
     pub waited: Duration,
 }
 
-/// How far the work goes.
+/// Extent of the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Scope {
-    /// The choice of grids alone.
+    /// Only choose the grids.
     Grids,
-    /// Grids and solves.
+    /// Choose the grids and solve.
     Solves,
 }
 
-/// Number of solves of a shard, those that variants share counted for each of them.
+/// Number of solves of a shard; shared solves count once per variant.
 pub fn solves(sweep: &Sweep, shard: Shard) -> usize {
     let units = units(sweep);
     units[shard.range(units.len())].iter().map(|unit| solves_of(sweep, unit)).sum()
@@ -79,10 +80,11 @@ fn solves_of(sweep: &Sweep, unit: &Unit) -> usize {
     unit.variants.iter().map(|&v| sweep.variants[v].study.solves_each()).sum()
 }
 
-/// Runs a shard into `folder` until it is finished or stopped.
+/// Runs a shard in `folder` until it is finished or stopped.
 ///
 /// # Errors
-/// Records that cannot be written, or threads that cannot be started; failures of variants are recorded.
+/// Records cannot be written, or threads cannot be started; failures of variants are recorded
+/// instead.
 pub fn run(
     sweep: &Sweep,
     folder: &OutputFolder,
@@ -99,7 +101,7 @@ pub fn run(
     let (mut before, mut failure) = (None, None);
     while let Some((round, units)) = rounds.next(&stores) {
         let units = &units[shard.range(units.len())];
-        // A round that has not come to its end although the queue has nothing left is no work for another turn.
+        // If the queue is empty but the round is unfinished, stop: repeating it would not help.
         let Some(turn) = WorkTurn::new((round, units), scope).filter(|_| before != Some(round)) else {
             break;
         };
@@ -108,7 +110,7 @@ pub fn run(
         let settings = RunSettings { jobs: Some(crew.jobs_each), ..settings };
         let worker = Worker::new((sweep, folder), (&stores, &queue), &turn, (settings, room), watch);
         queue.enlist(turn.first, &turn.tasks(sweep))?;
-        // Nothing can be done beside the choice of the only grids: all threads take part in it.
+        // While the only grids are being chosen, nothing else can be done: all threads take part.
         if turn.groups() == 1
             && let Some(task) = worker.take()
         {
@@ -139,26 +141,26 @@ fn taken<T>(mutex: Mutex<Option<T>>) -> Option<T> {
     mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The jobs of a round, and the number of the first of their tasks.
+/// The jobs of a round, and the number of its first task.
 struct WorkTurn {
     first: usize,
     jobs: Vec<Job>,
 }
 
 impl WorkTurn {
-    /// `None` without a job.
+    /// `None` if there are no jobs.
     fn new((round, units): (usize, &[Unit]), scope: Scope) -> Option<Self> {
         let mut jobs = jobs(units);
         jobs.retain(|job| scope == Scope::Solves || matches!(job, Job::Grids(_)));
         (!jobs.is_empty()).then_some(Self { first: round * ROUND, jobs })
     }
 
-    /// Groups whose grids are chosen.
+    /// Number of groups whose grids are chosen.
     fn groups(&self) -> usize {
         self.jobs.iter().filter(|job| matches!(job, Job::Grids(_))).count()
     }
 
-    /// Most tasks that can be under way together: units wait for their grids.
+    /// Maximum number of concurrent tasks: units wait for their grids.
     fn at_a_time(&self) -> usize {
         self.groups().max(self.jobs.len() - self.groups())
     }
@@ -168,19 +170,19 @@ impl WorkTurn {
     }
 }
 
-/// Names the work, so that only processes with the same sweep and shard share it.
+/// Name of the work, so that only processes with the same sweep and shard share it.
 fn name(sweep: &Sweep, shard: Shard, scope: Scope) -> Key {
     let studies: Vec<Key> = sweep.variants.iter().map(|variant| variant.study.key()).collect();
     Key::of("work", &(studies, shard.index, shard.count, scope))
 }
 
-/// What the threads of a process share.
+/// State shared by the threads of a process.
 struct Worker<'a> {
     sweep: &'a Sweep,
-    /// What stands before the stages of each variant.
+    /// Prefixes of the stages of each variant.
     prefixes: Vec<String>,
     folder: &'a OutputFolder,
-    /// Solves have begun.
+    /// Set when the first solve begins.
     begun: Once,
     stores: &'a Stores,
     queue: &'a Queue,
@@ -190,11 +192,11 @@ struct Worker<'a> {
     watch: &'a dyn RunWatch,
     /// The first error that ends the work.
     trouble: Mutex<Option<RunError>>,
-    /// The first error of a packing or grid, which does not.
+    /// The first failure of a packing or grid, which does not end the work.
     failure: Mutex<Option<RunError>>,
-    /// How often a thread found nothing to do.
+    /// Number of times that a thread found no work.
     waits: AtomicUsize,
-    /// Others are in another round already.
+    /// Whether other processes have started another round.
     overtaken: AtomicBool,
 }
 
@@ -225,7 +227,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// The next task; `None` when there is no more, or no more shall be done.
+    /// Claims the next task; `None` if there is none, or the run should stop.
     fn take(&self) -> Option<usize> {
         loop {
             if self.watch.stop() || self.has_trouble() {
@@ -260,7 +262,7 @@ impl<'a> Worker<'a> {
         self.waits.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Takes the results of earlier runs away before the first solve.
+    /// Removes earlier results before the first solve.
     fn begin(&self) {
         self.begun.call_once(|| self.note(self.folder.begin().map_err(RunError::from)));
     }
@@ -282,7 +284,7 @@ impl<'a> Worker<'a> {
         self.trouble.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
-    /// Chooses the grids of a group and tells what its units cost.
+    /// Chooses the grids of a group and sets the cost of its units.
     fn grids(&self, task: usize, variants: &[usize]) -> Result<(), RunError> {
         let first = self.named(variants[0], self.watch);
         let mut packings = Packings::new(&self.sweep.variants[variants[0]].study, &first);
@@ -304,7 +306,7 @@ impl<'a> Worker<'a> {
         Ok(self.queue.finish(task, 0, 0)?)
     }
 
-    /// Solves a unit.
+    /// Computes a unit.
     fn unit(&self, task: usize, unit: &Unit) -> Result<(), RunError> {
         let news = News::new(self, task);
         let first = self.named(unit.variants[0], &news);

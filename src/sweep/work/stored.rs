@@ -1,4 +1,4 @@
-//! What the store has of a variant, without computing anything.
+//! Reads what is stored for a variant, without computing anything.
 
 use super::rounds::Standing;
 use crate::input::study::Study;
@@ -10,16 +10,17 @@ use crate::run::{Collected, Realisation, Refused, Stores};
 use crate::store::identity::Key;
 use crate::store::record::PointRecord;
 
-/// What the store has of a study, without computing anything. `None` before the first packing and grid.
+/// Everything stored for a study; `None` before the first packing and grid.
 ///
-/// A study that wants a bar ends with the realisation that reaches it, whatever the store has beyond.
+/// A study with `run.target_delta_e` ends with the realisation that reaches it, even if more are
+/// stored.
 pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
     let standing = Standing::of(study, stores, 0);
     let realisations = if standing.enough { standing.border } else { study.realisations };
     Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
 }
 
-/// What the store has of the first realisations.
+/// Everything stored for the first realisations.
 pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collected> {
     let resolved = resolve::kept(study, &stores.grids)?;
     let realisations: Vec<Realisation> =
@@ -29,7 +30,7 @@ pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Opti
     (!realisations.is_empty()).then_some(Collected { resolved, realisations, refused, enough, damages })
 }
 
-/// Realisations that have no packing or no grid, as far as that is recorded.
+/// Realisations recorded as having no packing or no grid.
 pub(crate) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
     let of = |realisation: usize| {
         let record = stores.failures.get(stage_key(study, realisation).as_str())?;
@@ -38,7 +39,7 @@ pub(crate) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refus
     (0..tried).filter_map(of).collect()
 }
 
-/// What the store has of one realisation, once that is packed.
+/// Everything stored for a realisation; `None` if it is not packed.
 fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) -> Option<Realisation> {
     let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
     let keyed = point_keys(study, resolved, r);
@@ -50,7 +51,7 @@ fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) ->
     Some(Realisation { packing, points, failures })
 }
 
-/// What a realisation's packing and grid depend on.
+/// Content hash of everything that a realisation's packing and grid depend on.
 pub(super) fn stage_key(study: &Study, realisation: usize) -> Key {
     let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
     let light = (&study.wavelengths_nm, &study.angles, indices);

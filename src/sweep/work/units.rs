@@ -1,9 +1,10 @@
-//! What is computed together, and by whom.
+//! Units of work and shards.
 //!
-//! Variants with the same packings form a group: its packings are made once. A unit is one realisation of a group; the
-//! workers of a folder take units in turn (see [`crate::store::queue`]). A shard, for machines that share no folder, is
-//! a run of consecutive units. Groups are ordered by their content hash, which mixes costly and cheap ones, and at most
-//! one group is divided between two neighbouring shards.
+//! Variants with the same packings form a group, so that each packing is made once. A unit is one
+//! realisation of a group; the workers of a folder take units in turn (see
+//! [`crate::store::queue`]). A shard, for machines that do not share a folder, is a range of
+//! consecutive units. Groups are ordered by content hash, which mixes expensive and cheap ones; at
+//! most one group is split between two neighbouring shards.
 
 use crate::store::identity::Key;
 use crate::sweep::definition::load::Sweep;
@@ -13,18 +14,18 @@ use std::ops::Range;
 /// One realisation of the variants that share its packing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unit {
-    /// Place of the group.
+    /// Index of the group.
     pub group: usize,
-    /// Places of the variants in the sweep.
+    /// Indices of the variants in the sweep.
     pub variants: Vec<usize>,
-    /// Counted from 0.
+    /// Number of the realisation, from 0.
     pub realisation: usize,
 }
 
 /// Part `index` (from 1) of `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part, from 1 to `count`.
+    /// Number of the part, from 1 to `count`.
     pub index: usize,
     /// Number of parts.
     pub count: usize,
@@ -34,20 +35,21 @@ impl Shard {
     /// The whole sweep.
     pub const ALL: Self = Self { index: 1, count: 1 };
 
-    /// Whether there is a unit for each part; the error is their number.
+    /// Checks that there is a unit for each part; the error is the number of units.
     pub fn check(self, sweep: &Sweep) -> Result<(), usize> {
         let most = units(sweep).len();
         if self.count <= most { Ok(()) } else { Err(most) }
     }
 
-    /// The part of `units` that is this shard's; empty for some shards when there are more of them than units.
+    /// The range of `units` in this shard; may be empty if there are more shards than units.
     pub fn range(self, units: usize) -> Range<usize> {
         let up_to = |index: usize| (index as u128 * units as u128 / self.count as u128) as usize;
         up_to(self.index - 1)..up_to(self.index)
     }
 }
 
-/// Variants with equal packings in all realisations, in the order of the packings' hashes.
+/// Groups of variants whose packings are equal in all realisations, ordered by the packings'
+/// hashes.
 pub fn groups(sweep: &Sweep) -> Vec<Vec<usize>> {
     let mut groups: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
     for (v, variant) in sweep.variants.iter().enumerate() {

@@ -27,7 +27,7 @@ pub const INK: &[Slip] = &[
     slip(
         "seed = 7",
         "seed = 7\nfailed_packings = 1.5",
-        ["run.failed_packings", "1.5", "from 0 to 1", "0.1 leaves every tenth out"],
+        ["run.failed_packings", "1.5", "from 0 to 1", "0.1 leaves out every tenth"],
     ),
     slip("[angles]", "[angles", ["[angles", "unclosed table", "expected `]`", "correct the TOML here"]),
     // layer
@@ -197,7 +197,12 @@ pub const INK: &[Slip] = &[
     slip(
         "diameter_nm = 200",
         "size = { kind = \"log_normal\", median_nm = 150, sigma = 0.1 }",
-        ["pigment[0].size.by", "found nothing", "by = \"number\", as it was meant", "by = \"volume\""],
+        [
+            "pigment[0].size.by",
+            "found nothing",
+            "by = \"number\", the meaning of older files",
+            "by = \"volume\"",
+        ],
     ),
     slip(
         "diameter_nm = 200",

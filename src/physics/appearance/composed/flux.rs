@@ -102,7 +102,9 @@ impl Fluxes {
             ..*a
         };
         Self {
-            all: Mat::from_fn(self.all.nrows(), self.all.ncols(), |i, j| half(self.all[(i, j)], other.all[(i, j)])),
+            all: Mat::from_fn(self.all.nrows(), self.all.ncols(), |i, j| {
+                half(self.all[(i, j)], other.all[(i, j)])
+            }),
             absorbed: self.absorbed.iter().zip(&other.absorbed).map(|(&a, &b)| half(a, b)).collect(),
             beams: self.beams.iter().zip(&other.beams).map(beam).collect(),
         }

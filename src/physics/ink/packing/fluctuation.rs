@@ -1,8 +1,8 @@
 //! How much the pigment in a window of a wide layer differs from window to window.
 //!
-//! A small periodic cell that always holds the requested volume fraction lacks these fluctuations, and
-//! absorbs more than the layer: T is convex in the pigment's volume, so a window with less of it
-//! transmits more than its share. Cells that hold more and less by the standard deviation of the
+//! A small periodic cell that always holds the requested volume fraction lacks these fluctuations,
+//! and absorbs more than the layer: T is convex in the pigment's volume, so a window with less of
+//! it transmits more than its share. Cells that hold more and less by the standard deviation of the
 //! window, in turns, have the mean of the layer (the grand-canonical ensemble in place of the
 //! canonical one; the mode k = 0 that the lattice of a periodic cell leaves out).
 

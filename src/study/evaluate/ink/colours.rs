@@ -1,4 +1,4 @@
-//! Colours and the picture of an ink on its paper, with what fits and angles do to them.
+//! Colours and the picture of an ink on its paper, with the errors due to fits and angles.
 
 use super::{InkError, InkOnPaper, Places};
 use crate::appearance::colour::{Colorimeter, Colour, ColourError};
@@ -15,41 +15,45 @@ use ndarray::Array2;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Length of the step in the direction of a residual that a derivative is taken with.
+/// Step of the finite difference along a residual.
 const DERIVATIVE_STEP: f64 = 1e-4;
 
-/// Light and observer with the wavelengths that are summed over.
+/// Illuminant and observer with the wavelengths that are summed.
 #[derive(Clone, Debug)]
 pub struct Sight {
     meter: Colorimeter,
-    /// Places of the wavelengths.
+    /// Indices of the wavelengths.
     nodes: Range<usize>,
-    /// Whether to add what the solves say beyond the fitted spectra: an integral, which needs smooth weights.
+    /// Whether to add the residuals of the solves from the fitted spectra, which requires smooth
+    /// weights.
     beyond_fit: bool,
 }
 
 impl InkOnPaper {
-    /// What a light and an observer see. Plain sums run over every 5 nm, where the film and the fits are known, whatever the spectra's
-    /// step; tabulated weights (ASTM E308) are meant for the spectra's own wavelengths.
+    /// Prepares the sum for an illuminant and an observer. Plain sums use steps of 5 nm, at which
+    /// film and fits are known, whatever the step of the spectra; tabulated weights (ASTM E308) are
+    /// meant for the wavelengths of the spectra.
     ///
     /// # Errors
-    /// Wavelengths that cannot carry a colour.
+    /// The wavelengths do not suffice for a colour.
     pub fn sight(&self, viewing: &Viewing) -> Result<Sight, ColourError> {
         Sight::new(viewing, &self.places, &self.nodes)
     }
 
-    /// Colour of a quantity that is 1 for a perfect white diffuser, under D65 by the 2° observer, with the jackknife covariance of Lab.
+    /// Colour of a quantity that is 1 for a perfect white diffuser, under D65 for the 2° observer,
+    /// with the jackknife covariance of Lab.
     ///
     /// # Errors
-    /// Wavelengths that cannot carry a colour.
+    /// The wavelengths do not suffice for a colour.
     pub fn colour(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<Colour, InkError> {
         Ok(self.colour_with_deviations(self.daylight()?, quantity)?.0)
     }
 
-    /// Colour for any observer, with the contribution of each realisation to Lab, in order; empty for a single one.
+    /// Colour for any observer, with the contribution of each realisation to Lab, in order; empty
+    /// for a single one.
     ///
     /// # Errors
-    /// As [`InkOnPaper::colour`].
+    /// As for [`InkOnPaper::colour`].
     pub fn colour_with_deviations(
         &self,
         sight: &Sight,
@@ -61,10 +65,10 @@ impl InkOnPaper {
         Ok((colour, jackknife_deviations(&labs)))
     }
 
-    /// The colour of every ensemble that lacks one realisation.
+    /// The colours of all leave-one-out ensembles.
     ///
     /// # Errors
-    /// As [`InkOnPaper::colour`].
+    /// As for [`InkOnPaper::colour`].
     pub fn replicates_of(
         &self,
         sight: &Sight,
@@ -76,16 +80,17 @@ impl InkOnPaper {
     /// D65 and the 2° observer.
     ///
     /// # Errors
-    /// As [`InkOnPaper::colour`].
+    /// As for [`InkOnPaper::colour`].
     pub fn daylight(&self) -> Result<&Sight, InkError> {
         Ok(self.daylight.as_ref().map_err(Clone::clone)?)
     }
 
-    /// How far the colour moves by what the spectra's fit leaves over at the wavelengths solved: the part of the colour that the
-    /// wavelengths' spacing alone would have lost. It is in the colour; see [`InkOnPaper::colour`].
+    /// Shift of the colour due to the residuals of the solves from the fitted spectra: the error
+    /// that the spacing of the wavelengths alone would have caused. The colour is corrected for it;
+    /// see [`InkOnPaper::colour`].
     ///
     /// # Errors
-    /// As [`InkOnPaper::colour`].
+    /// As for [`InkOnPaper::colour`].
     pub fn wavelength_shift(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<[f64; 3], InkError> {
         let sight = self.daylight()?;
         let plain = sight.meter.colour(&sight.values(&self.whole, &quantity))?;
@@ -96,7 +101,7 @@ impl InkOnPaper {
     /// Colour of the whole ensemble, without its uncertainty.
     ///
     /// # Errors
-    /// As [`InkOnPaper::colour`].
+    /// As for [`InkOnPaper::colour`].
     pub fn colour_of_mean(
         &self,
         sight: &Sight,
@@ -105,7 +110,7 @@ impl InkOnPaper {
         self.colour_without(sight, None, &quantity)
     }
 
-    /// What the light beyond the range of the wavelengths may move a colour by, a standard error of Lab for each end.
+    /// Standard errors of Lab due to light beyond each end of the wavelength range.
     pub fn beyond_range(
         &self,
         sight: &Sight,
@@ -115,18 +120,18 @@ impl InkOnPaper {
         sight.meter.beyond(&sight.values(&self.whole, &quantity), colour.xyz)
     }
 
-    /// Standard error of Y due to light beyond both ends of the spectrum.
+    /// Standard error of Y due to light beyond both ends of the wavelength range.
     pub fn luminance_beyond_range(&self, sight: &Sight, quantity: impl Fn(&LayerOnPaper) -> f64) -> f64 {
         sight.meter.beyond_luminance(&sight.values(&self.whole, &quantity))
     }
 
-    /// What the placing of the directions may cost in T̄ at each wavelength of the spectra: standard deviation over realisations of the
-    /// quadrature error of the fitted curve, over √n.
+    /// Error of T̄ at each wavelength of the spectra due to the choice of directions: standard
+    /// deviation over realisations of the quadrature error of the fitted curve, over √n.
     pub fn angle_errors(&self, solved: &[SolvedRealisation]) -> Vec<f64> {
         self.places.outputs.clone().map(|node| self.angle_error(node, solved)).collect()
     }
 
-    /// Error of T̄ due to the placement of directions, at one wavelength.
+    /// Error of T̄ at one wavelength due to the choice of directions.
     fn angle_error(&self, node: usize, solved: &[SolvedRealisation]) -> f64 {
         let nm = self.nodes.wavelengths_nm[node];
         let error = |realisation: &SolvedRealisation| {
@@ -139,8 +144,8 @@ impl InkOnPaper {
         (square / errors.len() as f64).sqrt()
     }
 
-    /// XYZ = ∫ w F(m̂) + ⟨Σ_j w_j F′(m̂)·(x_j − m̂)⟩: the fitted means m̂, and to first order what the solves x_j say beyond
-    /// them. So the smoothness of the fit costs the colour nothing.
+    /// XYZ = ∫ w F(m̂) + ⟨Σ_j w_j F′(m̂)·(x_j − m̂)⟩: the fitted means m̂ and, to first order, the
+    /// residuals of the solves x_j. The smoothness of the fit therefore does not bias the colour.
     fn colour_without(
         &self,
         sight: &Sight,
@@ -172,13 +177,14 @@ impl InkOnPaper {
         }
     }
 
-    /// What a solve says beyond the fit.
+    /// Residual of a solve from the fit.
     fn residual(&self, left_out: Option<usize>, r: usize, j: usize, node: usize) -> Measured {
         let weights = &self.nodes.weights[node];
         self.measured(|layer, column| layer.measured(r, j, column) - layer.fitted(left_out, weights, column))
     }
 
-    /// Differences from the film at the anchors and of the means, by a source of them for any column of an ensemble.
+    /// Differences from the film at the anchors and of the means; `of` gives those of any column of
+    /// an ensemble.
     pub(super) fn measured(&self, of: impl Fn(&LayerEnsemble, usize) -> f64) -> Measured {
         let returned = self.returned.as_ref().map_or(&self.layer, |(layer, _)| layer);
         let at = |layer: &LayerEnsemble| {
@@ -194,11 +200,12 @@ impl InkOnPaper {
         }
     }
 
-    /// Covariance of Lab that the placing of the directions alone has brought into a colour: each realisation's quadrature error of the
-    /// fitted curves, a part of the jackknife's. `None` for one realisation.
+    /// Covariance of Lab due to the choice of directions: the quadrature errors of the fitted
+    /// curves in each realisation, a part of the jackknife covariance. `None` for a single
+    /// realisation.
     ///
     /// # Errors
-    /// As [`InkOnPaper::colour`].
+    /// As for [`InkOnPaper::colour`].
     pub fn angle_covariance(
         &self,
         solved: &[SolvedRealisation],
@@ -220,17 +227,19 @@ impl InkOnPaper {
             shifted.push(sight.meter.colour(&values)?.lab);
         }
         let n = shifted.len() as f64;
-        // the covariance of a mean: the jackknife's formula over samples instead of replicates, less a factor (n − 1)²
+        // covariance of a mean: the jackknife formula over samples instead of replicates, divided
+        // by (n − 1)²
         Ok(jackknife_covariance(&shifted).map(|c| c.map(|row| row.map(|x| x / (n - 1.0).powi(2)))))
     }
 
-    /// The picture of P1 Fig. 6 at the given angles (0–60° there), rows viewing, columns illumination.
+    /// The picture of P1 Fig. 6 at the given angles (0–60° there): rows are viewing, columns
+    /// illumination angles.
     ///
-    /// The strip is natural light, with or without the mirrored sky; the square is π f(i, o), diffuse, averaged over
-    /// the azimuth between the two planes (P1 leaves both open).
+    /// The strip is natural light, with or without the mirrored sky; the square is π f(i, o),
+    /// diffuse, averaged over the azimuth between the two planes (P1 specifies neither).
     ///
     /// # Errors
-    /// Angles outside 0–90°, or wavelengths that cannot carry a colour.
+    /// Angles outside 0–90°, or wavelengths that do not suffice for a colour.
     pub fn picture(&self, angles_deg: &[f64], sky: MirroredSky) -> Result<InkPicture, InkError> {
         let sight = self.daylight()?;
         let angles = angles_deg.iter().map(|&a| self.at(a)).collect::<Result<Vec<PolarAngle>, _>>()?;
@@ -258,7 +267,7 @@ impl Sight {
     }
 }
 
-/// Place of the wavelength nearest to `nm`.
+/// Index of the wavelength nearest to `nm`.
 fn nearest(wavelengths: &[SolvedWavelength], nm: f64) -> usize {
     let distance = |w: &SolvedWavelength| (w.wavelength_nm - nm).abs();
     (0..wavelengths.len())

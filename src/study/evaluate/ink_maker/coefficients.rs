@@ -1,4 +1,5 @@
-//! Kubelka–Munk coefficients of an ensemble without its faces, with errors: where its light is diffuse, as they assume.
+//! Kubelka–Munk coefficients of an ensemble without its faces, with errors, at the wavelengths at
+//! which its light is diffuse, as they assume.
 
 use super::super::ink::{InkError, InkOnPaper};
 use super::super::on_paper::LayerOnPaper;
@@ -9,11 +10,12 @@ use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
 
-/// Of what a layer transmits at the normal, at most so much may go straight on for its light to be diffuse. Below it S of
-/// photons that scatter evenly between plane faces keeps to [`MODEL`] from one thickness to the next, above it soon no longer.
+/// Largest unscattered share of the transmittance at the normal for light to count as diffuse.
+/// Below it, S of photons scattered isotropically between plane faces varies with the thickness by
+/// no more than [`MODEL`]; above it, it soon varies more.
 const STRAIGHT_ON: f64 = 0.01;
-/// Relative standard error of K and S that Kubelka and Munk's assumption of evenly diffuse light has itself, as those photons
-/// show (tests of [`crate::appearance::kubelka_munk`]).
+/// Relative standard error of K and S due to the assumption of perfectly diffuse light, estimated
+/// from these photons (tests of [`crate::appearance::kubelka_munk`]).
 const MODEL: f64 = 0.03;
 
 /// Kubelka–Munk coefficients at one wavelength.
@@ -27,20 +29,19 @@ pub struct KubelkaMunkRow {
     pub scattering_per_um: Estimate,
 }
 
-/// K and S at the wavelengths at which the layer tells them; the reason where it is none.
+/// K and S at the wavelengths at which they are determined; otherwise the reason.
 pub(super) fn kubelka_munk(
     ink: &InkOnPaper,
     uncertainty: &Uncertainty,
     study: &Study,
 ) -> Result<(Vec<KubelkaMunkRow>, Option<String>), InkError> {
     if let Coupling::OpticalContact { .. } = study.paper.coupling {
-        let reason =
-            "K and S are those of a layer between two equal half-spaces, and this one touches its paper";
+        let reason = "K and S are defined for a layer between two equal half-spaces, but this one is in contact with its paper";
         return Ok((Vec::new(), Some(reason.to_owned())));
     }
     if study.packing.relief.is_some() {
-        let reason = "K and S need the faces' reflections taken off (Saunderson), which is known for plane faces, and this layer \
-                      has a relief";
+        let reason = "K and S require Saunderson's correction for the faces, which is known for plane faces only, and this \
+                      layer has a relief";
         return Ok((Vec::new(), Some(reason.to_owned())));
     }
     of_plane_layer(ink, uncertainty, study.layer.thickness_um)
@@ -63,30 +64,30 @@ fn of_plane_layer(
     Ok((rows, reason))
 }
 
-/// Share of T at the normal that goes straight on, with its standard error added, at every wavelength.
+/// Unscattered share of T at the normal, plus its standard error, at every wavelength.
 fn straight_on(ink: &InkOnPaper) -> Result<Vec<f64>, InkError> {
     let normal = ink.at(0.0)?;
     let shares = ink.spectrum(|layer| layer.straight_on(&normal)).estimates();
     Ok(shares.into_iter().map(|e| e.value + e.standard_error.unwrap_or(0.0)).collect())
 }
 
-/// Why there are no K and S where so much goes straight on.
+/// Why there are no K and S if this much light is unscattered.
 fn in_words(straight: &[f64]) -> String {
     let least = straight.iter().copied().filter(|share| share.is_finite()).fold(f64::INFINITY, f64::min);
     if least <= STRAIGHT_ON || !least.is_finite() {
-        let reason = "too little light comes through, or R and T are those of no layer with plane faces in diffuse light";
+        let reason = "too little light is transmitted, or no layer with plane faces has these R and T in diffuse light";
         return format!("K and S do not follow from this layer: {reason}");
     }
     format!(
-        "K and S describe diffuse light, but of what this layer transmits at the normal {:.0} % or more, standard error \
-         included, goes straight on at every wavelength ({:.0} % at most is allowed): it is too thin, scatters too little \
-         or is not known well enough, and S would depend on its thickness",
+        "K and S describe diffuse light, but at every wavelength {:.0} % or more of what this layer transmits at the normal, \
+         standard error included, is unscattered ({:.0} % at most is allowed): it is too thin, scatters too little or is not \
+         known well enough, and S would depend on its thickness",
         100.0 * least,
         100.0 * STRAIGHT_ON
     )
 }
 
-/// K and S of the layer without its faces at every wavelength where they are numbers.
+/// K and S of the layer without its faces, at every wavelength at which they are finite.
 fn coefficients(
     ink: &InkOnPaper,
     uncertainty: &Uncertainty,
@@ -99,7 +100,7 @@ fn coefficients(
     let row = |(&wavelength_nm, (absorption_per_um, scattering_per_um)): (&f64, (Estimate, Estimate))| {
         KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um }
     };
-    // Where hardly any light comes through, T is within its error of none: K and S are anything.
+    // If hardly any light is transmitted, T is zero within its error: K and S are undetermined.
     let known = |e: &Estimate| e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite);
     rows.map(row).filter(|row| known(&row.absorption_per_um) && known(&row.scattering_per_um)).collect()
 }
@@ -107,56 +108,58 @@ fn coefficients(
 /// K or S of a layer of known thickness.
 struct Coefficient<'a> {
     thickness_um: f64,
-    /// At every wavelength.
+    /// The faces at every wavelength.
     faces: &'a [DiffuseFaces],
     get: fn(KubelkaMunk) -> f64,
 }
 
 impl Coefficient<'_> {
-    /// At every wavelength, with all errors.
+    /// Estimates at every wavelength, with all errors.
     fn estimates(&self, ink: &InkOnPaper, uncertainty: &Uncertainty) -> Vec<Estimate> {
         self.computed(ink, uncertainty).into_iter().map(with_model).collect()
     }
 
-    /// Estimates with the errors of the calculation alone, as if the assumptions of Kubelka and Munk were exact.
+    /// Estimates with the errors of the calculation only, as if the assumptions of Kubelka and Munk
+    /// were exact.
     fn computed(&self, ink: &InkOnPaper, uncertainty: &Uncertainty) -> Vec<Estimate> {
         let estimates = ink.spectrum(|layer| self.continued(layer, [0.0; 2])).estimates().into_iter();
         estimates.zip(ink.layers()).map(|(e, layer)| self.estimate(layer, e, uncertainty)).collect()
     }
 
-    /// At one wavelength, where the continuation is `continued` by chance.
+    /// Estimate at one wavelength, where `continued` is the continuation with its random error.
     fn estimate(&self, layer: &LayerOnPaper, continued: Estimate, uncertainty: &Uncertainty) -> Estimate {
         let moved = |by: Shift| self.continued(layer, by) - continued.value;
         let errors = uncertainty.widen_by(continued, |[r, t]| worse(moved([r, t]), moved([r, -t])));
         Estimate { value: self.value(layer), ..errors }
     }
 
-    /// The coefficient itself, no number where R̄ and T̄ have none.
+    /// The coefficient; NaN if R̄ and T̄ do not determine it.
     fn value(&self, layer: &LayerOnPaper) -> f64 {
         let bare = self.bare(layer, [0.0; 2]);
         bare.and_then(|[r, t]| KubelkaMunk::from_layer(r, t, self.thickness_um)).map_or(f64::NAN, self.get)
     }
 
-    /// Its continuation, moved by errors of R and T: where K stops at 0 its spread would stop too.
+    /// The analytic continuation of the coefficient, shifted by errors of R and T: K itself stops
+    /// at 0, where its spread would vanish.
     fn continued(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
         let bare = self.bare(layer, by);
         bare.and_then(|[r, t]| KubelkaMunk::continued(r, t, self.thickness_um)).map_or(f64::NAN, self.get)
     }
 
-    /// R and T of the layer without its faces, from R̄ and T̄ of the whole, the diffuse fluxes that the paper exchanges with
-    /// it, moved by errors.
+    /// R and T of the layer without its faces, from R̄ and T̄ of the whole (the diffuse fluxes
+    /// exchanged with the paper), shifted by errors.
     fn bare(&self, layer: &LayerOnPaper, [r, t]: Shift) -> Option<Shift> {
         self.faces[layer.node()].taken_off(layer.mean_reflectance_exit() + r, layer.mean_transmittance() + t)
     }
 }
 
-/// With what the model costs itself.
+/// Adds the error of the model.
 fn with_model(Estimate { value, standard_error }: Estimate) -> Estimate {
     Estimate { value, standard_error: standard_error.map(|e| e.hypot(MODEL * value)) }
 }
 
-/// The larger one, or no number. The signs of errors of R and T are unknown: S is the more wrong where they differ, as they do
-/// where nothing is absorbed, K where they agree.
+/// The larger of two errors, or NaN. The signs of the errors of R and T are unknown: opposite signs
+/// are worse for S, as without absorption, equal signs for K.
 fn worse(alike: f64, opposite: f64) -> f64 {
     if alike.is_nan() || alike.abs() > opposite.abs() { alike } else { opposite }
 }
@@ -177,13 +180,13 @@ mod tests {
     use crate::solve::accuracy::grid_error::GridError;
     use crate::wave::Wave;
 
-    /// Absorptance of the made-up layer, and its deviation from realisation to realisation: the mean of four is twice as uncertain
-    /// as it is large, so that noise takes it below 0 in three studies of ten.
+    /// Absorptance of the synthetic layer, and its deviation between realisations: the mean of four
+    /// has an error twice its value, so that noise makes it negative in three studies of ten.
     const ABSORBED: [f64; 2] = [0.001, 0.004];
     const REALISATIONS: usize = 4;
     const SEEDS: u64 = 150;
 
-    /// A scattering layer that hardly absorbs: what it lacks in T it sends back.
+    /// A scattering layer with little absorption: what T lacks is reflected.
     fn ink(made: &MadeUp, realisations: usize, absorbed: [f64; 2], seed: u64) -> InkOnPaper {
         let mut draws = Draws::new(seed, 5);
         let sequence = Sequence::<2>::new(seed);
@@ -209,8 +212,8 @@ mod tests {
         InkOnPaper::new((layer, &solved), None, &inputs).unwrap()
     }
 
-    /// A layer of index 1.5 with these K and S and its faces, whose solves say so in every direction; `straight` is the share of
-    /// T that goes straight on.
+    /// A layer of index 1.5 with these K and S and with faces, the same in every direction;
+    /// `straight` is the unscattered share of T.
     fn diffuse_ink(coefficients: KubelkaMunk, thickness_um: f64, straight: f64) -> InkOnPaper {
         let indices = |_: f64| (num_complex::Complex64::from(1.5), Vec::new());
         let films = Films {
@@ -249,8 +252,9 @@ mod tests {
         certain: true,
     };
 
-    /// Clear varnish has no S: what its faces reflect is none, and its light keeps its direction. *Planted*: R and T with their
-    /// faces would give S = 0.2/µm at 1 µm and half of that at 2 µm.
+    /// Clear varnish has no S: reflection at its faces is not scattering, and its light keeps its
+    /// direction. *Planted*: R and T including the faces would give S = 0.2/µm at 1 µm and half of
+    /// that at 2 µm.
     #[test]
     fn clear_varnish_has_no_coefficients() {
         let clear = |_: f64| (num_complex::Complex64::from(1.5), Vec::new());
@@ -279,7 +283,8 @@ mod tests {
         }
     }
 
-    /// Layers of two fluxes with faces: K and S come back at any thickness; with a share that goes straight on there are none.
+    /// Two-flux layers with faces: K and S are recovered at any thickness; with unscattered light
+    /// there are none.
     #[test]
     fn diffuse_layers_give_their_coefficients_whatever_the_thickness() {
         let want = KubelkaMunk { absorption_per_um: 0.1, scattering_per_um: 2.0 };
@@ -290,7 +295,8 @@ mod tests {
             for row in rows {
                 for (got, want) in [(row.absorption_per_um, 0.1), (row.scattering_per_um, 2.0)] {
                     let bar = got.standard_error.unwrap() / got.value;
-                    // at 4 µm T is 3 %, of which fits over angle and wavelength leave some 1e-4 open: 1 % of S
+                    // at 4 µm T is 3 %; fits over angle and wavelength leave an error of some 1e-4,
+                    // which is 1 % of S
                     assert!((got.value / want - 1.0).abs() < 0.015, "{thickness_um} µm: {row:?}");
                     assert!((MODEL..0.04).contains(&bar), "{thickness_um} µm: {row:?}");
                 }
@@ -301,7 +307,7 @@ mod tests {
         }
     }
 
-    /// Shares of intervals that hold the truth: of K and of S.
+    /// Share of the intervals that contain the true K, and the true S.
     fn covered(seeds: &[Vec<[Estimate; 2]>], truth: &[[Estimate; 2]], factor: f64) -> [f64; 2] {
         let inside = |i: usize| {
             let all = seeds.iter().flat_map(|rows| rows.iter().zip(truth));
@@ -313,8 +319,9 @@ mod tests {
         [inside(0), inside(1)]
     }
 
-    /// Without the part of the model, which these made-up layers follow exactly. *Planted*: replicates whose K stops at 0, the
-    /// normal law's 1.96 in place of Student's factor, and S that is 5 % off, as much as its standard error, are noticed.
+    /// Without the error of the model, which these synthetic layers follow exactly. *Planted*:
+    /// replicates whose K stops at 0, 1.96 of the normal distribution instead of Student's factor,
+    /// and S biased by 5 %, as much as its standard error, are detected.
     #[test]
     fn intervals_of_few_realisations_hold_k_and_s() {
         let clear = |_: f64| (num_complex::Complex64::from(1.5), Vec::new());
@@ -329,7 +336,7 @@ mod tests {
         let exact = MadeUp { films: films(), strata: 12, wavelengths: 10, noise: 0.0 };
         let sure =
             Uncertainty { grid: GridError::default(), residual: 0.0, missing_cells: 0.0, certain: false };
-        // what the made-up layer sends back is all its own: no faces to take off, and the model is exact
+        // the synthetic layer has no faces, and follows the model exactly
         let none = [DiffuseFaces::default(); 4];
         let rows = |ink: &InkOnPaper| -> Vec<[Estimate; 2]> {
             let part = |get| Coefficient { thickness_um: 1.0, faces: &none, get }.computed(ink, &sure);
@@ -356,7 +363,8 @@ mod tests {
         let biased: Vec<[Estimate; 2]> = truth.iter().map(|[k, s]| [*k, more(s)]).collect();
         let [_, biased] = covered(&seeds, &biased, student);
         println!("held: K {k:.3}, S {s:.3}; stopped {stopped:.3}, normal {normal:.3?}, biased {biased:.3}");
-        // Significance: 95 % of 150 studies scatter by 1.8 %, wavelengths of one study belong together; K at 0 may be held more often.
+        // Significance: 95 % of 150 studies scatter by 1.8 %, and wavelengths of one study are
+        // correlated; K at 0 may be covered more often.
         assert!((0.90..=1.0).contains(&k) && (0.90..=0.995).contains(&s), "{k} {s}");
         assert!(
             stopped < 0.90 && normal[1] < 0.92 && biased < 0.9,
@@ -364,7 +372,8 @@ mod tests {
         );
     }
 
-    /// Errors of R and T with unknown signs: in a layer without absorption they are opposite, and S errs by both.
+    /// Errors of R and T with unknown signs: in a layer without absorption they are opposite, and
+    /// both contribute to S.
     #[test]
     fn opposite_errors_of_r_and_t_do_not_cancel_in_s() {
         let s = |r: f64, t: f64| KubelkaMunk::continued(r, t, 1.0).unwrap().scattering_per_um;

@@ -1,18 +1,21 @@
-//! What is fitted over the angles: functions of one cosine, of two, and of the azimuth between their planes.
+//! Functions fitted over the angles: of one cosine, of two, and of the azimuth between their
+//! planes.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Functions that a curve over the angle has besides its values at 0° and 45°.
+/// Number of functions of a curve, in addition to its values at 0° and 45°.
 pub const BENDS: usize = 2;
-/// Symmetric functions of both cosines that the diffuse BRDF has.
+/// Number of symmetric functions of both cosines in the diffuse BRDF.
 pub const SYMMETRIC: usize = 6;
-/// With the antisymmetric ones that it has where polarised light comes in and all light is seen.
+/// Number of functions including the antisymmetric ones, which occur for polarised incident light
+/// if both polarisations are observed.
 pub const DIFFUSE: usize = 9;
-/// Functions of the azimuth between both planes that it has besides.
+/// Number of functions of the azimuth between the planes.
 pub const AZIMUTHAL: usize = 4;
 
-/// A curve over μ: weights of its values at 0° and 45° (Lagrange through these and zero at grazing, where every layer reflects all), and
-/// functions that vanish at all three.
+/// Basis of a curve over μ: weights of its values at 0° and 45° (Lagrange polynomials through these
+/// and zero at grazing, where every layer reflects everything), and functions that vanish at all
+/// three.
 pub fn anchor_weights(mu: f64) -> ([f64; 2], [f64; BENDS]) {
     let print = FRAC_1_SQRT_2;
     let normal = mu * (mu - print) / (1.0 - print);
@@ -21,7 +24,8 @@ pub fn anchor_weights(mu: f64) -> ([f64; 2], [f64; BENDS]) {
     ([normal, slanted], std::array::from_fn(|b| bend * mu.powi(b as i32)))
 }
 
-/// Polynomials of both cosines, at most of the second degree in each, that do not change when they are exchanged (reciprocity).
+/// Polynomials of both cosines, at most of second degree in each, symmetric under exchange
+/// (reciprocity).
 pub fn symmetric(x: f64, y: f64) -> [f64; SYMMETRIC] {
     let (sum, product) = (x + y, x * y);
     [1.0, sum, product, x * x + y * y, product * sum, product * product]
@@ -34,8 +38,9 @@ pub fn diffuse_functions(lit: f64, seen: f64) -> [f64; DIFFUSE] {
     [one, sum, product, squares, mixed, fourth, apart, apart * sum, apart * product]
 }
 
-/// Functions of both cosines and of s = sin θ_i sin θ_o cos Δφ without a mean over Δφ, that do not change when the directions are
-/// exchanged: cos Δφ with its first bends, and cos 2Δφ. The powers of the sines keep f smooth at the normal.
+/// Functions of both cosines and of s = sin θ_i sin θ_o cos Δφ with zero mean over Δφ, symmetric
+/// under exchange of the directions: cos Δφ with first-order corrections, and cos 2Δφ. The powers
+/// of the sines keep f smooth at the normal.
 pub fn azimuthal(x: f64, y: f64, s: f64) -> [f64; AZIMUTHAL] {
     let sines_squared = (1.0 - x * x) * (1.0 - y * y);
     [s, s * (x + y), s * x * y, 2.0 * s * s - sines_squared]

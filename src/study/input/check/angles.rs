@@ -1,4 +1,5 @@
-//! Directions of the light: 0°, 45° and strata over the hemisphere, which paper and picture need, or a list.
+//! Directions of the light: 0°, 45° and strata over the hemisphere, as paper and picture need them,
+//! or a list.
 
 use super::light::check_list;
 use crate::appearance::paper::Coupling;
@@ -8,9 +9,9 @@ use crate::input::file::{AnglesTable, StudyFile};
 use crate::input::limits;
 use crate::input::study::Angles;
 
-/// Directions unless told: three strata besides 0° and 45°.
+/// Default number of directions: 0°, 45° and three strata.
 const USUAL_COUNT: usize = 5;
-/// Directions that are no strata.
+/// Number of directions that are not strata.
 const EXACT: usize = 2;
 
 pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angles {
@@ -44,7 +45,7 @@ pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angl
     }
 }
 
-/// Listed angles carry paper and colour where 0° and 45° are among them and the surroundings allow it.
+/// Listed angles allow paper and colour if they include 0° and 45° and the surroundings permit it.
 fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Angles {
     let table = &file.angles;
     let missing: Vec<&str> = [(0.0, "0"), (PRINT_DEG, "45")]
@@ -77,13 +78,14 @@ fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, couplin
     Angles { strata, exit_strata, no_paper: None, ..alone(&file.angles, exact_deg, String::new()) }
 }
 
-/// A layer between two plane walls with vacuum on both sides is statistically the same from both sides:
-/// its solves from the incident side give Ā_b. A relief or another medium on the exit side breaks that symmetry.
+/// A layer between two plane walls with vacuum on both sides is statistically the same from both
+/// sides: solves from the incident side give Ā_b. A relief or another medium on the exit side
+/// breaks this symmetry.
 fn same_from_both_sides(file: &StudyFile, coupling: Coupling) -> bool {
     coupling == Coupling::Gap && file.layer.relief.is_none()
 }
 
-/// The picture is of an ink in air, on paper behind a gap of air or in contact with it.
+/// The picture shows an ink in air, on paper behind an air gap or in contact with it.
 fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
     let otherwise = "list angles.polar_deg for a study without paper and picture";
     if file.layer.index_in != 1.0 {

@@ -1,10 +1,10 @@
-//! Files whose rows lie far apart: they may be meant so, and are told of.
+//! Warns of measured files whose rows are far apart, which may be intended.
 
 use crate::input::study::{IndexSpectrum, Study};
 use crate::material::gaps::widest_gap_nm;
 use crate::material::spectra::Spectrum;
 
-/// A remark for every file with a wide gap inside the study's wavelengths, once.
+/// One remark for every file with a wide gap within the study's wavelengths.
 pub fn bridged(study: &Study) -> Vec<String> {
     let (Some(&from), Some(&to)) = (study.wavelengths_nm.first(), study.wavelengths_nm.last()) else {
         return Vec::new();
@@ -34,7 +34,7 @@ fn of_measured(study: &Study, range: [f64; 2]) -> Option<String> {
 fn words(file: &str, [from, to]: [f64; 2]) -> String {
     let width = to - from;
     format!(
-        "{file}: no row between {from} and {to} nm; a straight line bridges these {width} nm: \
+        "{file}: no row between {from} and {to} nm; these {width} nm are interpolated linearly: \
          add rows every 10 or 20 nm if the spectrum bends there"
     )
 }

@@ -1,4 +1,5 @@
-//! How many grains a pigment's share makes: neither none nor more than can be packed.
+//! Checks that a pigment's volume fraction requires at least one grain and no more than can be
+//! packed.
 
 use crate::ink::PigmentGrains;
 use crate::ink::packing::sizes::{MORE_ROOM, MOST_GRAINS, too_few_grains};
@@ -6,10 +7,11 @@ use crate::input::fault::{Fault, Faults};
 use crate::input::file::LayerTable;
 use crate::input::variation::{AREA, CellRule};
 
-/// No cell that is widened to hold a grain gets an area above this: sides of 1000 µm are the largest allowed.
+/// Maximum area of a cell that is enlarged to hold a grain: sides of 1000 µm are the largest
+/// allowed.
 const WIDEST_UM2: f64 = 1e6;
 
-/// Notes a fault of `size` or `share`, the fields by their names, when grains are too many or too few.
+/// Reports an error in the field `size` or `share` if there are too many or too few grains.
 pub(super) fn check(
     [size, share]: [String; 2],
     grains: &PigmentGrains,
@@ -17,7 +19,7 @@ pub(super) fn check(
     faults: &mut Faults,
 ) {
     let thickness_um = layer.thickness_um.mean();
-    // A cell that is no cell has its own fault.
+    // an invalid cell is reported separately
     if ![x, y, thickness_um].iter().all(|length| length.is_finite() && *length > 0.0) {
         return;
     }

@@ -1,4 +1,4 @@
-//! Refractive indices: from a number, a built-in spectrum or the user's table to one value per wavelength.
+//! Refractive indices: evaluates a number, a built-in spectrum or a table at every wavelength.
 
 use crate::input::fault::{Fault, Faults, keys_in_words};
 use crate::input::forms::IndexWritten;
@@ -12,7 +12,7 @@ use crate::numerics::allowed::shown;
 use num_complex::Complex64;
 use std::path::Path;
 
-/// What indices are wanted at, and where their tables are.
+/// Wavelengths at which indices are needed, and where to find their tables.
 #[derive(Clone, Copy)]
 pub struct Tabulation<'a> {
     pub wavelengths_nm: &'a [f64],
@@ -20,7 +20,8 @@ pub struct Tabulation<'a> {
 }
 
 impl Tabulation<'_> {
-    /// The index at every wavelength; after a fault, 1 everywhere (the study is refused then).
+    /// The index at every wavelength; 1 everywhere after an error, which makes the study invalid
+    /// anyway.
     pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> IndexSpectrum {
         let vacuum = || vacuum(self.wavelengths_nm.len());
         let Some(spectrum) = spectrum(field, written, self.folder, faults) else { return vacuum() };
@@ -29,7 +30,7 @@ impl Tabulation<'_> {
             return vacuum();
         }
         let values = self.wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
-        // Wavelengths that are no numbers have their own fault.
+        // invalid wavelengths are reported separately
         let Ok(index) = values.collect::<Result<Vec<_>, _>>() else { return vacuum() };
         if let Some(fault) = unsound(field, &index, self.wavelengths_nm) {
             faults.push(fault);
@@ -40,7 +41,7 @@ impl Tabulation<'_> {
     }
 }
 
-/// The index 1 at so many wavelengths.
+/// The index 1 at this number of wavelengths.
 fn vacuum(wavelengths: usize) -> IndexSpectrum {
     IndexSpectrum {
         source: String::new(),
@@ -51,13 +52,14 @@ fn vacuum(wavelengths: usize) -> IndexSpectrum {
     }
 }
 
-/// What to write where a file has κ alone.
+/// What to write for a file without n.
 const BESIDE_CSV: &str = "write n beside the file where it has k alone: { csv = \"…\", n = 1.4 }";
 const BESIDE_YAML: &str = "write n beside the file where it has k alone: { yaml = \"…\", n = 1.4 }";
-/// Neither part of any medium's index exceeds this between 100 nm and 10 µm: aluminium reaches 25 + 90i.
+/// Between 100 nm and 10 µm neither part of any medium's index exceeds this: aluminium reaches 25 +
+/// 90i.
 const LARGEST_PART: f64 = 100.0;
 
-/// An index that no passive medium has: records are taken as they come, and their formulas have poles.
+/// Refuses indices that no passive medium has: the formulas of records may have poles.
 fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
     let sound = |eta: &Complex64| eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART;
     let i = index.iter().position(|eta| !sound(eta))?;
@@ -67,11 +69,11 @@ fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<F
     Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both at most 100", remedy))
 }
 
-/// The spectrum's name; a transparent constant without its zero.
+/// Name of the spectrum; a transparent constant without its zero imaginary part.
 fn source(spectrum: &Spectrum) -> String {
     match spectrum {
         Spectrum::Constant { n, kappa: 0.0 } => n.to_string(),
-        // The file's name alone: the same table is the same material wherever it lies.
+        // only the file name: the same table is the same material in any folder
         Spectrum::Tabulated(_) | Spectrum::Recorded(_) => Path::new(&spectrum.name())
             .file_name()
             .map_or_else(|| spectrum.name(), |name| name.to_string_lossy().into_owned()),
@@ -94,7 +96,7 @@ fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Fau
     }
 }
 
-/// No form of an index, or more than one.
+/// Reports that no form of an index is given, or more than one.
 fn unclear(field: &str, written: &IndexWritten) -> Fault {
     let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
                    with n beside a file of k alone";
@@ -128,7 +130,7 @@ fn built_in(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
     found
 }
 
-/// A measured material of the program's list.
+/// A measured material that comes with the program.
 fn material(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
     let found = Spectrum::material(name).ok();
     if found.is_none() {
@@ -140,12 +142,12 @@ fn material(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
     found
 }
 
-/// A table, with n beside it where it has κ alone.
+/// A table, with a separate n if it contains only κ.
 fn from_csv(field: &str, (path, n): (&Path, Option<f64>), faults: &mut Faults) -> Option<Spectrum> {
     Spectrum::from_csv(path, n).map_err(|error| faults.push(csv_fault(field, path, &error))).ok()
 }
 
-/// A record, with n beside it where it has k alone.
+/// A record, with a separate n if it contains only k.
 fn from_yaml(field: &str, (path, n): (&Path, Option<f64>), faults: &mut Faults) -> Option<Spectrum> {
     Spectrum::from_yaml(path, n).map_err(|error| faults.push(yaml_fault(field, &error))).ok()
 }

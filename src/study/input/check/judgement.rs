@@ -1,4 +1,4 @@
-//! What the prediction is held against: conditions, a target, a measured spectrum.
+//! What the prediction is compared with: conditions, a target colour, a measured spectrum.
 
 use crate::appearance::error::ColourError;
 use crate::appearance::viewing::{Summation, Viewing};
@@ -44,23 +44,23 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
     Judgement { viewing, target_lab, measured }
 }
 
-/// What a file with several samples leaves open.
+/// Remark on a file with several samples.
 pub fn first_of_several(file: &StudyFile, judgement: &Judgement) -> Option<String> {
     let measured = judgement.measured.as_ref().filter(|m| m.patches > 1 && file.compare.patch.is_none())?;
     Some(format!(
-        "compare.measured: taken is {}; compare.patch = \"…\" takes another by its name",
+        "compare.measured: using {}; compare.patch = \"…\" selects another by name",
         measured.source
     ))
 }
 
-/// Equal steps, to the rounding of written numbers.
+/// Whether the steps are equal, up to rounding of the written numbers.
 fn is_even(wavelengths_nm: &[f64]) -> bool {
     let steps = || wavelengths_nm.windows(2).map(|pair| pair[1] - pair[0]);
     let first = steps().next().unwrap_or(0.0);
     steps().all(|step| (step - first).abs() < 1e-6)
 }
 
-/// A spectrum that answers at none of the study's wavelengths.
+/// Refuses a spectrum that covers none of the study's wavelengths.
 fn elsewhere(measured: &MeasuredSpectrum, wavelengths_nm: &[f64]) -> Option<Fault> {
     let [low, high] = measured.range_nm();
     let none = !wavelengths_nm.is_empty() && wavelengths_nm.iter().all(|&nm| measured.at(nm).is_none());
@@ -79,7 +79,7 @@ fn viewing(file: &StudyFile, faults: &mut Faults) -> Viewing {
     })
 }
 
-/// A light or an observer that is not known.
+/// Reports an unknown illuminant or observer.
 fn viewing_fault(error: ColourError) -> Fault {
     let remedy = "write for example illuminant = \"D50\", observer = \"2\"";
     match error {
@@ -99,21 +99,22 @@ fn target(file: &StudyFile, faults: &mut Faults) -> Option<[f64; 3]> {
     Some(lab)
 }
 
-/// Lab that a print may have.
+/// Allowed Lab values of a print.
 const LAB: &str = "L* from 0 to 150, a* and b* from -300 to 300";
 
 fn is_lab(lab: [f64; 3]) -> bool {
     (0.0..=150.0).contains(&lab[0]) && lab.iter().all(|x| x.abs() <= 300.0)
 }
 
-/// The colour in a measured file that has Lab alone; what else is wrong with the file shows where its spectrum is read.
+/// The colour in a measured file without spectra; other errors of the file are reported when its
+/// spectrum is read.
 fn measured_colour(file: &StudyFile, folder: &Path) -> Option<Result<MeasuredColour, String>> {
     let path = folder.join(file.compare.measured.as_ref()?);
     let bytes = files::read_bytes(&path, files::TABLE).ok()?;
     MeasuredColour::parse(&String::from_utf8_lossy(&bytes), file.compare.patch.as_deref()).transpose()
 }
 
-/// The target that a measured colour is, if it is meant under the study's conditions and is the only one.
+/// The measured colour as a target, if it refers to the study's conditions and is the only one.
 fn wanted(
     colour: Result<MeasuredColour, String>,
     viewing: &Viewing,

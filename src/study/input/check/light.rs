@@ -1,4 +1,4 @@
-//! The wavelengths, and how they are sampled.
+//! The wavelengths and their sampling.
 
 use super::whole;
 use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
@@ -9,10 +9,10 @@ use crate::input::limits::LONGEST_LIST;
 use crate::input::variation::LightRule;
 use crate::numerics::allowed::shown;
 
-/// Rounding of wavelengths, nm.
+/// Tolerance of wavelengths, nm, for rounding.
 const SLACK_NM: f64 = 1e-6;
 
-/// Wavelengths unless told, nm: from, to, step.
+/// Default wavelengths, nm: from, to, step.
 const VISIBLE: [f64; 3] = [400.0, 700.0, 20.0];
 
 pub fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
@@ -46,7 +46,7 @@ fn neither_list_nor_range(light: &LightTable) -> Fault {
     Fault::new("light", found, allowed, remedy)
 }
 
-/// A range whose last step does not end at `to_nm`.
+/// Remark on a range whose last step does not end at `to_nm`.
 pub fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String> {
     let (to, step, &last) = (light.to_nm.unwrap_or(VISIBLE[1]), light.step_nm?, wavelengths_nm.last()?);
     let count = wavelengths_nm.len() - 1;
@@ -59,19 +59,19 @@ pub fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String
     None
 }
 
-/// Spectra that end inside the visible range and still carry a colour.
+/// Remark on spectra that end inside the visible range but still give a colour.
 pub fn colour_is_extrapolated(wavelengths_nm: &[f64]) -> Option<String> {
     let [from, to] = COLOUR_RANGE_NM;
     let (&first, &last) = (wavelengths_nm.first()?, wavelengths_nm.last()?);
     let short = first > from + SLACK_NM || last < to - SLACK_NM;
     let remark = format!(
-        "light: the wavelengths reach from {first} to {last} nm, and colours need {from} to {to} nm: the ends of the spectra stand for \
-         the rest, and the error bars of colours hold what it could be"
+        "light: the wavelengths reach from {first} to {last} nm, and colours need {from} to {to} nm: the spectra are continued by their \
+         values at the ends, and the error bars of colours include what the rest could be"
     );
     (short && Colorimeter::new(wavelengths_nm).is_ok()).then_some(remark)
 }
 
-/// No wavelengths where the range has a fault: what depends on them is not judged then.
+/// The wavelengths of a range; empty after an error, so that nothing depending on them is checked.
 fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f64> {
     let before = faults.0.len();
     faults.number("light.step_nm", step, limits::STEP_NM, "20 is usual");
@@ -85,7 +85,7 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
         let allowed = format!("a step that gives fewer than {LONGEST_LIST} wavelengths");
         faults.push(Fault::new("light.step_nm", shown(step), allowed, "20 is usual"));
     }
-    // One wavelength where a range is written is a slip, not a wish.
+    // a range with a single wavelength is a mistake
     if faults.0.len() == before && to > from && count == 0.0 {
         let allowed = format!("at most to_nm - from_nm = {} nm", to - from);
         let remedy = "20 is usual; for one wavelength write wavelengths_nm = [550]";
@@ -97,7 +97,7 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
     (0..=count as usize).map(|i| from + i as f64 * step).collect()
 }
 
-/// A list must have entries, all allowed and rising.
+/// Checks that a list has entries, all allowed and increasing.
 pub fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults: &mut Faults) {
     if list.is_empty() || list.len() > LONGEST_LIST {
         let found = format!("{} entries", list.len());
@@ -117,7 +117,7 @@ pub fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, fau
     }
 }
 
-/// Ranges are shifted from realisation to realisation, lists are solved as they are.
+/// Wavelengths of a range are shifted between realisations, those of a list are used as they are.
 pub fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Faults) -> LightRule {
     let last = wavelengths_nm.len().saturating_sub(1);
     let range = light.wavelengths_nm.is_none() && light.sampling == SamplingName::Shifted && last > 0;

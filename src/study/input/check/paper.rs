@@ -1,4 +1,4 @@
-//! The paper: its albedo as a number, a list or a table, and how it touches the layer.
+//! The paper: its albedo as a number, a list or a table, and its contact with the layer.
 
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::input::fault::{Fault, Faults};
@@ -30,7 +30,7 @@ pub fn paper(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &m
         AlbedoWritten::Csv { csv } => {
             let path = folder.join(csv);
             let rows = read(&path, faults).unwrap_or_default();
-            // The file's name alone: the same table is the same paper wherever it lies.
+            // only the file name: the same table is the same paper in any folder
             let name = path.file_name().map_or_else(|| csv.clone(), |name| name.to_string_lossy().into());
             (name, spectral("paper.albedo.csv", rows, wavelengths_nm, faults))
         }
@@ -38,7 +38,8 @@ pub fn paper(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &m
     Paper { source, albedo, coupling }
 }
 
-/// A table that answers at every wavelength of the study; 0.5 after a fault (the study is refused then).
+/// A table that covers every wavelength of the study; 0.5 after an error, which makes the study
+/// invalid anyway.
 fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &mut Faults) -> Albedo {
     let wrong = rows.iter().position(|row| !(0.0..=1.0).contains(&row[1]));
     if let Some(i) = wrong {
@@ -83,7 +84,7 @@ fn read(path: &Path, faults: &mut Faults) -> Option<Vec<[f64; 2]>> {
     Some(rows.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())
 }
 
-/// A table of albedos that cannot be read.
+/// Reports a table of albedos that cannot be read.
 fn unreadable(path: &Path, error: &csv::Error) -> Fault {
     let found = format!("{} ({error})", path.display());
     let allowed = "a readable table with the header wavelength_nm,albedo";

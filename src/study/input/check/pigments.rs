@@ -1,4 +1,5 @@
-//! Pigments: names, shares, shapes and sizes that fit the layer, and the packing they ask for.
+//! Pigments: names, volume fractions, shapes and sizes that fit into the layer, and the requested
+//! packing.
 
 use super::grain_count;
 use super::index::Tabulation;
@@ -12,7 +13,7 @@ use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
 use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
 
-/// The grains of every pigment that has some.
+/// The pigments with grains.
 pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec<PigmentGrains> {
     let mut all = Vec::new();
     for (i, table) in file.pigments.iter().enumerate() {
@@ -54,7 +55,8 @@ pub fn dissolved(file: &StudyFile, indices: &Tabulation, faults: &mut Faults) ->
     tables.map(dissolved).collect()
 }
 
-/// The binder with what is dissolved in it, over the volume that the grains leave.
+/// The binder with the pigments dissolved in it, whose fractions refer to the volume without
+/// grains.
 pub fn solution(
     binder: IndexSpectrum,
     dissolved: &[Dissolved],
@@ -81,7 +83,7 @@ pub fn solution(
     }
 }
 
-/// As written, or by its place in the file.
+/// The given name, or a numbered one.
 fn name(i: usize, table: &PigmentTable) -> String {
     table.name.clone().unwrap_or_else(|| format!("pigment {}", i + 1))
 }
@@ -90,7 +92,7 @@ pub(super) fn is_molecular(table: &PigmentTable) -> bool {
     matches!(table.diameter_nm, Some(Diameter::Vanishing(_)))
 }
 
-/// The packing of the nominal cell; a fault of its own check is added unless there are others.
+/// The packing of the nominal cell; its own check is made only if there are no other errors.
 pub(super) fn packing(
     file: &StudyFile,
     period_um: [f64; 2],
@@ -116,7 +118,7 @@ pub(super) fn packing(
     request
 }
 
-/// What the packing's own check finds.
+/// The error found by the packing's own check.
 fn packing_fault(request: &PackingRequest) -> Option<Fault> {
     let Err(PackError::BadInput { field, found, allowed, remedy }) = request.check() else { return None };
     let field = if field.starts_with("pigment") { field } else { format!("packing.{field}") };
@@ -130,7 +132,7 @@ fn of(pigment: usize, key: &str) -> String {
 /// A layer and the nominal period of its cells.
 type NominalCell<'a> = (&'a LayerTable, [f64; 2]);
 
-/// The grains of one pigment, whose faults begin at `before`.
+/// The grains of one pigment; `before` errors were found earlier.
 fn grains_of(
     i: usize,
     table: &PigmentTable,
@@ -158,14 +160,14 @@ fn as_written(table: &PigmentTable, size: SizeDistribution) -> PigmentGrains {
     }
 }
 
-/// Nominal period unless told: the usual one, or what the largest grains need, µm.
+/// Default nominal period: the usual one, or what the largest grains require, µm.
 pub(super) fn nominal_period_um(file: &StudyFile) -> f64 {
     let grains = file.pigments.iter().filter(|table| !is_molecular(table));
     let need = grains.filter_map(needed_period_um).fold(USUAL_PERIOD_UM, f64::max);
     (need / PERIOD_STEP_UM - 1e-9).ceil() * PERIOD_STEP_UM
 }
 
-/// Period that a pigment's largest grains need, µm; `None` where their size or shape has a fault.
+/// Period required by a pigment's largest grains, µm; `None` if their size or shape is invalid.
 fn needed_period_um(table: &PigmentTable) -> Option<f64> {
     let grains = as_written(table, sound_size(table)?);
     if grains.shape.defect().is_some() {
@@ -176,7 +178,7 @@ fn needed_period_um(table: &PigmentTable) -> Option<f64> {
     Some(1e-3 * (DIAMETERS * diameter).max(LONGEST * longest))
 }
 
-/// A pigment's distribution of sizes as written; `None` where it has a fault.
+/// A pigment's size distribution; `None` if it is invalid.
 fn sound_size(table: &PigmentTable) -> Option<SizeDistribution> {
     match (table.diameter_nm, &table.size) {
         (Some(Diameter::Nm(nm)), None) if nm > 0.0 => Some(SizeDistribution::diameter_nm(nm)),
@@ -185,13 +187,16 @@ fn sound_size(table: &PigmentTable) -> Option<SizeDistribution> {
     }
 }
 
-/// Usual nominal period, µm: no bias seen in R and T of three inks (40 cells; 1.2 µm has one at 50 %).
+/// Usual nominal period, µm: no bias is seen in R and T of three inks (40 cells; 1.2 µm has one at
+/// 50 %).
 const USUAL_PERIOD_UM: f64 = 1.6;
-/// Mean diameters of the largest grains along a nominal cell: a grain, its neighbours and theirs.
+/// Minimum nominal period in mean diameters of the largest grains: a grain, its neighbours and
+/// theirs.
 const DIAMETERS: f64 = 4.5;
-/// Lengths of the longest grains along a nominal cell: twice the length fits into the shortest side drawn.
+/// Minimum nominal period in lengths of the longest grains: the shortest side drawn is twice the
+/// length.
 const LONGEST: f64 = 3.2;
-/// Nominal periods are whole multiples of it, µm.
+/// Nominal periods are integer multiples of this, µm.
 const PERIOD_STEP_UM: f64 = 0.1;
 
 fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
@@ -212,11 +217,11 @@ fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution
     }
 }
 
-/// Grains fit between the walls and do not meet their own periodic images.
+/// Checks that grains fit between the walls and do not touch their own periodic images.
 fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, faults: &mut Faults) {
     let remedy = "pigment grains measure 50 to 500 nm; take smaller grains or a larger cell";
     if grains.shape.defect().is_some() {
-        // The packing's own check tells of the shape.
+        // the packing's own check reports errors in the shape
         return;
     }
     if let Some((_, found, allowed)) = grains.size.defect() {
@@ -236,7 +241,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
         false => "the layer's thickness",
     };
     let limits = [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um(layer), thinnest)];
-    // A cell that is no cell has its own fault.
+    // an invalid cell is reported separately
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
         let allowed = format!("grains of at most {} nm, {name}", (1e6 * limit).round() / 1e6);
@@ -244,12 +249,12 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
     }
 }
 
-/// The thinnest layer that a realisation may get, µm.
+/// The thinnest layer that a realisation may have, µm.
 fn thinnest_um(layer: &LayerTable) -> f64 {
     layer.thickness_um.mean() - THICKNESS_CUT * layer.thickness_um.std()
 }
 
-/// Thickness and length of the largest grain.
+/// Thickness and length of the largest grain, nm.
 pub fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
     let template = grains.shape.template();
     let largest = grains.size.largest_nm();

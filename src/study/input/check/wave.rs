@@ -1,4 +1,4 @@
-//! What a study of Maxwell's equations may hold, refused before anything is packed.
+//! Refuses studies with Maxwell's equations that cannot be solved, before anything is packed.
 
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
@@ -8,7 +8,7 @@ use crate::solve::SolverChoice;
 use crate::wave::Media;
 use num_complex::Complex64;
 
-/// The limit of vanishing grains of the wave asked for, unless the file says otherwise.
+/// The mixing rule: that of vanishing grains for the chosen wave, unless the file sets another.
 pub(super) fn mixing(file: &StudyFile) -> MixingRule {
     file.layer.mixing.unwrap_or(match file.light.wave.is_vector() {
         true => MixingRule::MaxwellGarnett,
@@ -16,7 +16,7 @@ pub(super) fn mixing(file: &StudyFile) -> MixingRule {
     })
 }
 
-/// Faults of what Maxwell's equations are not solved for.
+/// Reports features that are not available with Maxwell's equations.
 pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     if !study.wave.is_vector() {
         return;
@@ -34,7 +34,7 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
         faults.push(Fault::new("solver.strategy", found, allowed, format!("leave it out, {scalar}")));
     }
     if study.pigments.is_empty() {
-        // Metal films are exact.
+        // metal films are exact
         return;
     }
     let media: Vec<(f64, Media)> =
@@ -52,7 +52,8 @@ fn is_packed(file: &StudyFile, pigment: usize) -> bool {
     !super::pigments::is_molecular(&file.pigments[pigment])
 }
 
-/// The normal-field tensor may be singular in metals, Re η² ≤ 0, and has not been tested there.
+/// Refuses metals, Re η² ≤ 0: the normal-field tensor may be singular there, and has not been
+/// tested.
 fn metal(field: String, mut index: impl Iterator<Item = (f64, Complex64)>, scalar: &str) -> Option<Fault> {
     let (nm, eta) = index.find(|(_, eta)| (eta * eta).re <= 0.0)?;
     let found = format!("{} + {}i at {nm} nm, a metal", eta.re, eta.im);

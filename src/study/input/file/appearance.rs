@@ -1,4 +1,4 @@
-//! The print and how it is seen: paper, colour, what the prediction is held against, output.
+//! The print and its viewing: paper, colour, comparison, output.
 
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::viewing::{Summation, illuminants, observers};
@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperTable {
-    /// 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{ csv = "paper.csv" }` with the
-    /// columns wavelength_nm and albedo.
+    /// Albedo, 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{
+    /// csv = "paper.csv" }` with the columns wavelength_nm and albedo.
     pub albedo: AlbedoWritten,
-    /// What is between ink and paper.
+    /// Contact between ink and paper.
     pub coupling: CouplingName,
 }
 
@@ -25,47 +25,50 @@ impl Default for PaperTable {
     }
 }
 
-/// How layer and paper touch; see [`crate::appearance::paper::Coupling`].
+/// Contact between layer and paper; see [`crate::appearance::paper::Coupling`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CouplingName {
-    /// The paper's model (P1 section 5): a thin air gap, light goes back and forth incoherently.
+    /// The model of the source paper (P1 section 5): a thin air gap, across which light is
+    /// exchanged incoherently.
     #[default]
     Gap,
-    /// The paper's scatterers sit in a medium of `layer.index_out` that touches the layer.
+    /// The paper's scatterers are embedded in a medium of `layer.index_out` that touches the layer.
     OpticalContact,
 }
 
-/// `[colour]`: the conditions of an ink maker's numbers, beside D65 and the 2° observer of everything else.
+/// `[colour]`: conditions of the numbers for ink makers; everything else uses D65 and the 2°
+/// observer.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ColourTable {
-    /// `"D65"` when left out; `"D50"`, `"A"`, `"F11"`, `"LED_B3"` …
+    /// Illuminant (default: `"D65"`), such as `"D50"`, `"A"`, `"F11"`, `"LED_B3"`.
     #[schemars(schema_with = "illuminants", example = &"D65")]
     pub illuminant: Option<String>,
-    /// `"2"` when left out; `"10"`, `"2015_2"`, `"2015_10"`.
+    /// Observer (default: `"2"`): `"10"`, `"2015_2"` or `"2015_10"`.
     #[schemars(schema_with = "observers", example = &"2")]
     pub observer: Option<String>,
-    /// `"plain"` when left out, or `"e308"` for the weights of ASTM E308.
+    /// Summation: `"plain"` (default), or `"e308"` for the weights of ASTM E308.
     pub summation: Summation,
-    /// L*, a*, b* that the print should have under these conditions, at 45:0.
+    /// Target L*, a*, b* of the print under these conditions, at 45:0.
     #[schemars(inner(range(min = -300, max = 300)), example = (85, -10, 80))]
     pub target_lab: Option<[f64; 3]>,
 }
 
-/// `[compare]`: what the prediction is held against.
+/// `[compare]`: what the prediction is compared with.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompareTable {
-    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17. A CxF3 or CGATS.17 file of Lab alone is a
-    /// target, if it states the illuminant and the observer of `[colour]`.
+    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17. A CxF3 or
+    /// CGATS.17 file with Lab but no spectrum is a target, if it states the illuminant and the
+    /// observer of `[colour]`.
     #[schemars(example = &"measured.csv")]
     pub measured: Option<String>,
-    /// Name of the sample in a CxF3 or CGATS.17 file with several; the first when left out.
+    /// Name of the sample in a CxF3 or CGATS.17 file with several (default: the first).
     #[schemars(example = &"yellow 100 %")]
     pub patch: Option<String>,
-    /// What a perfect white has in the file: 1 (`"factor"`) or 100 (`"percent"`). When left out, values up to 1 are factors and values
-    /// above 3 percentages; in between it has to be said.
+    /// Value of a perfect white in the file: 1 (`"factor"`) or 100 (`"percent"`). By default values
+    /// up to 1 are factors and values above 3 percentages; in between the unit is required.
     #[schemars(example = &"percent")]
     pub unit: Option<MeasuredUnit>,
 }
@@ -74,13 +77,13 @@ pub struct CompareTable {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputTable {
-    /// Folder for the results, relative to where the program runs; `out/<study name>` when left out.
+    /// Folder of the results, relative to the working directory (default: `out/<study name>`).
     #[schemars(example = &"out/yellow")]
     pub folder: Option<String>,
     /// Side of the picture's square, pixels.
     #[schemars(transform = limits::PICTURE_PIXELS.mark())]
     pub picture_pixels: usize,
-    /// Whether the picture's strip shows the sky that the layer mirrors.
+    /// Whether the picture's strip includes the sky reflected by the layer.
     pub mirrored_sky: MirroredSky,
 }
 

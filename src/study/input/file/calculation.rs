@@ -1,4 +1,4 @@
-//! How the numbers are come by: realisations, grid, solver.
+//! The calculation: realisations, grid, solver.
 
 use crate::input::forms::strategies;
 use crate::input::limits;
@@ -12,17 +12,20 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunTable {
-    /// Number of independent packings to average over: 24 small varied cells, or 4 fixed ones, when nothing is said.
+    /// Number of independent packings to average over (default: 24 small varied cells, or 4 fixed
+    /// ones).
     #[schemars(transform = limits::REALISATIONS.mark(), example = 24)]
     pub realisations: Option<usize>,
-    /// Ends the run as soon as the 95 % interval of the colours is as narrow as this (ΔE₀₀); `realisations`, 400 then when nothing is said,
-    /// are the most. In a sweep every variant ends with its own bar; processes that share a folder can do so, shards cannot.
+    /// Ends the run as soon as the 95 % interval of the colours is below this (ΔE₀₀);
+    /// `realisations` (default then: 400) is the maximum. In a sweep every variant has its own
+    /// interval; processes that share a folder support this, shards do not.
     #[schemars(transform = limits::TARGET_DELTA_E.mark(), example = 0.5)]
     pub target_delta_e: Option<f64>,
-    /// Which colours `target_delta_e` speaks of. At 45° to the normal few directions are seen, so that colour takes the most cells.
+    /// Colours to which `target_delta_e` applies. Few directions contribute to the colour at 45:0,
+    /// so it needs the most cells.
     pub target_colour: TargetColour,
-    /// Largest share of the packings that may have no room; with more of them there is no result. The error bars hold what the missing
-    /// cells could change at most.
+    /// Largest share of packings that may have no room for their grains; with more there is no
+    /// result. The error bars include the largest effect that the missing cells could have.
     #[schemars(transform = limits::FAILED_PACKINGS.mark())]
     pub failed_packings: f64,
     /// Seed of all random draws.
@@ -41,11 +44,11 @@ impl Default for RunTable {
     }
 }
 
-/// `[resolution]`: a wanted accuracy, or the grid itself.
+/// `[resolution]`: the requested accuracy, or the grid.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ResolutionTable {
-    /// Largest wanted error of any order's complex amplitude.
+    /// Maximum error of any order's complex amplitude.
     #[schemars(transform = limits::ACCURACY.mark(), example = 1e-2)]
     pub accuracy: Option<f64>,
     /// Grid points per µm in x and y.
@@ -54,12 +57,14 @@ pub struct ResolutionTable {
     /// Planes with unknowns per µm in z.
     #[schemars(transform = limits::PER_UM.mark(), example = 30)]
     pub planes_per_um: Option<f64>,
-    /// Whether longer waves have coarser grids, as far as the accuracy allows; from `accuracy = 1e-3` on when nothing is said, where it
-    /// saves a quarter of the time and more. On coarser grids it saves little and leaves a larger error of the grid.
+    /// Whether longer waves use coarser grids, as far as the accuracy allows (default: if
+    /// `accuracy` is 1e-3 or smaller, where it saves a quarter of the time or more). With coarser
+    /// grids it saves little and increases the grid's error.
     #[serde(default)]
     #[schemars(example = true)]
     pub per_wavelength: Option<bool>,
-    /// The discretisation in z of the scalar wave; Maxwell's equations have two moments a cell whatever it says.
+    /// Discretisation of the scalar wave along z; Maxwell's equations always use two moments per
+    /// cell.
     #[serde(default)]
     pub scheme: Scheme,
 }
@@ -68,14 +73,14 @@ pub struct ResolutionTable {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverTable {
-    /// `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
+    /// Strategy: `"krylov"`, or with settings `{ krylov = { restart = 60 } }`.
     #[schemars(schema_with = "strategies", extend("default" = "krylov"))]
     pub strategy: SolverChoice,
-    /// Relative residual at which a solve counts as converged; a tenth of `resolution.accuracy`, at most 1e-3, when left out, 1e-6
-    /// where the grid is given instead.
+    /// Relative residual at which a solve has converged (default: a tenth of
+    /// `resolution.accuracy`, at most 1e-3, or 1e-6 if the grid is given).
     #[schemars(transform = limits::TOLERANCE.mark(), example = 1e-4)]
     pub tolerance: Option<f64>,
-    /// Most operator applications of one solve.
+    /// Maximum number of operator applications per solve.
     #[schemars(transform = limits::APPLICATIONS.mark())]
     pub max_applications: usize,
 }

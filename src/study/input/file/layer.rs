@@ -1,4 +1,4 @@
-//! What the light meets: the cell, its pigments, and how they are packed.
+//! The layer: the cell, its pigments, and their packing.
 
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
@@ -11,38 +11,41 @@ use crate::material::mixing::MixingRule;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[layer]`: the periodic cell and what lies above and below it.
+/// `[layer]`: the periodic cell and the media on both sides of it.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LayerTable {
     /// Whether every realisation has a cell of its own; see [`variation`].
     #[serde(default)]
     pub cell: variation::CellRule,
-    /// Nominal period in x and y, µm: one number or `[x, y]`. Follows from the grains when left out and cells vary.
+    /// Nominal period along x and y, µm: one number or `[x, y]`. For varied cells it follows from
+    /// the grains by default.
     #[schemars(example = 1.6)]
     pub period_um: Option<Pair>,
-    /// Thickness, µm; `{ mean, std }` where it is uneven; a list where it is composed.
+    /// Thickness, µm; `{ mean, std }` if it varies; a list for a composed layer.
     #[schemars(example = 1.0)]
     pub thickness_um: ThicknessWritten,
-    /// The medium between the grains; index 1.558 (P1 section 5) when left out.
+    /// The medium between the grains (default: index 1.558, P1 section 5).
     #[serde(default)]
     pub binder: BinderTable,
-    /// Hard walls at both faces; without them grains wrap around in z as well, for packings alone.
+    /// Hard walls at both faces; without them grains are periodic along z as well, for packings
+    /// only.
     #[serde(default = "yes")]
     pub walls: bool,
-    /// Refractive index of the incident side, the half-space that the light comes from.
+    /// Refractive index of the half-space on the incident side.
     #[serde(default = "vacuum")]
     #[schemars(transform = limits::INDEX.mark())]
     pub index_in: f64,
-    /// Refractive index of the exit side, the half-space behind the layer; 1 for the thin air gap to the paper.
+    /// Refractive index of the half-space on the exit side; 1 for the thin air gap to the paper.
     #[serde(default = "vacuum")]
     #[schemars(transform = limits::INDEX.mark())]
     pub index_out: f64,
-    /// How `"molecular"` pigments mix with the binder: `"volume-average"` for the scalar wave and `"maxwell-garnett"` for
-    /// Maxwell's equations when left out, the limits of vanishing grains of either.
+    /// How `"molecular"` pigments mix with the binder (default: the limit of vanishing grains,
+    /// which is `"volume-average"` for the scalar wave and `"maxwell-garnett"` for Maxwell's
+    /// equations).
     #[schemars(example = &"volume-average")]
     pub mixing: Option<MixingRule>,
-    /// Which part of the contrast in η² scatters: all of it, or its real or imaginary part alone.
+    /// Which part of the contrast in η² scatters: all of it, or only its real or imaginary part.
     #[serde(default)]
     pub contrast: ContrastPart,
     /// Composes the layer of slabs that are solved: for layers of many µm.
@@ -83,7 +86,7 @@ fn yes() -> bool {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BinderTable {
-    /// Its refractive index.
+    /// Refractive index of the binder.
     #[schemars(with = "IndexForms", example = 1.558)]
     pub index: IndexWritten,
 }
@@ -98,47 +101,47 @@ impl Default for BinderTable {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PigmentTable {
-    /// What reports call it; "pigment 1" and so on when left out.
+    /// Name in reports (default: "pigment 1" and so on).
     #[schemars(example = &"yellow")]
     pub name: Option<String>,
-    /// Shape of its grains.
+    /// Shape of the grains.
     #[serde(default)]
     pub shape: Shape,
-    /// Effective diameter of all grains (sphere of equal volume), nm; or `size` instead. `"molecular"` is the
-    /// limit of vanishing grains: nothing is packed, the pigment is dissolved in the binder.
+    /// Effective diameter of all grains (sphere of equal volume), nm; or use `size`. `"molecular"`
+    /// is the limit of vanishing grains: nothing is packed, the pigment is dissolved in the binder.
     #[schemars(example = 250)]
     pub diameter_nm: Option<Diameter>,
     /// Size distribution.
     #[schemars(example = SizeDistribution::diameter_nm(250.0))]
     pub size: Option<SizeDistribution>,
-    /// Share of the layer's volume, 0–1.
+    /// Fraction of the layer's volume, 0–1.
     #[schemars(transform = limits::VOLUME_FRACTION.mark(), example = 0.3)]
     pub volume_fraction: f64,
-    /// Refractive index; packings alone do without.
+    /// Refractive index; not needed for packings only.
     #[serde(default)]
     #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from([("built_in", "yellow")]))]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
     #[serde(default)]
     pub orientation: Orientation,
-    /// Which grains stick together, if any.
+    /// Which grains stick together; by default none.
     pub agglomeration: Option<Agglomeration>,
-    /// How whole grains meet the volume fraction.
+    /// How whole grains reach the volume fraction.
     #[serde(default)]
     pub share: ShareRule,
 }
 
-/// `[packing]`: how the grains come to their places.
+/// `[packing]`: how the grains are placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PackingTable {
-    /// How to pack.
+    /// Packing method.
     pub method: MethodChoice,
     /// Limits of random sequential addition.
     pub sequential: SequentialSettings,
     /// Settings of the relaxation of overlaps.
     pub relaxation: RelaxationSettings,
-    /// Monte Carlo after the packing, if asked.
+    /// Monte Carlo moves after the packing; by default none.
     #[schemars(example = EquilibrationSettings { sweeps: 250 })]
     pub equilibration: Option<EquilibrationSettings>,
 }

@@ -1,4 +1,4 @@
-//! What the light meets: the layer with its materials, and the paper.
+//! The layer with its materials, and the paper.
 
 use super::composed::Composed;
 use crate::appearance::paper::{Albedo, Coupling};
@@ -20,7 +20,7 @@ pub struct Layer {
     pub index_in: f64,
     /// Real index of the exit side.
     pub index_out: f64,
-    /// What is between the grains.
+    /// The medium between the grains.
     pub binder: IndexSpectrum,
     /// Which part of the contrast scatters.
     pub contrast: ContrastPart,
@@ -32,7 +32,7 @@ pub struct Layer {
 /// One kind of grain.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pigment {
-    /// Name, for people.
+    /// Name in reports.
     pub name: String,
     /// Shape, sizes and volume fraction of its grains.
     pub grains: PigmentGrains,
@@ -43,9 +43,9 @@ pub struct Pigment {
 /// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Dissolved {
-    /// Name, for people.
+    /// Name in reports.
     pub name: String,
-    /// Share of the layer's volume.
+    /// Fraction of the layer's volume.
     pub volume_fraction: f64,
     /// The index at each wavelength.
     pub material: IndexSpectrum,
@@ -54,22 +54,22 @@ pub struct Dissolved {
 /// A material by its index n + iκ at every wavelength of the study.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct IndexSpectrum {
-    /// For people: a constant, the name of a built-in spectrum, or the path of a table.
+    /// Name in reports: a constant, a built-in spectrum, or the path of a table.
     pub source: String,
-    /// At the study's wavelengths.
+    /// The index at the study's wavelengths.
     pub index: Vec<Complex64>,
-    /// At any wavelength between them.
+    /// The index at any wavelength in between.
     pub spectrum: Spectrum,
-    /// What is dissolved in it: shares of its own volume, and indices.
+    /// Pigments dissolved in it: fractions of its volume, and indices.
     pub dissolved: Vec<(f64, Spectrum)>,
-    /// How that mixes with it.
+    /// How they are mixed.
     pub mixing: MixingRule,
 }
 
 impl IndexSpectrum {
     /// η at a vacuum wavelength within the study's range.
     pub fn index_at(&self, wavelength_um: f64) -> Complex64 {
-        // the check has proven the ends of the range, and a spectrum answers between its ends
+        // the ends of the range are checked, and a spectrum is defined between its ends
         let of = |spectrum: &Spectrum| spectrum.index(wavelength_um).unwrap_or(Complex64::new(f64::NAN, 0.0));
         let own = of(&self.spectrum);
         if self.dissolved.is_empty() {
@@ -83,10 +83,10 @@ impl IndexSpectrum {
 /// The Lambertian substrate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Paper {
-    /// For people: the albedo itself, or where its table comes from.
+    /// Name in reports: the albedo, or the path of its table.
     pub source: String,
     /// Share of the light that the paper returns.
     pub albedo: Albedo,
-    /// What is between ink and paper.
+    /// Contact between ink and paper.
     pub coupling: Coupling,
 }

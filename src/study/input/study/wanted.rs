@@ -1,4 +1,4 @@
-//! What is wanted of a study: directions, accuracy, the form of the output, and what it is judged by.
+//! What is requested from a study: directions, accuracy, output, and comparison.
 
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::viewing::Viewing;
@@ -10,29 +10,30 @@ use serde::{Deserialize, Serialize};
 /// Directions of the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Angles {
-    /// Polar angles that every realisation is solved at, degrees from the normal, below 90, rising.
+    /// Polar angles common to all realisations, degrees from the normal, below 90, increasing.
     pub exact_deg: Vec<f64>,
-    /// Further directions over the hemisphere of the incident side, one in each equal stratum of cos²θ; 0 where only single
-    /// angles were asked for.
+    /// Number of directions over the hemisphere of the incident side, one in each equal stratum of
+    /// cos²θ; 0 if only single angles are requested.
     pub strata: usize,
-    /// Further directions over the hemisphere of the exit side; 0 where the layer is statistically the same from both sides.
+    /// Number of directions over the hemisphere of the exit side; 0 if the layer is statistically
+    /// the same from both sides.
     pub exit_strata: usize,
-    /// Azimuth of the plane of incidence, degrees; that of a varied cell adds to it.
+    /// Azimuth of the plane of incidence, degrees; that of a varied cell is added.
     pub azimuth_deg: f64,
     /// Largest angle of the picture's axes.
     pub picture_max_deg: f64,
-    /// Why there are neither paper nor colour, where the angles are the reason.
+    /// Why the angles do not allow paper and colour; `None` if they do.
     pub no_paper: Option<String>,
 }
 
 impl Angles {
-    /// Directions that each wavelength is solved at.
+    /// Number of directions per wavelength.
     pub fn count(&self) -> usize {
         self.exact_deg.len() + self.strata + self.exit_strata
     }
 }
 
-/// A wanted accuracy, or the grid itself.
+/// The requested accuracy, or the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WantedResolution {
@@ -42,7 +43,7 @@ pub enum WantedResolution {
         amplitude: f64,
         /// Discretisation along z.
         scheme: Scheme,
-        /// Whether longer waves may have coarser grids.
+        /// Whether longer waves may use coarser grids.
         per_wavelength: bool,
     },
     /// Points and planes per µm.
@@ -57,15 +58,15 @@ pub enum WantedResolution {
 }
 
 impl WantedResolution {
-    /// The discretisation in z.
+    /// The discretisation along z.
     pub fn scheme(&self) -> Scheme {
         match *self {
             Self::Accuracy { scheme, .. } | Self::Grid { scheme, .. } => scheme,
         }
     }
 
-    /// Relative error of the contrast's coefficients that is nothing beside the grid's: a grid of one's own choice may
-    /// be as fine as it likes.
+    /// Relative error of the contrast's Fourier coefficients that is negligible compared with that
+    /// of the grid; a given grid may be arbitrarily fine.
     pub fn coverage_error(&self) -> f64 {
         match *self {
             Self::Accuracy { amplitude, .. } => error_for(amplitude),
@@ -74,23 +75,23 @@ impl WantedResolution {
     }
 }
 
-/// What the results look like; no solve depends on it.
+/// Form of the results; no solve depends on it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Output {
-    /// Folder of the results, if named in the file.
+    /// Folder of the results, if set in the file.
     pub folder: Option<String>,
     /// Side of the picture's square, pixels.
     pub picture_pixels: usize,
-    /// What the specular direction reflects.
+    /// Whether the specular direction includes the reflected sky.
     pub mirrored_sky: MirroredSky,
 }
 
-/// What an ink maker holds the prediction against.
+/// What an ink maker compares the prediction with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
-    /// Light and observer.
+    /// Illuminant, observer and summation.
     pub viewing: Viewing,
-    /// L*, a*, b* wanted at 45:0.
+    /// Target L*, a*, b* at 45:0.
     pub target_lab: Option<[f64; 3]>,
     /// A measured spectrum at 45:0.
     pub measured: Option<MeasuredSpectrum>,

@@ -1,4 +1,4 @@
-//! Solves of probes, and the grid that one of them asks for.
+//! Test solves, and the grids they require.
 
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::Draw;
@@ -9,14 +9,14 @@ use crate::solve::{Coverages, Solver};
 use crate::wave::contrast::coverage::Stop;
 use crate::wave::{Incidence, Mean, Media, Precision, Resolution, Scene, Scheme};
 
-/// What the probes of one packing borrow.
+/// Everything the test solves of one packing borrow.
 pub(super) struct Prepared<'a> {
     study: &'a Study,
     coverages: Coverages<'a>,
     solver: Box<dyn Solver>,
     media: Vec<Media>,
     probes: &'a [Incidence],
-    /// Most bytes of one solve.
+    /// Maximum memory of one solve, bytes.
     memory: f64,
 }
 
@@ -39,7 +39,7 @@ impl<'a> Prepared<'a> {
         probes.map(|(media, incidence)| self.task(media, incidence)).collect()
     }
 
-    /// The solve of one probe.
+    /// The task of one test solve.
     fn task<'b>(&'b self, media: &'b Media, incidence: &'b Incidence) -> Task<'b> {
         Task {
             coverages: &self.coverages,
@@ -54,7 +54,7 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Tries the grid found so far and refines it for this probe where that is asked.
+/// Tries the grid found so far and refines it for this test solve if the accuracy is to be chosen.
 pub(super) fn probe(
     study: &Study,
     draw: &Draw,
@@ -87,7 +87,8 @@ pub(super) fn probe(
     if both == fine { Ok(refined) } else { task.solve_with_estimate(both, watch) }
 }
 
-/// Points and cells for the asked points and planes per µm: at least that fine, in sizes that transform fast.
+/// Grid with at least the requested points and planes per µm, in sizes with fast Fourier
+/// transforms.
 pub(super) fn grid(draw: &Draw, points_per_um: f64, planes_per_um: f64, scheme: Scheme) -> Resolution {
     let points = draw.period_um.map(|period| smooth_size((points_per_um * period).ceil() as usize));
     let planes = planes_per_um * draw.thickness_um;

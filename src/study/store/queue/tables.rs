@@ -1,4 +1,4 @@
-//! The queue's tables in SQLite: the session's work, its workers, its tasks.
+//! The queue's SQLite tables: the work in progress, its workers and its tasks.
 
 use super::QueuedTask;
 use crate::store::slot::Slot;
@@ -6,9 +6,9 @@ use rusqlite::{Connection, ErrorCode, OptionalExtension, Transaction, params};
 use std::path::Path;
 use std::time::Duration;
 
-/// The queue's file among the records.
+/// Name of the queue's file.
 const FILE: &str = "queue";
-/// Turns at the queue are short.
+/// Timeout for other transactions, which are short.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 const TABLES: &str = "
@@ -29,13 +29,13 @@ fn connect(path: &Path) -> rusqlite::Result<Connection> {
     connection.busy_timeout(PATIENCE)?;
     let logged = connection.pragma_update(None, "journal_mode", "wal");
     logged.or_else(|_| connection.pragma_update(None, "journal_mode", "truncate"))?;
-    // The queue is made anew after a crash of the machine.
+    // No flush is needed: after a system crash the queue is rebuilt.
     connection.pragma_update(None, "synchronous", "off")?;
     connection.execute_batch(TABLES)?;
     Ok(connection)
 }
 
-/// A damaged queue is made anew unless others are at it.
+/// Replaces a damaged queue unless other workers are using it.
 fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Result<Connection> {
     let damaged =
         matches!(error.sqlite_error_code(), Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase));
@@ -44,13 +44,13 @@ fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Resul
         return Err(error);
     }
     for suffix in ["", "-wal", "-shm"] {
-        // What cannot be removed shows when the file is opened.
+        // If removal fails, opening the file reports it.
         let _ = std::fs::remove_file(folder.join(format!("{FILE}{suffix}")));
     }
     connect(&folder.join(FILE))
 }
 
-/// The name of the work that a living worker is at.
+/// Name of the work in progress; `None` if no worker is alive.
 pub(super) fn under_way(transaction: &Transaction, folder: &Path) -> rusqlite::Result<Option<String>> {
     if living(transaction, folder)?.is_empty() {
         return Ok(None);
@@ -58,7 +58,7 @@ pub(super) fn under_way(transaction: &Transaction, folder: &Path) -> rusqlite::R
     transaction.query_row("select name from work", [], |row| row.get(0)).optional()
 }
 
-/// Workers of this session that live.
+/// Living workers of this session.
 pub(super) fn living(transaction: &Transaction, folder: &Path) -> rusqlite::Result<Vec<u32>> {
     let mut statement = transaction.prepare_cached("select number, holder from workers")?;
     let all = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
@@ -67,13 +67,13 @@ pub(super) fn living(transaction: &Transaction, folder: &Path) -> rusqlite::Resu
     Ok(all.into_iter().filter(lives).map(|(number, _)| number).collect())
 }
 
-/// A new session of the work called `name`: what is left of an earlier one is forgotten.
+/// Starts a new session of the work called `name` and discards the previous one.
 pub(super) fn begin(transaction: &Transaction, name: &str) -> rusqlite::Result<()> {
     transaction.execute_batch("delete from work; delete from workers; delete from tasks")?;
     transaction.execute("insert into work (name) values (?1)", [name]).map(drop)
 }
 
-/// Tasks that are there under their numbers stay as they are.
+/// Adds tasks; those that exist already are left unchanged.
 pub(super) fn enlist(transaction: &Transaction, first: usize, tasks: &[QueuedTask]) -> rusqlite::Result<()> {
     let sql = "insert or ignore into tasks (id, cost, after) values (?1, ?2, ?3)";
     let mut insert = transaction.prepare_cached(sql)?;
@@ -83,7 +83,7 @@ pub(super) fn enlist(transaction: &Transaction, first: usize, tasks: &[QueuedTas
     Ok(())
 }
 
-/// Signs a worker in; an earlier one at the same place is dead, and its tasks are free.
+/// Registers a worker; a previous one in the same slot is dead, and its tasks are released.
 pub(super) fn enter(transaction: &Transaction, slot: &Slot) -> rusqlite::Result<()> {
     let free = "update tasks set worker = null, solves = 0 where worker = ?1 and not done";
     transaction.execute(free, [slot.number()])?;
@@ -91,7 +91,7 @@ pub(super) fn enter(transaction: &Transaction, slot: &Slot) -> rusqlite::Result<
     transaction.execute(sign_in, params![slot.number(), slot.holder()]).map(drop)
 }
 
-/// The costliest task that nobody holds and that waits for none.
+/// The most expensive free task whose prerequisite is finished.
 pub(super) fn next(transaction: &Transaction) -> rusqlite::Result<Option<usize>> {
     let sql = "select id from tasks where not done and worker is null
         and (after is null or exists (select 1 from tasks as first where first.id = tasks.after and first.done))
@@ -99,12 +99,12 @@ pub(super) fn next(transaction: &Transaction) -> rusqlite::Result<Option<usize>>
     transaction.prepare_cached(sql)?.query_row([], |row| row.get(0)).optional()
 }
 
-/// Gives a task to a worker.
+/// Assigns a task to a worker.
 pub(super) fn take(transaction: &Transaction, task: usize, worker: u32) -> rusqlite::Result<()> {
     transaction.execute("update tasks set worker = ?2 where id = ?1", params![task, worker]).map(drop)
 }
 
-/// Frees the unfinished tasks of workers that no longer live.
+/// Releases the unfinished tasks of dead workers.
 pub(super) fn free_claims_of_the_dead(transaction: &Transaction, folder: &Path) -> rusqlite::Result<()> {
     let living = living(transaction, folder)?;
     let mut statement =

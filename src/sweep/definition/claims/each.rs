@@ -1,11 +1,11 @@
-//! One conclusion asked of every value of an axis.
+//! Repeats a conclusion for every value of an axis.
 
 use crate::input::fault::{Fault, Faults};
 use crate::sweep::definition::axes::Axis;
 use crate::sweep::definition::file::{ConclusionTable, Where};
 use toml::Value;
 
-/// The conclusions one by one, each with the number of the table that it is written in.
+/// All conclusions, each with the index of the table that defines it.
 pub(super) fn expanded(
     tables: &[ConclusionTable],
     axes: &[Axis],
@@ -31,7 +31,7 @@ fn unknown(i: usize, name: &str, axes: &[Axis]) -> Fault {
     Fault::new(format!("conclusion[{i}].each"), format!("{name:?}"), allowed, "name one of the axes")
 }
 
-/// The conclusion for one label; conditions that name the axis themselves keep their own.
+/// The conclusion for one label; conditions that name the axis are left unchanged.
 fn of_label(table: &ConclusionTable, axis: &str, label: &str) -> ConclusionTable {
     let mut one = table.clone();
     one.id = format!("{label}: {}", table.id);

@@ -1,11 +1,12 @@
-//! What the variants must have for a conclusion: its wavelengths, and a target where it asks for the distance to it.
+//! Checks that the variants have what their conclusions need: wavelengths, and a target colour
+//! where the distance to it is compared.
 
 use super::Claim;
 use crate::input::fault::{Fault, Faults};
 use crate::input::study::Study;
 use crate::sweep::definition::file::Quantity;
 
-/// Conclusions that their variants cannot answer.
+/// Reports conclusions that their variants cannot answer.
 pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults) {
     let light: Vec<&[f64]> = studies.iter().map(|study| study.wavelengths_nm.as_slice()).collect();
     check_light(claims, &light, faults);
@@ -19,13 +20,14 @@ pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults)
     }
 }
 
-/// Every variant that a claim speaks of.
+/// All variants of a conclusion.
 fn named(claim: &Claim) -> impl Iterator<Item = &usize> {
     let curve = claim.curve.iter().map(|(_, v)| v);
     claim.plus.iter().chain(&claim.minus).chain(&claim.absorbed_by).chain(curve)
 }
 
-/// A claim about light speaks of wavelengths that its variants are seen at: `wavelengths_nm` has those of each variant.
+/// Checks that the wavelengths of a conclusion are computed; `wavelengths_nm` lists those of each
+/// variant.
 fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Faults) {
     for (i, claim) in claims.iter().enumerate() {
         let one = claim.wavelength_nm.map(|nm| [nm - 1e-6, nm + 1e-6]);
@@ -46,7 +48,8 @@ fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Faults)
     }
 }
 
-/// A range holds wavelength by wavelength, so that all variants must be seen at the same ones of it.
+/// Finds a variant with other wavelengths in the range: ranges are compared wavelength by
+/// wavelength.
 fn uneven(claim: &Claim, i: usize, wavelengths_nm: &[&[f64]], [from, to]: [f64; 2]) -> Option<Fault> {
     let of = |v: usize| -> Vec<f64> {
         wavelengths_nm[v].iter().copied().filter(|nm| (from..=to).contains(nm)).collect()

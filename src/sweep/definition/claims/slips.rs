@@ -1,9 +1,9 @@
-//! Slips in a conclusion's own keys.
+//! Checks the keys of a conclusion.
 
 use crate::input::fault::{Fault, Faults};
 use crate::sweep::definition::file::{ConclusionTable, Over, Quantity};
 
-/// Faults of a conclusion's own numbers: wavelengths, places of a curve, bounds.
+/// Reports errors in a conclusion's numbers: wavelengths, abscissas of a curve, bounds.
 pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
     let spectral = matches!(table.quantity, Quantity::Transmittance | Quantity::Reflectance);
     let mut wrong = |key: &str, found: &str, allowed: &str| {
@@ -43,7 +43,7 @@ pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
         wrong("absolute", "a curve", "sums and differences without a curve");
     }
     if let Some(key) = unowned(table) {
-        wrong(key, "words without a source", "source = \"…\" beside it: whose words these are");
+        wrong(key, "a quotation without a source", "source = \"…\" beside it");
     }
     if table.at_least.is_none() && table.at_most.is_none() {
         wrong("at_least", "nothing", "a bound: at_least, at_most or both");
@@ -66,7 +66,7 @@ pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
     }
 }
 
-/// A key that means nothing without a range.
+/// A key that has no meaning without a range.
 fn range_slip(table: &ConclusionTable) -> Option<&'static str> {
     match table.range_nm {
         Some(_) => None,
@@ -75,7 +75,7 @@ fn range_slip(table: &ConclusionTable) -> Option<&'static str> {
     }
 }
 
-/// A quote that is nobody's.
+/// A quote without a source.
 fn unowned(table: &ConclusionTable) -> Option<&'static str> {
     match table.source {
         Some(_) => None,

@@ -1,13 +1,16 @@
-//! The place on a curve of variants that has a value, such as the diameter of the spheres that an agglomerate acts like.
+//! Finds the place on a curve of variants that has a given value, such as the diameter of the
+//! spheres that act like an agglomerate.
 
 use super::{Claim, no_value};
 use crate::numerics::linked::Linked;
 use crate::sweep::findings::outcome::Outcome;
 
-/// Place of the value, by straight lines between the curve's points; with the errors of the value and of the curve there.
+/// Abscissa of the value on the curve, interpolated linearly, with the errors of the value and of
+/// the curve.
 ///
 /// # Errors
-/// Why there is no such place: values are missing, or the curve reaches the value nowhere, or more than once.
+/// Why there is no such place: values are missing, or the curve does not take the value exactly
+/// once.
 pub(super) fn place(claim: &Claim, outcomes: &[Outcome], value: &Linked) -> Result<Linked, String> {
     let point = |&(at, v): &(f64, usize)| {
         let outcome = &outcomes[v];
@@ -32,7 +35,8 @@ fn on_curve(points: &[(f64, Linked)], wanted: &Linked) -> Result<Linked, String>
     }
 }
 
-/// How much higher the value is than the line between the points moves its place by as much over the slope.
+/// Interpolates between two points; an error of the value or of the curve moves the abscissa by
+/// that error over the slope.
 fn within((from, a): &(f64, Linked), (to, b): &(f64, Linked), wanted: &Linked) -> Linked {
     let [low, high, value] = [a, b, wanted].map(|number| number.estimate.value);
     let slope = (high - low) / (to - from);
@@ -57,7 +61,7 @@ mod tests {
         let points = [(100.0, number(50.0)), (200.0, number(40.0)), (300.0, number(38.0))];
         let found = on_curve(&points, &number(45.0)).unwrap().estimate;
         assert!((found.value - 150.0).abs() < 1e-12);
-        // heights 0.3 and twice 0.15 together 0.367, over a slope of 0.1
+        // heights 0.3 and twice 0.15 add up to 0.367, over a slope of 0.1
         assert!((found.standard_error.unwrap() - 3.674).abs() < 1e-3);
         assert!(on_curve(&points, &number(37.0)).is_err());
         let twice = [(1.0, number(0.0)), (2.0, number(2.0)), (3.0, number(0.5))];
@@ -69,7 +73,7 @@ mod tests {
         let moved = |value: f64| Linked { deviations: [(0, 0.3)].into(), ..number(value) };
         let points = [(100.0, moved(50.0)), (200.0, moved(40.0))];
         let found = on_curve(&points, &moved(45.0)).unwrap().estimate;
-        // rounding of a few additions over the slope
+        // rounding errors of a few additions, over the slope
         assert!(found.standard_error.unwrap() < 1e-12, "{found:?}");
     }
 }

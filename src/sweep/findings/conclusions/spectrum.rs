@@ -1,4 +1,5 @@
-//! A conclusion about a range of wavelengths: it must hold at every one of them, at some, or on their mean.
+//! Conclusions about a range of wavelengths, which must hold at every one of them, at some, or for
+//! their mean.
 
 use super::{Claim, QUANTILE, Verdict, decide, margin, measure, no_value};
 use crate::numerics::estimate::Estimate;
@@ -6,28 +7,28 @@ use crate::numerics::linked::Linked;
 use crate::sweep::definition::file::Over;
 use crate::sweep::findings::outcome::Outcome;
 
-/// Verdict, measured value, remark; or what is missing.
+/// Verdict, measured value and remark; or what is missing.
 type SpectrumFound = Result<(Verdict, Option<Estimate>, String), String>;
 
-/// One wavelength's part.
+/// The result at one wavelength.
 struct AtWavelength {
     nm: f64,
     measured: Estimate,
     verdict: Verdict,
-    /// The verdict that stands even though all wavelengths had their chance to err (Bonferroni).
+    /// Verdict with the Bonferroni correction for the number of wavelengths.
     together: Verdict,
     /// Distance to the nearer bound.
     margin: f64,
 }
 
 impl AtWavelength {
-    /// The distance in standard errors: negative beyond the bound.
+    /// The margin in standard errors, negative beyond the bound.
     fn clearness(&self) -> f64 {
         self.margin / self.measured.standard_error.unwrap_or(f64::INFINITY)
     }
 }
 
-/// The verdict on the wavelengths of a range that count.
+/// Tests a conclusion on the selected wavelengths of its range.
 pub(super) fn judge(
     claim: &Claim,
     outcomes: &[Outcome],
@@ -40,7 +41,7 @@ pub(super) fn judge(
     found.unwrap_or_else(|missing| (Verdict::Undecided, None, missing))
 }
 
-/// The wavelengths that count: all of the range, or those that a variant absorbs well.
+/// The selected wavelengths: the whole range, or those that a variant absorbs well.
 fn wavelengths(claim: &Claim, outcomes: &[Outcome], [from, to]: [f64; 2]) -> Result<Vec<f64>, String> {
     let rows = claim.plus.iter().chain(&claim.minus).flat_map(|&v| &outcomes[v].spectra);
     let mut nm: Vec<f64> = rows.map(|row| row.wavelength_nm).filter(|nm| (from..=to).contains(nm)).collect();
@@ -57,7 +58,7 @@ fn wavelengths(claim: &Claim, outcomes: &[Outcome], [from, to]: [f64; 2]) -> Res
     Ok(nm)
 }
 
-/// Wavelengths whose transmittance is in the lower half between the least and the greatest.
+/// Wavelengths at which the transmittance is below the mean of its smallest and largest value.
 fn absorbed(seen: &[(f64, f64)]) -> Vec<f64> {
     let least = seen.iter().map(|row| row.1).fold(f64::INFINITY, f64::min);
     let most = seen.iter().map(|row| row.1).fold(f64::NEG_INFINITY, f64::max);
@@ -68,7 +69,7 @@ fn at(claim: &Claim, outcomes: &[Outcome], nm: f64) -> Result<(Linked, usize), S
     measure(&Claim { wavelength_nm: Some(nm), ..claim.clone() }, outcomes)
 }
 
-/// The mean over the wavelengths against the bounds.
+/// Tests the mean over the wavelengths.
 fn on_mean(claim: &Claim, outcomes: &[Outcome], nm: &[f64]) -> SpectrumFound {
     let parts = nm.iter().map(|&one| at(claim, outcomes, one)).collect::<Result<Vec<_>, String>>()?;
     let (Some(first), Some(last)) = (nm.first(), nm.last()) else {
@@ -83,7 +84,8 @@ fn on_mean(claim: &Claim, outcomes: &[Outcome], nm: &[f64]) -> SpectrumFound {
     Ok((verdict, Some(mean.estimate), remark))
 }
 
-/// What realisations move is added wavelength by wavelength; the rest, the grid's above all, errs to one side at all of them.
+/// Mean over wavelengths: contributions of realisations are added with their signs; the other
+/// errors, mainly of the grid, have the same sign at all wavelengths.
 fn mean(numbers: &[Linked]) -> Linked {
     let share = 1.0 / numbers.len() as f64;
     let mut mean = Linked::sum(numbers.iter().map(|number| (share, number)));
@@ -118,8 +120,9 @@ fn none([from, to]: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
     (Verdict::Undecided, None, format!("no wavelength of the study from {from} to {to} nm"))
 }
 
-/// Confirmed where every wavelength confirms it (the intersection of tests needs no correction), refuted where one of
-/// them does although all had their chance; measured is the value where it is refuted most clearly, or else nearest to that.
+/// Confirmed if every wavelength confirms it (an intersection of tests needs no correction),
+/// refuted if one refutes it after the Bonferroni correction. The measured value is the one with
+/// the clearest refutation, or the nearest to it.
 fn every(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
     let refuted = parts.iter().filter(|part| part.together == Verdict::Refuted);
     let clearest = refuted.min_by(|a, b| a.clearness().total_cmp(&b.clearness()));
@@ -136,8 +139,8 @@ fn every(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>,
     (verdict, Some(worst.measured), remark + &others)
 }
 
-/// The other way round: confirmed where one wavelength confirms it although all had their chance, refuted where every one
-/// refutes it; measured is the value where it is confirmed most clearly, or else nearest to that.
+/// Confirmed if one wavelength confirms it after the Bonferroni correction, refuted if every one
+/// refutes it. The measured value is the one with the clearest confirmation, or the nearest to it.
 fn some(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
     let confirmed = parts.iter().filter(|part| part.together == Verdict::Confirmed);
     let clearest = confirmed.max_by(|a, b| a.clearness().total_cmp(&b.clearness()));
@@ -153,7 +156,7 @@ fn some(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, 
     (verdict, Some(best.measured), remark + &listed(parts, &[("confirmed", Verdict::Confirmed)]))
 }
 
-/// "; refuted at 500, 520 nm" for each verdict that some wavelengths have and others do not.
+/// Lists the wavelengths of each verdict that only some of them have: "; refuted at 500, 520 nm".
 fn listed(parts: &[AtWavelength], verdicts: &[(&str, Verdict)]) -> String {
     let mut text = String::new();
     for (word, which) in verdicts {

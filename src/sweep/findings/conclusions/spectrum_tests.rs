@@ -1,4 +1,4 @@
-//! Verdicts over a range of wavelengths.
+//! Tests of verdicts over a range of wavelengths.
 
 use super::*;
 
@@ -14,7 +14,7 @@ fn one_wavelength_refutes_what_others_confirm() {
     assert_eq!(verdict, Verdict::Refuted);
     assert_eq!(measured.map(|m| m.value), Some(-1.0));
     assert!(remark.contains("refuted at 520 nm"), "{remark}");
-    // The farther value may be the less certain one.
+    // the more distant value may be the less certain one
     let uncertain = AtWavelength { together: Verdict::Undecided, ..part(540.0, -2.0, Verdict::Undecided) };
     let measured = every(&[part(520.0, -1.0, Verdict::Refuted), uncertain], [520.0, 540.0]).1;
     assert_eq!(measured.map(|m| m.value), Some(-1.0));
@@ -31,7 +31,7 @@ fn one_wavelength_confirms_what_is_said_of_some() {
     assert_eq!((verdict, measured.map(|m| m.value)), (Verdict::Confirmed, Some(1.0)));
     assert!(remark.contains("confirmed at 500 nm"), "{remark}");
     assert_eq!(some(&parts[1..], [520.0, 520.0]).0, Verdict::Refuted);
-    // certain by itself, not as one of many
+    // certain on its own, but not as one of many
     let lucky = AtWavelength { together: Verdict::Undecided, ..part(500.0, 0.21, Verdict::Confirmed) };
     assert_eq!(some(&[lucky, part(520.0, -1.0, Verdict::Refuted)], [500.0, 520.0]).0, Verdict::Undecided);
     assert_eq!(some(&[], [1.0, 2.0]).0, Verdict::Undecided);
@@ -39,12 +39,12 @@ fn one_wavelength_confirms_what_is_said_of_some() {
 
 #[test]
 fn what_absorbs_well_is_the_lower_half_of_the_transmittance() {
-    // between 0.3 and 0.9: up to 0.6
+    // lower half between 0.3 and 0.9: up to 0.6
     let seen = [(400.0, 0.3), (450.0, 0.6), (500.0, 0.61), (550.0, 0.9)];
     assert_eq!(absorbed(&seen), [400.0, 450.0]);
 }
 
-/// *Planted*: with the grids' parts added as if independent the first error is 0.2 / √2.
+/// *Planted*: if the grid errors were added as independent, the first error would be 0.2 / √2.
 #[test]
 fn grids_err_to_one_side_at_all_wavelengths_of_a_mean() {
     let number = |by: f64, error: f64| Linked {
@@ -52,8 +52,8 @@ fn grids_err_to_one_side_at_all_wavelengths_of_a_mean() {
         deviations: [(0, by)].into(),
     };
     let error = |numbers: &[Linked]| mean(numbers).estimate.standard_error.unwrap();
-    // a few additions
+    // rounding errors of a few additions
     approx::assert_relative_eq!(error(&[number(0.0, 0.2), number(0.0, 0.2)]), 0.2, max_relative = 1e-12);
-    // one realisation moves the two wavelengths against each other
+    // the realisation moves the two wavelengths in opposite directions
     approx::assert_abs_diff_eq!(error(&[number(0.3, 0.3), number(-0.3, 0.3)]), 0.0, epsilon = 1e-12);
 }

@@ -1,9 +1,9 @@
-//! Inequalities as people write them.
+//! Inequalities as text.
 
 use super::{Claim, Outcome, Quantity};
 use crate::sweep::definition::file::Over;
 
-/// The bounds in words, such as "C*(a) − C*(b) ≥ 5".
+/// The inequality of a conclusion, such as "C*(a) − C*(b) ≥ 5".
 pub(super) fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
     let at = match (claim.wavelength_nm, claim.range_nm) {
         (Some(nm), _) => format!("{nm:.0}"),
@@ -41,7 +41,7 @@ fn bounded(claim: &Claim, what: &str) -> String {
     }
 }
 
-/// Which wavelengths of a range count, and how; nothing where all of them do.
+/// Describes the selected wavelengths; empty if the whole range counts.
 fn wavelengths(claim: &Claim, outcomes: &[Outcome]) -> String {
     let over = match claim.over {
         Over::Every => "",

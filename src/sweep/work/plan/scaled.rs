@@ -1,4 +1,5 @@
-//! What a variant costs by its size alone, where no trial ends in time: unknowns × operator applications, and spheres to pack.
+//! Estimates the cost of a variant from its size, where no trial finishes in time: unknowns ×
+//! operator applications, and spheres to pack.
 
 use super::trial::{Trial, density, volume};
 use crate::input::study::{Study, WantedResolution};
@@ -7,21 +8,24 @@ use crate::solve::accuracy::smooth_size;
 use crate::wave::Resolution;
 use std::f64::consts::TAU;
 
-/// Core seconds of an operator application with the strategy's own work, a component of the field and unknown: krylov, inks of
-/// 30 % (`study/bdf_point` and `strategy/krylov` of reports/benchmarks).
+/// Core seconds of an operator application, including the strategy's own work, per field component
+/// and unknown: krylov, inks of 30 % (`study/bdf_point` and `strategy/krylov` of
+/// reports/benchmarks).
 const APPLICATION: f64 = 4e-8;
-/// Core seconds of the coverage a grid point (`geometry/coverage` there).
+/// Core seconds of the coverage per grid point (`geometry/coverage` there).
 const COVERAGE: f64 = 1.5e-6;
-/// Core seconds of a sphere put down, and of one among relaxing neighbours (`geometry/packing` there).
+/// Core seconds to place a sphere, and to relax one among its neighbours (`geometry/packing`
+/// there).
 const SPHERE: [f64; 2] = [2e-5, 1e-3];
-/// Volume fraction from which grains are relaxed.
+/// Volume fraction above which grains are relaxed.
 const RELAXED: f64 = 0.25;
-/// Solves with their coverages that a search for the grid is worth.
+/// Cost of a grid search, in solves including their coverages.
 const SEARCH: f64 = 12.0;
-/// Points and planes a wavelength in the densest medium at an error of 1e-2, where searches end on inks of 30 %.
+/// Points and planes per wavelength in the densest medium for an error of 1e-2, as found by
+/// searches on inks of 30 %.
 const PER_WAVE: [f64; 2] = [4.5, 8.0];
 
-/// Trial of a variant that was not tried.
+/// Estimate for a variant without a trial.
 pub(super) fn scaled(variant: usize, study: &Study) -> Trial {
     let resolution = grid(study);
     let unknowns = size(study, resolution).unknowns();
@@ -44,7 +48,7 @@ pub(super) fn scaled(variant: usize, study: &Study) -> Trial {
     }
 }
 
-/// Points and planes as asked, or as many as the accuracy takes.
+/// The requested grid, or the one that the accuracy is likely to need.
 fn grid(study: &Study) -> Resolution {
     let scheme = study.resolution.scheme();
     let [points_per_um, planes_per_um] = match study.resolution {
@@ -61,7 +65,7 @@ fn grid(study: &Study) -> Resolution {
     Resolution { nx, ny, cells, scheme }
 }
 
-/// Largest |η| of any medium at the shortest wavelength.
+/// Largest |η| of all media at the shortest wavelength.
 fn densest(study: &Study) -> f64 {
     indices(study).map(|eta| eta.norm()).fold(1.0, f64::max)
 }
@@ -70,7 +74,8 @@ fn indices(study: &Study) -> impl Iterator<Item = num_complex::Complex64> {
     study.indices(1e-3 * study.wavelengths_nm[0]).into_iter()
 }
 
-/// Operator applications of a solve: some, and more with the phase that grains and binder differ by through the layer.
+/// Operator applications per solve: a constant, plus a term proportional to the phase difference
+/// between grains and binder across the layer.
 fn applications(study: &Study) -> f64 {
     let um = 1e-3 * study.wavelengths_nm[0];
     let binder = study.layer.binder.index_at(um);
@@ -80,10 +85,11 @@ fn applications(study: &Study) -> f64 {
     (10.0 + APPLICATIONS_A_RADIAN * phase).min(study.goal.max_applications as f64)
 }
 
-/// Of that phase: 17 applications for inks of 1.4 + 0.1i, 1 µm, and hundreds for 2 µm of rutile.
+/// Applications per radian of that phase: 17 applications for inks of 1.4 + 0.1i, 1 µm, and
+/// hundreds for 2 µm of rutile.
 const APPLICATIONS_A_RADIAN: f64 = 5.0;
 
-/// Core seconds of one packing: every sphere of every grain, while the other cores wait.
+/// Core seconds of one packing, proportional to its spheres; the other cores are idle.
 fn packing(study: &Study) -> f64 {
     let spheres = |p: &crate::input::study::Pigment| {
         p.grains.expected(volume(study)) * p.grains.shape.template().spheres.len() as f64

@@ -1,4 +1,4 @@
-//! Trials of single variants: what packing, covering, the search for a grid and a solve cost.
+//! Trials of single variants: the cost of packing, coverage, grid search and solves.
 
 use crate::ink::PigmentGrains;
 use crate::input::check::largest_extents_nm;
@@ -21,15 +21,15 @@ use crate::wave::{Geometry, Precision, Resolution, Scene};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Trials are made in cells of at most this period, µm, or that of twice the longest grain.
+/// Maximum period of a trial cell, µm, unless the longest grain needs more: then twice its length.
 const TRIAL_PERIOD_UM: f64 = 1.6;
-/// Solves are repeated until they have taken so long in all, or are so many.
+/// Solves are repeated until they have taken this long in total.
 const LEAST_SECONDS: f64 = 0.5;
 const MOST_SOLVES: usize = 60;
-/// Cells with more grains are not packed in time.
+/// Cells with more grains cannot be packed in time.
 pub(super) const MOST_GRAINS: f64 = 5e4;
 
-/// Cost of one variant that was tried, in core seconds a µm³.
+/// Cost of a trial variant, in core seconds per µm³.
 pub(crate) struct Trial {
     pub variant: usize,
     pub period_um: [f64; 2],
@@ -39,11 +39,11 @@ pub(crate) struct Trial {
     pub packing: f64,
     pub coverage: f64,
     pub grid: f64,
-    /// Solves that the search for the grid is worth.
+    /// Cost of the grid search, in solves.
     pub search: f64,
     pub solve: f64,
     pub resolution: Resolution,
-    /// What longer waves make of it, as in [`Resolved`](crate::run::resolve::Resolved).
+    /// Coarsening for longer waves, as in [`Resolved`](crate::run::resolve::Resolved).
     pub longer_waves: f64,
 }
 
@@ -51,19 +51,20 @@ pub(crate) fn volume(study: &Study) -> f64 {
     study.layer.period_um[0] * study.layer.period_um[1] * study.layer.thickness_um
 }
 
-/// Grains a µm³, about: what packings cost, and how finely light is scattered.
+/// Approximate number of grains per µm³, which determines the cost of packing and the scale of
+/// scattering.
 pub(crate) fn density(study: &Study) -> f64 {
     let of = |grains: &PigmentGrains| grains.volume_fraction / (1e-3 * grains.size.largest_nm()).powi(3);
     study.pigments.iter().map(|p| of(&p.grains)).sum()
 }
 
-/// The study in a cell as small as a trial's.
+/// The study in the small cell of a trial.
 fn in_small_cell(study: &Study) -> Study {
     let longest =
         study.pigments.iter().map(|p| 2e-3 * largest_extents_nm(&p.grains).1).fold(TRIAL_PERIOD_UM, f64::max);
     let [x, y] = study.layer.period_um;
     if study.variation.cell == CellRule::Varied && x.max(y) <= 2.0 * longest {
-        // Varied cells are as small as they may be, unless a larger period was asked for.
+        // Varied cells already have their minimum size, unless a larger period was requested.
         return study.clone();
     }
     let mut small = study.clone();
@@ -72,12 +73,13 @@ fn in_small_cell(study: &Study) -> Study {
     small
 }
 
-/// Grains of a cell, about.
+/// Approximate number of grains of a cell.
 pub(crate) fn grains(study: &Study) -> f64 {
     study.pigments.iter().map(|p| p.grains.expected(volume(study))).sum()
 }
 
-/// Tries a variant; `alike` is an earlier trial that wanted the same resolution, and has found a grid for it.
+/// Runs the trial of a variant; `alike` is an earlier trial with the same requested resolution,
+/// whose grid is reused.
 pub(crate) fn trial(
     variant: usize,
     full: &Study,
@@ -91,13 +93,14 @@ pub(crate) fn trial(
         return Err(RunError::Stopped);
     }
     let mut packings = Packings::new(&study, watch);
-    // Grains are packed on one core, while the others wait.
+    // Packing uses one core, the others are idle.
     let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
     let packing = packing * rayon::current_num_threads() as f64;
     let (searched, grids) = grid_for(&study, &scene, alike, watch)?;
     let (coverage, covers) = timed(|| covers(&study, &scene, grids, watch))?;
     let solve = time_solves(&study, &covers, jobs, watch)?;
-    // Solves with their coverages that the search was worth; an earlier trial's is as long.
+    // Cost of the search in solves including their coverages; taken from an earlier trial if there
+    // is one.
     let search = match (searched, alike) {
         (None, Some(trial)) => trial.search,
         (seconds, _) => seconds.unwrap_or(0.0) / (coverage + solve).max(1e-9),
@@ -135,7 +138,8 @@ pub(crate) fn covers(
     Wavelength::all(waves, grid, cover)
 }
 
-/// A grid as fine as wanted with what longer waves make of it, and the core seconds of the search for it where there was one.
+/// A grid of the requested resolution with its coarsening for longer waves, and the core seconds of
+/// the search, if any.
 fn grid_for(
     study: &Study,
     scene: &Scene,
@@ -146,22 +150,21 @@ fn grid_for(
         return Ok((None, (full_resolution(trial, study), trial.longer_waves)));
     }
     let store = Store::in_memory()?;
-    let search = || resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone()));
-    let (seconds, found) = timed(search)?;
+    let (seconds, found) = timed(|| resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone())))?;
     Ok((Some(seconds), (found.resolution, found.longer_waves)))
 }
 
-/// Core seconds, and what was made.
+/// Core seconds, and the result.
 fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
     let (clock, before) = (Instant::now(), processor_seconds());
     let made = make()?;
     let wall = clock.elapsed().as_secs_f64();
-    // Ticks of a hundredth of a second say nothing of less than a few of them.
+    // A clock with ticks of 10 ms cannot measure less than a few of them.
     let used = processor_seconds().zip(before).map(|(after, before)| after - before).filter(|&s| s > 0.1);
     Ok((used.unwrap_or(wall), made))
 }
 
-/// Core seconds of one solve, the mean over a few that are spread over wavelengths and angles.
+/// Mean core seconds of a few solves, spread over wavelengths and angles.
 pub(crate) fn time_solves(
     study: &Study,
     covers: &[Wavelength],
@@ -185,7 +188,7 @@ pub(crate) fn time_solves(
     }
 }
 
-/// One solve, whose result is not needed: a failure costs about what a success does.
+/// Runs a solve and ignores its result: a failure costs about as much as a success.
 fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Point, watch: &dyn RunWatch) {
     if let Ok(systems) = systems_of(study, geometry, point) {
         let grid = GridError::default();
@@ -193,7 +196,7 @@ fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Po
     }
 }
 
-/// The points and cells a µm of a trial in another cell.
+/// The points and cells per µm of a trial, applied to another cell.
 pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
     let scaled = |n: usize, axis: usize| match n {
         1 => 1,

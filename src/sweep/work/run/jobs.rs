@@ -1,4 +1,4 @@
-//! The tasks of a sweep: grids of groups, and units.
+//! The tasks of a sweep: choosing the grids of groups, and computing units.
 
 use super::super::units::Unit;
 use super::{GRIDS_FIRST, solves_of};
@@ -6,11 +6,11 @@ use crate::store::queue::QueuedTask;
 use crate::sweep::Sweep;
 use std::collections::BTreeMap;
 
-/// A task of the queue in full.
+/// The content of a task.
 pub(super) enum Job {
-    /// The choice of a group's grids, and the places of the tasks that wait for it.
+    /// Choose the grids of these variants.
     Grids(Vec<usize>),
-    /// A unit, and the place of its group's grids.
+    /// Compute a unit; the index is that of its group's grids.
     Unit(Unit, usize),
 }
 
@@ -21,7 +21,7 @@ impl Job {
             Self::Grids(variants) => {
                 QueuedTask { cost: GRIDS_FIRST * variants.iter().map(volume).sum::<f64>(), after: None }
             }
-            // Until the grid is known.
+            // an estimate until the grid is known
             Self::Unit(unit, grids) => {
                 QueuedTask { cost: solves_of(sweep, unit) as f64, after: Some(*grids) }
             }
@@ -29,7 +29,7 @@ impl Job {
     }
 }
 
-/// Units, and before them the grids of their groups.
+/// The grids of all groups, followed by the units.
 pub(super) fn jobs(units: &[Unit]) -> Vec<Job> {
     let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for unit in units {

@@ -1,10 +1,10 @@
-//! Stages under the name of their variant: several take turns in a sweep.
+//! Labels stages with the name of their variant.
 
 use crate::run::watch::{Event, RunWatch};
 
-/// Passes on what a variant does, its stages with its name.
+/// Forwards events, with the variant's name before each stage.
 pub(super) struct NamedWatch<'a> {
-    /// Stands before every stage.
+    /// Text before every stage.
     pub prefix: &'a str,
     pub watch: &'a dyn RunWatch,
 }

@@ -1,4 +1,4 @@
-//! Progress of a unit, for the screen and for the other workers.
+//! Progress of a unit, for the screen and for other processes.
 
 use super::{BETWEEN_NEWS, Worker};
 use crate::run::watch::{Event, RunWatch};
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Passes on what a unit does, and tells the other workers how far it is.
+/// Forwards the events of a unit and reports its progress to the queue.
 pub(super) struct News<'a> {
     worker: &'a Worker<'a>,
     task: usize,

@@ -1,10 +1,10 @@
-//! Memory that the workers of a process share.
+//! Divides the memory of a process among its workers.
 
 use crate::run::RunError;
 use crate::solve::accuracy::AccuracyError;
 use std::sync::{PoisonError, RwLock};
 
-/// The memory of a process, in bytes.
+/// The memory of a process, bytes.
 #[derive(Debug)]
 pub(super) struct Room {
     whole: f64,
@@ -13,12 +13,13 @@ pub(super) struct Room {
 }
 
 impl Room {
-    /// So many workers share so many bytes.
+    /// Divides `whole` bytes among `workers`.
     pub fn new(whole: f64, workers: usize) -> Self {
         Self { whole, workers: workers.max(1), alone: RwLock::new(()) }
     }
 
-    /// Does `work` in an equal part of the memory; where that is too little, again in all of it, while the others wait.
+    /// Runs `work` with an equal share of the memory; if that is too little, runs it again with all
+    /// of it while the other workers wait.
     pub fn within<T>(&self, mut work: impl FnMut(f64) -> Result<T, RunError>) -> Result<T, RunError> {
         let together = self.alone.read().unwrap_or_else(PoisonError::into_inner);
         let done = work(self.whole / self.workers as f64);

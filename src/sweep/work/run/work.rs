@@ -1,4 +1,4 @@
-//! One realisation of one variant.
+//! The work on one realisation of one variant.
 
 use super::super::stored::stage_key;
 use super::room::Room;
@@ -10,20 +10,20 @@ use crate::run::{RunError, RunSettings, Stores};
 use crate::store::record::FailureRecord;
 use crate::wave::Scene;
 
-/// One realisation of one variant.
+/// The work on one realisation of one variant.
 pub(super) struct Work<'a> {
     pub name: &'a str,
     pub study: &'a Study,
     pub stores: &'a Stores,
     pub settings: RunSettings,
     pub room: &'a Room,
-    /// Names the variant.
+    /// Labels stages with the variant's name.
     pub watch: &'a dyn RunWatch,
     pub realisation: usize,
 }
 
 impl Work<'_> {
-    /// Gives the number of solves without a result.
+    /// Computes the realisation; returns the number of solves without a result.
     pub fn go(&self, packings: &mut Packings) -> Result<usize, RunError> {
         if self.has_failed() {
             return Ok(self.drop_all());
@@ -31,13 +31,13 @@ impl Work<'_> {
         self.realise(packings)
     }
 
-    /// Tells that no solve of the realisation can be made, and gives their number.
+    /// Reports that no solve of the realisation can be computed; returns their number.
     pub fn drop_all(&self) -> usize {
         self.watch.hear(Event::Dropped(self.study.solves_each()));
         self.study.solves_each()
     }
 
-    /// Whether it is recorded that this realisation has no packing or no grid.
+    /// Whether the lack of a packing or grid is recorded for this realisation.
     pub fn has_failed(&self) -> bool {
         let key = stage_key(self.study, self.realisation);
         self.stores.failures.has(key.as_str())
@@ -77,14 +77,14 @@ impl Work<'_> {
         })
     }
 
-    /// Unknowns of a realisation's solves, which its time goes with.
+    /// Number of unknowns of a realisation's solves, to which its time is proportional.
     pub fn cost(&self, resolved: &Resolved) -> f64 {
         let r = resolved.resolution;
         (r.nx * r.ny * r.planes() * self.study.solves_each()) as f64
     }
 }
 
-/// Failures that belong to a variant; all others end the run.
+/// Whether the failure belongs to a variant; all others end the run.
 pub(super) fn is_failure(error: &RunError) -> bool {
     matches!(
         error,
