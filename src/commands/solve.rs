@@ -59,6 +59,10 @@ pub struct SolveArgs {
     /// Memory for one solve, GB
     #[arg(long, default_value_t = 4.0)]
     memory_gb: f64,
+    /// Write grid, media, moments, right-hand side and solution as NumPy arrays (scalar wave):
+    /// python/apply_operator.py applies the operator to them
+    #[arg(long, value_name = "FILE.npz")]
+    export_operator: Option<PathBuf>,
     /// Add `gradients`: derivatives of orders and totals with respect to n and κ of every medium;
     /// `text` prints those of the totals alone
     ///
@@ -67,10 +71,6 @@ pub struct SolveArgs {
     /// `T` of an order are [re, im] of da/dη, from which da/dκ follows by the factor i.
     #[arg(long, value_enum, value_name = "FORM", num_args = 0..=1, default_missing_value = "json")]
     gradient: Option<GradientForm>,
-    /// Write grid, media, moments, right-hand side and solution as NumPy arrays (scalar wave):
-    /// python/apply_operator.py applies the operator to them
-    #[arg(long, value_name = "FILE.npz")]
-    export_operator: Option<PathBuf>,
     #[command(flatten)]
     light: LightArgs,
 }

@@ -91,15 +91,15 @@ impl LayerSeen {
 /// # Errors
 /// None is complete, or as [`NoInk`] says.
 pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
-    let by_cells = complete_cells(study, collected);
-    if by_cells.is_empty() {
+    let cells = complete_cells(study, collected);
+    if cells.is_empty() {
         return Err(NoInk::Unfinished);
     }
-    let solved = by_cell(study, &by_cells, study.wave);
+    let solved = by_cell(study, &cells, study.wave);
     let indices = |nm: f64| indices(study, nm);
-    let films = films(study, mean_profile(&by_cells.concat()), &indices);
+    let films = films(study, mean_profile(&cells.concat()), &indices);
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
-    on_paper(study, (&ensemble, &solved), returned(study, &by_cells).as_deref(), &films)
+    on_paper(study, (&ensemble, &solved), returned(study, &cells).as_deref(), &films)
 }
 
 /// The ink as its coherent film, with the volume fractions asked for in every plane.
