@@ -8,7 +8,7 @@ use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::manifest::{Count, Status};
 use crate::evaluate::summary::program;
 use crate::input::study::{Composed, Study};
-use crate::run::runner::Collected;
+use crate::run::Collected;
 use crate::store::identity::METHOD_VERSION;
 
 /// Slabs of the curve against thickness.
