@@ -1,7 +1,7 @@
 //! Files of a design: `design.json`, the best recipe as a study, and a page.
 
 use super::recipe::{DesignTask, short};
-use super::run::{Answered, DesignOutcome, Verified};
+use super::run::{DesignAnswer, DesignOutcome, Verified};
 use crate::report::page::{made_by, rendered};
 use crate::store::folder::{FolderError, OutputFolder};
 use minijinja::value::Serde;
@@ -58,7 +58,7 @@ impl DesignRow {
         }
     }
 
-    fn answered(answer: &Answered) -> Self {
+    fn answered(answer: &DesignAnswer) -> Self {
         Self {
             hex: None,
             values: answer.values.iter().map(|&x| short(x)).collect(),

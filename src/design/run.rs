@@ -2,7 +2,7 @@
 
 mod map;
 
-pub use map::Answered;
+pub use map::DesignAnswer;
 
 use super::recipe::{DesignTask, short};
 use super::surface::{Spectra3, spectra};
@@ -106,7 +106,7 @@ pub struct DesignOutcome {
     /// Verified recipes, the best one first.
     pub verified: Vec<Verified>,
     /// Recipes of nearly the same colour by the surfaces.
-    pub valley: Vec<Answered>,
+    pub valley: Vec<DesignAnswer>,
     /// Smallest and largest value of every variable in the valley.
     pub valley_ranges: Vec<[f64; 2]>,
     /// Median leave-one-out error of the surfaces, ΔE₀₀.
@@ -252,8 +252,8 @@ impl DesignRun<'_> {
         let answers = map.search(None);
         let least = answers.first().map_or(0.0, |a| a.delta_e_2000);
         let limit = self.task.settings.delta_e.max(least + surface_error);
-        let hides = |a: &Answered| self.task.contrast_ratio.is_none_or(|least| a.contrast_ratio >= least);
-        let valley: Vec<Answered> =
+        let hides = |a: &DesignAnswer| self.task.contrast_ratio.is_none_or(|least| a.contrast_ratio >= least);
+        let valley: Vec<DesignAnswer> =
             answers.into_iter().filter(|a| a.delta_e_2000 <= limit && hides(a)).collect();
         let ends = |i: usize| {
             let all = || valley.iter().map(|a| a.values[i]);

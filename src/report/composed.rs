@@ -4,9 +4,9 @@ use super::cell::{numbers, table};
 use super::page::{FailureRow, Figure, MakerBlock, Meant, Named, Page, Provenance, svg_data};
 use super::sheet;
 use crate::draw::chart::{Chart, Curve, Style};
-use crate::evaluate::composed::level::Solved;
+use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::manifest::{
-    ComposedColours, ComposedManifest, ComposedRow, Judged, MediumRow,
+    ComposedColours, ComposedManifest, ComposedRow, ErrorParts, MediumRow,
 };
 use crate::evaluate::composed::report::report;
 use crate::evaluate::manifest::Status;
@@ -31,7 +31,7 @@ pub struct PublishedLayer {
     /// The medium at every wavelength.
     pub medium: Vec<MediumRow>,
     /// Thickness that hides, µm.
-    pub hiding_thickness_um: Option<Judged>,
+    pub hiding_thickness_um: Option<ErrorParts>,
     /// What to change.
     pub remarks: Vec<String>,
 }
@@ -42,7 +42,7 @@ pub struct PublishedLayer {
 /// Slabs without a complete realisation; files that cannot be written.
 pub fn publish(
     study: &Study,
-    solved: &[Solved],
+    solved: &[SolvedPortion],
     folder: &OutputFolder,
 ) -> Result<PublishedLayer, PublishError> {
     let manifest = report(study, solved).map_err(PublishError::Slabs)?;
@@ -83,7 +83,7 @@ fn is_physical(row: &ComposedRow) -> bool {
 }
 
 /// Names and values of a row.
-fn shares(row: &ComposedRow) -> [(&'static str, Judged); 12] {
+fn shares(row: &ComposedRow) -> [(&'static str, ErrorParts); 12] {
     [
         ("reflectance_normal", row.reflectance_normal),
         ("transmittance_normal", row.transmittance_normal),
@@ -113,7 +113,7 @@ fn spectra<'a>(rows: impl Iterator<Item = &'a ComposedRow> + Clone) -> csv::Resu
 }
 
 /// Names and values of a medium.
-pub fn coefficients(row: &MediumRow) -> [(&'static str, Judged); 8] {
+pub fn coefficients(row: &MediumRow) -> [(&'static str, ErrorParts); 8] {
     [
         ("effective_index", row.effective_index),
         ("coherent_path_um", row.coherent_path_um),
@@ -137,13 +137,13 @@ fn medium(rows: &[MediumRow]) -> csv::Result<Vec<u8>> {
     table(std::iter::once("wavelength_nm".to_owned()).chain(columns), rows.iter().map(line))
 }
 
-fn words(judged: &Judged, decimals: usize) -> String {
+fn words(judged: &ErrorParts, decimals: usize) -> String {
     let certain = judged.standard_error < CERTAIN;
     let estimate = if certain { Estimate::unknown_error(judged.value) } else { judged.estimate() };
     estimate.in_words(decimals)
 }
 
-fn lab(judged: &[Judged; 3]) -> String {
+fn lab(judged: &[ErrorParts; 3]) -> String {
     let [l, a, b] = [0, 1, 2].map(|i| words(&judged[i], 2));
     format!("L* {l}, a* {a}, b* {b}")
 }
@@ -272,7 +272,7 @@ fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
 }
 
 fn shares_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |nm: f64, name: &str, of: fn(&ComposedRow) -> Judged| {
+    let curve = |nm: f64, name: &str, of: fn(&ComposedRow) -> ErrorParts| {
         let rows = manifest.curve.iter().filter(move |row| row.wavelength_nm == nm);
         Curve::measured(format!("{name}, {nm:.0} nm"), rows.map(|row| (row.thickness_um, of(row).estimate())))
     };
@@ -285,7 +285,7 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
 /// Points of a number of the colours against the thickness, over `by`.
 fn colour_points(
     manifest: &ComposedManifest,
-    of: fn(&ComposedColours) -> Judged,
+    of: fn(&ComposedColours) -> ErrorParts,
     by: f64,
 ) -> impl Iterator<Item = [f64; 3]> {
     let point = move |c: &ComposedColours| {
@@ -382,7 +382,7 @@ fn maker(manifest: &ComposedManifest) -> MakerBlock {
 /// Largest parts of the bars of R and T.
 fn certainty(manifest: &ComposedManifest) -> Vec<Meant> {
     let all = || manifest.spectra.iter().flat_map(|row| shares(row).into_iter().take(6).map(|(_, j)| j));
-    let largest = |of: fn(Judged) -> f64| format!("{:.4}", all().map(of).fold(0.0, f64::max));
+    let largest = |of: fn(ErrorParts) -> f64| format!("{:.4}", all().map(of).fold(0.0, f64::max));
     vec![
         Meant::new(
             "chance",

@@ -26,7 +26,7 @@ realisations = 2
 seed = 7
 [resolution]
 points_per_um = 12
-planes_per_um = 16
+planes_per_um = 36
 "#;
 
 fn results(output: &Path) -> Value {

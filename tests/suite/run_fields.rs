@@ -183,8 +183,8 @@ const MEASURED: [(&str, &str); 2] = [
     ),
 ];
 
-/// Where results go is no number; a layer without walls has no waves.
-const ELSEWHERE: [&str; 2] = ["output.folder", "layer.walls"];
+/// Where results go is no number; a layer without walls has no waves; a composed one has other results (`composed`).
+const ELSEWHERE: [&str; 3] = ["output.folder", "layer.walls", "layer.composed"];
 
 fn base() -> toml::Table {
     toml::from_str(BASE).expect("the base study is TOML")

@@ -132,7 +132,7 @@ fn variants_end_at_their_wanted_bar_whoever_works() {
     place.sweep("alone", &[]);
     let table = std::fs::read_to_string(place.path("alone/sweep.csv")).unwrap();
     let finished = |line: &str| line.split(',').nth(5).unwrap().to_owned();
-    assert_eq!(table.lines().skip(1).map(finished).collect::<Vec<_>>(), ["8", "20"], "{table}");
+    assert_eq!(table.lines().skip(1).map(finished).collect::<Vec<_>>(), ["16", "20"], "{table}");
     assert_eq!(points(&place.path("alone")), 20 * 4 * 3);
     let workers: Vec<Child> = (0..3).map(|_| start(&place, "shared")).collect();
     for end in workers.into_iter().map(|worker| worker.wait_with_output().unwrap()) {
@@ -186,5 +186,5 @@ fn a_wanted_bar_may_speak_of_one_colour() {
         panic!("three variants in {table}")
     };
     let (narrow, wide) = if sky < print { (natural, lit) } else { (lit, natural) };
-    assert!(narrow == 8 && wide > 8 && every == wide, "{sky} {print}: {table}");
+    assert!(narrow == 16 && wide > 16 && every == wide, "{sky} {print}: {table}");
 }

@@ -38,7 +38,7 @@ pub(super) struct Map<'a> {
 
 /// A recipe that the surfaces answer.
 #[derive(Clone, Debug, Serialize)]
-pub struct Answered {
+pub struct DesignAnswer {
     /// The recipe in words.
     pub recipe: String,
     /// Value of every variable.
@@ -81,11 +81,12 @@ fn square(one: &[f64], other: &[f64]) -> f64 {
 }
 
 /// Some recipes far from each other, the best one first.
-pub(super) fn spread(mut all: Vec<Answered>) -> Vec<Answered> {
-    let mut chosen: Vec<Answered> = Vec::new();
-    let distance = |a: &Answered, b: &Answered| square(&a.places, &b.places);
+pub(super) fn spread(mut all: Vec<DesignAnswer>) -> Vec<DesignAnswer> {
+    let mut chosen: Vec<DesignAnswer> = Vec::new();
+    let distance = |a: &DesignAnswer, b: &DesignAnswer| square(&a.places, &b.places);
     while chosen.len() < LISTED && !all.is_empty() {
-        let from_chosen = |a: &Answered| chosen.iter().map(|c| distance(a, c)).fold(f64::INFINITY, f64::min);
+        let from_chosen =
+            |a: &DesignAnswer| chosen.iter().map(|c| distance(a, c)).fold(f64::INFINITY, f64::min);
         let far = |&a: &usize, &b: &usize| from_chosen(&all[a]).total_cmp(&from_chosen(&all[b]));
         let place = if chosen.is_empty() { 0 } else { (0..all.len()).max_by(far).unwrap_or(0) };
         if !chosen.is_empty() && from_chosen(&all[place]) < SAME {
@@ -140,21 +141,21 @@ impl<'a> Map<'a> {
         Ok((lab, contrast))
     }
 
-    fn answer(&self, places: Vec<f64>) -> Option<Answered> {
+    fn answer(&self, places: Vec<f64>) -> Option<DesignAnswer> {
         let (lab, contrast_ratio) = self.at(&places).ok()?;
         let delta_e_2000 = ciede2000(lab, self.task.lab);
         let (recipe, values) = (self.task.in_words(&places), values(self.task, &places));
-        Some(Answered { recipe, values, delta_e_2000, contrast_ratio, places })
+        Some(DesignAnswer { recipe, values, delta_e_2000, contrast_ratio, places })
     }
 
     /// What is to be small: the distance, and what is missing in contrast.
-    fn miss(&self, answer: &Answered) -> f64 {
+    fn miss(&self, answer: &DesignAnswer) -> f64 {
         let missing = self.task.contrast_ratio.map_or(0.0, |least| (least - answer.contrast_ratio).max(0.0));
         answer.delta_e_2000 + OF_CONTRAST * missing
     }
 
     /// Recipes of the box, or of a region of it, the nearest to the target first.
-    pub fn search(&self, region: Option<&(Vec<f64>, f64)>) -> Vec<Answered> {
+    pub fn search(&self, region: Option<&(Vec<f64>, f64)>) -> Vec<DesignAnswer> {
         let count = self.task.variables.len();
         let bound =
             |i: usize| region.map_or([0.0, 1.0], |(at, r)| [(at[i] - r).max(0.0), (at[i] + r).min(1.0)]);
@@ -164,16 +165,16 @@ impl<'a> Map<'a> {
             bounds.iter().zip(point).map(|([a, b], x)| a + (b - a) * x).collect()
         };
         let tried = (0..TRIED * count).into_par_iter();
-        let mut all: Vec<Answered> = tried.filter_map(|r| self.answer(place(r))).collect();
+        let mut all: Vec<DesignAnswer> = tried.filter_map(|r| self.answer(place(r))).collect();
         all.sort_by(|a, b| self.miss(a).total_cmp(&self.miss(b)));
-        let best: Vec<Answered> = all.iter().take(FOLLOWED).cloned().collect();
+        let best: Vec<DesignAnswer> = all.iter().take(FOLLOWED).cloned().collect();
         all.extend(best.into_par_iter().map(|start| self.downhill(start, &bounds)).collect::<Vec<_>>());
         all.sort_by(|a, b| self.miss(a).total_cmp(&self.miss(b)));
         all
     }
 
     /// Follows a recipe downhill along the variables.
-    fn downhill(&self, mut here: Answered, bounds: &[[f64; 2]]) -> Answered {
+    fn downhill(&self, mut here: DesignAnswer, bounds: &[[f64; 2]]) -> DesignAnswer {
         let mut step = 0.1;
         for _ in 0..HALVINGS {
             loop {

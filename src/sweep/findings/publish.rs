@@ -23,7 +23,8 @@ use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::folder::VARIANTS;
 use crate::sweep::definition::load::Sweep;
-use crate::sweep::work::stored::{collect, refused};
+use crate::sweep::work::rounds::collect;
+use crate::sweep::work::stored::refused;
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;

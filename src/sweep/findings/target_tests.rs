@@ -54,7 +54,10 @@ fn the_nearest_at_the_edge_of_the_grid_is_flagged() {
         nearest(&grid(3), &outcomes).unwrap().summary
     };
     let last = said([0, 1, 2]);
-    assert!(last.ends_with("(diameter 300\u{a0}nm is the largest): a nearer one may lie beyond."), "{last}");
+    assert!(
+        last.ends_with("(diameter 300\u{a0}nm is the largest): there may be a nearer one beyond."),
+        "{last}"
+    );
     assert!(said([2, 1, 0]).contains("diameter 100\u{a0}nm is the smallest"));
     assert!(!said([0, 2, 1]).contains("edge"));
     assert_eq!(grid(1).axes[0].heading(), "diameter, nm");

@@ -1,7 +1,7 @@
 //! A single study, run as a sweep of one variant; its results are written to the top of the folder.
 
+use super::rounds::collect;
 use super::run::{Scope, run};
-use super::stored::collect;
 use super::units::Shard;
 use crate::input::study::Study;
 use crate::run::watch::RunWatch;

@@ -4,7 +4,7 @@ pub mod alone;
 pub mod merge;
 pub mod plan;
 pub mod portions;
-mod rounds;
+pub(crate) mod rounds;
 pub mod run;
 pub(crate) mod stored;
 pub mod units;

@@ -9,10 +9,10 @@ use super::stored::{collect_some, stage_key};
 use super::units::{Unit, units, units_within};
 use crate::evaluate::summary::enough;
 use crate::input::study::Study;
-use crate::run::Stores;
 use crate::run::realisation::point_keys;
 use crate::run::resolve;
 use crate::run::resolve::Resolved;
+use crate::run::{Collected, Stores};
 use crate::sweep::definition::load::{Sweep, Variant};
 use std::ops::Range;
 
@@ -72,6 +72,16 @@ impl Standing {
     fn round(self, study: &Study) -> usize {
         if study.target_delta_e.is_some() { self.border.div_ceil(BATCH) } else { 1 }
     }
+}
+
+/// Everything stored for a study; `None` before the first packing and grid.
+///
+/// A study with `run.target_delta_e` ends with the realisation that reaches it, even if more are
+/// stored.
+pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
+    let standing = Standing::of(study, stores, 0);
+    let realisations = if standing.enough { standing.border } else { study.realisations };
+    Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
 }
 
 fn has_failed(study: &Study, stores: &Stores, realisation: usize) -> bool {

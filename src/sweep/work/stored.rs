@@ -1,6 +1,5 @@
 //! Reads what is stored for a variant, without computing anything.
 
-use super::rounds::Standing;
 use crate::input::study::Study;
 use crate::run::point::is_physical;
 use crate::run::realisation::point_keys;
@@ -9,16 +8,6 @@ use crate::run::resolve::Resolved;
 use crate::run::{Collected, Realisation, Refused, Stores};
 use crate::store::identity::Key;
 use crate::store::record::PointRecord;
-
-/// Everything stored for a study; `None` before the first packing and grid.
-///
-/// A study with `run.target_delta_e` ends with the realisation that reaches it, even if more are
-/// stored.
-pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
-    let standing = Standing::of(study, stores, 0);
-    let realisations = if standing.enough { standing.border } else { study.realisations };
-    Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
-}
 
 /// Everything stored for the first realisations.
 pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collected> {

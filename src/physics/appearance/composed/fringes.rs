@@ -25,7 +25,7 @@ const NOTHING: f64 = 1e-9;
 
 /// Amplitudes of the slabs of a layer at one wavelength.
 #[derive(Clone, Debug)]
-pub struct Film {
+pub struct CoherentFilm {
     /// Of the front slab, of an inner one, and of the back slab.
     pub slabs: [Coherent; 3],
     /// Media in front and within.
@@ -42,7 +42,7 @@ type Known<'a> = (&'a [f64], &'a [Slow], &'a [[f64; 2]]);
 /// One direction of one polarisation: what varies slowly with the angle.
 type Slow = [Complex64; 6];
 
-impl Film {
+impl CoherentFilm {
     /// Corrections \[R, T\] of one polarisation at 0°, at `oblique` (its cosine in air) and of
     /// diffuse light, for a layer of `count` slabs whose composed \[R, T\] at 0° and at the nodes
     /// are `composed`.
@@ -153,7 +153,7 @@ mod tests {
     use crate::appearance::composed::ordinates::Ordinates;
 
     /// A clear film of four slabs of 1 µm in air, s-polarised: amplitudes of each are known.
-    fn film(index: f64) -> Film {
+    fn film(index: f64) -> CoherentFilm {
         let (slab_um, wavelength_um) = (1.0, 0.55);
         let medium = |index: f64| Hemisphere {
             ordinates: Ordinates::new(index, &[], [3, 3]),
@@ -175,7 +175,7 @@ mod tests {
             sines().map(|s| vec![[-fresnel(s) * phase(s) * phase(s), through(s)]]).collect::<Vec<_>>();
         let between = sines().map(|s| vec![[Complex64::ZERO, phase(s)]]).collect::<Vec<_>>();
         let slabs = [[outside.clone(), inside.clone()], [between.clone(), between], [inside, outside]];
-        Film { slabs, media, slab_um, wavelength_um }
+        CoherentFilm { slabs, media, slab_um, wavelength_um }
     }
 
     /// Airy's film, and its incoherent composition 2R/(1 + R).

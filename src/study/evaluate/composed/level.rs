@@ -1,7 +1,7 @@
 //! Slabs of one thickness: their ensembles, and the mean flux matrices that layers are composed of.
 
 use crate::appearance::composed::flux::{Coherent, Fluxes, Hemisphere, Lit, Sides};
-use crate::appearance::composed::fringes::Film;
+use crate::appearance::composed::fringes::CoherentFilm;
 use crate::appearance::composed::plate::Plate;
 use crate::evaluate::seen::complete_cells;
 use crate::input::study::{Position, Study};
@@ -11,7 +11,7 @@ use crate::wave::maxwell::Polarisation;
 use crate::wave::{Order, Side};
 
 /// A portion's study and what was solved of it.
-pub type Solved = (Study, Collected);
+pub type SolvedPortion = (Study, Collected);
 
 /// One portion at all wavelengths.
 struct Ensemble {
@@ -51,14 +51,14 @@ pub struct Slabs {
     /// Media in front, within and behind.
     pub media: [Hemisphere; 3],
     /// The coherent light in them.
-    pub film: Film,
+    pub film: CoherentFilm,
 }
 
 impl Level {
     /// The portions of one thickness; `None` unless each has realisations that are complete.
-    pub fn new(portions: &[Solved], halved: bool) -> Option<Self> {
-        let own = |(study, _): &&Solved| study.portion.as_ref().is_some_and(|p| p.halved == halved);
-        let solved: Vec<&Solved> = portions.iter().filter(own).collect();
+    pub fn new(portions: &[SolvedPortion], halved: bool) -> Option<Self> {
+        let own = |(study, _): &&SolvedPortion| study.portion.as_ref().is_some_and(|p| p.halved == halved);
+        let solved: Vec<&SolvedPortion> = portions.iter().filter(own).collect();
         let slab_um = solved.first()?.0.layer.thickness_um;
         let wavelengths_um = solved[0].0.wavelengths_nm.iter().map(|nm| 1e-3 * nm).collect();
         let portions = solved.into_iter().map(ensemble).collect::<Option<Vec<_>>>()?;
@@ -92,7 +92,7 @@ impl Level {
             Some((back, at_back, [_, behind])) => (back, at_back, behind),
             None => (front.turned(), turned(at_front.clone()), before.clone()),
         };
-        let film = Film {
+        let film = CoherentFilm {
             slabs: [at_front, amplitudes, at_back],
             media: [before.clone(), within.clone()],
             slab_um: self.slab_um,
@@ -116,20 +116,21 @@ impl Slabs {
 }
 
 /// The fluxes of all complete cells.
-fn ensemble((study, collected): &Solved) -> Option<Ensemble> {
+fn ensemble((study, collected): &SolvedPortion) -> Option<Ensemble> {
     let position = study.portion.as_ref()?.position;
-    let count = study.wavelengths_nm.len();
     let cells = complete_cells(study, collected);
-    let of = |w: usize| {
-        let wavelength_um = 1e-3 * study.wavelengths_nm[w];
-        let sides = study.sides(wavelength_um)?;
-        let all = cells.iter().map(|cell| mean_fluxes(&sides, cell, wavelength_um)).collect();
-        Some((sides, all))
-    };
-    let wavelengths = (0..count).map(of).collect::<Option<Vec<_>>>()?;
+    let of = |nm: &f64| solved_at(study, &cells, 1e-3 * nm);
+    let wavelengths = study.wavelengths_nm.iter().map(of).collect::<Option<Vec<_>>>()?;
     let grid = collected.resolved.grid_error;
     let grid_error = grid.reflectance.max(grid.transmittance);
     (!cells.is_empty()).then_some(Ensemble { position, wavelengths, grid_error })
+}
+
+/// The media at one wavelength and the flux matrices of every cell.
+fn solved_at(study: &Study, cells: &[Vec<&Realisation>], wavelength_um: f64) -> Option<(Sides, Vec<Fluxes>)> {
+    let sides = study.sides(wavelength_um)?;
+    let all = cells.iter().map(|cell| mean_fluxes(&sides, cell, wavelength_um)).collect();
+    Some((sides, all))
 }
 
 /// The flux matrices of one cell at one wavelength, the mean over its packings.

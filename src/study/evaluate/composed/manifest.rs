@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 /// A number with its standard error and what that is made of, all in the number's unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Judged {
+pub struct ErrorParts {
     /// The number.
     pub value: f64,
     /// One standard error: the root of the sum of the squares of the three that follow.
@@ -21,7 +21,7 @@ pub struct Judged {
     pub grid: f64,
 }
 
-impl Judged {
+impl ErrorParts {
     /// A number with the parts of its error: chance, model and grid.
     pub fn new(value: f64, [chance, model, grid]: [f64; 3]) -> Self {
         let (model, grid) = (model.abs(), grid.abs());
@@ -42,29 +42,29 @@ pub struct ComposedRow {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
     /// R of light at 0°.
-    pub reflectance_normal: Judged,
+    pub reflectance_normal: ErrorParts,
     /// T of light at 0°.
-    pub transmittance_normal: Judged,
+    pub transmittance_normal: ErrorParts,
     /// R of light at 45°.
-    pub reflectance_45: Judged,
+    pub reflectance_45: ErrorParts,
     /// T of light at 45°.
-    pub transmittance_45: Judged,
+    pub transmittance_45: ErrorParts,
     /// R of diffuse light.
-    pub reflectance_diffuse: Judged,
+    pub reflectance_diffuse: ErrorParts,
     /// T of diffuse light.
-    pub transmittance_diffuse: Judged,
+    pub transmittance_diffuse: ErrorParts,
     /// Share of light at 0° that goes straight through, unscattered.
-    pub coherent_transmittance: Judged,
+    pub coherent_transmittance: ErrorParts,
     /// Share of light at 0° that is mirrored.
-    pub mirrored: Judged,
+    pub mirrored: ErrorParts,
     /// On the paper, under a uniform sky, seen along the normal; a perfect white: 1.
-    pub natural_light: Judged,
+    pub natural_light: ErrorParts,
     /// On the paper, lit at 45° and seen along the normal: π × BRDF.
-    pub lit_at_45: Judged,
+    pub lit_at_45: ErrorParts,
     /// At 45:0 over black.
-    pub over_black: Judged,
+    pub over_black: ErrorParts,
     /// At 45:0 over white of albedo 0.8.
-    pub over_white: Judged,
+    pub over_white: ErrorParts,
 }
 
 /// Colours of a layer; L*, a*, b* under D65 for the CIE 1931 observer.
@@ -75,13 +75,13 @@ pub struct ComposedColours {
     /// As screens show it on the paper under natural light, `#rrggbb`.
     pub hex: String,
     /// On the paper under natural light.
-    pub natural_light: [Judged; 3],
+    pub natural_light: [ErrorParts; 3],
     /// On the paper at 45:0.
-    pub lit_at_45: [Judged; 3],
+    pub lit_at_45: [ErrorParts; 3],
     /// At 45:0 over black.
-    pub over_black: [Judged; 3],
+    pub over_black: [ErrorParts; 3],
     /// Y over black by Y over white, at 45:0 (ISO 6504-3).
-    pub contrast_ratio: Judged,
+    pub contrast_ratio: ErrorParts,
 }
 
 /// What the packed medium is to light of one wavelength.
@@ -90,21 +90,21 @@ pub struct MediumRow {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
     /// n_eff, in which slabs are embedded.
-    pub effective_index: Judged,
+    pub effective_index: ErrorParts,
     /// Mean free path of coherent light, µm.
-    pub coherent_path_um: Judged,
+    pub coherent_path_um: ErrorParts,
     /// k_s of the medium with the slab's coherent transmittance, R̄ and Ā, 1/µm.
-    pub scattering_per_um: Judged,
+    pub scattering_per_um: ErrorParts,
     /// k_a of that medium, 1/µm.
-    pub absorption_per_um: Judged,
+    pub absorption_per_um: ErrorParts,
     /// g of that medium.
-    pub asymmetry: Judged,
+    pub asymmetry: ErrorParts,
     /// Transport mean free path 1/(k_s (1 − g)), µm.
-    pub transport_path_um: Judged,
+    pub transport_path_um: ErrorParts,
     /// Kubelka and Munk's K of a thick layer without surfaces, 1/µm.
-    pub kubelka_munk_absorption_per_um: Judged,
+    pub kubelka_munk_absorption_per_um: ErrorParts,
     /// Their S, 1/µm.
-    pub kubelka_munk_scattering_per_um: Judged,
+    pub kubelka_munk_scattering_per_um: ErrorParts,
 }
 
 /// Fluxes at one depth, as shares of the incident light at 0°.
@@ -154,9 +154,9 @@ pub struct ComposedManifest<'a> {
     /// Their colours.
     pub curve_colours: Vec<ComposedColours>,
     /// Thickness at which the contrast ratio reaches 0.98, µm.
-    pub hiding_thickness_um: Option<Judged>,
+    pub hiding_thickness_um: Option<ErrorParts>,
     /// Area that a litre of the dry layer hides, m².
-    pub spreading_rate_m2_per_l: Option<Judged>,
+    pub spreading_rate_m2_per_l: Option<ErrorParts>,
     /// Why neither is there.
     pub no_hiding: Option<String>,
     /// What to change, where slabs are thinner than the mean free path of coherent light.

@@ -25,7 +25,7 @@ pub const HIDING: f64 = 0.98;
 pub const MOST_SLABS: usize = 1024;
 
 /// What is asked of the slabs of either thickness.
-pub struct Question<'a> {
+pub struct LayerTask<'a> {
     /// The study.
     pub study: &'a Study,
     /// Thickness h of a slab, µm.
@@ -41,7 +41,7 @@ pub struct Question<'a> {
     pub hides: bool,
 }
 
-impl Question<'_> {
+impl LayerTask<'_> {
     /// All numbers: of each thickness its spectral quantities and its colours; the coefficients of
     /// each wavelength; the thickness that hides.
     pub fn numbers(&self, level: &Level, change: Change) -> Vec<f64> {

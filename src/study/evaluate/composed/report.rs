@@ -1,8 +1,8 @@
 //! The published numbers of a composed layer, with everything that their bars are made of.
 
-use super::level::{Change, Level, Slabs, Solved};
-use super::manifest::{ComposedColours, ComposedManifest, ComposedRow, DepthRow, Judged, MediumRow};
-use super::numbers::{COEFFICIENTS, COLOURS, MOST_SLABS, Question, SPECTRAL, lights};
+use super::level::{Change, Level, Slabs, SolvedPortion};
+use super::manifest::{ComposedColours, ComposedManifest, ComposedRow, DepthRow, ErrorParts, MediumRow};
+use super::numbers::{COEFFICIENTS, COLOURS, LayerTask, MOST_SLABS, SPECTRAL, lights};
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::manifest::{Count, Status};
@@ -22,14 +22,14 @@ const MOST_JOINTS: usize = 60;
 ///
 /// # Errors
 /// A portion without complete realisations, paper without an albedo.
-pub fn report<'a>(study: &'a Study, solved: &[Solved]) -> Result<ComposedManifest<'a>, String> {
+pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<ComposedManifest<'a>, String> {
     let composed = study.layer.composed.as_ref().ok_or("the layer is not composed")?;
     let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
     let (whole, half) = (level(false)?, level(true)?);
     let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
     let eye = Colorimeter::new(&study.wavelengths_nm);
     let no_colour = eye.as_ref().err().map(ToString::to_string);
-    let mut question = Question {
+    let mut question = LayerTask {
         study,
         slab_um: composed.slab_um,
         albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
@@ -99,10 +99,10 @@ fn thin_slabs(composed: &Composed, medium: &[MediumRow]) -> Option<String> {
 }
 
 /// 1000/H m² a litre.
-fn spreading_rate(hiding: Judged) -> Judged {
+fn spreading_rate(hiding: ErrorParts) -> ErrorParts {
     let value = 1e3 / hiding.value;
     let relative = |error: f64| value * error / hiding.value;
-    Judged {
+    ErrorParts {
         value,
         standard_error: relative(hiding.standard_error),
         chance: relative(hiding.chance),
@@ -111,7 +111,7 @@ fn spreading_rate(hiding: Judged) -> Judged {
     }
 }
 
-fn failures(solved: &[Solved]) -> Vec<String> {
+fn failures(solved: &[SolvedPortion]) -> Vec<String> {
     solved.iter().flat_map(|(study, collected)| failures_of(study, collected)).collect()
 }
 
@@ -124,7 +124,7 @@ fn failures_of(study: &Study, collected: &Collected) -> Vec<String> {
 }
 
 /// Adds the two thicknesses around the one that hides.
-fn hiding(question: &mut Question, slabs: &[Slabs]) -> Result<(), String> {
+fn hiding(question: &mut LayerTask, slabs: &[Slabs]) -> Result<(), String> {
     let hides = |count: usize| question.does_hide(slabs, count);
     let reason = "no contrast ratio without a colour";
     if hides(2).ok_or(reason)? {
@@ -148,7 +148,7 @@ fn hiding(question: &mut Question, slabs: &[Slabs]) -> Result<(), String> {
 }
 
 /// All numbers with their bars.
-fn judged(question: &Question, whole: &Level, half: &Level) -> Vec<Judged> {
+fn judged(question: &LayerTask, whole: &Level, half: &Level) -> Vec<ErrorParts> {
     let own = question.numbers(whole, Change::default());
     let halved = question.numbers(half, Change::default());
     let moved = question.numbers(whole, Change { grid: true, left_out: None });
@@ -164,14 +164,14 @@ fn judged(question: &Question, whole: &Level, half: &Level) -> Vec<Judged> {
         }
     }
     let parts = |k: usize| [squares[k].sqrt(), halved[k] - own[k], moved[k] - own[k]];
-    (0..own.len()).map(|k| Judged::new(own[k], parts(k))).collect()
+    (0..own.len()).map(|k| ErrorParts::new(own[k], parts(k))).collect()
 }
 
 /// The rows and colours of one thickness.
 fn layer(
-    question: &Question,
+    question: &LayerTask,
     thickness_um: f64,
-    all: &mut impl Iterator<Item = Judged>,
+    all: &mut impl Iterator<Item = ErrorParts>,
 ) -> (Vec<ComposedRow>, Option<ComposedColours>) {
     let rows: Vec<ComposedRow> =
         question.study.wavelengths_nm.iter().map(|&nm| row(thickness_um, nm, &take(all))).collect();
@@ -179,7 +179,7 @@ fn layer(
     (rows, colours)
 }
 
-fn colours(eye: &Colorimeter, rows: &[ComposedRow], of: &[Judged; COLOURS]) -> ComposedColours {
+fn colours(eye: &Colorimeter, rows: &[ComposedRow], of: &[ErrorParts; COLOURS]) -> ComposedColours {
     let lab = |k: usize| [of[k], of[k + 1], of[k + 2]];
     let spectrum: Vec<f64> = rows.iter().map(|row| row.natural_light.value).collect();
     let [r, g, b] = eye.colour(&spectrum).map_or([0; 3], |colour| colour.srgb8);
@@ -194,12 +194,12 @@ fn colours(eye: &Colorimeter, rows: &[ComposedRow], of: &[Judged; COLOURS]) -> C
 }
 
 /// The next numbers of the list.
-fn take<const N: usize>(all: &mut impl Iterator<Item = Judged>) -> [Judged; N] {
-    let nothing = Judged { value: f64::NAN, standard_error: 0.0, chance: 0.0, model: 0.0, grid: 0.0 };
+fn take<const N: usize>(all: &mut impl Iterator<Item = ErrorParts>) -> [ErrorParts; N] {
+    let nothing = ErrorParts { value: f64::NAN, standard_error: 0.0, chance: 0.0, model: 0.0, grid: 0.0 };
     std::array::from_fn(|_| all.next().unwrap_or(nothing))
 }
 
-fn row(thickness_um: f64, wavelength_nm: f64, of: &[Judged; SPECTRAL]) -> ComposedRow {
+fn row(thickness_um: f64, wavelength_nm: f64, of: &[ErrorParts; SPECTRAL]) -> ComposedRow {
     ComposedRow {
         thickness_um,
         wavelength_nm,
@@ -218,8 +218,8 @@ fn row(thickness_um: f64, wavelength_nm: f64, of: &[Judged; SPECTRAL]) -> Compos
     }
 }
 
-fn medium_row(wavelength_nm: f64, all: &mut impl Iterator<Item = Judged>) -> MediumRow {
-    let of: [Judged; COEFFICIENTS] = take(all);
+fn medium_row(wavelength_nm: f64, all: &mut impl Iterator<Item = ErrorParts>) -> MediumRow {
+    let of: [ErrorParts; COEFFICIENTS] = take(all);
     MediumRow {
         wavelength_nm,
         effective_index: of[0],
@@ -234,7 +234,7 @@ fn medium_row(wavelength_nm: f64, all: &mut impl Iterator<Item = Judged>) -> Med
 }
 
 /// Fluxes against depth in the first thickness, rounded to whole slabs, on the paper.
-fn depth(question: &Question, slabs: &[Slabs]) -> (f64, Vec<DepthRow>) {
+fn depth(question: &LayerTask, slabs: &[Slabs]) -> (f64, Vec<DepthRow>) {
     let nm = &question.study.wavelengths_nm;
     let nearest = |a: &usize, b: &usize| (nm[*a] - SHOWN_NM).abs().total_cmp(&(nm[*b] - SHOWN_NM).abs());
     let w = (0..nm.len()).min_by(nearest).unwrap_or(0);
