@@ -2,8 +2,8 @@
 //!
 //! M(η) u = b with b independent of the grains. The operator itself is differenced, not the
 //! solution: so the change of ⟨k²⟩, of the shape functions and of the folded harmonics is included.
-//! With J the exchange of every harmonic and its opposite, M(q)ᵀ = J M(−q) J: the transposed problem
-//! is the ordinary one of the opposite lateral direction.
+//! With J the exchange of every harmonic and its opposite, M(q)ᵀ = J M(−q) J: the transposed
+//! problem is the ordinary one of the opposite lateral direction.
 
 use super::Problem;
 use crate::wave::{Field, Incidence, Media, WaveError};
@@ -57,7 +57,9 @@ impl Problem {
     pub fn opposite(&self, u: &Field) -> Field {
         let opposite = |&[m, n]: &[i32; 2]| self.harmonics.find(-m, -n);
         let columns: Option<Vec<usize>> = self.harmonics.orders.iter().map(opposite).collect();
-        u.select(ndarray::Axis(1), &columns.expect("harmonics are symmetric about zero"))
+        let moved = u.select(ndarray::Axis(1), &columns.expect("harmonics are symmetric about zero"));
+        // a selection of columns is laid out by columns, the tables' loops need rows
+        moved.as_standard_layout().into_owned()
     }
 }
 
