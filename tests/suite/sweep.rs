@@ -143,14 +143,19 @@ fn costs_itself_alone(seed: u64, stuck: usize) {
 /// A bar that every colour meets is met in spite of a packing that fails.
 #[test]
 fn a_packing_that_fails_does_not_end_the_way_to_a_bar() {
-    let place = Place::new(&tight(10, "realisations = 20\ntarget_delta_e = 99"));
+    let place = Place::new(&tight(10, "realisations = 40\ntarget_delta_e = 99"));
     let run = inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("out")]).output().unwrap();
     let table = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
     let first: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
     let [solves, finished, failures, cells] =
         [2, 3, 4, 5].map(|column| first[column].parse::<usize>().unwrap());
-    // the first look is after sixteen
-    assert!(solves == finished && failures > 0 && failures + cells == 16, "{table}{}", said(&run));
+    // the first look has sixteen packings that found room
+    let tried = failures + cells;
+    assert!(
+        solves == finished && failures > 0 && cells >= 16 && tried % 8 == 0 && tried < 40,
+        "{table}{}",
+        said(&run)
+    );
 }
 
 #[test]
