@@ -59,7 +59,7 @@ pub fn run(args: &FitArgs) -> miette::Result<()> {
     let outcome = outcome.map_err(fit_report)?;
     publish(&task, &outcome, &folder).into_diagnostic()?;
     say(format_args!("{}: {}", task.title, in_words(&outcome)))?;
-    outcome.remarks.iter().for_each(|remark| note(remark));
+    outcome.remarks.iter().for_each(note);
     for forecast in &outcome.forecasts {
         let of = |x: Option<f64>| x.map_or("unknown".into(), |x| format!("{x:.2}"));
         let (own, munk) = (of(forecast.delta_e_2000), of(forecast.delta_e_2000_kubelka_munk));

@@ -39,7 +39,7 @@ pub struct DesignFile {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TargetTable {
-    /// L*, a*, b* under the light and for the observer of the base's [colour].
+    /// L*, a*, b* under the light and for the observer of the base's `[colour]`.
     #[schemars(example = (85, -10, 80))]
     pub lab: Option<[f64; 3]>,
     /// A spectrum or a colour, relative to this file: CSV, CxF3 or CGATS.17.

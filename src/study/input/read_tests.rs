@@ -36,7 +36,7 @@ fn faults(text: &str) -> Vec<Fault> {
 }
 
 #[test]
-fn every_unknown_key_is_told_with_its_place_and_what_was_meant() {
+fn every_unknown_key_is_named_with_its_place_and_what_was_meant() {
     let found =
         faults("cuont = 1\n[[inner]]\nsize = 1\n[[inner]]\nsize = 2\nsise = 3\nx = 1\nkind.round.r = 1");
     let fields: Vec<&str> = found.iter().map(|f| f.field.as_str()).collect();
@@ -47,7 +47,7 @@ fn every_unknown_key_is_told_with_its_place_and_what_was_meant() {
 }
 
 #[test]
-fn values_that_do_not_fit_are_told_where_they_are() {
+fn values_that_do_not_fit_are_named_where_they_are() {
     for (text, field, found, allowed) in [
         ("count = -1\ninner = []", "count", "integer `-1`", "a whole number from 0"),
         ("inner = [{ size = 'a' }]", "inner[0].size", "string \"a\"", "a number"),
