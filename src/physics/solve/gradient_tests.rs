@@ -76,7 +76,7 @@ fn largest_error(geometry: &Geometry, pigment: Complex64, p: usize, h: f64) -> f
     (0..2).flat_map(|along| (0..3).map(move |i| (along, i))).map(error).fold(0.0, f64::max)
 }
 
-/// R, T and A each: the differences take A from the field within the layer, the tangent from R and T.
+/// The differences take A from the field within the layer, the tangent from R and T.
 #[test]
 fn differences_fall_onto_the_tangent_with_the_fourth_power() {
     let pigment = Complex64::new(1.65, 0.08);
@@ -97,7 +97,7 @@ fn differences_fall_onto_the_tangent_with_the_fourth_power() {
 fn the_tangent_conserves_energy_beside_a_resonance() {
     for (wave, p) in [(Wave::Scalar, 0), (Wave::Unpolarised, 0), (Wave::Unpolarised, 1)] {
         let own = tangent_of(&geometry(wave), 1.65.into(), Side::Incident, p, 4);
-        // the lossless layer: the solutions' residual 1e-12 times 1/width of the resonance, 10³ to 10⁴
+        // lossless: the residual 1e-12 times the height of the resonance, 10³ to 10⁴
         assert!(own.absorptance[0].abs() < 1e-7, "{wave:?} {p}: {own:?}");
         assert!(own.absorptance[1] > 0.1, "{wave:?} {p}: {own:?}");
         // the tangent's own step, 1e-4, is a tenth of the resonance's width: its fourth power
