@@ -4,7 +4,7 @@ use super::solve_report::by_polarisation;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Solved, Task};
 use inkwave::solve::gradient::{FarSlopes, Neighbour, Slopes, tangent};
 use inkwave::solve::{Goal, Silent};
-use inkwave::wave::{DIRECTIONS, Media, Medium, Order};
+use inkwave::wave::{DIRECTIONS, Media, Medium, Order, WaveError};
 use num_complex::Complex64;
 use serde_json::{Value, json};
 
@@ -12,6 +12,14 @@ use serde_json::{Value, json};
 const STEP: f64 = 1e-4;
 /// Largest residual of the solutions that are differentiated.
 const RESIDUAL: f64 = 1e-8;
+
+/// In an absorbing half-space the fluxes of s and p light have different factors, which a far field
+/// does not keep apart.
+const ABSORBING_EXIT: WaveError = WaveError::NotInVectorMode {
+    what: "the gradient with an absorbing half-space",
+    reason: "the fluxes of s and p light into it are not kept apart",
+    remedy: "give the half-space k = 0, leave out --gradient, or use the scalar wave",
+};
 
 /// The derivatives with respect to one medium, one entry for each polarisation.
 pub struct Gradient {
@@ -30,6 +38,11 @@ pub fn gradients(task: &Task, e: &Estimated) -> Result<Vec<Gradient>, AccuracyEr
     let inclusions = inclusions.iter().enumerate().map(|(i, &index)| (Medium::Inclusion(i), index));
     let goal = Goal { tolerance: task.goal.tolerance.min(RESIDUAL), ..task.goal };
     let task = Task { goal, ..*task };
+    if e.system().polarisation().is_some()
+        && [task.media.incident, task.media.exit].iter().any(|eta| eta.im > 0.0)
+    {
+        return Err(ABSORBING_EXIT.into());
+    }
     let (sharper, _) = task.solve(e.system().grid().resolution, &mut Silent)?;
     let of = |(medium, index)| gradient(&task, &sharper, medium, index);
     backgrounds.chain(inclusions).map(of).collect()

@@ -33,7 +33,8 @@ pub struct FarSlopes {
     pub reflectance: Slopes,
     /// Of T.
     pub transmittance: Slopes,
-    /// Of A, from the field within the layer where four neighbours are given, else −d(R + T).
+    /// Of A: −d(R + T), as the discrete waves conserve energy. Differences of A itself would need
+    /// steps far below the width of every guided resonance.
     pub absorptance: Slopes,
 }
 
@@ -85,11 +86,7 @@ fn slopes(far: &FarField, moved: &[FarField], steps: &[Complex64]) -> FarSlopes 
     let orders: Vec<OrderSlopes> = far.orders.iter().enumerate().map(of_order).collect();
     let total = |of: fn(&OrderSlopes) -> Slopes| [0, 1].map(|i| orders.iter().map(|o| of(o)[i]).sum::<f64>());
     let (reflectance, transmittance) = (total(|o| o.reflected), total(|o| o.transmitted));
-    let absorbed = |k: usize| (moved[k].absorptance - moved[k + 2].absorptance) / (2.0 * steps[k].norm());
-    let absorptance = match moved.len() {
-        4 => [0, 1].map(absorbed),
-        _ => [0, 1].map(|i| -reflectance[i] - transmittance[i]),
-    };
+    let absorptance = [0, 1].map(|i| -reflectance[i] - transmittance[i]);
     FarSlopes { orders, reflectance, transmittance, absorptance }
 }
 

@@ -76,36 +76,33 @@ fn largest_error(geometry: &Geometry, pigment: Complex64, p: usize, h: f64) -> f
     (0..2).flat_map(|along| (0..3).map(move |i| (along, i))).map(error).fold(0.0, f64::max)
 }
 
+/// The differences take A from the field within the layer, the tangent from R and T.
 #[test]
 fn differences_fall_onto_the_tangent_with_the_fourth_power() {
     let pigment = Complex64::new(1.65, 0.08);
     for (wave, p) in [(Wave::Scalar, 0), (Wave::Unpolarised, 0), (Wave::Unpolarised, 1)] {
         let geometry = geometry(wave);
-        let [coarse, fine] = [4e-2, 2e-2].map(|h| largest_error(&geometry, pigment, p, h));
-        // order 4: 2⁴ but for terms of sixth order
+        // a guided resonance near η = 1.65 bounds the steps: the series' radius is 0.08
+        let [coarse, fine] = [1e-2, 5e-3].map(|h| largest_error(&geometry, pigment, p, h));
+        // order 4: 2⁴ but for terms of sixth order, (2h/0.08)² of it
         let ratio = coarse / fine;
-        assert!((12.0..20.0).contains(&ratio) && fine < 1e-4, "{wave:?} {p}: {coarse:e} {fine:e}");
-        // the differences' own error at a small step, below 1e-7 of slopes of the order of 1
-        let error = largest_error(&geometry, pigment, p, 4e-3);
-        assert!(error < 1e-7, "{wave:?} {p}: {error:e}");
+        assert!((15.0..18.0).contains(&ratio), "{wave:?} {p}: {coarse:e} {fine:e}");
+        // the rest at a small step, 2.5⁴ below that, of slopes of the order of 1
+        let error = largest_error(&geometry, pigment, p, 2e-3);
+        assert!(error < fine / 30.0 && error < 1e-9, "{wave:?} {p}: {error:e}");
     }
 }
 
 #[test]
-fn the_tangent_conserves_energy() {
-    let balance = |wave: Wave, pigment: Complex64| {
-        let tangent = tangent_of(&geometry(wave), pigment, Side::Incident, 0, 4);
-        let sum = |i: usize| slopes_of(&tangent).iter().map(|s| s[i]).sum::<f64>();
-        let sums = [sum(0), sum(1)];
-        (tangent, sums)
-    };
-    for wave in [Wave::Scalar, Wave::S] {
-        // identity up to the error h² of A's differences
-        let (_, sums) = balance(wave, Complex64::new(1.65, 0.08));
-        assert!(sums.iter().all(|s| s.abs() < 1e-7), "{wave:?} {sums:?}");
-        let (lossless, sums) = balance(wave, 1.65.into());
-        assert!((lossless.reflectance[0] + lossless.transmittance[0]).abs() < 1e-9, "{lossless:?}");
-        assert!(lossless.absorptance[1] > 0.1 && sums[1].abs() < 1e-6, "{sums:?}");
+fn the_tangent_conserves_energy_beside_a_resonance() {
+    for (wave, p) in [(Wave::Scalar, 0), (Wave::Unpolarised, 0), (Wave::Unpolarised, 1)] {
+        let own = tangent_of(&geometry(wave), 1.65.into(), Side::Incident, p, 4);
+        // lossless: the residual 1e-12 times the height of the resonance, 10³ to 10⁴
+        assert!(own.absorptance[0].abs() < 1e-7, "{wave:?} {p}: {own:?}");
+        assert!(own.absorptance[1] > 0.1, "{wave:?} {p}: {own:?}");
+        // the tangent's own step, 1e-4, is a tenth of the resonance's width: its fourth power
+        let error = largest_error(&geometry(wave), 1.65.into(), p, 1e-5);
+        assert!(error < 1e-5 * own.absorptance[1], "{wave:?} {p}: {error:e}");
     }
 }
 
