@@ -33,7 +33,7 @@ fn workers_write_their_own_files_and_read_all() {
 }
 
 #[test]
-fn damage_counts_as_absence_is_told_once_and_heals() {
+fn damage_counts_as_absence_is_reported_once_and_heals() {
     let swap = "update records set content = (select content from records as o where o.key != records.key)";
     for (sql, fault) in [
         ("update records set content = x'03' where key = 'a'", RecordFault::Seal),

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_of_another_method_is_told_as_such() {
+    fn a_record_of_another_method_is_recognised() {
         let other = METHOD_VERSION + 1;
         let record = Sealed::by(other, "inkwave 9", "point", "a", vec![1]);
         assert_eq!(record.check("point", "a"), Err(RecordFault::Method(other)));
