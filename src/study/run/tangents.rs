@@ -166,7 +166,7 @@ impl<'a> Tangents<'a> {
         }
     }
 
-    /// Solves `study` and its derivatives in the first `most` cells, as far as the store lacks them.
+    /// Solves `study` and its derivatives in the first `most` cells, where the store lacks them.
     ///
     /// # Errors
     /// A stop, a store that cannot be written, or a study without any result; a solve that fails
@@ -243,8 +243,8 @@ impl<'a> Tangents<'a> {
         Ok(found.into_iter().map(|f| f.into_inner().unwrap_or_else(PoisonError::into_inner)).collect())
     }
 
-    /// Solves one point and keeps what it finds; nothing after a failure or a stop. The error is the
-    /// store's alone.
+    /// Solves one point and keeps what it finds; nothing after a failure or a stop. The error is
+    /// the store's alone.
     fn attempt(
         &self,
         study: &Study,
