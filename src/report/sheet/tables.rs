@@ -51,8 +51,15 @@ fn exactness(certainty: &Certainty) -> [Meant; 4] {
         Meant::new(
             "grid, R and T",
             format!("{:.1e}, {:.1e}", certainty.reflectance_grid_error, certainty.transmittance_grid_error),
-            "expected errors from the grid, by comparison with a coarser one at the hardest wavelengths and angles; part of \
-             all error bars",
+            match certainty.packings_on_finer_grid {
+                0 => "expected errors from the grid, by comparison with a coarser one at the hardest wavelengths and \
+                      angles; part of all error bars"
+                    .to_owned(),
+                n => format!(
+                    "what is left of the grid's error after a correction by {n} packings on a finer grid, at the worst \
+                     wavelength and angle; part of all error bars"
+                ),
+            },
         ),
         Meant::new(
             "grid, orders",

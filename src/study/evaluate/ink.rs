@@ -220,6 +220,11 @@ impl InkOnPaper {
         &self.nodes.wavelengths_nm[self.places.outputs.clone()]
     }
 
+    /// Wavelength of one of the layers, nm.
+    pub(super) fn wavelength_nm(&self, layer: &LayerOnPaper) -> f64 {
+        self.nodes.wavelengths_nm[layer.node()]
+    }
+
     /// The layer without paper.
     pub fn layer(&self) -> &LayerEnsemble {
         &self.layer

@@ -140,24 +140,26 @@ impl Question<'_> {
         Ok((Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour }, deviations))
     }
 
+    /// Y over black relative to Y over white, shifted by errors.
+    fn luminance_ratio(&self, sight: &Sight, by: &dyn Fn(&LayerOnPaper) -> Shift) -> Result<f64, InkError> {
+        let over = |albedo| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), by(layer));
+        let [black, white] = [BLACK, WHITE].map(|albedo| self.ink.colour_of_mean(sight, over(albedo)));
+        Ok(black?.xyz[1] / white?.xyz[1])
+    }
+
     /// Contrast ratio, and the contribution of each realisation.
     fn contrast_ratio(&self, sight: &Sight) -> Result<(Estimate, Vec<f64>), InkError> {
-        let over = |albedo: f64, by: Shift| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), by);
-        let ratio = |by: Shift| -> Result<f64, InkError> {
-            let luminance =
-                |albedo| Ok::<f64, InkError>(self.ink.colour_of_mean(sight, over(albedo, by))?.xyz[1]);
-            Ok(luminance(BLACK)? / luminance(WHITE)?)
-        };
-        let [black, white] =
-            [BLACK, WHITE].map(|albedo| self.ink.replicates_of(sight, over(albedo, UNMOVED)));
+        let over = |albedo: f64| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), UNMOVED);
+        let ratio = |by: &dyn Fn(&LayerOnPaper) -> Shift| self.luminance_ratio(sight, by);
+        let [black, white] = [BLACK, WHITE].map(|albedo| self.ink.replicates_of(sight, over(albedo)));
         let (black, white) = (black?, white?);
         let replicates: Vec<f64> = black.iter().zip(&white).map(|(b, w)| b.xyz[1] / w.xyz[1]).collect();
-        let estimate = Estimate::jackknife(ratio(UNMOVED)?, &replicates);
-        let [grid, residual] = self.uncertainty.shifts().map(ratio);
-        let beyond = |albedo| self.ink.luminance_beyond_range(sight, over(albedo, UNMOVED));
-        let white = self.ink.colour_of_mean(sight, over(WHITE, UNMOVED))?.xyz[1];
+        let estimate = Estimate::jackknife(ratio(&|_| UNMOVED)?, &replicates);
+        let moved = self.uncertainty.moved(self.ink, ratio)?;
+        let beyond = |albedo| self.ink.luminance_beyond_range(sight, over(albedo));
+        let white = self.ink.colour_of_mean(sight, over(WHITE))?.xyz[1];
         let beyond = beyond(BLACK).hypot(estimate.value * beyond(WHITE)) / white;
-        let shared = (grid? - estimate.value).hypot(residual? - estimate.value).hypot(beyond);
+        let shared = moved.iter().fold(beyond, |sum: f64, ratio| sum.hypot(ratio - estimate.value));
         let single: Vec<[f64; 1]> = replicates.iter().map(|&ratio| [ratio]).collect();
         let deviations = jackknife_deviations(&single).into_iter().map(|[by]| by).collect();
         Ok((self.uncertainty.widen(estimate, shared), deviations))
@@ -189,7 +191,7 @@ impl Question<'_> {
     ) -> Option<ComparedRow> {
         let (layer, wavelength_nm) = (&self.ink.layers()[i], self.ink.wavelengths_nm()[i]);
         let moved = |by: Shift| self.factor(layer, by) - self.factor(layer, UNMOVED);
-        let predicted = self.uncertainty.widen_by(by_chance, moved);
+        let predicted = self.uncertainty.widen_by(by_chance, wavelength_nm, moved);
         Some(ComparedRow { wavelength_nm, measured: measured.at(wavelength_nm)?, predicted })
     }
 
@@ -201,22 +203,21 @@ impl Question<'_> {
         rows: &[ComparedRow],
     ) -> Result<Estimate, InkError> {
         let nm = self.ink.wavelengths_nm();
-        let shared: Vec<usize> = (0..nm.len()).filter(|&i| measured.at(nm[i]).is_some()).collect();
-        let pick = |values: &[f64]| shared.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let common: Vec<usize> = (0..nm.len()).filter(|&i| measured.at(nm[i]).is_some()).collect();
+        let pick = |values: &[f64]| common.iter().map(|&i| values[i]).collect::<Vec<f64>>();
         let meter = Colorimeter::under(&pick(nm), &study.judgement.viewing)?;
         let there = meter.colour(&rows.iter().map(|r| r.measured).collect::<Vec<_>>())?;
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let replicates: Vec<Vec<f64>> = predicted.replicates.iter().map(|r| pick(r)).collect();
         let here = meter.colour_with_error(&pick(&predicted.values), &replicates)?;
-        let moved = |by: Shift| -> Result<[f64; 3], InkError> {
-            let values: Vec<f64> = self.ink.layers().iter().map(|layer| self.factor(layer, by)).collect();
-            let lab = meter.colour(&pick(&values))?.lab;
-            Ok(std::array::from_fn(|i| lab[i] - here.lab[i]))
+        let moved = |by: &dyn Fn(&LayerOnPaper) -> Shift| -> Vec<f64> {
+            self.ink.layers().iter().map(|layer| self.factor(layer, by(layer))).collect()
         };
-        let [grid, residual] = self.uncertainty.shifts().map(moved);
-        let [below, above] = meter.beyond(&pick(&predicted.values), here.xyz);
-        let lab_covariance =
-            self.uncertainty.widen_lab(here.lab_covariance, &[grid?, residual?, below, above]);
+        let labs = self.uncertainty.moved(self.ink, |by| Ok(meter.colour(&pick(&moved(by)))?.lab))?;
+        let from_here = |lab: &[f64; 3]| std::array::from_fn(|i| lab[i] - here.lab[i]);
+        let mut shared: Vec<[f64; 3]> = labs.iter().map(from_here).collect();
+        shared.extend(meter.beyond(&pick(&predicted.values), here.xyz));
+        let lab_covariance = self.uncertainty.widen_lab(here.lab_covariance, &shared);
         Ok(distance(&Colour { lab_covariance, ..here }, there.lab))
     }
 }

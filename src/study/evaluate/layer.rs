@@ -3,7 +3,7 @@
 
 use super::films::{FilmAt, Films};
 use super::regression::{Fits, Normal, Sums};
-use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, mean};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS, mean};
 use super::wavelengths::{SpectralBasis, Weights};
 use crate::numerics::estimate::Estimate;
 use ndarray::Array2;
@@ -25,8 +25,6 @@ pub enum Total {
 
 /// Angles closer than this are equal, degrees: rounding of user input.
 const SAME_DEG: f64 = 1e-9;
-/// Number of totals per angle.
-const TOTALS: usize = 5;
 
 /// Hemispherical means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -206,15 +204,10 @@ pub fn film_totals(film: &FilmAt, polar_deg: f64) -> [f64; TOTALS] {
     [r, r, t, t, 1.0 - r - t]
 }
 
-fn solved_totals(solved: &SolvedDirection) -> [f64; TOTALS] {
-    let s = solved;
-    [s.reflectance, s.specular_reflectance, s.transmittance, s.specular_transmittance, s.absorptance]
-}
-
 /// Differences from the film in the order of the columns.
 fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> Vec<f64> {
     let of_angle = |(s, &deg): (&SolvedDirection, &f64)| {
-        let (own, film) = (solved_totals(s), film_totals(film, deg));
+        let (own, film) = (s.totals(), film_totals(film, deg));
         (0..TOTALS).map(move |i| own[i] - film[i])
     };
     let mut all: Vec<f64> = solved.exact.iter().zip(exact_deg).flat_map(of_angle).collect();

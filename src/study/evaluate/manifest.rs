@@ -83,6 +83,10 @@ pub struct Manifest<Study: Serialize> {
     pub study: Study,
 }
 
+fn is_none(count: &usize) -> bool {
+    *count == 0
+}
+
 /// Totals outside 0–1 by more than this are invalid; every single solve has passed a stricter
 /// check.
 const BEYOND: f64 = 0.03;
@@ -177,6 +181,10 @@ pub struct Certainty {
     /// Estimated error of the layer's T due to the grid, over the test solves; part of the standard
     /// errors.
     pub transmittance_grid_error: f64,
+    /// Number of packings solved on a finer grid as well, by which the numbers are corrected and
+    /// from which the grid's errors of R and T are then estimated; absent if there are none.
+    #[serde(skip_serializing_if = "is_none")]
+    pub packings_on_finer_grid: usize,
     /// Degrees of freedom of the standard errors: number of realisations minus one; 0 without
     /// randomness.
     pub degrees_of_freedom: usize,

@@ -16,6 +16,7 @@ pub mod gate;
 pub mod ink;
 pub mod ink_maker;
 pub mod layer;
+pub mod levels;
 pub mod manifest;
 pub mod on_paper;
 pub mod regression;

@@ -61,7 +61,29 @@ impl From<&FarField> for SolvedDirection {
     }
 }
 
+/// Number of totals of a solve.
+pub(super) const TOTALS: usize = 5;
+
 impl SolvedDirection {
+    /// R, specular R, T, specular T, A.
+    pub(super) fn totals(&self) -> [f64; TOTALS] {
+        let Self { reflectance, specular_reflectance, transmittance, .. } = *self;
+        [reflectance, specular_reflectance, transmittance, self.specular_transmittance, self.absorptance]
+    }
+
+    /// Adds errors to the totals; the diffuse orders follow R in proportion.
+    pub(super) fn shift(&mut self, by: [f64; TOTALS]) {
+        let diffuse = |s: &Self| s.reflectance - s.specular_reflectance;
+        let before = diffuse(self);
+        self.reflectance += by[0];
+        self.specular_reflectance += by[1];
+        self.transmittance += by[2];
+        self.specular_transmittance += by[3];
+        self.absorptance += by[4];
+        let factor = if before > 0.0 { (diffuse(self) / before).max(0.0) } else { 1.0 };
+        self.scattered.iter_mut().for_each(|order| order.density *= factor);
+    }
+
     /// The mean with the same solve of another packing in the same cell.
     fn mean_with(&self, other: &Self) -> Self {
         let half = |of: fn(&Self) -> f64| 0.5 * (of(self) + of(other));

@@ -5,6 +5,7 @@ use super::film::Profile;
 use super::films::{FilmAt, Films, Indices};
 use super::ink::{InkError, InkInputs, InkOnPaper};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total};
+use super::levels::{Checked, GridCorrection, GridPart};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::bdf::{Bdf, BdfError};
@@ -24,8 +25,10 @@ pub struct Seen {
     pub realisations: Vec<usize>,
     /// The first realisation of every cell: packings that share one are one sample of the layer.
     pub cells: Vec<usize>,
-    /// The solves of every cell.
+    /// The solves of every cell, corrected for the grid where two were used.
     pub solved: Vec<SolvedRealisation>,
+    /// Errors of R and T due to the grid.
+    pub grid: GridPart,
     /// The layer without paper, once a realisation is complete.
     pub layer: Option<LayerSeen>,
     /// The layer's distributions at the exact angles, wavelength by wavelength.
@@ -40,7 +43,7 @@ pub struct LayerSeen {
     ensemble: LayerEnsemble,
     /// The coherent film at each wavelength.
     films: Vec<FilmAt>,
-    wavelengths_nm: Vec<f64>,
+    pub(super) wavelengths_nm: Vec<f64>,
 }
 
 /// Why there is no ink on paper.
@@ -95,11 +98,11 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
     if cells.is_empty() {
         return Err(NoInk::Unfinished);
     }
-    let solved = by_cell(study, &cells, study.wave);
+    let SolvedCells { solved, .. } = by_cell(study, collected, &cells, study.wave);
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, mean_profile(&cells.concat()), &indices);
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
-    on_paper(study, (&ensemble, &solved), returned(study, &cells).as_deref(), &films)
+    on_paper(study, (&ensemble, &solved), returned(study, collected, &cells).as_deref(), &films)
 }
 
 /// The ink as its coherent film, with the volume fractions asked for in every plane.
@@ -135,11 +138,14 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let complete = by_cells.concat();
     if complete.is_empty() {
         let (realisations, cells, solved, bdfs) = Default::default();
-        return Ok(Seen { realisations, cells, solved, layer: None, bdfs, ink: Err(NoInk::Unfinished) });
+        let grid = GridPart::Estimated(collected.resolved.grid_error);
+        let (layer, ink) = (None, Err(NoInk::Unfinished));
+        return Ok(Seen { realisations, cells, solved, grid, layer, bdfs, ink });
     }
-    let fields: Vec<Vec<FarField>> = complete.iter().map(|r| far_fields(study, r, study.wave)).collect();
-    let solved = by_cell(study, &by_cells, study.wave);
-    let returned = returned(study, &by_cells);
+    let fields: Vec<Vec<FarField>> =
+        complete.iter().map(|r| far_fields(study, &r.points, study.wave)).collect();
+    let SolvedCells { solved, grid } = by_cell(study, collected, &by_cells, study.wave);
+    let returned = returned(study, collected, &by_cells);
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, mean_profile(&complete), &indices);
     let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
@@ -149,7 +155,8 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let layer = Some(LayerSeen { ensemble, films: at_outputs, wavelengths_nm });
     let realisations: Vec<usize> = complete.iter().map(|r| r.packing.realisation).collect();
     let cells = by_cells.iter().map(|cell| cell[0].packing.realisation).collect();
-    Ok(Seen { realisations, cells, bdfs: distributions(study, &fields)?, solved, layer, ink })
+    let bdfs = distributions(study, &fields)?;
+    Ok(Seen { realisations, cells, bdfs, solved, grid, layer, ink })
 }
 
 /// The realisations of which every solve is there, cell by cell. One of a pair alone holds too much
@@ -168,18 +175,44 @@ pub(in crate::evaluate) fn complete_cells<'a>(
     all.iter().filter_map(cell).collect()
 }
 
-/// The solves of every cell in one light.
-fn by_cell(study: &Study, cells: &[Vec<&Realisation>], wave: Wave) -> Vec<SolvedRealisation> {
-    let own = |r: &&Realisation| solved(study, r, &far_fields(study, r, wave));
+/// The solves of all cells.
+struct SolvedCells {
+    solved: Vec<SolvedRealisation>,
+    grid: GridPart,
+}
+
+/// The solves of every cell in one light, corrected by those on a finer grid as far as there are
+/// any.
+fn by_cell(study: &Study, collected: &Collected, cells: &[Vec<&Realisation>], wave: Wave) -> SolvedCells {
+    let own = |r: &&Realisation| solved(study, r, &far_fields(study, &r.points, wave));
     let mean = |cell: &Vec<&Realisation>| {
         cell.iter().map(own).reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
     };
-    cells.iter().map(mean).collect()
+    let mut solved: Vec<SolvedRealisation> = cells.iter().map(mean).collect();
+    let checked = checked(study, cells, wave);
+    let refinement = collected.resolved.refinement();
+    let Some(correction) = GridCorrection::new(&checked, &basis(study), refinement) else {
+        return SolvedCells { solved, grid: GridPart::Estimated(collected.resolved.grid_error) };
+    };
+    solved.iter_mut().for_each(|cell| correction.apply(cell));
+    let (correction, angles_deg) = (Box::new(correction), study.angles.exact_deg.clone());
+    SolvedCells { solved, grid: GridPart::Corrected { correction, angles_deg } }
 }
 
-/// Far fields of a complete realisation for one polarisation of the light, direction by direction.
-fn far_fields(study: &Study, realisation: &Realisation, wave: Wave) -> Vec<FarField> {
-    let records: Vec<&PointRecord> = realisation.points.iter().flatten().collect();
+/// The realisations with all solves on both grids.
+fn checked(study: &Study, cells: &[Vec<&Realisation>], wave: Wave) -> Vec<Checked> {
+    let complete = |r: &&&Realisation| !r.finer.is_empty() && r.finer.iter().all(Option::is_some);
+    let both = |r: &&Realisation| {
+        let [coarse, finer] =
+            [&r.points, &r.finer].map(|points| solved(study, r, &far_fields(study, points, wave)));
+        Checked { coarse, finer }
+    };
+    cells.iter().flatten().filter(complete).map(both).collect()
+}
+
+/// Far fields of complete solves for one polarisation of the light, direction by direction.
+fn far_fields(study: &Study, points: &[Option<PointRecord>], wave: Wave) -> Vec<FarField> {
+    let records: Vec<&PointRecord> = points.iter().flatten().collect();
     records.chunks(study.polarisations().len()).map(|records| in_light(records, wave)).collect()
 }
 
@@ -194,10 +227,14 @@ fn in_light(records: &[&PointRecord], wave: Wave) -> FarField {
 }
 
 /// The solves in the light that paper gives back, where polarised light comes in.
-fn returned(study: &Study, cells: &[Vec<&Realisation>]) -> Option<Vec<SolvedRealisation>> {
+fn returned(
+    study: &Study,
+    collected: &Collected,
+    cells: &[Vec<&Realisation>],
+) -> Option<Vec<SolvedRealisation>> {
     let wave = study.wave.returned();
     let other = wave != study.wave && study.angles.no_paper.is_none();
-    other.then(|| by_cell(study, cells, wave))
+    other.then(|| by_cell(study, collected, cells, wave).solved)
 }
 
 /// Functions of the wavelength, with as many pieces as each realisation has wavelengths.

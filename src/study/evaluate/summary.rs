@@ -14,6 +14,7 @@ use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
 use crate::run::{Collected, Failure, Refused};
+use crate::solve::accuracy::grid_error::GridError;
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
 use crate::wave::physical::largest;
@@ -37,10 +38,11 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
     let finished = collected.finished();
     let asked = if collected.enough { finished } else { study.solves() };
-    let certainty = certainty(collected, records().collect(), seen);
+    let grid = seen.grid.largest(&study.wavelengths_nm);
+    let certainty = certainty(collected, records().collect(), (seen, grid));
     let survivors = Survivors { packed: collected.realisations.len(), refused: collected.refused.len() };
     let uncertainty = Uncertainty {
-        grid: collected.resolved.grid_error,
+        grid: seen.grid.clone(),
         residual: certainty.mean_energy_error,
         missing_cells: survivors.largest_shift(seen.realisations.len()),
         certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
@@ -156,7 +158,11 @@ fn solve_failure(failure: &Failure) -> FailureNote {
     }
 }
 
-fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> Certainty {
+fn certainty(
+    collected: &Collected,
+    records: Vec<&PointRecord>,
+    (seen, grid): (&Seen, GridError),
+) -> Certainty {
     let count = records.len().max(1) as f64;
     let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
@@ -164,8 +170,9 @@ fn certainty(collected: &Collected, records: Vec<&PointRecord>, seen: &Seen) -> 
     let ink = seen.ink.as_ref().ok();
     Certainty {
         amplitude_error_estimate: collected.resolved.error_estimate,
-        reflectance_grid_error: collected.resolved.grid_error.reflectance,
-        transmittance_grid_error: collected.resolved.grid_error.transmittance,
+        reflectance_grid_error: grid.reflectance,
+        transmittance_grid_error: grid.transmittance,
+        packings_on_finer_grid: seen.grid.checked(),
         degrees_of_freedom,
         coverage_factor_95: coverage_factor_95(degrees_of_freedom),
         angle_error_estimate: ink.and_then(|ink| ink.angle_errors(&seen.solved).into_iter().reduce(f64::max)),
@@ -293,8 +300,8 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
         for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
             let sky = |by: Shift| conditions.natural_light(layer, by) - natural[i].value;
             let print = |by: Shift| conditions.lit_at_45(layer, by) - lit[i].value;
-            row.natural_light = Some(uncertainty.widen_by(natural[i], sky));
-            row.lit_at_45 = Some(uncertainty.widen_by(lit[i], print));
+            row.natural_light = Some(uncertainty.widen_by(natural[i], row.wavelength_nm, sky));
+            row.lit_at_45 = Some(uncertainty.widen_by(lit[i], row.wavelength_nm, print));
         }
     }
     rows
@@ -327,7 +334,8 @@ impl AngleTotals {
     fn new(layer: &LayerSeen, angle: usize, uncertainty: &Uncertainty) -> Self {
         let of = |total: Total, moved: fn(Shift) -> f64| -> Vec<Estimate> {
             let estimates = layer.spectrum(angle, total).estimates();
-            let widened = estimates.into_iter().map(|estimate| uncertainty.widen_by(estimate, moved));
+            let places = estimates.into_iter().zip(&layer.wavelengths_nm);
+            let widened = places.map(|(estimate, &nm)| uncertainty.widen_by(estimate, nm, moved));
             widened.map(gate::bounded).collect()
         };
         let (reflected, transmitted): (fn(Shift) -> f64, fn(Shift) -> f64) = (|[r, _]| r, |[_, t]| t);

@@ -5,12 +5,12 @@
 //! averaging does not reduce them.
 
 use super::ink::{InkError, InkOnPaper, Sight};
+use super::levels::GridPart;
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::SolvedRealisation;
 use crate::appearance::colour::Colour;
 use crate::appearance::paper::MirroredSky;
 use crate::numerics::estimate::Estimate;
-use crate::solve::accuracy::grid_error::GridError;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -18,10 +18,10 @@ use std::f64::consts::PI;
 const ROUNDING: f64 = 1e-12;
 
 /// The errors shared by all numbers of a study.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Uncertainty {
     /// Errors of R and T due to the grid.
-    pub grid: GridError,
+    pub grid: GridPart,
     /// Error of R and T due to the solver's residual: the mean energy error.
     pub residual: f64,
     /// Largest shift due to packings without room, in random standard errors.
@@ -42,15 +42,31 @@ impl Uncertainty {
         if self.residual > ROUNDING { self.residual } else { 0.0 }
     }
 
-    /// Errors of R and T common to all realisations: those of the grid, and those of the residual.
-    /// Each shifts everything at once.
-    pub fn shifts(&self) -> [Shift; 2] {
-        [[self.grid.reflectance, self.grid.transmittance], [self.residual(); 2]]
+    /// Number of independent errors of R and T common to all realisations: those of the grid, and
+    /// last that of the residual. Each shifts everything at once.
+    fn parts(&self) -> usize {
+        self.grid.parts() + 1
     }
 
-    /// Like [`Uncertainty::widen`], for a quantity that shared errors of R and T shift by `moved`.
-    pub fn widen_by(&self, estimate: Estimate, moved: impl Fn(Shift) -> f64) -> Estimate {
-        self.widen(estimate, self.shifts().map(moved).iter().fold(0.0, |sum: f64, x| sum.hypot(*x)))
+    /// One of these errors at a wavelength.
+    fn shift(&self, part: usize, nm: f64) -> Shift {
+        if part < self.grid.parts() { self.grid.shift(part, nm) } else { [self.residual(); 2] }
+    }
+
+    /// A number of the ink, computed anew with each of these errors.
+    pub fn moved<T>(
+        &self,
+        ink: &InkOnPaper,
+        of: impl Fn(&dyn Fn(&LayerOnPaper) -> Shift) -> Result<T, InkError>,
+    ) -> Result<Vec<T>, InkError> {
+        (0..self.parts()).map(|part| of(&|layer| self.shift(part, ink.wavelength_nm(layer)))).collect()
+    }
+
+    /// Like [`Uncertainty::widen`], for a quantity at a wavelength that shared errors of R and T
+    /// shift by `moved`.
+    pub fn widen_by(&self, estimate: Estimate, nm: f64, moved: impl Fn(Shift) -> f64) -> Estimate {
+        let all = (0..self.parts()).map(|part| moved(self.shift(part, nm)));
+        self.widen(estimate, all.fold(0.0, |sum: f64, x| sum.hypot(x)))
     }
 
     /// Random covariance of Lab, plus the shifts of Lab by shared errors.
@@ -80,13 +96,12 @@ impl Uncertainty {
     pub fn widened(&self, ink: &InkOnPaper, sight: &Sight, of: &PaperQuantity) -> Result<Widened, InkError> {
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
         let (colour, deviations) = ink.colour_with_deviations(sight, plain)?;
-        let shift = |by: Shift| -> Result<[f64; 3], InkError> {
-            let shifted = ink.colour_of_mean(sight, |layer| of(layer, by))?;
+        let mut shared = self.moved(ink, |by| {
+            let shifted = ink.colour_of_mean(sight, |layer| of(layer, by(layer)))?;
             Ok(std::array::from_fn(|i| shifted.lab[i] - colour.lab[i]))
-        };
-        let [grid, residual] = self.shifts().map(shift);
-        let [below, above] = ink.beyond_range(sight, &colour, plain);
-        let (chance, shared) = (colour.lab_covariance, [grid?, residual?, below, above]);
+        })?;
+        shared.extend(ink.beyond_range(sight, &colour, plain));
+        let chance = colour.lab_covariance;
         let lab_covariance = self.widen_lab(chance, &shared);
         Ok(Widened { colour: Colour { lab_covariance, ..colour }, chance, shared, deviations })
     }
@@ -101,15 +116,17 @@ impl Uncertainty {
     ) -> Result<Sure, InkError> {
         let Widened { colour, chance, shared, deviations } = self.widened(ink, ink.daylight()?, of)?;
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
-        let [grid, residual, below, above] = shared.map(length);
+        let lengths: Vec<f64> = shared.into_iter().map(length).collect();
+        let (grid, rest) = lengths.split_at(self.grid.parts());
+        let together = |parts: &[f64]| parts.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
         let budget = Budget {
             chance_and_cell: chance.map(spread),
             angles: ink.angle_covariance(solved, plain)?.map(spread),
             wavelengths: length(ink.wavelength_shift(plain)?),
-            grid,
-            residual,
+            grid: together(grid),
+            residual: rest[0],
             missing_cells: self.missing_cells * chance.map_or(0.0, spread),
-            beyond_range: below.hypot(above),
+            beyond_range: together(&rest[1..]),
         };
         Ok(Sure { colour, budget: budget.apart(), deviations })
     }
@@ -123,7 +140,7 @@ pub(super) struct Widened {
     chance: Option<[[f64; 3]; 3]>,
     /// Shifts of Lab due to the grid, the residual, and light beyond each end of the wavelength
     /// range.
-    shared: [[f64; 3]; 4],
+    shared: Vec<[f64; 3]>,
     /// Contribution of each realisation to Lab.
     pub deviations: Vec<[f64; 3]>,
 }
@@ -208,17 +225,22 @@ fn length(v: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::accuracy::grid_error::GridError;
 
     #[test]
     fn chance_and_grid_add_as_squares_and_unknown_stays_unknown() {
         let grid = GridError { reflectance: 3e-3, transmittance: 0.0 };
-        let [chance, sure] =
-            [false, true].map(|certain| Uncertainty { grid, residual: 4e-3, missing_cells: 0.0, certain });
+        let [chance, sure] = [false, true].map(|certain| Uncertainty {
+            grid: GridPart::Estimated(grid),
+            residual: 4e-3,
+            missing_cells: 0.0,
+            certain,
+        });
         let known = Estimate { value: 0.5, standard_error: Some(4e-3) };
         let widened = chance.widen(known, 3e-3);
         assert!((widened.standard_error.unwrap() - 5e-3).abs() < 1e-15 && widened.value == 0.5);
         // a shift of 0.75 standard errors: 4e-3 and 3e-3
-        let missing = Uncertainty { missing_cells: 0.75, ..chance };
+        let missing = Uncertainty { missing_cells: 0.75, ..chance.clone() };
         assert!((missing.widen(known, 0.0).standard_error.unwrap() - 5e-3).abs() < 1e-15);
         let covariance = missing.widen_lab(Some([[16e-6, 0.0, 0.0], [0.0; 3], [0.0; 3]]), &[]).unwrap();
         assert!((covariance[0][0] - 25e-6).abs() < 1e-18);
@@ -227,7 +249,7 @@ mod tests {
         assert_eq!(sure.widen(unknown, 3e-3).standard_error, Some(3e-3));
         assert_eq!(sure.widen(unknown, 0.0).standard_error, None);
         // grid: 3e-3 in R only, residual: 4e-3 in both; 3e-3 and 8e-3 in R + T
-        let both = sure.widen_by(unknown, |[r, t]| r + t).standard_error.unwrap();
+        let both = sure.widen_by(unknown, 550.0, |[r, t]| r + t).standard_error.unwrap();
         assert!((both - 3e-3_f64.hypot(8e-3)).abs() < 1e-15, "{both}");
     }
 }

@@ -139,6 +139,20 @@ impl Study {
         (self.pairs_cells() && other < self.realisations).then_some(other)
     }
 
+    /// Whether a realisation is also solved on a finer grid, as a check on the coarse one that all
+    /// are solved on: four of the first eight where `target_delta_e` is all that is wanted, one of
+    /// each pair, more pigment and less in turn.
+    pub fn is_checked(&self, realisation: usize) -> bool {
+        self.has_two_levels() && realisation < 8 && matches!(realisation % 4, 0 | 3)
+    }
+
+    /// Whether some realisations are also solved on a finer grid.
+    pub fn has_two_levels(&self) -> bool {
+        let chosen = matches!(self.resolution, WantedResolution::Accuracy { .. });
+        let plain = self.portion.is_none() && self.layer.composed.is_none();
+        self.target_delta_e.is_some() && chosen && plain && self.pairs_cells()
+    }
+
     /// Whether realisations share cells in pairs.
     pub(super) fn pairs_cells(&self) -> bool {
         self.variation.cell == CellRule::Varied
@@ -237,7 +251,7 @@ impl Study {
         self.layer.period_um[0] * self.layer.period_um[1] * self.layer.thickness_um
     }
 
-    /// Number of solves of one realisation.
+    /// Number of solves of one realisation on one grid.
     pub fn solves_each(&self) -> usize {
         if self.portion.is_some() {
             return self.points(0).len();
@@ -250,6 +264,11 @@ impl Study {
         if self.layer.composed.is_some() {
             return self.portions().iter().map(Study::solves).sum();
         }
-        self.realisations * self.solves_each()
+        (0..self.realisations).map(|r| self.solves_of(r)).sum()
+    }
+
+    /// Number of solves of a realisation, on both grids if it is checked.
+    pub fn solves_of(&self, realisation: usize) -> usize {
+        self.solves_each() * if self.is_checked(realisation) { 2 } else { 1 }
     }
 }

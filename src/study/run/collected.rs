@@ -54,6 +54,10 @@ pub struct Realisation {
     /// One record per solve, in the order of [`Study::points`](crate::input::study::Study::points);
     /// `None` if it is missing.
     pub points: Vec<Option<PointRecord>>,
+    /// The same solves on the finer grid ([`Study::is_checked`]); empty if there are none.
+    ///
+    /// [`Study::is_checked`]: crate::input::study::Study::is_checked
+    pub finer: Vec<Option<PointRecord>>,
     /// Failed solves with their reasons.
     pub failures: Vec<Failure>,
 }
@@ -79,7 +83,7 @@ pub struct Failure {
 impl Collected {
     /// Number of finished solves.
     pub fn finished(&self) -> usize {
-        self.realisations.iter().map(|r| r.points.iter().flatten().count()).sum()
+        self.realisations.iter().map(|r| r.points.iter().chain(&r.finer).flatten().count()).sum()
     }
 
     /// Number of realisations that were tried.

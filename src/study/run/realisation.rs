@@ -87,6 +87,18 @@ pub fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec
     study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
 }
 
+/// The solves of a realisation on all its grids.
+pub fn all_point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
+    let levels = levels(study, resolved, realisation);
+    levels.iter().flat_map(|level| point_keys(study, level, realisation)).collect()
+}
+
+/// The grids on which a realisation is solved: the study's, and a finer one if it is checked.
+fn levels(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<Resolved> {
+    let finer = study.is_checked(realisation).then(|| resolved.finer());
+    [*resolved].into_iter().chain(finer).collect()
+}
+
 /// Content hash of everything that one solve depends on.
 fn point_key(study: &Study, packing: &Key, resolution: &Resolution, point: &Point) -> Key {
     let error = study.resolution.coverage_error();
@@ -114,6 +126,15 @@ pub struct RealisationRun<'a> {
 impl RealisationRun<'_> {
     /// Computes the solves missing in the store; returns the number of solves without a result.
     pub fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
+        let mut failed = 0;
+        for resolved in &levels(self.study, self.resolved, self.realisation) {
+            failed += RealisationRun { resolved, ..*self }.finish_level(packings)?;
+        }
+        Ok(failed)
+    }
+
+    /// Computes the missing solves on one grid.
+    fn finish_level(&self, packings: &mut Packings) -> Result<usize, RunError> {
         let keyed = point_keys(self.study, self.resolved, self.realisation);
         let lacking: Vec<&(Point, Key)> = keyed.iter().filter(|keyed| !self.is_kept(keyed)).collect();
         let (failed, todo): (Vec<_>, Vec<_>) =

@@ -83,6 +83,7 @@ impl Linearised {
         let realisation = |(packing, points): &(PackingRecord, Vec<Option<TangentRecord>>)| Realisation {
             packing: packing.clone(),
             points: points.iter().map(moved).collect(),
+            finer: Vec::new(),
             failures: Vec::new(),
         };
         Collected {

@@ -1,7 +1,7 @@
 //! Merges the stores of several shards into one folder.
 
 use crate::run::Stores;
-use crate::run::realisation::point_keys;
+use crate::run::realisation::all_point_keys;
 use crate::run::resolve::{Resolved, kept};
 use crate::store::damage::Damage;
 use crate::store::database::Database;
@@ -132,7 +132,7 @@ fn describe(sweep: &Sweep, folder: &OutputFolder, row: &StoredRow) -> String {
     for variant in sweep.variants.iter().filter(|_| row.kind == PointRecord::KIND) {
         let Some(resolved) = kept(&variant.study, &stores.grids) else { continue };
         let realisations = 0..variant.study.realisations;
-        let mut points = realisations.flat_map(|r| point_keys(&variant.study, &resolved, r));
+        let mut points = realisations.flat_map(|r| all_point_keys(&variant.study, &resolved, r));
         if let Some((point, _)) = points.find(|(_, key)| key.as_str() == row.key) {
             let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
             let realisation = point.realisation + 1;

@@ -272,6 +272,9 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
     (solves, seconds)
 }
 
+/// Solves on the coarse grid that take as long as one on the finer grid.
+const FINER_COST: usize = 2;
+
 /// Work of variants with the same packings and the same requested resolution.
 struct Counts {
     packings: usize,
@@ -282,7 +285,7 @@ struct Counts {
 
 impl Counts {
     fn of(studies: &[&Study]) -> Self {
-        let (mut solves, mut grids) = (HashSet::new(), HashSet::new());
+        let (mut solves, mut grids, mut finer) = (HashSet::new(), HashSet::new(), 0);
         for study in studies {
             let method = (&study.solver, &study.goal);
             for r in 0..study.realisations {
@@ -291,6 +294,7 @@ impl Counts {
                     Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
                 };
                 solves.extend(study.points(r).iter().map(key));
+                finer += study.solves_of(r) - study.solves_each();
             }
             let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
             let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
@@ -300,7 +304,7 @@ impl Counts {
             packings: studies.iter().map(|s| s.realisations).max().unwrap_or(0),
             coverages: studies.iter().map(|s| s.realisations).sum(),
             grids: grids.len(),
-            solves: solves.len(),
+            solves: solves.len() + FINER_COST * finer,
         }
     }
 }

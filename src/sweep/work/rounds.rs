@@ -9,7 +9,7 @@ use super::stored::{collect_some, stage_key};
 use super::units::{Unit, units, units_within};
 use crate::evaluate::summary::enough;
 use crate::input::study::Study;
-use crate::run::realisation::point_keys;
+use crate::run::realisation::all_point_keys;
 use crate::run::resolve;
 use crate::run::resolve::Resolved;
 use crate::run::{Collected, Stores};
@@ -99,7 +99,7 @@ fn has_ended(study: &Study, stores: &Stores, realisations: usize) -> bool {
 /// Whether all solves of a realisation are recorded, with or without a result.
 fn has_all_solves(study: &Study, stores: &Stores, resolved: &Resolved, realisation: usize) -> bool {
     let is_kept = |key: &str| stores.points.has(key) || stores.failures.has(key);
-    point_keys(study, resolved, realisation).iter().all(|(_, key)| is_kept(key.as_str()))
+    all_point_keys(study, resolved, realisation).iter().all(|(_, key)| is_kept(key.as_str()))
 }
 
 /// The rounds of a sweep.

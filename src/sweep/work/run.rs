@@ -77,7 +77,7 @@ pub fn solves(sweep: &Sweep, shard: Shard) -> usize {
 }
 
 fn solves_of(sweep: &Sweep, unit: &Unit) -> usize {
-    unit.variants.iter().map(|&v| sweep.variants[v].study.solves_each()).sum()
+    unit.variants.iter().map(|&v| sweep.variants[v].study.solves_of(unit.realisation)).sum()
 }
 
 /// Runs a shard in `folder` until it is finished or stopped.

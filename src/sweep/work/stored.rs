@@ -2,7 +2,7 @@
 
 use crate::input::study::Study;
 use crate::run::point::is_physical;
-use crate::run::realisation::point_keys;
+use crate::run::realisation::all_point_keys;
 use crate::run::resolve;
 use crate::run::resolve::Resolved;
 use crate::run::{Collected, Realisation, Refused, Stores};
@@ -31,13 +31,14 @@ pub(crate) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refus
 /// Everything stored for a realisation; `None` if it is not packed.
 fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) -> Option<Realisation> {
     let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
-    let keyed = point_keys(study, resolved, r);
+    let keyed = all_point_keys(study, resolved, r);
     let sound = |record: &PointRecord| is_physical(record, resolved.grid_error);
     let points = keyed.iter().map(|(_, key)| stores.points.get(key.as_str()).filter(sound));
-    let points: Vec<_> = points.collect();
+    let mut points: Vec<_> = points.collect();
     let missing = keyed.iter().zip(&points).filter(|(_, found)| found.is_none());
     let failures = missing.filter_map(|(keyed, _)| stores.failure(keyed)).collect();
-    Some(Realisation { packing, points, failures })
+    let finer = points.split_off(study.solves_each());
+    Some(Realisation { packing, points, finer, failures })
 }
 
 /// Content hash of everything that a realisation's packing and grid depend on.

@@ -113,7 +113,7 @@ fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec
 
 /// A grid with about `factor` times the points and cells, different from `r` along every axis with
 /// several.
-fn scaled(r: Resolution, factor: f64) -> Resolution {
+pub fn scaled(r: Resolution, factor: f64) -> Resolution {
     let points = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor) };
     Resolution { nx: points(r.nx), ny: points(r.ny), ..scaled_cells(r, factor) }
 }

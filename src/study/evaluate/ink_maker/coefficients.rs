@@ -123,13 +123,19 @@ impl Coefficient<'_> {
     /// were exact.
     fn computed(&self, ink: &InkOnPaper, uncertainty: &Uncertainty) -> Vec<Estimate> {
         let estimates = ink.spectrum(|layer| self.continued(layer, [0.0; 2])).estimates().into_iter();
-        estimates.zip(ink.layers()).map(|(e, layer)| self.estimate(layer, e, uncertainty)).collect()
+        let places = ink.layers().iter().map(|layer| (layer, ink.wavelength_nm(layer)));
+        estimates.zip(places).map(|(e, place)| self.estimate(place, e, uncertainty)).collect()
     }
 
     /// Estimate at one wavelength, where `continued` is the continuation with its random error.
-    fn estimate(&self, layer: &LayerOnPaper, continued: Estimate, uncertainty: &Uncertainty) -> Estimate {
+    fn estimate(
+        &self,
+        (layer, nm): (&LayerOnPaper, f64),
+        continued: Estimate,
+        uncertainty: &Uncertainty,
+    ) -> Estimate {
         let moved = |by: Shift| self.continued(layer, by) - continued.value;
-        let errors = uncertainty.widen_by(continued, |[r, t]| worse(moved([r, t]), moved([r, -t])));
+        let errors = uncertainty.widen_by(continued, nm, |[r, t]| worse(moved([r, t]), moved([r, -t])));
         Estimate { value: self.value(layer), ..errors }
     }
 
@@ -173,6 +179,7 @@ mod tests {
     use crate::evaluate::ink::InkInputs;
     use crate::evaluate::ink::tests::made_up::{MadeUp, RANGE_NM};
     use crate::evaluate::layer::LayerEnsemble;
+    use crate::evaluate::levels::GridPart;
     use crate::evaluate::wavelengths::SpectralBasis;
     use crate::numerics::Draws;
     use crate::numerics::estimate::coverage_factor_95;
@@ -246,7 +253,7 @@ mod tests {
     }
 
     const SURE: Uncertainty = Uncertainty {
-        grid: GridError { reflectance: 0.0, transmittance: 0.0 },
+        grid: GridPart::Estimated(GridError { reflectance: 0.0, transmittance: 0.0 }),
         residual: 0.0,
         missing_cells: 0.0,
         certain: true,
@@ -334,8 +341,12 @@ mod tests {
         };
         let made = MadeUp { films: films(), strata: 3, wavelengths: 10, noise: 0.01 };
         let exact = MadeUp { films: films(), strata: 12, wavelengths: 10, noise: 0.0 };
-        let sure =
-            Uncertainty { grid: GridError::default(), residual: 0.0, missing_cells: 0.0, certain: false };
+        let sure = Uncertainty {
+            grid: GridPart::Estimated(GridError::default()),
+            residual: 0.0,
+            missing_cells: 0.0,
+            certain: false,
+        };
         // the synthetic layer has no faces, and follows the model exactly
         let none = [DiffuseFaces::default(); 4];
         let rows = |ink: &InkOnPaper| -> Vec<[Estimate; 2]> {

@@ -33,8 +33,9 @@ impl Work<'_> {
 
     /// Reports that no solve of the realisation can be computed; returns their number.
     pub fn drop_all(&self) -> usize {
-        self.watch.hear(Event::Dropped(self.study.solves_each()));
-        self.study.solves_each()
+        let solves = self.study.solves_of(self.realisation);
+        self.watch.hear(Event::Dropped(solves));
+        solves
     }
 
     /// Whether the lack of a packing or grid is recorded for this realisation.
@@ -80,7 +81,7 @@ impl Work<'_> {
     /// Number of unknowns of a realisation's solves, to which its time is proportional.
     pub fn cost(&self, resolved: &Resolved) -> f64 {
         let r = resolved.resolution;
-        (r.nx * r.ny * r.planes() * self.study.solves_each()) as f64
+        (r.nx * r.ny * r.planes() * self.study.solves_of(self.realisation)) as f64
     }
 }
 
