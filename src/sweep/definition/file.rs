@@ -66,8 +66,8 @@ pub enum Base {
 }
 
 impl Base {
-    /// The study as a table, and the folder of the files that it names; `folder` is that of the file
-    /// with the base.
+    /// The study as a table, and the folder of the files that it names; `folder` is that of the
+    /// file with the base.
     ///
     /// # Errors
     /// The study's file cannot be read, or is not TOML.
