@@ -1,9 +1,8 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
-use super::again::this_command;
 use super::diagnostics::study_report;
 use super::run::folder_report;
-use super::say::{note, say};
+use super::work::opened;
 use clap::Args;
 use inkwave::compare::check::{Conformity, ConformityVerdict, TOLERANCE, check};
 use inkwave::compare::experiment::{CompareError, ComparisonFile, ComparisonPlan};
@@ -11,7 +10,6 @@ use inkwave::compare::external::ExternalTable;
 use inkwave::compare::row::Row;
 use inkwave::report::publish::PublishError;
 use inkwave::solve::{Registry, Step, Watch};
-use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::Result;
 use std::ops::ControlFlow;
@@ -46,10 +44,9 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     tell_unused(&file.unused());
     if args.plan {
         let ComparisonPlan { bodies, rows } = file.plan(&registry).map_err(report)?;
-        return say(format_args!("{}: {rows} solves on a layer of {bodies} bodies", path.display()));
+        return say!("{}: {rows} solves on a layer of {bodies} bodies", path.display());
     }
-    let output = OutputFolder::open(&args.output, Holds::Comparison).map_err(folder_report)?;
-    let output = output.going_on_with(this_command());
+    let output = opened(&args.output, Holds::Comparison)?;
     output.mark_partial().map_err(folder_report)?;
     let mut stop = StopWatch(super::stop::StopFlag::listen());
     let comparison = file
@@ -57,7 +54,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         .inspect_err(|_| output.discard_when_empty())
         .map_err(report)?;
     comparison.write(&output).map_err(publish_report)?;
-    say(format_args!("Comparison: {}", args.output.join("comparison.html").display()))?;
+    say!("Comparison: {}", args.output.join("comparison.html").display())?;
     ended(comparison.rows.len(), comparison.asked)?;
     if comparison.rows.iter().any(|row| row.converged()) {
         return Ok(());
@@ -82,14 +79,14 @@ fn checked(args: &CompareArgs) -> Result<()> {
     let Conformity { cases, verdict } = check(&program, Path::new(""), &mut stop).map_err(report)?;
     for (case, result) in &cases {
         match result {
-            Ok(error) if *error <= TOLERANCE => say(format_args!("{case}: agrees, error {error:.1e}"))?,
-            Ok(error) => say(format_args!("{case}: wrong, error {error:.1e}"))?,
-            Err(reason) => say(format_args!("{case}: {reason}"))?,
+            Ok(error) if *error <= TOLERANCE => say!("{case}: agrees, error {error:.1e}")?,
+            Ok(error) => say!("{case}: wrong, error {error:.1e}")?,
+            Err(reason) => say!("{case}: {reason}")?,
         }
     }
     match verdict {
         ConformityVerdict::Conforms => {
-            say(format_args!("{} conforms: every amplitude within {TOLERANCE}", program.name))
+            say!("{} conforms: every amplitude within {TOLERANCE}", program.name)
         }
         ConformityVerdict::Slips(slips) => {
             let [names, remedies] =
@@ -122,14 +119,14 @@ fn tell_row(row: &Row) {
     };
     let seconds = row.seconds.map_or_else(String::new, |seconds| format!(", {seconds:.2} s"));
     let (strategy, grid, applications) = (&row.strategy, row.grid(), row.applications());
-    note(format_args!("{case}{strategy:16} {grid}: {applications} applications{seconds}, {result}"));
+    note!("{case}{strategy:16} {grid}: {applications} applications{seconds}, {result}");
 }
 
 /// Prints the keys that have no effect in a comparison.
 fn tell_unused(keys: &[String]) {
     if !keys.is_empty() {
         let why = "comparisons solve the first packing at one wavelength and angle, with grids and residuals of their own";
-        note(format_args!("Without effect here: {} ({why}).", keys.join(", ")));
+        note!("Without effect here: {} ({why}).", keys.join(", "));
     }
 }
 

@@ -37,5 +37,5 @@ pub fn man(args: &ManArgs, command: Command) -> miette::Result<()> {
     let cannot = || format!("cannot write to {}", args.folder.display());
     std::fs::create_dir_all(&args.folder).into_diagnostic().wrap_err_with(cannot)?;
     clap_mangen::generate_to(command, &args.folder).into_diagnostic().wrap_err_with(cannot)?;
-    say(format_args!("man pages: {}", args.folder.display()))
+    say!("man pages: {}", args.folder.display())
 }

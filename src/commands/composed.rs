@@ -3,14 +3,13 @@
 
 use super::again::this_command;
 use super::progress::Progress;
-use super::run::{folder_report, run_report, tell_damages};
-use super::say::say;
+use super::run::{run_report, tell_damages};
 use super::stop::StopFlag;
+use super::work::opened;
 use inkwave::evaluate::manifest::Status;
 use inkwave::input::study::{Composed, Study};
 use inkwave::report::composed::publish;
 use inkwave::run::RunSettings;
-use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
 use inkwave::sweep::plan::by_size;
@@ -20,8 +19,7 @@ use std::path::Path;
 
 /// Runs a composed layer and prints its colours.
 pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::Result<()> {
-    let folder = OutputFolder::open(path, Holds::Study).map_err(folder_report)?;
-    let folder = folder.going_on_with(this_command());
+    let folder = opened(path, Holds::Study)?;
     let progress = Progress::new(StopFlag::listen());
     let solved = run_portions(study, &folder, settings, &progress);
     progress.finish();
@@ -35,9 +33,9 @@ pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::
     let published = published.map_err(|error| miette!(help = again.clone(), "{error}"))?;
     published.remarks.iter().for_each(super::say::note);
     for line in published.lines {
-        say(format_args!("{}: {line}", study.title))?;
+        say!("{}: {line}", study.title)?;
     }
-    say(format_args!("Report: {}", folder.path().join("report.html").display()))?;
+    say!("Report: {}", folder.path().join("report.html").display())?;
     if published.status == Status::Complete {
         return Ok(());
     }
@@ -60,10 +58,10 @@ pub(super) fn offer(mut study: Study, settings: RunSettings) -> miette::Result<(
     let composed = Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um] };
     study.layer.composed = Some(composed);
     let slabs = by_size(&Sweep::of_one("", study), settings).core_seconds;
-    say(format_args!(
+    say!(
         "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \
          instead of {:.1}, whatever the thickness",
         slabs / 3600.0,
         whole / 3600.0
-    ))
+    )
 }

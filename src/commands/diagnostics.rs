@@ -4,8 +4,7 @@ use super::say::printable;
 use inkwave::input::fault::{Fault, StudyError};
 use inkwave::input::locate::span_of;
 use inkwave::input::tree::SyntaxFault;
-use miette::{Diagnostic, LabeledSpan, NamedSource, Report, Severity, SourceCode};
-use std::fmt;
+use miette::{Diagnostic, LabeledSpan, NamedSource, Report};
 use std::sync::Arc;
 
 /// Turns a study error into a report that quotes the offending lines.
@@ -15,31 +14,21 @@ pub fn study_report(error: StudyError) -> Report {
             let fault = SyntaxFault { message, remedy: "", span: span.clone() };
             let message = format!("{}: {}", path.display(), fault.in_words(&text));
             let label = span.map(|span| LabeledSpan::new_with_span(Some("here".into()), span));
-            let source = source(&path, text);
-            Report::new(Shown { message, help: Some(remedy), label, source, others: Vec::new() })
+            Report::new(Shown::new(&message, Some(&remedy), label, source(&path, text)))
         }
         StudyError::Values { path, text, faults } => {
             let source = source(&path, text);
-            let mut shown: Vec<Shown> = faults.iter().map(|fault| Shown::fault(fault, &source)).collect();
-            if shown.len() == 1 {
-                let mut only = shown.remove(0);
-                if source.is_none() {
-                    only.message = format!("{}: {}", path.display(), only.message);
-                }
-                return Report::new(only);
+            if let [only] = &faults[..] {
+                let start = if source.is_none() { format!("{}: ", path.display()) } else { String::new() };
+                return Report::new(Shown::fault(&start, only, &source));
             }
-            let message = format!("{}: {} fields need another value", path.display(), shown.len());
-            Report::new(Shown { message, help: None, label: None, source: None, others: shown })
+            let message = format!("{}: {} fields need another value", path.display(), faults.len());
+            let others = faults.iter().map(|fault| Shown::fault("", fault, &source)).collect();
+            Report::new(Shown { others, ..Shown::new(&message, None, None, None) })
         }
         unreadable @ StudyError::Unreadable { .. } => {
-            let help = Some("give the path of a study file, such as examples/yellow.toml".to_owned());
-            Report::new(Shown {
-                message: unreadable.to_string(),
-                help,
-                label: None,
-                source: None,
-                others: Vec::new(),
-            })
+            let help = "give the path of a study file, such as examples/yellow.toml";
+            Report::new(Shown::new(&unreadable.to_string(), Some(help), None, None))
         }
     }
 }
@@ -72,55 +61,31 @@ fn harmless(c: char) -> char {
     }
 }
 
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error, Diagnostic)]
+#[error("{message}")]
 struct Shown {
     message: String,
+    #[help]
     help: Option<String>,
-    label: Option<LabeledSpan>,
-    source: Option<SourceText>,
+    #[label(collection)]
+    labels: Vec<LabeledSpan>,
+    #[source_code]
+    text: Option<SourceText>,
+    #[related]
     others: Vec<Shown>,
 }
 
 impl Shown {
-    fn fault(fault: &Fault, source: &Option<SourceText>) -> Self {
-        let label = |span| LabeledSpan::new_with_span(Some(format!("found {}", fault.found)), span);
-        Self {
-            message: fault.to_string(),
-            help: Some(fault.remedy.clone()),
-            label: source.as_ref().and_then(|source| span_of(source.inner(), &fault.field)).map(label),
-            source: source.clone(),
-            others: Vec::new(),
-        }
-    }
-}
-
-impl fmt::Display for Shown {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(&printable(&self.message))
-    }
-}
-
-impl std::error::Error for Shown {}
-
-impl Diagnostic for Shown {
-    fn severity(&self) -> Option<Severity> {
-        Some(Severity::Error)
+    fn new(message: &str, help: Option<&str>, label: Option<LabeledSpan>, text: Option<SourceText>) -> Self {
+        let (message, help) = (printable(message), help.map(printable));
+        Self { message, help, labels: Vec::from_iter(label), text, others: Vec::new() }
     }
 
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.help.as_ref().map(|help| Box::new(printable(help)) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source.as_deref().map(|source| source as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        self.label.clone().map(|label| Box::new(std::iter::once(label)) as Box<dyn Iterator<Item = _>>)
-    }
-
-    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
-        let others = self.others.iter().map(|other| other as &dyn Diagnostic);
-        (!self.others.is_empty()).then(|| Box::new(others) as Box<dyn Iterator<Item = _>>)
+    /// A fault at its place in the text; its message follows `start`.
+    fn fault(start: &str, fault: &Fault, text: &Option<SourceText>) -> Self {
+        let span = text.as_ref().and_then(|text| span_of(text.inner(), &fault.field));
+        let found = printable(&format!("found {}", fault.found));
+        let label = span.map(|span| LabeledSpan::new_with_span(Some(found), span));
+        Self::new(&format!("{start}{fault}"), Some(&fault.remedy), label, text.clone())
     }
 }

@@ -51,7 +51,7 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
     })?;
     for file in &exported.files {
         folder.write(&file.name, &file.bytes).map_err(folder_report)?;
-        say(format_args!("{}: {}", folder.path().join(&file.name).display(), file.about))?;
+        say!("{}: {}", folder.path().join(&file.name).display(), file.about)?;
     }
     exported.remarks.iter().try_for_each(say)
 }

@@ -1,20 +1,20 @@
 //! `inkwave fit FIT.toml`: from measured drawdowns to a pigment's index.
 
-use super::again::this_command;
 use super::diagnostics::study_report;
 use super::progress::Progress;
-use super::run::{folder_report, run_report};
-use super::say::{note, say};
+use super::run::{folder_report, run_report, step_report};
+use super::say::note;
 use super::stop::StopFlag;
+use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::fit::load::{FitTask, load};
 use inkwave::fit::publish::{in_words, publish};
 use inkwave::fit::run::{FitError, FitRun, FitStores, Trust, points};
-use inkwave::run::{RunError, RunSettings};
+use inkwave::run::RunSettings;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, miette};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Fit a pigment's index n + iκ to spectra of drawdowns
 ///
@@ -24,31 +24,18 @@ use std::path::{Path, PathBuf};
 pub struct FitArgs {
     /// Fit file (TOML); `inkwave schema fit --annotated` prints every key
     pub fit: PathBuf,
-    /// Output folder (created if missing)
-    #[arg(long, short, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Number of parallel solves (default: number of processors)
-    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub jobs: Option<u16>,
-    /// Print the expected cost, after a short trial, and exit
-    #[arg(long)]
-    pub plan: bool,
-    /// Memory for all parallel solves, GB (default: four fifths of the free memory)
-    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
-    pub memory_gb: Option<f64>,
+    #[command(flatten)]
+    pub work: WorkArgs,
 }
 
 /// Runs the command.
 pub fn run(args: &FitArgs) -> miette::Result<()> {
     let task = load(&args.fit).map_err(study_report)?;
-    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
-    if args.plan {
+    let settings = args.work.settings()?;
+    if args.work.plan {
         return tell_plan(&task, settings);
     }
-    let name = args.fit.file_stem().map_or_else(|| "fit".into(), PathBuf::from);
-    let path = args.output.clone().unwrap_or_else(|| Path::new("out").join(name));
-    let folder = OutputFolder::open(&path, Holds::Fit).map_err(folder_report)?;
-    let folder = folder.going_on_with(this_command());
+    let folder = opened(&args.work.folder(&args.fit, ""), Holds::Fit)?;
     let progress = Progress::new(StopFlag::listen());
     let [table, steps, predicted] = points(&task);
     progress.expect(table + steps + predicted, true);
@@ -58,14 +45,14 @@ pub fn run(args: &FitArgs) -> miette::Result<()> {
     progress.finish();
     let outcome = outcome.map_err(fit_report)?;
     publish(&task, &outcome, &folder).into_diagnostic()?;
-    say(format_args!("{}: {}", task.title, in_words(&outcome)))?;
+    say!("{}: {}", task.title, in_words(&outcome))?;
     outcome.remarks.iter().for_each(note);
     for forecast in &outcome.forecasts {
         let of = |x: Option<f64>| x.map_or("unknown".into(), |x| format!("{x:.2}"));
         let (own, munk) = (of(forecast.delta_e_2000), of(forecast.delta_e_2000_kubelka_munk));
-        say(format_args!("{}: ΔE₀₀ to the measurement {own} (Kubelka–Munk {munk})", forecast.name))?;
+        say!("{}: ΔE₀₀ to the measurement {own} (Kubelka–Munk {munk})", forecast.name)?;
     }
-    say(format_args!("Report: {}", folder.path().join("report.html").display()))?;
+    say!("Report: {}", folder.path().join("report.html").display())?;
     if outcome.trust == Trust::Contradicted {
         let help = "the remarks above and the page say what to check";
         return Err(miette!(help = help, "the measured spectra contradict the study: no errors are stated"));
@@ -84,35 +71,28 @@ fn tell_plan(task: &FitTask, settings: RunSettings) -> miette::Result<()> {
     let [table, steps, predicted] = points(task);
     let cells = task.coats[0].realisations;
     let waves = task.wavelengths_nm().len();
-    say(format_args!(
+    say!(
         "{}: {} spectra of {} layers, {waves} wavelengths, {cells} cells",
         task.title,
         task.measured.len(),
         task.coats_measured
-    ))?;
+    )?;
     let minutes = |points: usize| each * points as f64 / 60.0;
     for (what, points) in
         [("coarse table", table), ("linearisations, at most", steps), ("predictions", predicted)]
     {
-        say(format_args!(
-            "{what}: {points} solves with derivatives, {:.1} processor minutes",
-            minutes(points)
-        ))?;
+        say!("{what}: {points} solves with derivatives, {:.1} processor minutes", minutes(points))?;
     }
-    say(format_args!(
+    say!(
         "in all at most {:.1} processor minutes ({:.0} ms for each solve with its derivatives)",
         minutes(table + steps + predicted),
         1e3 * each
-    ))
+    )
 }
 
 fn fit_report(error: FitError) -> miette::Report {
     match error {
-        FitError::Run(RunError::Stopped) => {
-            let help = format!("to resume: {}", this_command());
-            miette!(help = help, "stopped: what is solved is stored")
-        }
-        FitError::Run(error) => run_report(error),
+        FitError::Run(error) => step_report(error),
         other => miette!("{other}"),
     }
 }

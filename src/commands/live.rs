@@ -2,7 +2,6 @@
 //! time.
 
 use super::progress::Progress;
-use super::say::note;
 use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::folder::OutputFolder;
 use std::path::Path;
@@ -39,7 +38,7 @@ impl Rhythm {
         self.due = Instant::now() + PAUSE.max(SHARE * clock.elapsed());
         if written && !self.told {
             self.told = true;
-            note(format_args!("{} shows the finished solves and is updated during the run", page.display()));
+            note!("{} shows the finished solves and is updated during the run", page.display());
         }
     }
 }

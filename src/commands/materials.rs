@@ -1,6 +1,5 @@
 //! Lists the measured materials that come with the program.
 
-use super::say::say;
 use clap::Args;
 use inkwave::material::named::{MATERIALS, NamedMaterial};
 
@@ -13,17 +12,17 @@ pub struct MaterialsArgs {
 
 pub fn run(args: &MaterialsArgs) -> miette::Result<()> {
     let Some(name) = &args.name else {
-        return MATERIALS.iter().try_for_each(|material| say(format_args!("{}", row(material))));
+        return MATERIALS.iter().try_for_each(|material| say!("{}", row(material)));
     };
     let known = NamedMaterial::find(name).ok_or_else(|| unknown(name))?;
-    say(format_args!("{}", row(known)))?;
+    say!("{}", row(known))?;
     for source in known.sources() {
-        say(format_args!("  {}\n  {}", source.reference, source.comment))?;
+        say!("  {}\n  {}", source.reference, source.comment)?;
     }
     if known.is_birefringent() {
-        say(format_args!("  Birefringent: the waves see the orientation average, ε = (2 ε_o + ε_e)/3."))?;
+        say!("  Birefringent: the waves see the orientation average, ε = (2 ε_o + ε_e)/3.")?;
     }
-    say(format_args!("  From the refractiveindex.info database, CC0 1.0."))
+    say!("  From the refractiveindex.info database, CC0 1.0.")
 }
 
 fn row(material: &NamedMaterial) -> String {

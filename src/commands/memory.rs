@@ -1,6 +1,5 @@
 //! `--memory-gb` and the memory limits of the process.
 
-use inkwave::run::RunSettings;
 use inkwave::run::memory::allowed;
 use miette::{Result, miette};
 
@@ -13,16 +12,6 @@ pub fn bytes(gb: f64) -> Result<f64> {
         miette::bail!("--memory-gb is {gb}; it must be above 0: try 4");
     }
     Ok((1e9 * gb).min(allowed()))
-}
-
-/// Settings of a run from `--jobs` and `--memory-gb`.
-///
-/// # Errors
-/// See [`bytes`].
-pub fn settings(jobs: Option<u16>, memory_gb: Option<f64>) -> Result<RunSettings> {
-    let otherwise = RunSettings::default();
-    let memory = memory_gb.map_or(Ok(otherwise.memory), bytes)?;
-    Ok(RunSettings { jobs: jobs.map(usize::from), memory, ..otherwise })
 }
 
 /// Memory needed besides the solves, bytes: thread stacks, packings, pages and pictures.

@@ -29,10 +29,7 @@ pub fn run(args: &MergeArgs) -> miette::Result<()> {
     let merged = merge(&args.shards, &folder).map_err(merge_report)?;
     tell_damages(&merged.damages);
     if merged.healed > 0 {
-        super::say::note(format_args!(
-            "{} damaged records were replaced by intact copies from other shards",
-            merged.healed
-        ));
+        note!("{} damaged records were replaced by intact copies from other shards", merged.healed);
     }
     let reported = publish(&merged.sweep, &folder).into_diagnostic()?;
     tell(&reported, &folder, false, "run the sweep again with its file")

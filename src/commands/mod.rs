@@ -1,5 +1,8 @@
 //! The commands, one file each.
 
+#[macro_use]
+pub mod say;
+
 mod again;
 pub mod compare;
 pub mod completions;
@@ -17,7 +20,6 @@ pub mod pack;
 pub mod progress;
 pub mod report;
 pub mod run;
-pub mod say;
 pub mod schema;
 pub mod solve;
 mod solve_gradient;
@@ -25,3 +27,4 @@ mod solve_light;
 mod solve_report;
 pub mod stop;
 pub mod sweep;
+pub mod work;

@@ -1,23 +1,21 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
-use super::again::this_command;
 use super::diagnostics::study_report;
 use super::run::folder_report;
-use super::say::say;
 use super::stop::StopFlag;
+use super::work::opened;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
 use inkwave::ink::statistics::ReachedSizes;
 use inkwave::ink::{PackProgress, PackWatch, Packing};
 use inkwave::input::Study;
-use inkwave::input::load::load_packing;
+use inkwave::input::load::{load_packing, stem};
 use inkwave::report::packing::{is_of_one_packing, write_report};
-use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result, WrapErr};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Pack the grains of a study and report on their statistics
@@ -44,9 +42,8 @@ pub fn run(args: &PackArgs) -> Result<()> {
     study.packing.seed = args.seed.unwrap_or(study.packing.seed);
     study.realisations = args.realisations.map_or(study.realisations, usize::from);
     let stop = StopFlag::listen();
-    let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.study));
-    let folder = OutputFolder::open(&folder, Holds::Packings).map_err(folder_report)?;
-    let folder = folder.going_on_with(this_command());
+    let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(stem(&args.study) + "-packing"));
+    let folder = opened(&folder, Holds::Packings)?;
     folder.mark_partial().map_err(folder_report)?;
     let packings = (0..study.realisations).map(|k| one(&study, k, &stop)).collect::<Result<Vec<_>>>();
     let packings = packings.inspect_err(|_| folder.discard_when_empty())?;
@@ -54,13 +51,8 @@ pub fn run(args: &PackArgs) -> Result<()> {
     folder.remove_files(is_of_one_packing).map_err(folder_report)?;
     let (_, page) = write_report(folder.path(), &study.title, &pigments, &packings).into_diagnostic()?;
     folder.complete().map_err(folder_report)?;
-    say(format_args!("report: {}", page.display()))?;
+    say!("report: {}", page.display())?;
     Ok(())
-}
-
-fn default_folder(study: &Path) -> PathBuf {
-    let stem = study.file_stem().map_or_else(|| "study".into(), |s| s.to_string_lossy().into_owned());
-    PathBuf::from(format!("{stem}-packing"))
 }
 
 fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
@@ -70,7 +62,7 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     let packed = pack(&study.packing_request(realisation), &mut PackBar { bar: &bar, stop });
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {}", realisation + 1))?;
-    say(format_args!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64())))?;
+    say!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64()))?;
     Ok(packing)
 }
 

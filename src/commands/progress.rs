@@ -1,6 +1,5 @@
 //! Progress of a run on stderr: a progress bar on a terminal, otherwise a line every ten seconds.
 
-use super::say::note;
 use super::stop::StopFlag;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use inkwave::input::study::{Point, Study};
@@ -8,26 +7,40 @@ use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::queue::QueueStanding;
 use inkwave::wave::Side;
 use std::io::IsTerminal;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
 /// Fewest solves whose mean time is used to estimate the time left.
 const TOO_FEW: usize = 20;
 
-/// Measures the time during which at least one solve is running.
-struct Busy {
+/// What a run has done so far.
+struct RunState {
     begun: Instant,
+    /// Solves that are running.
     under_way: usize,
+    /// When the first of them began.
     since: Instant,
+    /// Time before that with at least one solve running.
     busy: Duration,
+    solved: usize,
+    left: usize,
+    /// Solves that were already stored.
+    kept: usize,
+    /// Processes that share the work.
+    workers: usize,
+    /// Whether `run.target_delta_e` may end the run before all solves are done.
+    ends_early: bool,
+    /// Time of the last line, where there is no progress bar.
+    last_line: Instant,
 }
 
-impl Busy {
+impl RunState {
     fn new() -> Self {
-        let now = Instant::now();
-        Self { begun: now, under_way: 0, since: now, busy: Duration::ZERO }
+        let (begun, busy) = (Instant::now(), Duration::ZERO);
+        let (since, last_line) = (begun, begun);
+        let [under_way, solved, left, kept] = [0; 4];
+        Self { begun, under_way, since, busy, solved, left, kept, workers: 1, ends_early: false, last_line }
     }
 
     fn begin(&mut self) {
@@ -44,10 +57,28 @@ impl Busy {
         }
     }
 
-    /// Time with at least one solve running, up to now.
-    fn so_far(&self) -> Duration {
-        let now = if self.under_way > 0 { self.since.elapsed() } else { Duration::ZERO };
-        self.busy + now
+    /// Mean time per solve of this run times the number of solves left, of `all`. Stored solves and
+    /// grid searches do not count: they come first and would inflate the estimate to years.
+    fn time_left(&self, all: u64) -> String {
+        if self.solved < TOO_FEW.min(all as usize / 2).max(1) {
+            return "time left unknown".into();
+        }
+        let running = if self.under_way > 0 { self.since.elapsed() } else { Duration::ZERO };
+        let shared = (self.solved * self.workers) as f64;
+        let seconds = (self.busy + running).as_secs_f64() * self.left as f64 / shared;
+        let left = HumanDuration(Duration::from_secs_f64(seconds));
+        let most = if self.ends_early { "at most" } else { "about" };
+        let by = if self.workers == 1 { String::new() } else { format!(" for {} processes", self.workers) };
+        format!("{most} {left} left{by}")
+    }
+
+    /// Whether the next line is due, which it is once.
+    fn is_due(&mut self) -> bool {
+        let due = self.last_line.elapsed() >= BETWEEN_LINES;
+        if due {
+            self.last_line = Instant::now();
+        }
+        due
     }
 }
 
@@ -55,18 +86,9 @@ impl Busy {
 pub struct Progress {
     stop: StopFlag,
     bar: ProgressBar,
-    begun: Instant,
-    /// None on a terminal; elsewhere the time of the last line.
-    last_line: Option<Mutex<Instant>>,
-    solved: AtomicUsize,
-    left: AtomicUsize,
-    busy: Mutex<Busy>,
-    /// Solves that were already stored.
-    kept: AtomicUsize,
-    /// Processes that share the work.
-    workers: AtomicUsize,
-    /// Whether `run.target_delta_e` may end the run before all solves are done.
-    ends_early: AtomicBool,
+    /// Whether lines are printed instead of a bar, without a terminal.
+    plain: bool,
+    state: Mutex<RunState>,
 }
 
 impl Progress {
@@ -80,42 +102,39 @@ impl Progress {
         if !plain {
             bar.enable_steady_tick(Duration::from_millis(250));
         }
-        Self {
-            stop,
-            bar,
-            begun: Instant::now(),
-            last_line: plain.then(|| Mutex::new(Instant::now())),
-            solved: AtomicUsize::new(0),
-            left: AtomicUsize::new(0),
-            busy: Mutex::new(Busy::new()),
-            kept: AtomicUsize::new(0),
-            workers: AtomicUsize::new(1),
-            ends_early: AtomicBool::new(false),
-        }
+        Self { stop, bar, plain, state: Mutex::new(RunState::new()) }
+    }
+
+    fn state(&self) -> MutexGuard<'_, RunState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Number of solves, 0 if unknown.
+    fn all(&self) -> u64 {
+        self.bar.length().unwrap_or(0)
     }
 
     /// Sets the number of solves to come; with `ends_early`, `run.target_delta_e` may need fewer.
     pub fn expect(&self, solves: usize, ends_early: bool) {
-        self.ends_early.store(ends_early, Ordering::Relaxed);
         self.bar.set_length(solves as u64);
-        self.left.store(solves, Ordering::Relaxed);
+        let mut state = self.state();
+        (state.left, state.ends_early) = (solves, ends_early);
     }
 
     /// Removes the progress bar and prints the throughput.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
-        let (kept, all) = (self.kept.load(Ordering::Relaxed), self.bar.length().unwrap_or(0));
+        let RunState { begun, busy, solved, kept, .. } = *self.state();
         if kept > 0 {
-            note(format_args!("{kept} of {all} solves were already stored"));
+            note!("{kept} of {} solves were already stored", self.all());
         }
-        let (solved, Ok(busy)) = (self.solved.load(Ordering::Relaxed), self.busy.lock()) else { return };
         if solved > 0 {
-            let seconds = busy.begun.elapsed().as_secs_f64();
-            let idle = 100.0 * (1.0 - busy.busy.as_secs_f64() / seconds);
+            let seconds = begun.elapsed().as_secs_f64();
+            let idle = 100.0 * (1.0 - busy.as_secs_f64() / seconds);
             let an_hour = solved as f64 * 3600.0 / seconds;
-            note(format_args!(
+            note!(
                 "{solved} solves in {seconds:.0} s: {an_hour:.0} per hour, {idle:.0} % of the time outside solves"
-            ));
+            );
         }
     }
 
@@ -124,119 +143,64 @@ impl Progress {
         self.stop.is_raised()
     }
 
-    fn fewer_left(&self, solves: usize) {
-        let fewer = |left: usize| Some(left.saturating_sub(solves));
-        let _ = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fewer);
-    }
-
-    fn say(&self, text: &str) {
-        match self.last_line {
-            Some(_) => note(format_args!("{text}")),
-            None => self.bar.println(text),
-        }
-    }
-
-    /// Mean time per solve of this run times the number of solves left. Stored solves and grid
-    /// searches do not count: they come first and would inflate the estimate to years.
-    fn time_left(&self) -> String {
-        let (solved, left) = (self.solved.load(Ordering::Relaxed), self.left.load(Ordering::Relaxed));
-        let Ok(busy) = self.busy.lock() else { return String::new() };
-        if solved < TOO_FEW.min(self.bar.length().unwrap_or(0) as usize / 2).max(1) {
-            return "time left unknown".into();
-        }
-        let workers = self.workers.load(Ordering::Relaxed);
-        let seconds = busy.so_far().as_secs_f64() * left as f64 / (solved * workers) as f64;
-        let left = HumanDuration(Duration::from_secs_f64(seconds));
-        let most = if self.ends_early.load(Ordering::Relaxed) { "at most" } else { "about" };
-        if workers == 1 {
-            format!("{most} {left} left")
-        } else {
-            format!("{most} {left} left for {workers} processes")
-        }
-    }
-
-    /// Reports now and then that a long stage is still running, where there is no progress bar.
-    fn waiting_line(&self) {
-        let Some(mut last) = self.last_line.as_ref().and_then(|last| last.try_lock().ok()) else { return };
-        if last.elapsed() >= BETWEEN_LINES {
-            *last = Instant::now();
-            let seconds = self.begun.elapsed().as_secs();
-            note(format_args!(
-                "still working after {seconds} s: {} (--plan estimates the total)",
-                self.bar.message()
-            ));
-        }
-    }
-
-    fn line_when_due(&self) {
-        let Some(last) = self.last_line.as_ref().and_then(|last| last.lock().ok()) else { return };
-        let mut last = last;
-        if last.elapsed() >= BETWEEN_LINES {
-            *last = Instant::now();
-            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or(0));
-            note(format_args!("{done}/{all} solves, {}, {}", self.bar.message(), self.time_left()));
-        }
+    /// Counts solves that are no longer to come.
+    fn pass(&self, solves: usize) {
+        self.bar.inc(solves as u64);
+        let mut state = self.state();
+        state.left = state.left.saturating_sub(solves);
     }
 
     fn standing(&self, standing: &QueueStanding) {
-        let (all, done) = (self.bar.length().unwrap_or(0), self.bar.position().max(standing.solves as u64));
+        let done = self.bar.position().max(standing.solves as u64);
         self.bar.set_position(done);
-        self.left.store(all.saturating_sub(done) as usize, Ordering::Relaxed);
-        self.workers.store(standing.workers.max(1), Ordering::Relaxed);
-    }
-
-    fn kept(&self, solves: usize) {
-        self.kept.fetch_add(solves, Ordering::Relaxed);
-        self.pass(solves);
-    }
-
-    /// Counts solves that need no work.
-    fn pass(&self, solves: usize) {
-        self.bar.inc(solves as u64);
-        self.fewer_left(solves);
+        let mut state = self.state();
+        state.left = self.all().saturating_sub(done) as usize;
+        state.workers = standing.workers.max(1);
     }
 
     fn show_stage(&self, what: &str) {
         self.bar.set_message(what.to_owned());
-        if self.last_line.is_some() {
-            note(format_args!("{what}"));
+        if self.plain {
+            note!("{what}");
         }
     }
 
     fn solving(&self, study: &Study, point: &Point) {
-        if let Ok(mut busy) = self.busy.lock() {
-            busy.begin();
-        }
         let Point { realisation, incidence, .. } = point;
         let (nm, angle) = (1e3 * incidence.wavelength_um, incidence.polar_deg);
         let side = if incidence.from == Side::Exit { " from the exit side" } else { "" };
-        let of = study.realisations;
-        self.bar
-            .set_message(format!("realisation {}/{of} · {nm:.0} nm · {angle:.0}°{side}", realisation + 1));
-        self.bar.set_prefix(self.time_left());
-    }
-
-    fn ended(&self) {
-        if let Ok(mut busy) = self.busy.lock() {
-            busy.end();
-        }
+        let (number, of) = (realisation + 1, study.realisations);
+        self.bar.set_message(format!("realisation {number}/{of} · {nm:.0} nm · {angle:.0}°{side}"));
+        let mut state = self.state();
+        state.begin();
+        self.bar.set_prefix(state.time_left(self.all()));
     }
 
     fn solved(&self, point: &Point, failure: Option<&str>) {
-        self.solved.fetch_add(1, Ordering::Relaxed);
-        self.fewer_left(1);
-        self.bar.inc(1);
+        self.pass(1);
         if let Some(failure) = failure {
-            let nm = 1e3 * point.incidence.wavelength_um;
-            self.say(&format!("no result at {nm:.0} nm, {:.0}°: {failure}", point.incidence.polar_deg));
+            let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
+            let line = format!("no result at {nm:.0} nm, {deg:.0}°: {failure}");
+            if self.plain { note!("{line}") } else { self.bar.println(line) }
         }
-        self.line_when_due();
+        let mut state = self.state();
+        state.solved += 1;
+        if self.plain && state.is_due() {
+            let (done, all, left) = (self.bar.position(), self.all(), state.time_left(self.all()));
+            note!("{done}/{all} solves, {}, {left}", self.bar.message());
+        }
     }
 }
 
 impl RunWatch for Progress {
+    /// Reports now and then that a long stage is still running, where there is no progress bar.
     fn stop(&self) -> bool {
-        self.waiting_line();
+        if let (true, Ok(mut state)) = (self.plain, self.state.try_lock())
+            && state.is_due()
+        {
+            let seconds = state.begun.elapsed().as_secs();
+            note!("still working after {seconds} s: {} (--plan estimates the total)", self.bar.message());
+        }
         self.stop.is_raised()
     }
 
@@ -245,9 +209,12 @@ impl RunWatch for Progress {
             Event::Stage(what) => self.show_stage(what),
             Event::Standing(standing) => self.standing(standing),
             Event::Solving(study, point) => self.solving(study, point),
-            Event::Kept(solves) => self.kept(solves),
+            Event::Kept(solves) => {
+                self.state().kept += solves;
+                self.pass(solves);
+            }
             Event::Dropped(solves) => self.pass(solves),
-            Event::Ended => self.ended(),
+            Event::Ended => self.state().end(),
             Event::Solved(point, failure) => self.solved(point, failure),
         }
     }

@@ -3,16 +3,16 @@
 use super::again::this_command;
 use super::diagnostics::study_report;
 use super::live::Live;
-use super::mixed_up::{Kind, not_for};
+use super::mixed_up::not_for;
 use super::progress::Progress;
-use super::say::say;
 use super::stop::StopFlag;
 use super::sweep::{tell_others, tell_plan};
+use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
 use inkwave::evaluate::summary;
 use inkwave::ink::PackError;
-use inkwave::input::load::load;
+use inkwave::input::load::{load, stem};
 use inkwave::input::study::Study;
 use inkwave::report::publish::{Published, publish};
 use inkwave::run::{Collected, RunError};
@@ -25,52 +25,41 @@ use inkwave::sweep::Sweep;
 use inkwave::sweep::alone::{Ran, run_study, stored};
 use inkwave::sweep::plan::by_size;
 use miette::{IntoDiagnostic, miette};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `inkwave run`.
 #[derive(Debug, Args)]
 pub struct RunArgs {
     /// Study file (TOML); `inkwave schema --annotated` prints every key
     pub study: PathBuf,
-    /// Output folder (created if missing; an interrupted run is resumed)
-    #[arg(long, short, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Number of parallel solves (default: number of processors); fewer need less memory
-    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub jobs: Option<u16>,
-    /// Print the expected cost, after a short trial, and exit
-    #[arg(long)]
-    pub plan: bool,
     /// Print the plan as JSON
     #[arg(long, requires = "plan")]
     pub json: bool,
-    /// Memory for all parallel solves, GB (default: four fifths of the free memory)
-    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
-    pub memory_gb: Option<f64>,
+    #[command(flatten)]
+    pub work: WorkArgs,
 }
 
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> miette::Result<()> {
-    let study = load(&args.study)
-        .map_err(|error| not_for(&error, Kind::Study).unwrap_or_else(|| study_report(error)))?;
+    let study =
+        load(&args.study).map_err(|error| not_for(&error, "study").unwrap_or_else(|| study_report(error)))?;
     study.remarks.iter().for_each(super::say::note);
-    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
-    if args.plan {
-        let name = args.study.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
-        tell_plan(&Sweep::of_one(&name, study.clone()), args.json, settings)?;
+    let settings = args.work.settings()?;
+    if args.work.plan {
+        tell_plan(&Sweep::of_one(&stem(&args.study), study.clone()), args.json, settings)?;
         return if args.json { Ok(()) } else { super::composed::offer(study, settings) };
     }
-    let path = output_path(args, &study);
+    let own = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
+    let path = own.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
     if study.layer.composed.is_some() {
         return super::composed::run(&study, &path, settings);
     }
-    let folder = OutputFolder::open(&path, Holds::Study).map_err(folder_report)?;
-    let folder = folder.going_on_with(this_command());
+    let folder = opened(&path, Holds::Study)?;
     if let Some(reason) = &study.angles.no_paper {
-        super::say::note(format_args!("no paper, colour and picture: {reason}"));
+        note!("no paper, colour and picture: {reason}");
     }
     if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
-        super::say::note(format_args!("out of reach: {reason} (--plan gives details; Ctrl-C stops)"));
+        note!("out of reach: {reason} (--plan gives details; Ctrl-C stops)");
     }
     let progress = Progress::new(StopFlag::listen());
     progress.expect(study.solves(), study.target_delta_e.is_some());
@@ -95,14 +84,14 @@ fn publish_stored(study: &Study, folder: &OutputFolder) -> bool {
 /// Prints the colour, or why there is none, and every other number that is missing.
 fn tell_colour(study: &Study, published: &Published) -> miette::Result<()> {
     if let Some(colour) = &published.colour {
-        say(format_args!("{}: {colour}", study.title))?;
+        say!("{}: {colour}", study.title)?;
     }
     if let Some(reason) = &published.no_colour {
-        say(format_args!("{}: no colour: {reason}", study.title))?;
+        say!("{}: no colour: {reason}", study.title)?;
     }
     let told = |line: &&String| published.no_colour.as_ref().is_some_and(|reason| reason.contains(*line));
     for line in published.withheld.iter().filter(|line| !told(line)) {
-        say(format_args!("{}: no result: {line}", study.title))?;
+        say!("{}: no result: {line}", study.title)?;
     }
     Ok(())
 }
@@ -117,14 +106,14 @@ fn tell(
 ) -> miette::Result<()> {
     let report = folder.path().join("report.html");
     tell_colour(study, published)?;
-    say(format_args!("Report: {}", report.display()))?;
+    say!("Report: {}", report.display())?;
     if let (Some(target), false) = (study.target_delta_e.filter(|_| study.realisations > 1), stopped)
         && !summary::enough(study, collected)
     {
         let all = study.realisations;
-        super::say::note(format_args!(
+        note!(
             "the 95 % interval of a colour is still wider than run.target_delta_e = {target} after {all} realisations: raise run.realisations"
-        ));
+        );
     }
     if published.status == Status::Complete {
         return Ok(());
@@ -153,13 +142,6 @@ fn tell(
     ))
 }
 
-/// `--output`, else the study's own folder, else `out/<study name>`.
-fn output_path(args: &RunArgs, study: &Study) -> PathBuf {
-    let name = || args.study.file_stem().map_or_else(|| "study".into(), PathBuf::from);
-    let own = || study.output.folder.as_ref().map(PathBuf::from);
-    args.output.clone().or_else(own).unwrap_or_else(|| Path::new("out").join(name()))
-}
-
 /// Reports damaged files of a store.
 pub(super) fn tell_damages(damages: &[Damage]) {
     if let Some(told) = in_words(damages) {
@@ -169,6 +151,16 @@ pub(super) fn tell_damages(damages: &[Damage]) {
 
 pub(super) fn folder_report(error: FolderError) -> miette::Report {
     miette!(help = error.remedy(), "{error}")
+}
+
+/// [`run_report`] of work in several steps, whose finished ones count.
+pub(super) fn step_report(error: RunError) -> miette::Report {
+    match error {
+        RunError::Stopped => {
+            miette!(help = format!("to resume: {}", this_command()), "stopped: what is solved is stored")
+        }
+        error => run_report(error),
+    }
 }
 
 pub(super) fn run_report(error: RunError) -> miette::Report {

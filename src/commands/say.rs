@@ -26,6 +26,16 @@ pub fn note(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{}", printable(&line.to_string()));
 }
 
+/// Prints a formatted line on standard output, as the function of this name does.
+macro_rules! say {
+    ($($part:tt)+) => { $crate::commands::say::say(format_args!($($part)+)) };
+}
+
+/// Prints a formatted line on standard error.
+macro_rules! note {
+    ($($part:tt)+) => { $crate::commands::say::note(format_args!($($part)+)) };
+}
+
 /// Removes the control characters that a terminal would execute: a title may contain any character.
 pub(super) fn printable(text: &str) -> String {
     text.chars().filter(|&c| !c.is_control() || c == '\n' || c == '\t').collect()

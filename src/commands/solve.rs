@@ -1,17 +1,18 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
-use super::say::{note, say};
+use super::say::say;
 use super::solve_gradient::{Gradient, gradients};
 use super::solve_light::LightArgs;
 use super::solve_report;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use inkwave::compare::external::protocol::WaveKind;
 use inkwave::export::operator::operator;
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Solved, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_among};
-use inkwave::wave::{Mean, Precision, Resolution, Scheme, Wave};
+use inkwave::wave::{Mean, Precision, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -45,11 +46,11 @@ pub struct SolveArgs {
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Equation to solve: scalar (Helmholtz), or vector (Maxwell, for s and p polarisation)
-    #[arg(long, value_enum, default_value_t = WaveName::Scalar)]
-    wave: WaveName,
+    #[arg(long, value_enum, default_value_t = WaveKind::Scalar)]
+    wave: WaveKind,
     /// Discretisation along z (default: cubic; quartic if --accuracy is below 3e-3)
-    #[arg(long, value_enum)]
-    scheme: Option<SchemeName>,
+    #[arg(long, value_parser = PossibleValuesParser::new(SCHEMES).try_map(|name| scheme_named(&name)))]
+    scheme: Option<Scheme>,
     /// Average ⟨k²⟩ over the whole layer instead of over each cell
     #[arg(long)]
     constant_mean: bool,
@@ -81,31 +82,11 @@ enum GradientForm {
     Text,
 }
 
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum WaveName {
-    Scalar,
-    Vector,
-}
+/// Names of the discretisations along z.
+const SCHEMES: [&str; 5] = ["tents", "quadratic", "cubic", "quartic", "second-difference"];
 
-#[derive(Clone, Copy, ValueEnum)]
-enum SchemeName {
-    Tents,
-    Quadratic,
-    Cubic,
-    Quartic,
-    SecondDifference,
-}
-
-impl From<SchemeName> for Scheme {
-    fn from(name: SchemeName) -> Scheme {
-        match name {
-            SchemeName::Tents => Scheme::Tents,
-            SchemeName::Quadratic => Scheme::Quadratic,
-            SchemeName::Cubic => Scheme::Cubic,
-            SchemeName::Quartic => Scheme::Quartic,
-            SchemeName::SecondDifference => Scheme::SecondDifference,
-        }
-    }
+fn scheme_named(name: &str) -> serde_json::Result<Scheme> {
+    serde_json::from_value(name.replace('-', "_").into())
 }
 
 /// Runs the command.
@@ -118,14 +99,14 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         );
     }
     warn_of_wavelength(case.incidence.wavelength_um);
-    args.light.check(&case, args.wave == WaveName::Vector)?;
+    args.light.check(&case, args.wave == WaveKind::Vector)?;
     let snapped = args.light.snap(&mut case)?;
     // A grid given explicitly may be as fine as the user likes.
     let error = match args.nz {
         Some(_) => EXACT,
         None => error_among(args.accuracy.unwrap_or(DEFAULT_ACCURACY), case.media.largest_contrast()),
     };
-    let wave = if args.wave == WaveName::Vector { Wave::Unpolarised } else { Wave::Scalar };
+    let wave = args.wave.wave();
     let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
     let (solved, gradients) = estimate(args, &case, &coverages)?;
     if let Some(path) = &args.export_operator {
@@ -143,7 +124,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         let orders = &solved.far_field().orders;
         report["gradients"] = gradients.iter().map(|gradient| gradient.json(orders)).collect();
     }
-    say(format_args!("{report:#}"))?;
+    say!("{report:#}")?;
     Ok(())
 }
 
@@ -187,7 +168,7 @@ fn warn_of_wavelength(um: f64) {
     if !USUAL_UM.contains(&um) {
         let meant =
             if um > 20.0 { format!("; if you meant nm, write {}", short(1e-3 * um)) } else { String::new() };
-        note(format_args!("warning: wavelength is {} µm, outside 0.1 to 20 µm{meant}", short(um)));
+        note!("warning: wavelength is {} µm, outside 0.1 to 20 µm{meant}", short(um));
     }
 }
 
@@ -200,7 +181,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     if let Some(tolerance) = args.tolerance.filter(|t| !(1e-15..1.0).contains(t)) {
         miette::bail!("--tolerance is {tolerance}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6");
     }
-    if args.export_operator.is_some() && args.wave == WaveName::Vector {
+    if args.export_operator.is_some() && args.wave == WaveKind::Vector {
         miette::bail!("--export-operator writes the operator of the scalar wave: leave out --wave vector");
     }
     super::memory::bytes(args.memory_gb)?;
@@ -210,8 +191,8 @@ fn check(args: &SolveArgs) -> Result<()> {
 /// Residual to reach; the amplitude error that it causes may be three times as large.
 fn tolerance(args: &SolveArgs) -> f64 {
     let of_accuracy = || args.accuracy.unwrap_or(DEFAULT_ACCURACY) / 50.0;
-    let suited = || if args.nz.is_some() { Goal::default().tolerance } else { of_accuracy() };
-    args.tolerance.unwrap_or_else(suited)
+    args.tolerance
+        .unwrap_or_else(|| if args.nz.is_some() { Goal::default().tolerance } else { of_accuracy() })
 }
 
 fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
@@ -222,12 +203,11 @@ fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
 }
 
 fn scheme(args: &SolveArgs) -> Scheme {
-    if args.wave == WaveName::Vector {
-        return args.scheme.map_or(Scheme::Quadratic, Scheme::from);
+    if args.wave == WaveKind::Vector {
+        return args.scheme.unwrap_or(Scheme::Quadratic);
     }
     let searched = || suited_scheme(args.accuracy.unwrap_or(DEFAULT_ACCURACY));
-    let suited = || if args.nz.is_some() { Scheme::default() } else { searched() };
-    args.scheme.map_or_else(suited, Scheme::from)
+    args.scheme.map_or_else(|| if args.nz.is_some() { Scheme::default() } else { searched() }, Scheme::from)
 }
 
 /// Grid trials that take longer than this are reported even without a terminal.
@@ -256,7 +236,7 @@ impl Watch for Bar {
         self.0.set_prefix(format!("{trial}"));
         // Without a terminal, short searches print nothing.
         if trial.estimate.is_some() && (!self.0.is_hidden() || trial.seconds > SAID_SECONDS) {
-            self.0.suspend(|| super::say::note(format_args!("grid tried: {trial}")));
+            self.0.suspend(|| note!("grid tried: {trial}"));
         }
     }
 }

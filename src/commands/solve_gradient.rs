@@ -44,8 +44,7 @@ pub fn gradients(task: &Task, e: &Estimated) -> Result<Vec<Gradient>, AccuracyEr
         return Err(ABSORBING_EXIT.into());
     }
     let (sharper, _) = task.solve(e.system().grid().resolution, &mut Silent)?;
-    let of = |(medium, index)| gradient(&task, &sharper, medium, index);
-    backgrounds.chain(inclusions).map(of).collect()
+    backgrounds.chain(inclusions).map(|(medium, index)| gradient(&task, &sharper, medium, index)).collect()
 }
 
 fn gradient(
@@ -62,9 +61,10 @@ fn gradient(
     }
     let mut slopes = Vec::new();
     for Solved { system, solution } in solved.iter().rev() {
-        let neighbour =
-            |(systems, direction): (&mut Vec<_>, Complex64)| Some((systems.pop()?, STEP * direction));
-        let neighbours = moved.iter_mut().zip(DIRECTIONS).filter_map(neighbour);
+        let neighbours = moved
+            .iter_mut()
+            .zip(DIRECTIONS)
+            .filter_map(|(systems, direction)| Some((systems.pop()?, STEP * direction)));
         let neighbours: Vec<Neighbour> =
             neighbours.map(|(system, step)| Neighbour { step, system }).collect();
         let field = &solution.field;
@@ -85,14 +85,13 @@ impl Gradient {
     /// As an entry of the result; `orders` are those of the first polarisation.
     pub fn json(&self, orders: &[Order]) -> Value {
         let total = |of: fn(&FarSlopes) -> Slopes| self.by_polarisation(|s| pair(of(s)));
-        let order = |(k, order): (usize, &Order)| self.order(k, order);
         json!({
             "medium": self.name(),
             "index": [self.index.re, self.index.im],
             "R_total": total(|s| s.reflectance),
             "T_total": total(|s| s.transmittance),
             "A_total": total(|s| s.absorptance),
-            "orders": orders.iter().enumerate().map(order).collect::<Vec<_>>(),
+            "orders": orders.iter().enumerate().map(|(k, order)| self.order(k, order)).collect::<Vec<_>>(),
         })
     }
 

@@ -1,7 +1,6 @@
 //! Options of `inkwave solve` on the light: directions of the lattice, and a lit square of finite
 //! size.
 
-use super::say::note;
 use clap::Args;
 use inkwave::appearance::bdf::Lobe;
 use inkwave::appearance::finite_area::{FiniteArea, FiniteAreaError};
@@ -105,10 +104,10 @@ impl LightArgs {
         }
         let finer = format!("--illuminated-step-deg {}", (first_zero_deg / finest).floor() * finest);
         let remedy = if first_zero_deg < finest { "a smaller square" } else { &finer };
-        note(format_args!(
+        note!(
             "warning: directions are {step}° apart, and a lobe's first zero lies {first_zero_deg:.2}° from its middle: most \
              lobes fall between directions (the totals include them all); try {remedy}"
-        ));
+        );
     }
 
     fn step_deg(&self) -> f64 {
@@ -141,8 +140,9 @@ fn lit_square(
 /// One side: tables over the directions, and their integrals.
 fn lobes(lit: &FiniteArea, polar: &[f64], azimuth: &[f64]) -> Result<Value, FiniteAreaError> {
     type Table = Result<Vec<Vec<f64>>, FiniteAreaError>;
-    let row = |lit: &FiniteArea, p: f64| azimuth.iter().map(|&a| lit.at(p, a)).collect();
-    let table = |lit: &FiniteArea| -> Table { polar.iter().map(|&p| row(lit, p)).collect() };
+    let table = |lit: &FiniteArea| -> Table {
+        polar.iter().map(|&p| azimuth.iter().map(|&a| lit.at(p, a)).collect()).collect()
+    };
     let diffuse = lit.without_specular();
     let [per_sr, diffuse_per_sr] = [table(lit)?, table(&diffuse)?];
     Ok(json!({

@@ -1,6 +1,5 @@
 //! Ctrl-C: the first stops cleanly, the second at once.
 
-use super::say::note;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -18,7 +17,7 @@ impl StopFlag {
         let flag = Self::default();
         let raised = flag.0.clone();
         if let Err(error) = ctrlc::set_handler(move || interrupt(&raised)) {
-            note(format_args!("Ctrl-C will end the program at once ({error})."));
+            note!("Ctrl-C will end the program at once ({error}).");
         }
         flag
     }
@@ -33,5 +32,5 @@ fn interrupt(raised: &AtomicBool) {
     if raised.swap(true, Ordering::SeqCst) {
         std::process::exit(INTERRUPTED);
     }
-    note(format_args!("\nStopping after the current step; press Ctrl-C again to quit at once."));
+    note!("\nStopping after the current step; press Ctrl-C again to quit at once.");
 }

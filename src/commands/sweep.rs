@@ -3,11 +3,12 @@
 use super::again::this_command;
 use super::diagnostics::study_report;
 use super::live::Live;
-use super::mixed_up::{Kind, not_for};
+use super::mixed_up::not_for;
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
-use super::say::{note, say};
+use super::say::note;
 use super::stop::StopFlag;
+use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::run::RunSettings;
 use inkwave::run::watch::RunWatch;
@@ -34,18 +35,6 @@ const WORTH_TELLING: Duration = Duration::from_millis(100);
 pub struct SweepArgs {
     /// Sweep file (TOML); `inkwave schema sweep --annotated` prints every key
     pub sweep: PathBuf,
-    /// Output folder (created if missing; an interrupted sweep is resumed)
-    #[arg(long, short, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Number of parallel solves (default: number of processors); fewer need less memory
-    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub jobs: Option<u16>,
-    /// Memory for all parallel solves, GB (default: four fifths of the free memory)
-    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
-    pub memory_gb: Option<f64>,
-    /// Print the expected cost, after a short trial, and exit
-    #[arg(long)]
-    pub plan: bool,
     /// Print the plan as JSON
     #[arg(long, requires = "plan")]
     pub json: bool,
@@ -62,22 +51,24 @@ pub struct SweepArgs {
     /// Retry failed solves, packings and grids
     #[arg(long)]
     pub retry_failed: bool,
+    #[command(flatten)]
+    pub work: WorkArgs,
 }
 
 /// Reads, checks and runs a sweep, or plans it.
 pub fn run(args: &SweepArgs) -> miette::Result<()> {
     let sweep = load::load(&args.sweep)
-        .map_err(|error| not_for(&error, Kind::Sweep).unwrap_or_else(|| study_report(error)))?;
+        .map_err(|error| not_for(&error, "sweep").unwrap_or_else(|| study_report(error)))?;
     // most variants have the same remarks
     let remarks: BTreeSet<&String> =
         sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
     remarks.into_iter().for_each(note);
-    let settings = super::memory::settings(args.jobs, args.memory_gb)?;
+    let settings = args.work.settings()?;
     let settings = RunSettings { retry_failed: args.retry_failed, ..settings };
     if composed::is_composed(&sweep) {
         return composed_sweep(&sweep, args, settings);
     }
-    if args.plan {
+    if args.work.plan {
         return tell_plan(&sweep, args.json, settings);
     }
     let shard = args.shard.as_deref().map(parse_shard).transpose()?;
@@ -87,7 +78,8 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     {
         return Err(no_bars_in_shards(&variant.name));
     }
-    let folder = begin(&sweep, &output_path(args, shard), args)?;
+    let end = shard.map_or_else(String::new, |s| format!(".shard-{}-of-{}", s.index, s.count));
+    let folder = begin(&sweep, &args.work.folder(&args.sweep, &end), args)?;
     let progress = Progress::new(StopFlag::listen());
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
     let ends_early = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
@@ -101,7 +93,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     tell_damages(&tally.damages);
     if tally.waited >= WORTH_TELLING {
         let seconds = tally.waited.as_secs_f64();
-        note(format_args!("this process's workers waited {seconds:.1} s for others"));
+        note!("this process's workers waited {seconds:.1} s for others");
     }
     if args.grids_only {
         return tell_grids(&folder, progress.stopped());
@@ -121,15 +113,12 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
 
 /// Says that other processes continue here.
 pub(super) fn tell_others(folder: &OutputFolder) -> miette::Result<()> {
-    say(format_args!(
-        "Other processes are still working in {} and will write the report.",
-        folder.path().display()
-    ))
+    say!("Other processes are still working in {} and will write the report.", folder.path().display())
 }
 
 /// A sweep of composed layers: one after another, in this process.
 fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> miette::Result<()> {
-    if args.plan {
+    if args.work.plan {
         return tell_plan(&composed::slabs(sweep), args.json, settings);
     }
     if args.shard.is_some() || args.grids_only || args.grids.is_some() {
@@ -140,15 +129,14 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> mie
         let help = "declare all variants composed, or none";
         return Err(miette!(help = help, "variant {} is not composed, and others are", other.name));
     }
-    let folder = OutputFolder::open(&output_path(args, None), Holds::Sweep).map_err(folder_report)?;
-    let folder = folder.going_on_with(this_command());
+    let folder = opened(&args.work.folder(&args.sweep, ""), Holds::Sweep)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
     let ended = composed::run(sweep, &folder, settings, &progress);
     progress.finish();
     let done = ended.map_err(run_report)?;
     let page = composed::publish(sweep, &done, &folder).into_diagnostic()?;
-    say(format_args!("Report: {}", page.display()))?;
+    say!("Report: {}", page.display())?;
     if done.len() < sweep.variants.len() {
         let help = format!("to resume: {}", this_command());
         return Err(miette!(help = help, "{} of {} layers are there", done.len(), sweep.variants.len()));
@@ -158,14 +146,13 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> mie
 
 /// Opens the output folder, writes the sweep to it and applies `--retry-failed` and `--grids`.
 fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputFolder> {
-    let folder = OutputFolder::open(path, Holds::Sweep).map_err(folder_report)?;
-    let folder = folder.going_on_with(this_command());
+    let folder = opened(path, Holds::Sweep)?;
     folder.begin().map_err(folder_report)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
     if let Some(from) = &args.grids {
         let taken =
             folder::take_grids(from, &folder).map_err(|e| miette!("--grids {}: {e}", from.display()))?;
-        note(format_args!("{taken} grids taken from {}", from.display()));
+        note!("{taken} grids taken from {}", from.display());
     }
     Ok(folder)
 }
@@ -178,12 +165,12 @@ pub(super) fn tell(
     go_on: &str,
 ) -> miette::Result<()> {
     for judged in &reported.conclusions {
-        say(format_args!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality))?;
+        say!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality)?;
     }
     if let Some(nearest) = &reported.nearest {
-        say(format_args!("{nearest}"))?;
+        say!("{nearest}")?;
     }
-    say(format_args!("Report: {}", folder.path().join("report.html").display()))?;
+    say!("Report: {}", folder.path().join("report.html").display())?;
     let (complete, all, failures) = (reported.complete(), reported.outcomes.len(), reported.failures());
     if complete == all {
         return Ok(());
@@ -209,10 +196,7 @@ fn tell_shard(
 ) -> miette::Result<()> {
     let runner::Tally { asked, finished, failed, .. } = *tally;
     let Shard { index, count } = shard;
-    say(format_args!(
-        "Shard {index}/{count} in {}: {finished} of {asked} solves finished",
-        folder.path().display()
-    ))?;
+    say!("Shard {index}/{count} in {}: {finished} of {asked} solves finished", folder.path().display())?;
     if stopped || finished + failed < asked {
         return Err(miette!(
             help = format!("to resume: {}", this_command()),
@@ -233,7 +217,7 @@ fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
             "stopped before all grids were chosen"
         ));
     }
-    say(format_args!("Grids in {}", folder.path().display()))
+    say!("Grids in {}", folder.path().display())
 }
 
 fn no_bars_in_shards(variant: &str) -> miette::Report {
@@ -260,28 +244,28 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     progress.finish();
     let plan = plan.map_err(run_report)?;
     if json {
-        say(format_args!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?))?;
+        say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?)?;
         return Ok(());
     }
     if let Some(reason) = &plan.out_of_reach {
-        say(format_args!("out of reach: {reason}"))?;
+        say!("out of reach: {reason}")?;
     }
     let time = |cores: f64| in_words(plan.core_seconds / cores);
-    say(format_args!("variants          {}", plan.variants))?;
-    say(format_args!("packings          {}", plan.packings))?;
+    say!("variants          {}", plan.variants)?;
+    say!("packings          {}", plan.packings)?;
     // `run.target_delta_e` may be reached earlier.
     let bars = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
-    say(format_args!("solves            {}{}", if bars { "at most " } else { "" }, plan.solves))?;
-    say(format_args!("unknowns          {} in the largest solve", plan.unknowns))?;
-    say(format_args!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs))?;
-    say(format_args!(
+    say!("solves            {}{}", if bars { "at most " } else { "" }, plan.solves)?;
+    say!("unknowns          {} in the largest solve", plan.unknowns)?;
+    say!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs)?;
+    say!(
         "time              {} {} on {jobs} cores, {} on 100",
         if bars { "at most" } else { "about" },
         time(jobs as f64),
         time(100.0)
-    ))?;
-    say(format_args!("largest division  {} shards", plan.units))?;
-    say(format_args!("calibrated with   {}", plan.calibration))?;
+    )?;
+    say!("largest division  {} shards", plan.units)?;
+    say!("calibrated with   {}", plan.calibration)?;
     Ok(())
 }
 
@@ -298,10 +282,9 @@ fn in_words(seconds: f64) -> String {
 /// Parses `I/N`, or `N` with the part from the environment variable of the scheduler.
 fn parse_shard(text: &str) -> miette::Result<Shard> {
     let number = |text: &str| text.trim().parse::<usize>().ok();
-    let from_variable = || task_number().and_then(|(_, value)| number(&value));
     let parts = match text.split_once('/') {
         Some((index, count)) => (number(index), number(count)),
-        None => (from_variable(), number(text)),
+        None => (task_number().and_then(|(_, value)| number(&value)), number(text)),
     };
     match parts {
         (Some(index), Some(count)) if index >= 1 && index <= count => Ok(Shard { index, count }),
@@ -326,11 +309,4 @@ fn without_part() -> String {
         Some((name, value)) => format!(" and {name} = {value}"),
         None => format!(" alone, and none of {} is set", TASK_NUMBER.join(", ")),
     }
-}
-
-/// `--output`, else `out/<sweep name>`, with the shard's number where there is one.
-fn output_path(args: &SweepArgs, shard: Option<Shard>) -> PathBuf {
-    let name = args.sweep.file_stem().map_or_else(|| "sweep".into(), |s| s.to_string_lossy().into_owned());
-    let part = shard.map_or_else(String::new, |s| format!(".shard-{}-of-{}", s.index, s.count));
-    args.output.clone().unwrap_or_else(|| Path::new("out").join(name + &part))
 }

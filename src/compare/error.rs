@@ -2,7 +2,6 @@
 
 use crate::input::case::CaseError;
 use crate::input::fault::StudyError;
-use crate::numerics::allowed::Allowed;
 use crate::solve::SolveError;
 use crate::solve::accuracy::AccuracyError;
 use crate::wave::WaveError;
@@ -82,9 +81,14 @@ impl CompareError {
         }
     }
 
-    /// A number outside its range.
-    pub(super) fn number(field: &str, value: f64, allowed: Allowed, remedy: &'static str) -> CompareError {
-        let (found, allowed) = (value.to_string(), allowed.to_string());
+    /// A field with a value that is not allowed.
+    pub(super) fn field(
+        field: impl Into<String>,
+        found: impl ToString,
+        allowed: impl ToString,
+        remedy: &'static str,
+    ) -> CompareError {
+        let (found, allowed) = (found.to_string(), allowed.to_string());
         CompareError::Field { field: field.into(), found, allowed, remedy }
     }
 }

@@ -95,8 +95,8 @@ impl ExternalTable {
         } else {
             return Ok(());
         };
-        let (field, allowed) = (format!("external.{key}"), allowed.to_string());
-        Err(CompareError::Field { field, found, allowed, remedy: "correct the [[external]] table" })
+        let remedy = "correct the [[external]] table";
+        Err(CompareError::field(format!("external.{key}"), found, allowed, remedy))
     }
 
     /// What the program says of itself with `--describe`; none where it does not.

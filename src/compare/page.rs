@@ -151,8 +151,7 @@ impl Comparison {
             let costs = self.strategies.iter().map(|name| of(group, name).unwrap_or("–".into()));
             fixed(&group[0]).into_iter().chain(costs).collect()
         };
-        let own = |group: &&[Row]| !self.externals.contains(&group[0].strategy);
-        self.groups().filter(own).map(line).collect()
+        self.groups().filter(|group| !self.externals.contains(&group[0].strategy)).map(line).collect()
     }
 
     /// Failures with strategy, case, grid and reason; only the first of several with one reason.
@@ -160,8 +159,7 @@ impl Comparison {
         let mut failures: Vec<[String; 4]> = Vec::new();
         for row in self.rows.iter().filter(|row| !row.converged()) {
             let failure = [row.strategy.clone(), row.case_name(), row.grid(), row.outcome()];
-            let same = |other: &[String; 4]| [0, 1, 3].iter().all(|&k| other[k] == failure[k]);
-            if !failures.iter().any(same) {
+            if !failures.iter().any(|other| [0, 1, 3].iter().all(|&k| other[k] == failure[k])) {
                 failures.push(failure);
             }
         }

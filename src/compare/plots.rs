@@ -26,8 +26,8 @@ impl Comparison {
     /// Applications against the period, one plot for each pigment; lines are broken where a
     /// strategy fails.
     fn applications(&self) -> Vec<(String, Chart)> {
-        let cases = || self.rows.iter().filter_map(|row| row.case);
-        let mut pigments: Vec<[f64; 2]> = cases().map(|case| case.pigment).collect();
+        let mut pigments: Vec<[f64; 2]> =
+            self.rows.iter().filter_map(|row| row.case).map(|case| case.pigment).collect();
         pigments.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         pigments.dedup();
         let plots = pigments.into_iter().enumerate();
@@ -35,8 +35,8 @@ impl Comparison {
     }
 
     fn of_pigment(&self, pigment: [f64; 2]) -> Chart {
-        let own = |row: &&Row| row.case.is_some_and(|case| case.pigment == pigment);
-        let rows: Vec<&Row> = self.rows.iter().filter(own).collect();
+        let rows: Vec<&Row> =
+            self.rows.iter().filter(|row| row.case.is_some_and(|case| case.pigment == pigment)).collect();
         let curves = self.curves(&rows, |row| [period(row.case), counted(row)]);
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
         Chart::log_log(&title, "period, µm", "operator applications", curves)
@@ -51,10 +51,11 @@ impl Comparison {
     }
 
     fn of_case(&self, name: &String) -> Chart {
-        let own = |row: &&Row| row.named.as_ref() == Some(name) && row.converged();
-        let rows: Vec<&Row> = self.rows.iter().filter(own).collect();
-        let seconds = |row: &Row| row.processor_seconds.or(row.seconds).unwrap_or(f64::NAN);
-        let curves = self.curves(&rows, |row| [seconds(row).max(LEAST_SECONDS), error(row)]);
+        let rows: Vec<&Row> =
+            self.rows.iter().filter(|row| row.named.as_ref() == Some(name) && row.converged()).collect();
+        let curves = self.curves(&rows, |row| {
+            [row.processor_seconds.or(row.seconds).unwrap_or(f64::NAN).max(LEAST_SECONDS), error(row)]
+        });
         Chart::log_log(name, "processor seconds", "largest amplitude error", curves)
     }
 

@@ -10,10 +10,10 @@ pub(super) const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 pub(super) fn table(rows: &[Row]) -> Vec<Vec<String>> {
     let mut groups: Vec<Vec<&Row>> = Vec::new();
     for row in rows {
-        let of = |group: &&mut Vec<&Row>| {
-            group[0].strategy == row.strategy && group[0].case_name() == row.case_name()
-        };
-        match groups.iter_mut().find(of) {
+        match groups
+            .iter_mut()
+            .find(|group| group[0].strategy == row.strategy && group[0].case_name() == row.case_name())
+        {
             Some(group) => group.push(row),
             None => groups.push(vec![row]),
         }

@@ -83,12 +83,8 @@ impl Packed {
         other.file.layer.cell = CellRule::Fixed;
         other.file.layer.period_um = Some(Pair::Both(period_um));
         let Some(pigment) = other.file.pigments.first_mut() else {
-            return Err(CompareError::Field {
-                field: "study.pigment".into(),
-                found: "none".into(),
-                allowed: "at least one pigment, whose index the matrix varies".into(),
-                remedy: "add a [[study.pigment]]",
-            });
+            let allowed = "at least one pigment, whose index the matrix varies";
+            return Err(CompareError::field("study.pigment", "none", allowed, "add a [[study.pigment]]"));
         };
         pigment.index = IndexWritten { n: Some(n), k: Some(kappa), ..IndexWritten::default() };
         Ok(other)
@@ -103,12 +99,9 @@ impl Packed {
         let checked = check(&self.file, folder, "study");
         let study = checked.map_err(|faults| told(faults, &self.path, self.inside))?;
         if study.wave.is_vector() {
-            return Err(CompareError::Field {
-                field: "study.light.wave".into(),
-                found: study.wave.name().into(),
-                allowed: "scalar: the comparison's own `wave` says which equation is solved".into(),
-                remedy: "leave it out, and write wave = \"vector\" in the comparison",
-            });
+            let allowed = "scalar: the comparison's own `wave` says which equation is solved";
+            let remedy = "leave it out, and write wave = \"vector\" in the comparison";
+            return Err(CompareError::field("study.light.wave", study.wave.name(), allowed, remedy));
         }
         // of a composed layer, an inner slab
         Ok(study.portions().into_iter().next().unwrap_or(study))
@@ -142,12 +135,9 @@ impl Packed {
         let nm = self.wavelength_nm.unwrap_or(all[all.len() / 2]);
         let (low, high) = (all[0], all[all.len() - 1]);
         if !(low..=high).contains(&nm) {
-            return Err(CompareError::Field {
-                field: "wavelength_nm".into(),
-                found: nm.to_string(),
-                allowed: format!("{low} to {high} nm, the study's range"),
-                remedy: "widen the study's [light], or leave the wavelength out",
-            });
+            let allowed = format!("{low} to {high} nm, the study's range");
+            let remedy = "widen the study's [light], or leave the wavelength out";
+            return Err(CompareError::field("wavelength_nm", nm, allowed, remedy));
         }
         let first = study.points(0)[0].incidence;
         let polar_deg = self.polar_deg.unwrap_or(first.polar_deg);

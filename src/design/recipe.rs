@@ -5,12 +5,12 @@ use super::surface::most_coefficients;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::file::StudyFile;
-use crate::input::load::read_file;
+use crate::input::load::{read_file, stem};
+use crate::input::locate::steps;
 use crate::input::read::read;
 use crate::input::study::Study;
 use crate::numerics::allowed::{Allowed, Whole};
 use crate::sweep::field::set;
-use crate::sweep::file::Base;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -118,8 +118,9 @@ fn mix(table: &mut Table, [one, other]: &[String; 2], share: f64) -> Result<(), 
 /// The volume fraction of a pigment.
 fn fraction(table: &Table, name: &String) -> Result<f64, String> {
     let pigments = table.get("pigment").and_then(Value::as_array);
-    let named = |p: &&Value| p.get("name").and_then(Value::as_str) == Some(name);
-    let value = pigments.and_then(|all| all.iter().find(named)).and_then(|p| p.get("volume_fraction"));
+    let value = pigments
+        .and_then(|all| all.iter().find(|p| p.get("name").and_then(Value::as_str) == Some(name)))
+        .and_then(|p| p.get("volume_fraction"));
     let value = value.and_then(|v| v.as_float().or(v.as_integer().map(|i| i as f64)));
     value.ok_or_else(|| format!("no pigment {name:?} with a volume fraction"))
 }
@@ -131,20 +132,13 @@ fn fraction(table: &Table, name: &String) -> Result<f64, String> {
 pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     let (text, file): (String, DesignFile) = read_file(path)?;
     let own = path.parent().unwrap_or(Path::new(""));
-    let (mut base, folder) = match &file.base {
-        Base::Table(table) => (table.clone(), own.to_owned()),
-        Base::Path(base) => {
-            let base = own.join(base);
-            (read_file::<Table>(&base)?.1, base.parent().map_or_else(PathBuf::new, Path::to_owned))
-        }
-    };
+    let (mut base, folder) = file.base.read(own)?;
     let mut faults = Faults::default();
     put_target(&mut base, &file.target, own, &mut faults);
     let variables = variables(&file.vary, &mut faults);
     check_settings(&file, &mut faults);
-    let stem = path.file_stem().map_or_else(|| "design".into(), |stem| stem.to_string_lossy());
     let mut task = DesignTask {
-        title: file.title.clone().unwrap_or_else(|| stem.into_owned()),
+        title: file.title.clone().unwrap_or_else(|| stem(path)),
         variables,
         settings: file.design.clone(),
         lab: [0.0; 3],
@@ -172,10 +166,9 @@ fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mu
     if let Some(Value::Table(colour)) = base.get_mut("colour") {
         colour.remove("target_lab");
     }
-    let lab = |x: &f64| Value::Float(*x);
     match (&target.lab, &target.file) {
         (Some(wanted), None) => {
-            let wanted = Value::Array(wanted.iter().map(lab).collect());
+            let wanted = Value::Array(wanted.iter().map(|x| Value::Float(*x)).collect());
             let _ = set(base, "colour.target_lab", &wanted);
         }
         (None, Some(file)) => {
@@ -192,7 +185,7 @@ fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mu
         (both, _) => {
             let found = if both.is_some() { "lab and file" } else { "neither lab nor file" };
             let allowed = "either lab, or file with a spectrum or a colour";
-            faults.push(Fault::new("target", found, allowed, "write lab = [85, -10, 80]"));
+            faults.add("target", found, allowed, "write lab = [85, -10, 80]");
         }
     }
     if let Some(ratio) = target.contrast_ratio {
@@ -204,7 +197,7 @@ fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mu
 fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
     if tables.is_empty() || tables.len() > MOST_FIELDS {
         let allowed = format!("1 to {MOST_FIELDS} [[vary]] with field (or ratio), from and to");
-        faults.push(Fault::new("vary", tables.len(), allowed, "vary what moves the colour most"));
+        faults.add("vary", tables.len(), allowed, "vary what moves the colour most");
     }
     let mut all = Vec::new();
     for (i, table) in tables.iter().enumerate() {
@@ -213,7 +206,7 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
             (None, Some([one, other])) => format!("{one} : ({one} + {other})"),
             _ => {
                 let allowed = "either field or ratio";
-                faults.push(Fault::new(format!("vary[{i}]"), "both or neither", allowed, "write field"));
+                faults.add(format!("vary[{i}]"), "both or neither", allowed, "write field");
                 continue;
             }
         };
@@ -221,17 +214,12 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
         if !(from.is_finite() && to.is_finite() && from < to) {
             let found = format!("{from} to {to}");
             let allowed = "from below to";
-            faults.push(Fault::new(format!("vary[{i}].from"), found, allowed, "exchange from and to"));
+            faults.add(format!("vary[{i}].from"), found, allowed, "exchange from and to");
         }
         let ratio = table.ratio.is_some() && !(from > 0.0 && to < 1.0);
         if ratio {
             let allowed = "above 0 and below 1: both pigments stay";
-            faults.push(Fault::new(
-                format!("vary[{i}]"),
-                format!("{from} to {to}"),
-                allowed,
-                "try 0.1 to 0.9",
-            ));
+            faults.add(format!("vary[{i}]"), format!("{from} to {to}"), allowed, "try 0.1 to 0.9");
         }
         let logarithmic = from > 0.0 && to / from > LOGARITHMIC && table.ratio.is_none();
         all.push(Variable { name, written: table.clone(), logarithmic });
@@ -248,10 +236,10 @@ fn check_settings(file: &DesignFile, faults: &mut Faults) {
     if let Some((count, allowed)) = variants.and_then(|n| Some((n, whole(n, Whole::between(needed, 1000))?)))
     {
         let remedy = "leave it out: half as many again as the surfaces have coefficients";
-        faults.push(Fault::new("design.variants", count, allowed, remedy));
+        faults.add("design.variants", count, allowed, remedy);
     }
     if let Some(allowed) = whole(verifications, Whole::between(1, 50)) {
-        faults.push(Fault::new("design.verifications", verifications, allowed, "4 is usual"));
+        faults.add("design.verifications", verifications, allowed, "4 is usual");
     }
 }
 
@@ -273,12 +261,11 @@ fn checked_ends(task: &DesignTask) -> Result<[f64; 3], Vec<Fault>> {
 
 /// A fault of a study as one of the design's file.
 fn place_of(fault: Fault, file: &DesignFile) -> Fault {
-    let varied = |table: &VaryTable| {
-        let field = table.field.as_deref().unwrap_or("volume_fraction");
-        field.split(['.', '[', ']']).next_back().is_some_and(|end| fault.field.ends_with(end))
-    };
     let target = ["compare", "colour.target_lab"].iter().any(|start| fault.field.starts_with(start));
-    let place = match file.vary.iter().position(varied) {
+    let place = match file.vary.iter().position(|table| {
+        let field = table.field.as_deref().unwrap_or("volume_fraction");
+        steps(field).last().is_some_and(|end| fault.field.ends_with(end))
+    }) {
         _ if target => "target".to_owned(),
         Some(i) => format!("vary[{i}]"),
         None => format!("base.{}", fault.field),

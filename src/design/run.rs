@@ -164,10 +164,10 @@ impl DesignRun<'_> {
     fn variants(&self) -> Result<Vec<Verified>, DesignError> {
         let (task, count) = (self.task, self.task.variables.len());
         let corners = if count <= CORNERS { 1 << count } else { 0 };
-        let corner = |c: usize| (0..count).map(|i| ((c >> i) & 1) as f64).collect::<Vec<f64>>();
-        let inner = |r: usize| even_point(DESIGN_SEED, count, r);
         let asked = task.variants();
-        let places = (0..corners.min(asked)).map(corner).chain((0..asked.saturating_sub(corners)).map(inner));
+        let places = (0..corners.min(asked))
+            .map(|c| (0..count).map(|i| ((c >> i) & 1) as f64).collect::<Vec<f64>>())
+            .chain((0..asked.saturating_sub(corners)).map(|r| even_point(DESIGN_SEED, count, r)));
         let mut all = Vec::new();
         for (k, places) in places.enumerate() {
             self.watch.stage(&format!("variant {}/{asked}: {}", k + 1, task.in_words(&places)));

@@ -42,8 +42,7 @@ fn monomials(places: &[f64]) -> Vec<f64> {
 pub fn spectra(ink: &InkOnPaper) -> Result<Spectra3, InkError> {
     let (light, view) = (ink.at(PRINT_DEG)?, ink.at(0.0)?);
     let of = |layer: &LayerOnPaper| PI * layer.brdf(&light, &view);
-    let over = |albedo: f64| ink.spectrum(|layer| of(&layer.over(albedo))).values;
-    let [black, white] = [BLACK, WHITE].map(over);
+    let [black, white] = [BLACK, WHITE].map(|albedo| ink.spectrum(|layer| of(&layer.over(albedo))).values);
     Ok([ink.spectrum(of).values, black, white].concat())
 }
 
@@ -134,8 +133,9 @@ impl Surfaces {
     /// Differences from the film at a point of the box.
     pub fn at(&self, places: &[f64]) -> Spectra3 {
         let row = monomials(places);
-        let value = |j: usize| row.iter().enumerate().map(|(i, x)| x * self.coefficients[(i, j)]).sum();
-        (0..self.coefficients.ncols()).map(value).collect()
+        (0..self.coefficients.ncols())
+            .map(|j| row.iter().enumerate().map(|(i, x)| x * self.coefficients[(i, j)]).sum())
+            .collect()
     }
 
     /// What the surfaces without a variant predict for it less what it has.

@@ -214,8 +214,9 @@ impl Chart {
         let bars = shown.iter().filter(|p| p[2] > 0.0).map(|p| self.ends(p));
         let bars = bars.map(|ends| PathElement::new(ends, pen.colour.stroke_width(1)));
         axes.draw_series(bars).map_err(failed)?;
-        let sign = || Polygon::new(marker(pen.marker), pen.colour.filled());
-        let markers = shown.iter().step_by(every).map(|p| EmptyElement::at(self.at(p[0], p[1])) + sign());
+        let markers = shown.iter().step_by(every).map(|p| {
+            EmptyElement::at(self.at(p[0], p[1])) + Polygon::new(marker(pen.marker), pen.colour.filled())
+        });
         axes.draw_series(markers).map_err(failed)?;
         Ok(())
     }

@@ -108,8 +108,8 @@ impl Curve {
         let (x, y) = (mean(0), mean(1));
         let square: f64 = points.iter().map(|p| (p[0] - x).powi(2)).sum();
         let slope = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>() / square;
-        let off = |p: &[f64; 2]| (p[1] - y - slope * (p[0] - x)).powi(2);
-        let variance = points.iter().map(off).sum::<f64>() / (points.len() - 2) as f64;
+        let variance = points.iter().map(|p| (p[1] - y - slope * (p[0] - x)).powi(2)).sum::<f64>()
+            / (points.len() - 2) as f64;
         Some(Estimate { value: slope, standard_error: Some((variance / square).sqrt()) })
     }
 }

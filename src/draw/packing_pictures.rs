@@ -68,8 +68,9 @@ fn images(packing: &Packing) -> impl Iterator<Item = (Sphere, usize)> + '_ {
 fn images_of(sphere: Sphere, [lx, ly]: [f64; 2]) -> impl Iterator<Item = Sphere> {
     let [x, y, z] = sphere.center_um;
     let shifts = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (f64::from(i), f64::from(j))));
-    let moved = move |(i, j)| Sphere { center_um: [x + i * lx, y + j * ly, z], ..sphere };
-    shifts.map(moved).filter(move |image| reaches_into(image, [lx, ly]))
+    shifts
+        .map(move |(i, j)| Sphere { center_um: [x + i * lx, y + j * ly, z], ..sphere })
+        .filter(move |image| reaches_into(image, [lx, ly]))
 }
 
 /// True where a sphere reaches into a cell with these sides.

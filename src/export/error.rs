@@ -99,6 +99,9 @@ pub enum ExportError {
     /// JSON cannot be written.
     #[error("cannot write JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// A file made from a template.
+    #[error("cannot write the file: {0}")]
+    Template(#[from] minijinja::Error),
     /// The archive of arrays cannot be written.
     #[error("cannot write the archive of arrays: {0}")]
     Npz(#[from] ndarray_npy::WriteNpzError),

@@ -126,8 +126,8 @@ impl MaterialTable {
 
 fn mean_over_waves(slab: &TensorSlab, cells: usize) -> Vec<f32> {
     let waves = (slab.len() / cells) as f64;
-    let mean = |cell: usize| slab.iter().skip(cell).step_by(cells).sum::<f64>() / waves;
-    let means: Vec<f64> = (0..cells).map(mean).collect();
+    let means: Vec<f64> =
+        (0..cells).map(|cell| slab.iter().skip(cell).step_by(cells).sum::<f64>() / waves).collect();
     let least = LEAST_LUMINANCE * means.iter().sum::<f64>() / cells as f64;
     means.iter().map(|&x| x.max(least).max(f64::from(f32::MIN_POSITIVE)) as f32).collect()
 }

@@ -91,12 +91,13 @@ fn phases(problem: &Problem) -> Vec<Complex64> {
     let resolution = problem.coverage.grid.resolution;
     let [lx, ly] = problem.coverage.grid.period_um;
     let [qx, qy] = problem.harmonics.find(0, 0).map_or([0.0; 2], |origin| problem.lateral[origin]);
-    let at = |i: usize| {
-        let x = (i % resolution.nx) as f64 * lx / resolution.nx as f64;
-        let y = (i / resolution.nx) as f64 * ly / resolution.ny as f64;
-        Complex64::cis(qx * x + qy * y)
-    };
-    (0..problem.coverage.grid.points()).map(at).collect()
+    (0..problem.coverage.grid.points())
+        .map(|i| {
+            let x = (i % resolution.nx) as f64 * lx / resolution.nx as f64;
+            let y = (i / resolution.nx) as f64 * ly / resolution.ny as f64;
+            Complex64::cis(qx * x + qy * y)
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -77,6 +77,7 @@ fn media(npz: &mut OperatorArchive, problem: &Problem) -> Result<(), WriteNpzErr
 fn on_planes(coverage: &Coverage, fields: &[Array2<f64>]) -> Array4<f64> {
     let grid = &coverage.grid;
     let (nx, ny) = (grid.resolution.nx, grid.resolution.ny);
-    let value = |(f, plane, y, x): (usize, usize, usize, usize)| fields[f][[plane, y * nx + x]];
-    Array4::from_shape_fn((fields.len(), grid.planes(), ny, nx), value)
+    Array4::from_shape_fn((fields.len(), grid.planes(), ny, nx), |(f, plane, y, x)| {
+        fields[f][[plane, y * nx + x]]
+    })
 }

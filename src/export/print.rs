@@ -128,12 +128,13 @@ pub fn uniform_grid(wavelengths_nm: &[f64]) -> Vec<u32> {
 /// errors linearly, since statistical errors at neighbouring wavelengths of one packing are
 /// correlated.
 pub fn resample(wavelengths_nm: &[f64], values: &[Estimate], grid: &[u32]) -> Vec<Estimate> {
-    let at = |&nm: &u32| {
-        let shares = lagrange_shares(wavelengths_nm, f64::from(nm));
-        let value = shares.iter().map(|&(j, share)| share * values[j].value).sum();
-        Estimate { value, standard_error: error_between(wavelengths_nm, values, f64::from(nm)) }
-    };
-    grid.iter().map(at).collect()
+    grid.iter()
+        .map(|&nm| {
+            let shares = lagrange_shares(wavelengths_nm, f64::from(nm));
+            let value = shares.iter().map(|&(j, share)| share * values[j].value).sum();
+            Estimate { value, standard_error: error_between(wavelengths_nm, values, f64::from(nm)) }
+        })
+        .collect()
 }
 
 fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option<f64> {

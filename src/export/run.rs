@@ -48,7 +48,7 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
         exporter.mitsuba(&mut out)?;
     }
     if wants(Format::Cxf) {
-        let text = cxf::cxf(&exporter.print("cxf")?);
+        let text = cxf::cxf(&exporter.print("cxf")?)?;
         out.add("spectra.cxf", text, "spectra of the print with Lab, CxF3");
     }
     if wants(Format::Cgats) {
@@ -224,11 +224,10 @@ impl Exporter<'_> {
 
     fn wavelength(&self, nm: f64) -> Result<usize, ExportError> {
         let all = &self.study().wavelengths_nm;
-        let missing = || {
+        all.iter().position(|known| (known - nm).abs() < 1e-6).ok_or_else(|| {
             let allowed = all.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
             ExportError::Wavelength { found: nm, allowed }
-        };
-        all.iter().position(|known| (known - nm).abs() < 1e-6).ok_or_else(missing)
+        })
     }
 
     /// Adds the tables of the run, and describes all files together.

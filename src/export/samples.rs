@@ -39,11 +39,12 @@ pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
 fn directions(ink: &DirectionalInk) -> Vec<(f64, Direction)> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
     let polar = |u: f64| (LEAST_COSINE + (1.0 - LEAST_COSINE) * u).acos().to_degrees();
-    let one = |k: usize| {
-        let [u, v, w] = [2, 3, 5].map(|base| halton(k, base));
-        (polar(u).min(largest), Direction { polar_deg: polar(v), azimuth_deg: 180.0 * w })
-    };
-    (1..=SAMPLES).map(one).collect()
+    (1..=SAMPLES)
+        .map(|k| {
+            let [u, v, w] = [2, 3, 5].map(|base| halton(k, base));
+            (polar(u).min(largest), Direction { polar_deg: polar(v), azimuth_deg: 180.0 * w })
+        })
+        .collect()
 }
 
 /// The radical inverse of `k`: its digits in `base`, mirrored at the point.

@@ -68,16 +68,15 @@ impl Voxels {
 
     /// Shares of the pigments by name, and the contrast at one wavelength, on the voxels' centres.
     pub fn image(&self, pigments: &[&str], media: &Media, wavelength_nm: f64) -> Image {
-        let share = |(kind, values): (usize, &Vec<f32>)| {
-            let name =
-                if kind == 0 { "share_above_relief".into() } else { format!("share_{}", pigments[kind - 1]) };
-            PointArray { name, components: 1, values: values.clone() }
-        };
         let filled = |(_, values): &(usize, &Vec<f32>)| values.iter().any(|&v| v > 0.0);
         let contrast = self.contrast(media).iter().flat_map(|v| [v.re as f32, v.im as f32]).collect();
         let name = format!("contrast_{wavelength_nm:.0}nm");
         let mut arrays = vec![PointArray { name, components: 2, values: contrast }];
-        arrays.extend(self.shares.iter().enumerate().filter(filled).map(share));
+        arrays.extend(self.shares.iter().enumerate().filter(filled).map(|(kind, values)| {
+            let name =
+                if kind == 0 { "share_above_relief".into() } else { format!("share_{}", pigments[kind - 1]) };
+            PointArray { name, components: 1, values: values.clone() }
+        }));
         let origin_um = self.edge_um.map(|e| e / 2.0);
         Image { points: self.count, spacing_um: self.edge_um, origin_um, arrays }
     }

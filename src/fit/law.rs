@@ -39,6 +39,12 @@ pub struct FitStep {
     pub posterior: Mat<f64>,
 }
 
+/// Root mean square; 0 of no numbers.
+pub fn rms(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    let (count, sum) = numbers.into_iter().fold((0, 0.0), |(count, sum), x| (count + 1, sum + x * x));
+    (sum / f64::from(count.max(1))).sqrt()
+}
+
 fn cholesky(matrix: &Mat<f64>) -> Option<Llt<f64>> {
     matrix.llt(Side::Lower).ok()
 }
@@ -91,8 +97,8 @@ impl LinearFit<'_> {
             let solved = cholesky(&part)?.solve(Mat::from_fn(free.len(), 1, |i, _| right[(free[i], 0)]));
             let mut x = Mat::zeros(count, 1);
             free.iter().enumerate().for_each(|(k, &i)| x[(i, 0)] = solved[(k, 0)]);
-            let below = |i: &usize| self.positive[*i] && x[(*i, 0)] < 0.0;
-            let worst = free.iter().copied().filter(below).collect::<Vec<_>>();
+            let worst =
+                free.iter().copied().filter(|i| self.positive[*i] && x[(*i, 0)] < 0.0).collect::<Vec<_>>();
             if worst.is_empty() {
                 let pull = normal * &x - right;
                 let wrong = (0..count).find(|&i| held[i] && pull[(i, 0)] < -1e-9);

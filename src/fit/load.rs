@@ -5,13 +5,12 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::file::StudyFile;
 use crate::input::forms::AlbedoWritten;
-use crate::input::load::read_file;
+use crate::input::load::{read_file, stem};
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::read::read;
 use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
 use crate::sweep::field::set;
-use crate::sweep::file::Base;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -35,6 +34,18 @@ pub struct Drawdown {
     pub geometry: FitGeometry,
     /// Measured values at the study's wavelengths; none where the layer is to be predicted only.
     pub values: Option<Vec<f64>>,
+}
+
+impl Drawdown {
+    /// Albedo of its backing at a wavelength.
+    pub fn albedo(&self, nm: f64) -> Option<f64> {
+        self.study.paper.albedo.at(nm).ok()
+    }
+
+    /// Measured value at a wavelength of the study, by its place.
+    pub fn measured(&self, wave: usize) -> f64 {
+        self.values.as_ref().map_or(f64::NAN, |values| values[wave])
+    }
 }
 
 /// A checked fit.
@@ -76,13 +87,7 @@ impl FitTask {
 pub fn load(path: &Path) -> Result<FitTask, StudyError> {
     let (text, file): (String, FitFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let (base, base_folder) = match &file.base {
-        Base::Table(table) => (table.clone(), folder.to_owned()),
-        Base::Path(base) => {
-            let base = folder.join(base);
-            (read_file::<Table>(&base)?.1, base.parent().map_or_else(PathBuf::new, Path::to_owned))
-        }
-    };
+    let (base, base_folder) = file.base.read(folder)?;
     let mut reading = FitReading { folder, base_folder, base, pigment: 0, faults: Faults::default() };
     reading.prepare(&file);
     let task = reading.task(&file, path);
@@ -109,7 +114,12 @@ impl FitReading<'_> {
         for (field, [from, to], allowed) in [("fit.n", n, [1.0, 4.0]), ("fit.kappa", kappa, [0.0, 4.0])] {
             if !(allowed[0] <= *from && from < to && *to <= allowed[1]) {
                 let range = format!("[from, to] with {} ≤ from < to ≤ {}", allowed[0], allowed[1]);
-                self.fault(field, format!("[{from}, {to}]"), range, "leave it out: [1.3, 2.0] and [0, 0.6]");
+                self.faults.add(
+                    field,
+                    format!("[{from}, {to}]"),
+                    range,
+                    "leave it out: [1.3, 2.0] and [0, 0.6]",
+                );
             }
         }
         self.pigment = self.find_pigment(pigment.as_deref());
@@ -140,7 +150,7 @@ impl FitReading<'_> {
         if found.is_none() {
             let said = wanted.map_or("nothing".into(), |wanted| format!("{wanted:?}"));
             let allowed = format!("the name of one of the base's pigments: {}", names.join(", "));
-            self.fault("fit.pigment", said, allowed, "name the pigment whose index is unknown");
+            self.faults.add("fit.pigment", said, allowed, "name the pigment whose index is unknown");
         }
         found.unwrap_or(0)
     }
@@ -148,7 +158,7 @@ impl FitReading<'_> {
     fn task(&mut self, file: &FitFile, path: &Path) -> Option<FitTask> {
         if file.measured.is_empty() {
             let remedy = "add [[measured]] with file and backing, best on white and on black card";
-            self.fault("measured", "none", "one or more [[measured]] spectra".into(), remedy);
+            self.faults.add("measured", "none", "one or more [[measured]] spectra", remedy);
         }
         let mut coats = Vec::new();
         let measured = self.drawdowns("measured", &file.measured, &mut coats);
@@ -157,20 +167,19 @@ impl FitReading<'_> {
         let first = coats.first()?;
         if !first.layer.contrast.is_full() {
             let remedy = "leave layer.contrast out: a part of the contrast has no index of its own";
-            self.fault("base.layer.contrast", "a part", "\"full\"".into(), remedy);
+            self.faults.add("base.layer.contrast", "a part", "\"full\"", remedy);
         }
         if first.realisations < FEWEST_CELLS {
             let (found, allowed) = (first.realisations, format!("{FEWEST_CELLS} or more"));
             let remedy = "errors are estimated from the differences between cells: 8 are usual";
-            self.fault("base.run.realisations", found, allowed, remedy);
+            self.faults.add("base.run.realisations", found, allowed, remedy);
         }
         if let Some(reason) = &first.angles.no_paper {
             let found = reason.clone();
-            self.fault("base.angles", found, "0°, 45° and the hemisphere".into(), "write count = 5");
+            self.faults.add("base.angles", found, "0°, 45° and the hemisphere", "write count = 5");
         }
-        let stem = path.file_stem().map_or_else(|| "fit".into(), |stem| stem.to_string_lossy());
         Some(FitTask {
-            title: file.title.clone().unwrap_or_else(|| stem.into_owned()),
+            title: file.title.clone().unwrap_or_else(|| stem(path)),
             settings: file.fit.clone(),
             pigment: self.pigment,
             coats,
@@ -188,7 +197,7 @@ impl FitReading<'_> {
             let values = self.values(&field, table, &study);
             if list == "measured" && values.is_none() && table.file.is_none() {
                 let remedy = "name a CSV, CxF3 or CGATS.17 file";
-                self.fault(&format!("{field}.file"), "nothing", "the file of the spectrum".into(), remedy);
+                self.faults.add(format!("{field}.file"), "nothing", "the file of the spectrum", remedy);
             }
             let same = |coat: &Study| coat.packings_key() == study.packings_key();
             let coat = coats.iter().position(same).unwrap_or(coats.len());
@@ -226,8 +235,8 @@ impl FitReading<'_> {
             }
             None => {
                 let remedy = "write backing = 0.85 for a white card, backing = 0.04 for a black one";
-                let allowed = "the albedo of the card under the layer".to_owned();
-                self.fault(&format!("{field}.backing"), "nothing", allowed, remedy);
+                let allowed = "the albedo of the card under the layer";
+                self.faults.add(format!("{field}.backing"), "nothing", allowed, remedy);
                 return None;
             }
         }
@@ -257,7 +266,7 @@ impl FitReading<'_> {
                 let found = error.to_string().replace("compare.unit", &format!("{field}.unit"));
                 let allowed = "a spectrum of reflectance factors against rising wavelengths in nm";
                 let remedy = "correct the file; wavelengths in nm must rise, and a perfect white has 1";
-                self.fault(&format!("{field}.file"), found, allowed.into(), remedy);
+                self.faults.add(format!("{field}.file"), found, allowed, remedy);
                 return None;
             }
         };
@@ -266,7 +275,7 @@ impl FitReading<'_> {
             let allowed = format!("reflectance factors from {DARKEST} to {BRIGHTEST}");
             let remedy =
                 "fluorescent layers cannot be fitted; for values in percent write unit = \"percent\"";
-            self.fault(&format!("{field}.file"), found, allowed, remedy);
+            self.faults.add(format!("{field}.file"), found, allowed, remedy);
             return None;
         }
         let [from, to] = spectrum.range_nm();
@@ -277,13 +286,9 @@ impl FitReading<'_> {
             let found = format!("{from} to {to} nm");
             let allowed = format!("all wavelengths of the base: {first} to {last} nm");
             let remedy = "give [light] of the base a range that all files cover";
-            self.fault(&format!("{field}.file"), found, allowed, remedy);
+            self.faults.add(format!("{field}.file"), found, allowed, remedy);
         }
         values
-    }
-
-    fn fault(&mut self, field: &str, found: impl std::fmt::Display, allowed: String, remedy: &str) {
-        self.faults.push(Fault::new(field, found, allowed, remedy));
     }
 }
 

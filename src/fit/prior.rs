@@ -103,8 +103,9 @@ impl IndexPrior {
 
 /// Second differences of a run of unknowns, times `factor`.
 fn second_differences(from: usize, count: usize, factor: f64) -> Vec<Vec<(usize, f64)>> {
-    let row = |i: usize| vec![(i, factor), (i + 1, -2.0 * factor), (i + 2, factor)];
-    (from..from + count.saturating_sub(2)).map(row).collect()
+    (from..from + count.saturating_sub(2))
+        .map(|i| vec![(i, factor), (i + 1, -2.0 * factor), (i + 2, factor)])
+        .collect()
 }
 
 fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
@@ -116,24 +117,18 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     // rising ω
     let omega: Vec<f64> = nm.iter().rev().map(|nm| 1e3 / nm).collect();
     let hats = omega.len() - 2;
-    let at = |nm: &f64| 1e3 / nm;
-    let pole = |w: f64| w * w * POLE_UM * POLE_UM / (1.0 - w * w * POLE_UM * POLE_UM);
-    let nodes = |k: usize| [omega[k], omega[k + 1], omega[k + 2]];
-    let kappa = |w: f64| (0..hats).map(move |k| (k, w)).map(|(k, w)| hat(nodes(k), w));
-    let n = |w: f64| (0..hats).map(move |k| (k, w)).map(|(k, w)| transform(nodes(k), w));
-    let waves = || wavelengths_nm.iter().map(at);
+    let (mut n, mut kappa) = (Vec::new(), Vec::new());
+    for w in wavelengths_nm.iter().map(|nm| 1e3 / nm) {
+        let nodes = omega.windows(3).map(|nodes| [nodes[0], nodes[1], nodes[2]]);
+        let pole = w * w * POLE_UM * POLE_UM / (1.0 - w * w * POLE_UM * POLE_UM);
+        n.push(nodes.clone().map(|nodes| transform(nodes, w)).chain([1.0, pole]).collect());
+        kappa.push(nodes.map(|nodes| hat(nodes, w)).chain([0.0; 2]).collect());
+    }
     let mut mean = vec![0.0; hats];
     mean.extend([binder, 0.0]);
     let mut positive = vec![true; hats];
     positive.extend([false; 2]);
-    IndexPrior {
-        n: waves().map(|w| n(w).chain([1.0, pole(w)]).collect()).collect(),
-        kappa: waves().map(|w| kappa(w).chain([0.0; 2]).collect()).collect(),
-        mean,
-        positive,
-        thickness: false,
-        rough: second_differences(0, hats, 1.0),
-    }
+    IndexPrior { n, kappa, mean, positive, thickness: false, rough: second_differences(0, hats, 1.0) }
 }
 
 fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {

@@ -1,78 +1,50 @@
 //! Files of a fit: `pigment.csv`, `fit.json` and a page.
 
+use super::law::rms;
 use super::load::FitTask;
 use super::run::{FitOutcome, FittedSpectrum, Forecast};
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::report::page::{Picture, made_by, rendered, svg_data};
-use crate::store::folder::{FolderError, OutputFolder};
+use crate::report::publish::PublishError;
+use crate::store::folder::OutputFolder;
+use minijinja::context;
 use minijinja::value::Serde;
-use serde::Serialize;
 use std::fmt::Write;
-use thiserror::Error;
 
 /// Half of a 95 % interval in standard errors.
 const HALF_95: f64 = 1.96;
 
-/// Why files of a fit cannot be written.
-#[derive(Debug, Error)]
-pub enum FitOutputError {
-    /// The folder.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// A chart.
-    #[error(transparent)]
-    Chart(#[from] OutputError),
-    /// The page's template does not fit its data.
-    #[error("the page cannot be made: {0}")]
-    Page(#[from] minijinja::Error),
-    /// Numbers that are not finite.
-    #[error("fit.json cannot be made: {0}")]
-    Json(#[from] serde_json::Error),
-}
-
-/// Contents of the page.
-#[derive(Serialize)]
-struct FitPage<'a> {
-    title: &'a str,
-    summary: String,
-    trust: String,
-    remarks: &'a [String],
-    figures: Vec<Picture>,
-    forecasts: Vec<[String; 5]>,
-    program: String,
-}
-
 /// The fit in one sentence.
 pub fn in_words(outcome: &FitOutcome) -> String {
-    let rms = |of: fn(&super::run::FittedIndex) -> Option<f64>| {
-        let all: Vec<f64> = outcome.index.iter().filter_map(of).collect();
-        (!all.is_empty()).then(|| (all.iter().map(|e| e * e).sum::<f64>() / all.len() as f64).sqrt())
-    };
-    let range = |of: fn(&super::run::FittedIndex) -> f64| {
-        let all = outcome.index.iter().map(of);
-        [all.clone().fold(f64::INFINITY, f64::min), all.fold(f64::NEG_INFINITY, f64::max)]
-    };
-    let ([n0, n1], [k0, k1]) = (range(|row| row.n), range(|row| row.kappa));
-    let bar = |error: Option<f64>, digits: usize| {
-        error.map_or("no error stated".into(), |e| {
-            format!("± {e:.digits$} (1 standard error, root mean square)")
-        })
-    };
+    let rows = || outcome.index.iter();
+    let ([n0, n1], [k0, k1]) = (ends(rows().map(|row| row.n)), ends(rows().map(|row| row.kappa)));
+    let n_bar = bar(rows().filter_map(|row| row.n_error).collect(), 3);
+    let kappa_bar = bar(rows().filter_map(|row| row.kappa_error).collect(), 4);
+    let n_bar = if outcome.n_is_determined { n_bar } else { "— not determined".into() };
+    let FitOutcome { chi_squared, data, .. } = outcome;
     format!(
-        "n {n0:.3} … {n1:.3} {}, κ {k0:.4} … {k1:.4} {}; χ² {:.0} for {} data",
-        if outcome.n_is_determined { bar(rms(|row| row.n_error), 3) } else { "— not determined".into() },
-        bar(rms(|row| row.kappa_error), 4),
-        outcome.chi_squared,
-        outcome.data,
+        "n {n0:.3} … {n1:.3} {n_bar}, κ {k0:.4} … {k1:.4} {kappa_bar}; χ² {chi_squared:.0} for {data} data"
     )
+}
+
+/// Smallest and largest of some numbers.
+fn ends(all: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    [all.clone().fold(f64::INFINITY, f64::min), all.fold(f64::NEG_INFINITY, f64::max)]
+}
+
+fn bar(errors: Vec<f64>, digits: usize) -> String {
+    if errors.is_empty() {
+        return "no error stated".into();
+    }
+    format!("± {:.digits$} (1 standard error, root mean square)", rms(errors))
 }
 
 /// Writes all files.
 ///
 /// # Errors
 /// A file cannot be written, or a chart not be drawn.
-pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> Result<(), FitOutputError> {
+pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> Result<(), PublishError> {
     folder.write("pigment.csv", csv(task, outcome).as_bytes())?;
     let json = serde_json::json!({
         "title": task.title,
@@ -83,16 +55,16 @@ pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> R
         "version": env!("CARGO_PKG_VERSION"),
     });
     folder.write("fit.json", &serde_json::to_vec_pretty(&json)?)?;
-    let page = FitPage {
-        title: &task.title,
-        summary: in_words(outcome),
-        trust: format!("{:?}", outcome.trust).to_lowercase(),
-        remarks: &outcome.remarks,
-        figures: figures(task, outcome)?,
-        forecasts: outcome.forecasts.iter().map(row).collect(),
-        program: made_by(),
+    let page = context! {
+        title => &task.title,
+        summary => in_words(outcome),
+        trust => Serde(outcome.trust),
+        remarks => Serde(&outcome.remarks),
+        figures => Serde(figures(task, outcome)?),
+        forecasts => Serde(outcome.forecasts.iter().map(row).collect::<Vec<_>>()),
+        program => made_by(),
     };
-    folder.write("report.html", rendered(include_str!("fit.html"), Serde(&page))?.as_bytes())?;
+    folder.write("report.html", rendered(include_str!("fit.html"), page)?.as_bytes())?;
     Ok(folder.complete()?)
 }
 
@@ -116,55 +88,55 @@ fn csv(task: &FitTask, outcome: &FitOutcome) -> String {
 }
 
 fn row(forecast: &Forecast) -> [String; 5] {
-    let shown = |x: Option<f64>| x.map_or("—".into(), |x| format!("{x:.2}"));
-    let apart = |km: &Vec<f64>| {
-        let squares = km.iter().zip(&forecast.values).map(|(a, b)| (a - b).powi(2));
-        (squares.sum::<f64>() / km.len() as f64).sqrt()
-    };
-    let rms = forecast.kubelka_munk.as_ref().map(apart).filter(|x| x.is_finite());
-    let error = forecast.errors.iter().map(|e| e * e).sum::<f64>() / forecast.errors.len().max(1) as f64;
+    let apart = forecast.kubelka_munk.as_ref();
+    let apart = apart.map(|km| rms(km.iter().zip(&forecast.values).map(|(a, b)| a - b)));
     [
         forecast.name.clone(),
-        format!("{:.4}", error.sqrt()),
-        rms.map_or("—".into(), |x| format!("{x:.4}")),
-        shown(forecast.delta_e_2000),
-        shown(forecast.delta_e_2000_kubelka_munk),
+        format!("{:.4}", rms(forecast.errors.iter().copied())),
+        shown(apart.filter(|x| x.is_finite()), 4),
+        shown(forecast.delta_e_2000, 2),
+        shown(forecast.delta_e_2000_kubelka_munk, 2),
     ]
+}
+
+fn shown(number: Option<f64>, digits: usize) -> String {
+    number.map_or("—".into(), |x| format!("{x:.digits$}"))
 }
 
 fn figures(task: &FitTask, outcome: &FitOutcome) -> Result<Vec<Picture>, OutputError> {
     let nm = task.wavelengths_nm();
-    let bar = |error: Option<f64>| HALF_95 * error.unwrap_or(0.0);
-    let n = outcome.index.iter().map(|row| [row.wavelength_nm, row.n, bar(row.n_error)]);
-    let kappa = outcome.index.iter().map(|row| [row.wavelength_nm, row.kappa, bar(row.kappa_error)]);
+    let rows = || outcome.index.iter();
+    let n = rows().map(|row| [row.wavelength_nm, row.n, HALF_95 * row.n_error.unwrap_or(0.0)]);
+    let kappa = rows().map(|row| [row.wavelength_nm, row.kappa, HALF_95 * row.kappa_error.unwrap_or(0.0)]);
     let binder = nm.iter().zip(&task.coats[0].layer.binder.index).map(|(&nm, eta)| (nm, eta.re));
     let curves =
         vec![Curve::with_bars("n, 95 %", Style::Data, n), Curve::new("binder", Style::Guide, binder)];
+    let kappa = vec![Curve::with_bars("κ, 95 %", Style::Data, kappa)];
+    let left = outcome.spectra.iter().map(|spectrum| residuals(nm, spectrum)).collect();
     let axis = "wavelength, nm";
-    let mut charts = vec![
-        (Chart::linear("Refractive index", axis, "n", curves), "n with 95 % intervals"),
-        (
-            Chart::linear("Absorption", axis, "κ", vec![Curve::with_bars("κ, 95 %", Style::Data, kappa)]),
-            "κ with 95 % intervals",
-        ),
+    let mut pictures = vec![
+        picture(&Chart::linear("Refractive index", axis, "n", curves), "n with 95 % intervals")?,
+        picture(&Chart::linear("Absorption", axis, "κ", kappa), "κ with 95 % intervals")?,
+        picture(
+            &Chart::linear("Measured less fitted", axis, "standard deviations", left),
+            "Measured less fitted, in standard deviations of noise, ensemble and grid",
+        )?,
     ];
-    let left = |spectrum: &FittedSpectrum| {
-        let rows = spectrum.measured.iter().zip(&spectrum.fitted).zip(&spectrum.sigma);
-        let points = nm.iter().zip(rows).map(|(&nm, ((m, f), sigma))| (nm, (m - f) / sigma));
-        Curve::new(spectrum.name.clone(), Style::Data, points)
-    };
-    let left = outcome.spectra.iter().map(left).collect();
-    charts.push((
-        Chart::linear("Measured less fitted", axis, "standard deviations", left),
-        "Measured less fitted, in standard deviations of noise, ensemble and grid",
-    ));
     for forecast in &outcome.forecasts {
-        charts.push((forecast_chart(nm, forecast), "A layer predicted from the fitted index"));
+        pictures.push(picture(&forecast_chart(nm, forecast), "A layer predicted from the fitted index")?);
     }
-    let picture = |(chart, caption): &(Chart, &str)| {
-        Ok(Picture { data: svg_data(&chart.svg()?), caption: (*caption).to_owned() })
-    };
-    charts.iter().map(picture).collect()
+    Ok(pictures)
+}
+
+fn picture(chart: &Chart, caption: &str) -> Result<Picture, OutputError> {
+    Ok(Picture::new(svg_data(&chart.svg()?), caption))
+}
+
+/// Measured less fitted values, in standard deviations.
+fn residuals(nm: &[f64], spectrum: &FittedSpectrum) -> Curve {
+    let rows = spectrum.measured.iter().zip(&spectrum.fitted).zip(&spectrum.sigma);
+    let points = nm.iter().zip(rows).map(|(&nm, ((m, f), sigma))| (nm, (m - f) / sigma));
+    Curve::new(spectrum.name.clone(), Style::Data, points)
 }
 
 fn forecast_chart(nm: &[f64], forecast: &Forecast) -> Chart {

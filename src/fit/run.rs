@@ -112,8 +112,9 @@ impl<'a> FitRun<'a> {
         for coat in &task.coats {
             let study = coat.with_index(task.pigment, &vec![typical; coat.wavelengths_nm.len()]);
             let mut packings = crate::run::realisation::Packings::new(&study, watch);
-            let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
-            let found = resolve(&study, &stores.stores.grids, settings.memory, watch, scene);
+            let found = resolve(&study, &stores.stores.grids, settings.memory, watch, |r| {
+                packings.get(r).map(|packing| Scene::from_packing(&packing))
+            });
             let found = found.map_err(RunError::stopped)?;
             cells.push(Tangents::new((&study, task.pigment), found, &stores.tangents, settings, watch)?);
             resolved.push(found);

@@ -50,10 +50,10 @@ impl Surface {
             let slope = |k: usize| own.slopes[k][d][w] - film.slopes[k][d][w];
             [own.values[d][w] - film.values[d][w], slope(0), 2.0 * roots[j] * slope(1)]
         };
-        let along = |d: usize, w: usize, i: usize| (0..roots.len()).map(|j| node(d, w, i, j)).collect();
-        let table = |d: usize, w: usize| (0..n.len()).map(|i| along(d, w, i)).collect();
-        let of = |d: usize| (0..waves).map(|w| table(d, w)).collect();
-        Self { nodes: (0..drawdowns).map(of).collect(), n, roots }
+        let table = |d: usize, w: usize| {
+            (0..n.len()).map(|i| (0..roots.len()).map(|j| node(d, w, i, j)).collect()).collect()
+        };
+        Self { nodes: (0..drawdowns).map(|d| (0..waves).map(|w| table(d, w)).collect()).collect(), n, roots }
     }
 
     /// The difference of a drawdown from its film at an index, with d/dn and d/dκ.
@@ -118,9 +118,11 @@ fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], t: f64, h: f64) -> [f64; 2] {
 fn grid(task: &FitTask) -> Vec<[f64; 2]> {
     let ([from, to], [_, most]) = (task.settings.n, task.settings.kappa);
     let share = |i: usize, axis: usize| i as f64 / (SEARCH[axis] - 1) as f64;
-    let n = |i: usize| from + (to - from) * share(i, 0);
-    let kappa = |j: usize| most * share(j, 1).powi(2);
-    (0..SEARCH[0]).flat_map(|i| (0..SEARCH[1]).map(move |j| [n(i), kappa(j)])).collect()
+    (0..SEARCH[0])
+        .flat_map(|i| {
+            (0..SEARCH[1]).map(move |j| [(from + (to - from) * share(i, 0)), (most * share(j, 1).powi(2))])
+        })
+        .collect()
 }
 
 /// Paths of n and κ over the wavelengths that fit best: on both branches together, below and above
@@ -129,30 +131,36 @@ fn grid(task: &FitTask) -> Vec<[f64; 2]> {
 /// # Errors
 /// The film gives no spectrum at any index.
 pub fn paths(task: &FitTask, surface: &Surface) -> Result<Vec<Vec<[f64; 2]>>, NoInk> {
-    let waves = task.wavelengths_nm().len();
+    let nm = task.wavelengths_nm();
     let states = grid(task);
-    let film = |eta: &[f64; 2]| -> Option<Spectra> {
-        let all = Origin::Film.values(task, &task.measured, &vec![*eta; waves], 0.0).ok()?;
-        Some(all.into_iter().map(|spectrum| spectrum.values).collect())
-    };
-    let films: Vec<Option<Spectra>> = states.par_iter().map(film).collect();
+    let films: Vec<Option<Spectra>> = states.par_iter().map(|eta| film(task, *eta)).collect();
+    let mut costs = vec![vec![f64::INFINITY; states.len()]; nm.len()];
     let variance = task.settings.noise.powi(2) + TABLE_ERROR.powi(2);
-    let miss = |w: usize, k: usize| -> f64 {
-        let Some(film) = &films[k] else { return f64::INFINITY };
-        let error = |d: usize| {
-            let measured = task.measured[d].values.as_ref().map_or(f64::NAN, |values| values[w]);
-            (film[d][w] + surface.at(d, w, states[k])[0] - measured).powi(2) / variance
-        };
-        (0..task.measured.len()).map(error).sum()
-    };
-    let costs: Vec<Vec<f64>> = (0..waves).map(|w| (0..states.len()).map(|k| miss(w, k)).collect()).collect();
+    for (k, film) in films.iter().enumerate() {
+        let Some(film) = film else { continue };
+        for (w, costs) in costs.iter_mut().enumerate() {
+            let misses = task.measured.iter().enumerate().map(|(d, drawdown)| {
+                let predicted = film[d][w] + surface.at(d, w, states[k])[0];
+                (predicted - drawdown.measured(w)).powi(2) / variance
+            });
+            costs[k] = misses.sum();
+        }
+    }
     let binder = task.binder_index();
-    let branches: [&(dyn Fn(f64) -> bool + Sync); 3] = [&|_| true, &|n| n <= binder, &|n| n >= binder];
-    let path = |branch: &(dyn Fn(f64) -> bool + Sync)| {
-        let allowed: Vec<usize> = (0..states.len()).filter(|&k| branch(states[k][0])).collect();
-        best_path(task.wavelengths_nm(), &states, &costs, &allowed)
-    };
-    Ok(branches.iter().filter_map(|branch| path(branch)).collect())
+    let branches: [fn(f64, f64) -> bool; 3] = [|_, _| true, |n, binder| n <= binder, |n, binder| n >= binder];
+    let mut paths = Vec::new();
+    for branch in branches {
+        let allowed: Vec<usize> = (0..states.len()).filter(|&k| branch(states[k][0], binder)).collect();
+        paths.extend(best_path(nm, &states, &costs, &allowed));
+    }
+    Ok(paths)
+}
+
+/// Spectra of the film of one index; none where it has no spectrum.
+fn film(task: &FitTask, eta: [f64; 2]) -> Option<Spectra> {
+    let index = vec![eta; task.wavelengths_nm().len()];
+    let all = Origin::Film.values(task, &task.measured, &index, 0.0).ok()?;
+    Some(all.into_iter().map(|spectrum| spectrum.values).collect())
 }
 
 /// The cheapest path through the allowed states: misfit, and changes from wavelength to wavelength.

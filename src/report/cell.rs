@@ -20,6 +20,11 @@ pub fn numbers(estimate: Option<Estimate>) -> [String; 2] {
     [known(estimate.map(|e| e.value)), known(estimate.and_then(|e| e.standard_error))]
 }
 
+/// The column of each name, and that of its standard error.
+pub fn with_errors<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = String> {
+    names.into_iter().flat_map(|name| [name.to_owned(), format!("{name}_standard_error")])
+}
+
 /// A CSV table of a header and rows.
 ///
 /// # Errors

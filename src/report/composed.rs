@@ -1,7 +1,7 @@
 //! The page and the tables of a composed layer.
 
-use super::cell::{numbers, table};
-use super::page::{FailureRow, Figure, MakerBlock, Meant, Named, Page, Provenance, svg_data};
+use super::cell::{numbers, table, with_errors};
+use super::page::{FailureRow, Figure, MakerBlock, Meant, Named, Page, Provenance};
 use super::sheet;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::evaluate::composed::level::SolvedPortion;
@@ -15,9 +15,6 @@ use crate::numerics::estimate::Estimate;
 use crate::report::publish::PublishError;
 use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
-
-/// Wavelengths of the curves against thickness, nm: the nearest ones of the study are shown.
-const SHOWN_NM: [f64; 3] = [450.0, 550.0, 650.0];
 
 /// What was published of a composed layer.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,15 +98,9 @@ fn shares(row: &ComposedRow) -> [(&'static str, ErrorParts); 12] {
 }
 
 fn spectra<'a>(rows: impl Iterator<Item = &'a ComposedRow> + Clone) -> csv::Result<Vec<u8>> {
-    let names = rows.clone().next().map(|row| shares(row).map(|(name, _)| name));
-    let columns =
-        names.into_iter().flatten().flat_map(|name| [name.into(), format!("{name}_standard_error")]);
-    let header = ["thickness_um".to_owned(), "wavelength_nm".to_owned()].into_iter().chain(columns);
-    let line = |row: &ComposedRow| {
-        let place = [row.thickness_um.to_string(), row.wavelength_nm.to_string()];
-        place.into_iter().chain(shares(row).into_iter().flat_map(|(_, j)| numbers(Some(j.estimate()))))
-    };
-    table(header, rows.map(line))
+    let names = rows.clone().next().map(shares).into_iter().flatten().map(|(name, _)| name);
+    let header = ["thickness_um", "wavelength_nm"].map(str::to_owned).into_iter().chain(with_errors(names));
+    table(header, rows.map(|row| line(&[row.thickness_um, row.wavelength_nm], &shares(row))))
 }
 
 /// Names and values of a medium.
@@ -127,14 +118,15 @@ pub fn coefficients(row: &MediumRow) -> [(&'static str, ErrorParts); 8] {
 }
 
 fn medium(rows: &[MediumRow]) -> csv::Result<Vec<u8>> {
-    let names = rows.first().map(|row| coefficients(row).map(|(name, _)| name));
-    let columns =
-        names.into_iter().flatten().flat_map(|name| [name.into(), format!("{name}_standard_error")]);
-    let line = |row: &MediumRow| {
-        let all = coefficients(row).into_iter().flat_map(|(_, j)| numbers(Some(j.estimate())));
-        std::iter::once(row.wavelength_nm.to_string()).chain(all)
-    };
-    table(std::iter::once("wavelength_nm".to_owned()).chain(columns), rows.iter().map(line))
+    let names = rows.first().map(coefficients).into_iter().flatten().map(|(name, _)| name);
+    let header = std::iter::once("wavelength_nm".to_owned()).chain(with_errors(names));
+    table(header, rows.iter().map(|row| line(&[row.wavelength_nm], &coefficients(row))))
+}
+
+/// A line of a table: its place, and values with their errors.
+fn line(place: &[f64], values: &[(&str, ErrorParts)]) -> Vec<String> {
+    let values = values.iter().flat_map(|(_, judged)| numbers(Some(judged.estimate())));
+    place.iter().map(f64::to_string).chain(values).collect()
 }
 
 fn words(judged: &ErrorParts, decimals: usize) -> String {
@@ -219,52 +211,28 @@ fn summary(manifest: &ComposedManifest) -> String {
 /// Curves against thickness and depth, and spectra.
 fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, PublishError> {
     let mut all = vec![
-        (
-            "Against thickness",
-            shares_chart(manifest),
-            "Diffuse light reflected (R) and transmitted (T) by the layer \
-          without paper, against its thickness. Error bars are standard errors, the model's part included.",
-        ),
-        (
-            "The light's way",
-            depth_chart(manifest),
-            "Fluxes towards the paper and back in the layer on its paper, lit at \
-          0°, as shares of the incident light. Where their difference falls, light is absorbed.",
-        ),
-        (
-            "On the paper",
-            spectra_chart(manifest),
-            "Light that reaches the eye along the normal under natural light, as \
-          a share of that of a perfect white, for every thickness asked for.",
-        ),
+        ("Against thickness", shares_chart(manifest), SHARES),
+        ("The light's way", depth_chart(manifest), DEPTH),
+        ("On the paper", spectra_chart(manifest), SPECTRA),
     ];
     if !manifest.curve_colours.is_empty() {
-        all.insert(
-            1,
-            (
-                "Hiding and colour",
-                hiding_chart(manifest),
-                "Contrast ratio (Y over black by Y over white, 45:0) \
-          and L*/100 on the paper under natural light, against the thickness. 0.98 counts as hiding.",
-            ),
-        );
+        all.insert(1, ("Hiding and colour", hiding_chart(manifest), HIDING));
     }
-    let drawn = |(heading, chart, caption): (&str, Chart, &str)| {
-        Ok(Figure { heading: heading.into(), data: svg_data(&chart.svg()?), caption: caption.into() })
-    };
-    all.into_iter().map(drawn).collect()
+    let mut figures = Vec::new();
+    for (heading, chart, caption) in all {
+        figures.push(Figure::new(heading, &chart, caption.to_owned())?);
+    }
+    Ok(figures)
 }
 
-/// The study's wavelengths nearest to those shown.
-fn shown(study: &Study) -> Vec<f64> {
-    let off = |wanted: f64, nm: &f64| (nm - wanted).abs();
-    let nearest = |&wanted: &f64| {
-        study.wavelengths_nm.iter().copied().min_by(|a, b| off(wanted, a).total_cmp(&off(wanted, b)))
-    };
-    let mut all: Vec<f64> = SHOWN_NM.iter().filter_map(nearest).collect();
-    all.dedup();
-    all
-}
+const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \
+    thickness. Error bars are standard errors, the model's part included.";
+const DEPTH: &str = "Fluxes towards the paper and back in the layer on its paper, lit at 0°, as shares of the \
+    incident light. Where their difference falls, light is absorbed.";
+const SPECTRA: &str = "Light that reaches the eye along the normal under natural light, as a share of that of a \
+    perfect white, for every thickness asked for.";
+const HIDING: &str = "Contrast ratio (Y over black by Y over white, 45:0) and L*/100 on the paper under natural \
+    light, against the thickness. 0.98 counts as hiding.";
 
 fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
     let chart = Chart::linear("", "thickness, µm", y_label, curves);
@@ -279,7 +247,8 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
     let both = |nm: f64| {
         [curve(nm, "R", |row| row.reflectance_diffuse), curve(nm, "T", |row| row.transmittance_diffuse)]
     };
-    against_thickness("share of the light", shown(manifest.study).into_iter().flat_map(both).collect())
+    let shown = sheet::shown_nm(&manifest.study.wavelengths_nm);
+    against_thickness("share of the light", shown.into_iter().flat_map(both).collect())
 }
 
 /// Points of a number of the colours against the thickness, over `by`.
@@ -288,11 +257,10 @@ fn colour_points(
     of: fn(&ComposedColours) -> ErrorParts,
     by: f64,
 ) -> impl Iterator<Item = [f64; 3]> {
-    let point = move |c: &ComposedColours| {
+    manifest.curve_colours.iter().map(move |c| {
         let judged = of(c);
         [c.thickness_um, judged.value / by, judged.standard_error / by]
-    };
-    manifest.curve_colours.iter().map(point)
+    })
 }
 
 fn hiding_chart(manifest: &ComposedManifest) -> Chart {
@@ -364,7 +332,7 @@ fn maker(manifest: &ComposedManifest) -> MakerBlock {
             "area that a litre of the dry layer hides",
         ));
     }
-    let nearest = shown(manifest.study);
+    let nearest = sheet::shown_nm(&manifest.study.wavelengths_nm);
     for row in manifest.medium.iter().filter(|row| nearest.contains(&row.wavelength_nm)) {
         let nm = row.wavelength_nm;
         for (name, j) in coefficients(row) {

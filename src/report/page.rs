@@ -1,5 +1,7 @@
 //! The report page of a study: one HTML file with embedded pictures.
 
+use crate::draw::OutputError;
+use crate::draw::chart::Chart;
 use crate::store::identity::METHOD_VERSION;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -147,6 +149,23 @@ pub struct Provenance {
     pub program: String,
     /// What is needed to reproduce them.
     pub rows: Vec<Named>,
+}
+
+impl Picture {
+    /// An image with its caption.
+    pub fn new(data: String, caption: &str) -> Self {
+        Self { data, caption: caption.to_owned() }
+    }
+}
+
+impl Figure {
+    /// A chart under a heading.
+    ///
+    /// # Errors
+    /// As [`Chart::svg`].
+    pub fn new(heading: &str, chart: &Chart, caption: String) -> Result<Self, OutputError> {
+        Ok(Self { heading: heading.to_owned(), data: svg_data(&chart.svg()?), caption })
+    }
 }
 
 impl Meant {

@@ -53,7 +53,7 @@ pub enum PublishError {
     #[error("cannot write a table: {0}")]
     Table(#[from] csv::Error),
     /// A summary.
-    #[error("cannot write results.json: {0}")]
+    #[error("cannot write the results as JSON: {0}")]
     Json(#[from] serde_json::Error),
     /// The page.
     #[error("cannot write the report: {0}")]

@@ -13,6 +13,7 @@ use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
 use crate::ink::{PigmentGrains, SizeDistribution};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
+pub(super) use figures::shown_nm;
 pub(super) use tables::asked;
 
 /// The page of a run; `picture` is the labelled picture as PNG.

@@ -4,19 +4,16 @@ use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
-use crate::report::cell::{numbers, table};
+use crate::report::cell::{numbers, table, with_errors};
 use crate::wave::Side;
 
 /// Spectra, one row per wavelength; unknown errors and unfinished values are empty.
 pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
     let names =
         ["reflectance", "specular_reflectance", "transmittance", "specular_transmittance", "absorptance"];
-    let columns = names.into_iter().chain(["natural_light", "lit_at_45"]);
-    let columns = columns.flat_map(|name| [name.to_owned(), format!("{name}_standard_error")]);
-    table(
-        ["wavelength_nm".to_owned(), "polar_deg".to_owned()].into_iter().chain(columns),
-        rows.iter().map(spectrum_row),
-    )
+    let place = ["wavelength_nm", "polar_deg"].map(str::to_owned);
+    let columns = with_errors(names.into_iter().chain(["natural_light", "lit_at_45"]));
+    table(place.into_iter().chain(columns), rows.iter().map(spectrum_row))
 }
 
 fn spectrum_row(row: &SpectrumRow) -> impl Iterator<Item = String> {

@@ -87,7 +87,7 @@ fn the_page_of_packings_is_for_people() {
         "<tr><td>1<td>",
         "<tr><td>2<td>",
         "alt=\"The grains of realisation 1 seen from the incident side\"",
-        "the pigment that sticks out of the binder's free face<td>",
+        "the pigment that sticks out of the binder&#x27;s free face<td>",
     ] {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }

@@ -6,6 +6,7 @@ use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
 use crate::compare::subject::Packed;
 use crate::input::case::Case;
+use crate::input::load::stem;
 use crate::numerics::files;
 use crate::wave::{Ball, BodyShape, Media};
 use serde_json::{Value, json};
@@ -95,32 +96,31 @@ impl ComparisonFile {
     /// All cases; the study itself if nothing varies.
     pub(super) fn subjects(&self) -> Result<Vec<Subject>, CompareError> {
         if let Some(path) = &self.case {
-            return Ok(vec![Subject {
-                varied: None,
-                named: None,
-                wave: self.wave,
-                geometry: self.written(path, None)?,
-            }]);
+            return Ok(vec![self.subject(None, self.written(path, None)?)]);
         }
         if !self.cases.is_empty() {
             return self.cases.iter().map(|table| self.listed_case(table)).collect();
         }
         let packed = self.packed()?;
-        let subject = |varied, packed| {
-            let geometry = CaseGeometry::Packed(Box::new(packed));
-            Subject { varied, named: None, wave: self.wave, geometry }
+        let Some(matrix) = &self.matrix else {
+            return Ok(vec![self.subject(None, CaseGeometry::Packed(Box::new(packed)))]);
         };
-        let Some(matrix) = &self.matrix else { return Ok(vec![subject(None, packed)]) };
-        let cases = matrix.cases();
-        cases.map(|v| Ok(subject(Some(v), packed.varied(v.period_um, v.pigment)?))).collect()
+        let mut all = Vec::new();
+        for varied in matrix.cases() {
+            let packed = packed.varied(varied.period_um, varied.pigment)?;
+            all.push(self.subject(Some(varied), CaseGeometry::Packed(Box::new(packed))));
+        }
+        Ok(all)
+    }
+
+    fn subject(&self, varied: Option<Varied>, geometry: CaseGeometry) -> Subject {
+        Subject { varied, named: None, wave: self.wave, geometry }
     }
 
     fn listed_case(&self, table: &ComparedCase) -> Result<Subject, CompareError> {
-        let stem = || table.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let named = Some(table.name.clone().or(table.id.clone()).unwrap_or_else(stem));
-        let wave = table.wave.unwrap_or(self.wave);
-        let geometry = self.written(&table.file, table.id.as_deref())?;
-        Ok(Subject { varied: None, named, wave, geometry })
+        let named = table.name.clone().or(table.id.clone()).unwrap_or_else(|| stem(&table.file));
+        let subject = self.subject(None, self.written(&table.file, table.id.as_deref())?);
+        Ok(Subject { named: Some(named), wave: table.wave.unwrap_or(self.wave), ..subject })
     }
 
     /// A case file with its text, or one of the cases that a file lists.
@@ -131,13 +131,11 @@ impl ComparisonFile {
             serde_json::from_str(&text).or_else(|_| toml::from_str::<Value>(&text)).unwrap_or_default();
         let Some(id) = id else { return Ok(CaseGeometry::Written(Box::new(Case::read(&path)?), json)) };
         let found = json["cases"].as_array().into_iter().flatten().find(|case| case["id"] == id);
-        let missing = || CompareError::Field {
-            field: "cases.id".into(),
-            found: format!("{id:?}"),
-            allowed: format!("an `id` among the `cases` of {}", path.display()),
-            remedy: "leave `id` out for a file with one case",
+        let Some(case) = found else {
+            let allowed = format!("an `id` among the `cases` of {}", path.display());
+            let remedy = "leave `id` out for a file with one case";
+            return Err(CompareError::field("cases.id", format!("{id:?}"), allowed, remedy));
         };
-        let case = found.ok_or_else(missing)?;
         Ok(CaseGeometry::Written(Box::new(Case::parse(&case["inputs"].to_string(), false)?), case.clone()))
     }
 }

@@ -133,13 +133,12 @@ fn is_study(table: &toml::Table) -> bool {
 impl ComparisonFile {
     /// Reads a comparison; a study or a plain case file is compared with the default lists.
     pub fn read(path: &Path) -> Result<ComparisonFile, CompareError> {
-        let read =
-            |message: std::io::Error| CompareError::Read { path: path.into(), message: message.to_string() };
         let (origin, name) = (path.to_owned(), path.file_name().map(PathBuf::from));
         if path.extension().is_some_and(|e| e == "json") {
             return Ok(ComparisonFile { case: name, origin, ..ComparisonFile::default() });
         }
-        let text = files::read_text(path, files::STUDY).map_err(read)?;
+        let text = files::read_text(path, files::STUDY)
+            .map_err(|message| CompareError::Read { path: path.into(), message: message.to_string() })?;
         let table = parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?;
         if is_study(&table) {
             let study = name.map(StudyWritten::File);
@@ -154,9 +153,8 @@ impl ComparisonFile {
         &self,
         registry: &Registry,
     ) -> Result<Vec<(String, Box<dyn Solver>)>, CompareError> {
-        let by_name = |name: &String| Ok((name.clone(), registry.build(name)?));
         match &self.strategies {
-            Some(names) => names.iter().map(by_name).collect(),
+            Some(names) => names.iter().map(|name| Ok((name.clone(), registry.build(name)?))).collect(),
             None => {
                 let all = registry.entries().iter().map(|e| (e.name().to_string(), e.build()));
                 Ok(all.filter(|(_, solver)| solver.most_unknowns().is_none()).collect())
@@ -166,10 +164,11 @@ impl ComparisonFile {
 
     /// The grids listed; `None` if they are searched.
     pub(super) fn listed(&self) -> Option<Vec<Points>> {
-        let usual = || [(9, 8), (15, 12), (25, 20)].map(|(points, cells)| Points { points, cells }).to_vec();
         match self.searched() {
             Some(_) => None,
-            None => Some(self.resolutions.clone().unwrap_or_else(usual)),
+            None => Some(self.resolutions.clone().unwrap_or_else(|| {
+                [(9, 8), (15, 12), (25, 20)].map(|(points, cells)| Points { points, cells }).to_vec()
+            })),
         }
     }
 
@@ -181,12 +180,11 @@ impl ComparisonFile {
 
     /// Discretisations along z; the vector wave has one only.
     pub(super) fn schemes(&self, wave: WaveKind) -> Vec<Scheme> {
-        let usual = || match self.searched() {
-            Some(_) => vec![Scheme::Cubic],
-            None => vec![Scheme::Cubic, Scheme::SecondDifference],
-        };
         match wave {
-            WaveKind::Scalar => self.schemes.clone().unwrap_or_else(usual),
+            WaveKind::Scalar => self.schemes.clone().unwrap_or_else(|| match self.searched() {
+                Some(_) => vec![Scheme::Cubic],
+                None => vec![Scheme::Cubic, Scheme::SecondDifference],
+            }),
             WaveKind::Vector => vec![Scheme::Quadratic],
         }
     }
@@ -209,11 +207,16 @@ impl ComparisonFile {
             ("repeats", self.repeats == Some(0)),
         ];
         if let Some((name, _)) = empty.into_iter().find(|(_, empty)| *empty) {
-            return Err(field(name, "empty", "at least one", "add one or leave it out"));
+            return Err(CompareError::field(name, "empty", "at least one", "add one or leave it out"));
         }
         if self.schemes.is_some() && self.wave == WaveKind::Vector {
             let allowed = "no schemes: the vector wave has one discretisation only";
-            return Err(field("schemes", "given with wave = \"vector\"", allowed, "leave one out"));
+            return Err(CompareError::field(
+                "schemes",
+                "given with wave = \"vector\"",
+                allowed,
+                "leave one out",
+            ));
         }
         let beside_case = [
             ("matrix", self.matrix.is_some(), "a study, whose period and index vary"),
@@ -225,14 +228,29 @@ impl ComparisonFile {
         if given != 1 {
             let found = if given > 1 { "given twice" } else { "not given" };
             let remedy = "name a study file or case files, or write a whole study as [study]";
-            return Err(field("geometry", found, "exactly one of `study`, `case` and `cases`", remedy));
+            return Err(CompareError::field(
+                "geometry",
+                found,
+                "exactly one of `study`, `case` and `cases`",
+                remedy,
+            ));
         }
         if let Some((name, _, allowed)) = beside_case.into_iter().find(|b| b.1 && self.study.is_none()) {
-            return Err(field(name, "given beside a case", allowed, "name a study instead, or leave it out"));
+            return Err(CompareError::field(
+                name,
+                "given beside a case",
+                allowed,
+                "name a study instead, or leave it out",
+            ));
         }
         if self.accuracy.is_some() && self.resolutions.is_some() {
             let allowed = "one of `accuracy`, which searches the grids, and `resolutions`, which lists them";
-            return Err(field("accuracy", "given beside `resolutions`", allowed, "leave one out"));
+            return Err(CompareError::field(
+                "accuracy",
+                "given beside `resolutions`",
+                allowed,
+                "leave one out",
+            ));
         }
         self.matrix.as_ref().map_or(Ok(()), MatrixTable::check)?;
         let mut taken: Vec<String> = SolverChoice::NAMES.iter().map(|name| name.to_string()).collect();
@@ -249,36 +267,25 @@ impl ComparisonFile {
         let sides = sides.flat_map(|(k, grid)| [(k, "points", grid.points), (k, "cells", grid.cells)]);
         let mut outside = sides.filter(|side| !(1..=MOST_POINTS).contains(&side.2));
         if let Some((k, side, count)) = outside.next() {
-            let (name, allowed) =
-                (format!("resolutions[{k}].{side}"), format!("whole numbers from 1 to {MOST_POINTS}"));
+            let allowed = format!("whole numbers from 1 to {MOST_POINTS}");
             let remedy = "a wavelength in the binder needs about 10 points and 8 cells";
-            return Err(field(&name, &count.to_string(), &allowed, remedy));
+            return Err(CompareError::field(format!("resolutions[{k}].{side}"), count, allowed, remedy));
         }
         let numbers = [
             ("accuracy", self.accuracy, limits::ACCURACY, "1e-2 is usual"),
-            (
-                "goal.tolerance",
-                self.goal.tolerance,
-                limits::TOLERANCE,
-                "1e-6 distinguishes strategies and costs little",
-            ),
+            ("goal.tolerance", self.goal.tolerance, limits::TOLERANCE, "1e-6 tells strategies apart cheaply"),
         ];
         for (name, value, allowed, remedy) in numbers {
             if let Some(value) = value.filter(|value| !allowed.holds(*value)) {
-                return Err(CompareError::number(name, value, allowed, remedy));
+                return Err(CompareError::field(name, value, allowed, remedy));
             }
         }
         let most = self.goal().max_applications;
         if limits::APPLICATIONS.holds(most) {
             return Ok(());
         }
-        let allowed = limits::APPLICATIONS.to_string();
-        Err(field(
-            "goal.max_applications",
-            &most.to_string(),
-            &allowed,
-            "a few hundred suffice for most inks",
-        ))
+        let remedy = "a few hundred suffice for most inks";
+        Err(CompareError::field("goal.max_applications", most, limits::APPLICATIONS, remedy))
     }
 
     /// The study under the comparison's light.
@@ -286,7 +293,8 @@ impl ComparisonFile {
     /// # Errors
     /// Its faults; a case instead.
     pub(super) fn packed(&self) -> Result<Packed, CompareError> {
-        let missing = || field("study", "missing", "a study", "name a study file or write [study]");
+        let missing =
+            || CompareError::field("study", "missing", "a study", "name a study file or write [study]");
         let packed = Packed::read(self.study.as_ref().ok_or_else(missing)?, &self.origin)?;
         Ok(packed.lit(self.wavelength_nm, self.polar_deg))
     }
@@ -294,8 +302,4 @@ impl ComparisonFile {
     pub(super) fn folder(&self) -> &Path {
         self.origin.parent().unwrap_or(Path::new(""))
     }
-}
-
-fn field(name: &str, found: &str, allowed: &str, remedy: &'static str) -> CompareError {
-    CompareError::Field { field: name.into(), found: found.into(), allowed: allowed.into(), remedy }
 }

@@ -27,14 +27,13 @@ impl MatrixTable {
     pub fn check(&self) -> Result<(), CompareError> {
         let axes = [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())];
         if let Some((axis, _)) = axes.into_iter().find(|(_, empty)| *empty) {
-            let (field, allowed) = (format!("matrix.{axis}"), "at least one entry".into());
             let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
-            return Err(CompareError::Field { field, found: "empty".into(), allowed, remedy });
+            return Err(CompareError::field(format!("matrix.{axis}"), "empty", "at least one entry", remedy));
         }
         let wrong = self.numbers().into_iter().find(|(_, value, allowed)| !allowed.holds(*value));
         let Some((field, value, allowed)) = wrong else { return Ok(()) };
         let remedy = "pigments are pairs [n, κ], periods some µm";
-        Err(CompareError::number(&field, value, allowed, remedy))
+        Err(CompareError::field(field, value, allowed, remedy))
     }
 
     /// Every number with its place and what is allowed there.
@@ -51,7 +50,8 @@ impl MatrixTable {
 
     /// All cases, period by period.
     pub(super) fn cases(&self) -> impl Iterator<Item = Varied> {
-        let with = |&period_um| self.pigments.iter().map(move |&pigment| Varied { pigment, period_um });
-        self.periods_um.iter().flat_map(with)
+        self.periods_um
+            .iter()
+            .flat_map(|&period_um| self.pigments.iter().map(move |&pigment| Varied { pigment, period_um }))
     }
 }

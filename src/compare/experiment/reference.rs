@@ -145,8 +145,7 @@ fn task<'a>(case: &'a Case, coverages: &'a Coverages<'a>, solver: &'a Gmres, tol
 /// The grid of the reference.
 fn finer(wave: WaveKind, grids: &[Resolution]) -> Resolution {
     let most = |f: fn(&Resolution) -> usize| grids.iter().map(f).max().unwrap_or(1);
-    let half_again = |count: usize| 3 * count / 2;
-    let [nx, ny, cells] = [most(|g| g.nx), most(|g| g.ny), most(|g| g.cells)].map(half_again);
+    let [nx, ny, cells] = [most(|g| g.nx), most(|g| g.ny), most(|g| g.cells)].map(|count| 3 * count / 2);
     Resolution { nx, ny, cells, scheme: wave.wave().scheme(Scheme::Cubic) }
 }
 

@@ -2,6 +2,7 @@
 
 use super::file::ComparisonFile;
 use crate::compare::subject::StudyWritten;
+use crate::input::locate::steps;
 use crate::input::tree::{Node, parse_toml};
 use crate::numerics::files;
 use std::path::Path;
@@ -55,8 +56,7 @@ fn written<'a>(table: &Node, before: &str, keys: impl Iterator<Item = &'a &'a st
 }
 
 fn has(table: &Node, key: &str) -> bool {
-    let mut steps = key.split(['.', '[', ']']).filter(|step| !step.is_empty());
-    let found = steps.try_fold(table, |here, step| match here {
+    let found = steps(key).try_fold(table, |here, step| match here {
         Node::List(items) => items.get(step.parse::<usize>().ok()?),
         _ => here.get(step),
     });

@@ -5,7 +5,6 @@ use crate::appearance::colour::ciede2000;
 use crate::design::recipe::DesignTask;
 use crate::design::surface::{Eye, Surfaces, spectra};
 use crate::evaluate::seen::film_alone;
-use crate::input::fault::Fault;
 use crate::input::study::Study;
 use crate::numerics::sequence::Sequence;
 use rayon::prelude::*;
@@ -52,11 +51,10 @@ pub struct DesignAnswer {
 }
 
 fn study_at(task: &DesignTask, places: &[f64]) -> Result<Study, DesignError> {
-    let no_study = |faults: Vec<Fault>| {
+    task.study(places).map_err(|faults| {
         let reason = faults.first().map_or_else(String::new, ToString::to_string);
         DesignError::NoColour { recipe: task.in_words(places), reason }
-    };
-    task.study(places).map_err(no_study)
+    })
 }
 
 pub(super) fn values(task: &DesignTask, places: &[f64]) -> Vec<f64> {
@@ -83,10 +81,10 @@ fn square(one: &[f64], other: &[f64]) -> f64 {
 /// Some recipes far from each other, the best one first.
 pub(super) fn spread(mut all: Vec<DesignAnswer>) -> Vec<DesignAnswer> {
     let mut chosen: Vec<DesignAnswer> = Vec::new();
-    let distance = |a: &DesignAnswer, b: &DesignAnswer| square(&a.places, &b.places);
     while chosen.len() < LISTED && !all.is_empty() {
-        let from_chosen =
-            |a: &DesignAnswer| chosen.iter().map(|c| distance(a, c)).fold(f64::INFINITY, f64::min);
+        let from_chosen = |a: &DesignAnswer| {
+            chosen.iter().map(|c| square(&a.places, &c.places)).fold(f64::INFINITY, f64::min)
+        };
         let far = |&a: &usize, &b: &usize| from_chosen(&all[a]).total_cmp(&from_chosen(&all[b]));
         let place = if chosen.is_empty() { 0 } else { (0..all.len()).max_by(far).unwrap_or(0) };
         if !chosen.is_empty() && from_chosen(&all[place]) < SAME {
@@ -157,9 +155,9 @@ impl<'a> Map<'a> {
     /// Recipes of the box, or of a region of it, the nearest to the target first.
     pub fn search(&self, region: Option<&(Vec<f64>, f64)>) -> Vec<DesignAnswer> {
         let count = self.task.variables.len();
-        let bound =
-            |i: usize| region.map_or([0.0, 1.0], |(at, r)| [(at[i] - r).max(0.0), (at[i] + r).min(1.0)]);
-        let bounds: Vec<[f64; 2]> = (0..count).map(bound).collect();
+        let bounds: Vec<[f64; 2]> = (0..count)
+            .map(|i| region.map_or([0.0, 1.0], |(at, r)| [(at[i] - r).max(0.0), (at[i] + r).min(1.0)]))
+            .collect();
         let place = |r: usize| -> Vec<f64> {
             let point = even_point(SEARCH_SEED, count, r);
             bounds.iter().zip(point).map(|([a, b], x)| a + (b - a) * x).collect()
@@ -179,12 +177,13 @@ impl<'a> Map<'a> {
         for _ in 0..HALVINGS {
             loop {
                 let moves = (0..bounds.len()).flat_map(|i| [(i, step), (i, -step)]);
-                let moved = |(i, by): (usize, f64)| {
-                    let mut places = here.places.clone();
-                    places[i] = (places[i] + by).clamp(bounds[i][0], bounds[i][1]);
-                    self.answer(places)
-                };
-                let best = moves.filter_map(moved).min_by(|a, b| self.miss(a).total_cmp(&self.miss(b)));
+                let best = moves
+                    .filter_map(|(i, by)| {
+                        let mut places = here.places.clone();
+                        places[i] = (places[i] + by).clamp(bounds[i][0], bounds[i][1]);
+                        self.answer(places)
+                    })
+                    .min_by(|a, b| self.miss(a).total_cmp(&self.miss(b)));
                 match best {
                     Some(best) if self.miss(&best) < self.miss(&here) - 1e-4 => here = best,
                     _ => break,

@@ -1,6 +1,6 @@
 //! The data of a fit, linearised at some unknowns, with all that is known of their errors.
 
-use crate::fit::law::{FitStep, LinearFit};
+use crate::fit::law::{FitStep, LinearFit, rms};
 use crate::fit::load::FitTask;
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::Response;
@@ -25,47 +25,38 @@ impl Data {
     /// `systematic` is an error of every value in addition to noise and ensemble: one for each
     /// drawdown, or one for all.
     pub fn new(task: &FitTask, prior: &IndexPrior, response: &Response, systematic: &[f64]) -> Self {
-        let (waves, count) = (task.wavelengths_nm().len(), task.measured.len());
-        let at = |i: usize| (i / waves, i % waves);
-        let last = |j: usize| f64::from(u8::from(prior.thickness && j + 1 == prior.len()));
-        let slope = |i: usize, j: usize| {
-            let (d, w) = at(i);
-            let [n, kappa, thickness] = [0, 1, 2].map(|k| response.slopes[k][d][w]);
-            n * prior.n[w][j] + kappa * prior.kappa[w][j] + last(j) * thickness
-        };
-        let jacobian = Mat::from_fn(count * waves, prior.len(), slope);
-        let measured = |d: usize, w: usize| task.measured[d].values.as_ref().map_or(f64::NAN, |v| v[w]);
-        let residual = |i: usize| measured(at(i).0, at(i).1) - response.values[at(i).0][at(i).1];
+        let waves = task.wavelengths_nm().len();
+        let size = task.measured.len() * waves;
+        let places: Vec<(usize, usize)> = (0..size).map(|i| (i / waves, i % waves)).collect();
+        let jacobian = Mat::from_fn(size, prior.len(), |i, j| derivative(prior, response, places[i], j));
+        let (mut weights, mut errors) = (Mat::zeros(size, size), Mat::zeros(size, size));
         let noise = task.settings.noise.powi(2);
-        let coat = |d: usize| task.measured[d].coat;
-        let grid = |d: usize| systematic[d.min(systematic.len() - 1)].powi(2);
-        let ensemble = |i: usize, j: usize| {
-            let ((d, v), (e, w)) = (at(i), at(j));
-            let common = || jackknife(&response.replicates[d], &response.replicates[e], v, w);
-            if coat(d) == coat(e) { common() } else { 0.0 }
-        };
-        let size = count * waves;
         let inflation = few_cells(response.replicates.first().map_or(0, Vec::len));
-        let weights = Mat::from_fn(size, size, |i, j| {
-            let own = if at(i).1 == at(j).1 { ensemble(i, j) } else { 0.0 };
-            own + if i == j { noise + grid(at(i).0) } else { 0.0 }
-        });
-        let errors = Mat::from_fn(size, size, |i, j| {
-            let common = if at(i).0 == at(j).0 { grid(at(i).0) } else { 0.0 };
-            inflation * ensemble(i, j) + common + if i == j { noise } else { 0.0 }
-        });
-        let residual = (0..size).map(residual).collect();
-        let thickness = (0..size).map(|i| response.slopes[2][at(i).0][at(i).1]).collect();
-        Self { jacobian, residual, weights, errors, thickness }
+        for (i, &(d, v)) in places.iter().enumerate() {
+            let grid = systematic[d.min(systematic.len() - 1)].powi(2);
+            for (j, &(e, w)) in places.iter().enumerate() {
+                let one_coat = task.measured[d].coat == task.measured[e].coat;
+                let [a, b] = [d, e].map(|drawdown| &response.replicates[drawdown]);
+                let ensemble = if one_coat { jackknife(a, b, v, w) } else { 0.0 };
+                let own = if v == w { ensemble } else { 0.0 };
+                let common = if d == e { grid } else { 0.0 };
+                weights[(i, j)] = own + if i == j { noise + grid } else { 0.0 };
+                errors[(i, j)] = inflation * ensemble + common + if i == j { noise } else { 0.0 };
+            }
+        }
+        let residual = places.iter().map(|&(d, w)| task.measured[d].measured(w) - response.values[d][w]);
+        let thickness = places.iter().map(|&(d, w)| response.slopes[2][d][w]);
+        Self { jacobian, residual: residual.collect(), weights, errors, thickness: thickness.collect() }
     }
 
     /// What is left of the data at other unknowns, to first order.
     pub fn left(&self, point: &[f64], unknowns: &[f64]) -> Vec<f64> {
-        let change = |i: usize| {
+        let mut left = self.residual.clone();
+        for (i, left) in left.iter_mut().enumerate() {
             let parts = point.iter().zip(unknowns).enumerate();
-            parts.map(|(j, (a, b))| self.jacobian[(i, j)] * (b - a)).sum::<f64>()
-        };
-        self.residual.iter().enumerate().map(|(i, left)| left - change(i)).collect()
+            *left -= parts.map(|(j, (a, b))| self.jacobian[(i, j)] * (b - a)).sum::<f64>();
+        }
+        left
     }
 
     pub fn step(&self, prior: &IndexPrior, point: &[f64], strength: f64) -> Option<FitStep> {
@@ -83,25 +74,35 @@ impl Data {
 
     /// The strength of the prior with the largest evidence, and its step.
     pub fn strongest(&self, prior: &IndexPrior, point: &[f64]) -> Option<(f64, FitStep)> {
-        let of = |strength: f64| Some((strength, self.step(prior, point, strength)?));
-        let all: Vec<(f64, FitStep)> = STRENGTHS.into_iter().filter_map(of).collect();
-        all.into_iter().max_by(|a, b| a.1.log_evidence.total_cmp(&b.1.log_evidence))
+        let all = STRENGTHS.into_iter();
+        let all = all.filter_map(|strength| Some((strength, self.step(prior, point, strength)?)));
+        all.max_by(|a, b| a.1.log_evidence.total_cmp(&b.1.log_evidence))
     }
 
     /// χ² of data and prior together at the point of the linearisation.
     pub fn cost(&self, prior: &IndexPrior, point: &[f64], strength: f64) -> f64 {
         let precision = prior.precision(strength);
         let away: Vec<f64> = point.iter().zip(&prior.mean).map(|(a, b)| a - b).collect();
-        let pull = |i: usize| (0..away.len()).map(|j| away[i] * precision[(i, j)] * away[j]).sum::<f64>();
-        let noise = |i: usize| self.residual[i].powi(2) / self.weights[(i, i)];
-        (0..self.residual.len()).map(noise).sum::<f64>() + (0..away.len()).map(pull).sum::<f64>()
+        let noise = self.residual.iter().enumerate().map(|(i, left)| left.powi(2) / self.weights[(i, i)]);
+        let mut pull = 0.0;
+        for (i, own) in away.iter().enumerate() {
+            let others = away.iter().enumerate();
+            pull += others.map(|(j, other)| own * precision[(i, j)] * other).sum::<f64>();
+        }
+        noise.sum::<f64>() + pull
     }
 
     /// Root mean square change of the data between two sets of unknowns, to first order.
     pub fn moved(&self, from: &[f64], to: &[f64]) -> f64 {
-        let changes = self.residual.iter().zip(self.left(from, to)).map(|(a, b)| (a - b).powi(2));
-        (changes.sum::<f64>() / self.residual.len().max(1) as f64).sqrt()
+        rms(self.residual.iter().zip(self.left(from, to)).map(|(a, b)| a - b))
     }
+}
+
+/// Derivative of a value, by drawdown and wavelength, with respect to an unknown.
+fn derivative(prior: &IndexPrior, response: &Response, (d, w): (usize, usize), j: usize) -> f64 {
+    let [n, kappa, thickness] = [0, 1, 2].map(|k| response.slopes[k][d][w]);
+    let last = f64::from(u8::from(prior.thickness && j + 1 == prior.len()));
+    n * prior.n[w][j] + kappa * prior.kappa[w][j] + last * thickness
 }
 
 /// Variance of a Student law over that of a normal one: errors estimated from few cells.
@@ -115,7 +116,6 @@ pub(super) fn jackknife(one: &[Vec<f64>], other: &[Vec<f64>], v: usize, w: usize
     if one.len() < 2 {
         return 0.0;
     }
-    let mean = |all: &[Vec<f64>], k: usize| all.iter().map(|row| row[k]).sum::<f64>() / n;
-    let (a, b) = (mean(one, v), mean(other, w));
+    let [a, b] = [(one, v), (other, w)].map(|(all, k)| all.iter().map(|row| row[k]).sum::<f64>() / n);
     one.iter().zip(other).map(|(x, y)| (x[v] - a) * (y[w] - b)).sum::<f64>() * (n - 1.0) / n
 }

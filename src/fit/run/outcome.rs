@@ -1,9 +1,9 @@
 //! The numbers of a fit: the index with its errors, whether they can be trusted, and predictions.
 
 use super::data::{Data, few_cells, jackknife};
-use crate::appearance::colour::{Colorimeter, Colour};
+use crate::appearance::colour::Colorimeter;
 use crate::appearance::kubelka_munk::KubelkaMunk;
-use crate::fit::law::FitStep;
+use crate::fit::law::{FitStep, rms};
 use crate::fit::load::{Drawdown, FitTask};
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::Response;
@@ -145,15 +145,12 @@ impl Fitted<'_> {
         let covariance = self.step.covariance(&self.data.weights, &self.data.errors);
         let factor = if trust == Trust::Inflated { ratio } else { 1.0 };
         let index = self.index((trust != Trust::Contradicted).then_some((&covariance, factor)));
-        let errors = index.iter().filter_map(|row| row.n_error);
-        let count = errors.clone().count().max(1) as f64;
-        let rms = (errors.map(|e| e * e).sum::<f64>() / count).sqrt();
-        let apart = |other: &Vec<[f64; 2]>| {
-            let squares = other.iter().zip(&index).map(|(a, b)| (a[0] - b.n).powi(2));
-            (squares.sum::<f64>() / index.len() as f64).sqrt() > UNDETERMINED.max(COVERED * rms)
-        };
-        let branches = alternative.filter(apart);
-        let n_is_determined = rms < UNDETERMINED && branches.is_none();
+        let n_error = rms(index.iter().filter_map(|row| row.n_error));
+        let branches = alternative.filter(|other| {
+            let apart = rms(other.iter().zip(&index).map(|(a, b)| a[0] - b.n));
+            apart > UNDETERMINED.max(COVERED * n_error)
+        });
+        let n_is_determined = n_error < UNDETERMINED && branches.is_none();
         let last = self.prior.len() - 1;
         let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
         let mut outcome = FitOutcome {
@@ -172,43 +169,50 @@ impl Fitted<'_> {
             forecasts: Vec::new(),
             remarks: Vec::new(),
         };
-        outcome.remarks = remarks(&outcome, self.task, branches.as_deref(), (rms, moved));
+        outcome.remarks = remarks(&outcome, self.task, branches.as_deref(), (n_error, moved));
         outcome
     }
 
     fn index(&self, errors: Option<(&Mat<f64>, f64)>) -> Vec<FittedIndex> {
         let values = self.prior.index(&self.step.unknowns);
-        let product = |a: &[f64], b: &[f64], covariance: &Mat<f64>| -> f64 {
-            let row = |i: usize| (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>();
-            a.iter().enumerate().map(|(i, a)| a * row(i)).sum()
-        };
-        let row = |(w, &wavelength_nm): (usize, &f64)| {
+        let mut all = Vec::new();
+        for (w, &wavelength_nm) in self.task.wavelengths_nm().iter().enumerate() {
             let [a, b] = [&self.prior.n[w], &self.prior.kappa[w]];
-            let of = |x: &[f64], y: &[f64]| errors.map(|(c, factor)| factor * product(x, y, c));
-            FittedIndex::new(wavelength_nm, values[w], [of(a, a), of(b, b), of(a, b)])
-        };
-        self.task.wavelengths_nm().iter().enumerate().map(row).collect()
+            let pairs = [(a, a), (b, b), (a, b)];
+            let variances = pairs.map(|(x, y)| errors.map(|(c, factor)| factor * product(x, y, c)));
+            all.push(FittedIndex::new(wavelength_nm, values[w], variances));
+        }
+        all
     }
 
     /// Root mean square change of n and κ for 1 % more thickness.
     fn per_percent(&self) -> [f64; 2] {
-        let change =
-            &self.step.gain * Mat::from_fn(self.data.residual.len(), 1, |i, _| 0.01 * self.data.thickness[i]);
-        let moved = |row: &Vec<f64>| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum::<f64>();
-        [&self.prior.n, &self.prior.kappa]
-            .map(|rows| (rows.iter().map(|row| moved(row).powi(2)).sum::<f64>() / rows.len() as f64).sqrt())
+        let data = &self.data.thickness;
+        let change = &self.step.gain * Mat::from_fn(data.len(), 1, |i, _| 0.01 * data[i]);
+        [&self.prior.n, &self.prior.kappa].map(|rows| {
+            let moved = rows.iter().map(|row| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum());
+            rms(moved)
+        })
     }
 
     fn spectra(&self) -> Vec<FittedSpectrum> {
-        let waves = self.task.wavelengths_nm().len();
         let left = self.data.left(self.point, &self.step.unknowns);
-        let of = |(d, drawdown): (usize, &Drawdown)| {
-            let places = d * waves..(d + 1) * waves;
-            let sigma = places.clone().map(|i| self.data.weights[(i, i)].sqrt()).collect();
-            FittedSpectrum::new(drawdown, &left[places], sigma)
-        };
-        self.task.measured.iter().enumerate().map(of).collect()
+        let places: Vec<usize> = (0..left.len()).collect();
+        let parts = places.chunks(self.task.wavelengths_nm().len());
+        let mut all = Vec::new();
+        for (drawdown, places) in self.task.measured.iter().zip(parts) {
+            let sigma = places.iter().map(|&i| self.data.weights[(i, i)].sqrt()).collect();
+            let left: Vec<f64> = places.iter().map(|&i| left[i]).collect();
+            all.push(FittedSpectrum::new(drawdown, &left, sigma));
+        }
+        all
     }
+}
+
+/// aᵀ C b.
+fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
+    let rows = a.iter().enumerate();
+    rows.map(|(i, a)| a * (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>()).sum()
 }
 
 impl FittedSpectrum {
@@ -221,8 +225,7 @@ impl FittedSpectrum {
 
 impl FittedIndex {
     fn new(wavelength_nm: f64, [n, kappa]: [f64; 2], [nn, kk, nk]: [Option<f64>; 3]) -> Self {
-        let root = |variance: Option<f64>| variance.map(|v| v.max(0.0).sqrt());
-        let (n_error, kappa_error) = (root(nn), root(kk));
+        let [n_error, kappa_error] = [nn, kk].map(|variance| variance.map(|v| v.max(0.0).sqrt()));
         let correlation = nk.zip(n_error.zip(kappa_error)).map(|(nk, (a, b))| nk / (a * b).max(1e-300));
         Self { wavelength_nm, n, kappa, n_error, kappa_error, correlation }
     }
@@ -289,26 +292,26 @@ impl Forecast {
         response: &Response,
         (k, fit): (usize, &FitOutcome),
     ) -> Self {
-        let error = |w: usize| forecast_error(response, k, w, &fit.index[w]);
         let values = response.values[k].clone();
+        let errors = fit.index.iter().enumerate().map(|(w, row)| forecast_error(response, k, w, row));
         let kubelka_munk = kubelka_munk(task, own);
-        let colour = |values: &[f64]| -> Option<Colour> {
-            Colorimeter::new(task.wavelengths_nm()).ok()?.colour(values).ok()
-        };
-        let apart = |values: Option<&Vec<f64>>| {
-            let own = colour(own.values.as_ref()?)?;
-            Some(colour(values?)?.delta_e_2000(&own).value)
-        };
         Self {
             name: own.name.clone(),
-            errors: (0..values.len()).map(error).collect(),
-            delta_e_2000: apart(Some(&values)),
-            delta_e_2000_kubelka_munk: apart(kubelka_munk.as_ref()),
+            errors: errors.collect(),
+            delta_e_2000: difference(task, own, Some(&values)),
+            delta_e_2000_kubelka_munk: difference(task, own, kubelka_munk.as_ref()),
             kubelka_munk,
             measured: own.values.clone(),
             values,
         }
     }
+}
+
+/// ΔE₀₀ of a predicted spectrum to the measured one, where both have colours.
+fn difference(task: &FitTask, own: &Drawdown, predicted: Option<&Vec<f64>>) -> Option<f64> {
+    let meter = Colorimeter::new(task.wavelengths_nm()).ok()?;
+    let measured = meter.colour(own.values.as_ref()?).ok()?;
+    Some(meter.colour(predicted?).ok()?.delta_e_2000(&measured).value)
 }
 
 /// Standard error of a predicted value: the few cells, and the index.
@@ -324,23 +327,21 @@ fn forecast_error(response: &Response, k: usize, w: usize, row: &FittedIndex) ->
 /// Kubelka and Munk's prediction: K and S of a layer measured in the same geometry on two backings,
 /// in proportion to the share and the thickness.
 fn kubelka_munk(task: &FitTask, own: &Drawdown) -> Option<Vec<f64>> {
-    let alike = |d: &&Drawdown| d.geometry == own.geometry;
-    let mut pairs = task.measured.iter().filter(alike);
-    let albedo = |d: &Drawdown, nm: f64| d.study.paper.albedo.at(nm).ok();
-    let middle = task.wavelengths_nm()[task.wavelengths_nm().len() / 2];
-    let lighter = |one: &Drawdown, other: &Drawdown| {
-        other.coat == one.coat && albedo(other, middle) > albedo(one, middle)
-    };
-    let others = |one: &Drawdown| task.measured.iter().filter(alike).find(|other| lighter(one, other));
-    let (dark, light) = pairs.find_map(|one| Some((one, others(one)?)))?;
+    let nm = task.wavelengths_nm();
+    let middle = nm[nm.len() / 2];
+    let alike: Vec<&Drawdown> = task.measured.iter().filter(|d| d.geometry == own.geometry).collect();
+    let mut pairs = alike.iter().flat_map(|one| alike.iter().map(move |other| [*one, *other]));
+    let [dark, light] =
+        pairs.find(|[one, other]| other.coat == one.coat && other.albedo(middle) > one.albedo(middle))?;
     let [share, own_share] = [dark, own].map(|d| d.study.pigments[task.pigment].grains.volume_fraction);
     let [thick, own_thick] = [dark, own].map(|d| d.study.layer.thickness_um);
-    let at = |(w, &nm): (usize, &f64)| {
-        let pair = [dark, light].map(|d| Some([albedo(d, nm)?, d.values.as_ref()?[w]]));
-        let km = KubelkaMunk::from_backings(pair[0]?, pair[1]?, thick)?;
-        Some(km.over(albedo(own, nm)?, own_thick * own_share / share))
-    };
-    // no number where no layer has such a pair of reflectances
-    let value = |place: (usize, &f64)| at(place).unwrap_or(f64::NAN);
-    Some(task.wavelengths_nm().iter().enumerate().map(value).collect())
+    let mut values = Vec::new();
+    for (w, &nm) in nm.iter().enumerate() {
+        let [dark, light] = [dark, light].map(|d| Some([d.albedo(nm)?, d.values.as_ref()?[w]]));
+        let km = dark.zip(light).and_then(|(dark, light)| KubelkaMunk::from_backings(dark, light, thick));
+        let value = km.zip(own.albedo(nm)).map(|(km, card)| km.over(card, own_thick * own_share / share));
+        // no number where no layer has such a pair of reflectances
+        values.push(value.unwrap_or(f64::NAN));
+    }
+    Some(values)
 }

@@ -3,45 +3,21 @@
 
 use crate::draw::OutputError;
 use crate::ink::{Grain, Packing, Relief};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::json;
 
-#[derive(Serialize)]
-struct CoordinateRow {
-    grain: usize,
-    pigment: usize,
-    agglomerate: Option<usize>,
-    x_um: f64,
-    y_um: f64,
-    z_um: f64,
-    radius_um: f64,
-    axis_x: f64,
-    axis_y: f64,
-    axis_z: f64,
-}
+const COLUMNS: [&str; 10] =
+    ["grain", "pigment", "agglomerate", "x_um", "y_um", "z_um", "radius_um", "axis_x", "axis_y", "axis_z"];
 
 /// One row per sphere: grain, pigment, agglomerate (empty if none), centre, radius, axis of the
 /// grain.
 pub fn grains_csv(packing: &Packing) -> csv::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(COLUMNS)?;
     for (number, grain) in packing.grains().iter().enumerate() {
-        let [axis_x, axis_y, axis_z] = grain.axis;
         for sphere in &grain.spheres {
-            let [x_um, y_um, z_um] = sphere.center_um;
-            let (pigment, agglomerate, radius_um) = (grain.pigment, grain.agglomerate, sphere.radius_um);
-            let row = CoordinateRow {
-                grain: number,
-                pigment,
-                agglomerate,
-                x_um,
-                y_um,
-                z_um,
-                radius_um,
-                axis_x,
-                axis_y,
-                axis_z,
-            };
-            writer.serialize(row)?;
+            let kind = (number, grain.pigment, grain.agglomerate);
+            writer.serialize((kind, sphere.center_um, sphere.radius_um, grain.axis))?;
         }
     }
     writer.into_inner().map_err(|error| error.into_error().into())

@@ -7,7 +7,10 @@ use crate::ink::statistics::{StatisticCurve, Statistics, gather};
 use crate::ink::{Packing, Shape};
 use crate::numerics::estimate::Estimate;
 use crate::report::cell;
+use crate::report::page::rendered;
 use crate::store::safely;
+use minijinja::context;
+use minijinja::value::Serde;
 use std::path::{Path, PathBuf};
 
 /// Writes everything about the realisations of one study into `folder`; every file is written
@@ -41,7 +44,7 @@ pub fn write_report(
             save(folder, &format!("{}.svg", curve.name), chart.as_bytes())?;
         }
     }
-    save(folder, "index.html", html(title, pigments, packings, &statistics).as_bytes())?;
+    save(folder, "index.html", html(title, pigments, packings, &statistics)?.as_bytes())?;
     Ok((statistics, folder.join("index.html")))
 }
 
@@ -77,69 +80,35 @@ fn curve_csv(curve: &StatisticCurve) -> csv::Result<Vec<u8>> {
     )
 }
 
-fn html(title: &str, pigments: &[(String, Shape)], packings: &[Packing], statistics: &Statistics) -> String {
-    let mut page = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-         <title>{0}</title><style>{1}</style><body><h1>{0}</h1>\n",
-        escaped(title),
-        crate::report::page::STYLE
-    );
-    page += &accounts(packings);
-    page += &figures(pigments, statistics);
-    page += "<h2>Pictures</h2>\n";
-    page += "<p>Effective diameter: of the sphere of equal union volume; R is the thickest radius.</p>\n";
-    for (file, alt) in PICTURES {
-        page += &format!("<figure><img src=\"{file}\" alt=\"{alt}\"></figure>\n");
-    }
-    for curve in statistics.curves.iter().filter(|curve| drawable(curve)) {
-        let (y, x) = (escaped(&named(&curve.y_label, pigments)), escaped(&curve.x_label));
-        let file = format!("{}.svg", curve.name);
-        page += &format!("<figure class=\"plot\"><img src=\"{file}\" alt=\"{y} against {x}\"></figure>\n");
-    }
-    page
+fn html(
+    title: &str,
+    pigments: &[(String, Shape)],
+    packings: &[Packing],
+    statistics: &Statistics,
+) -> Result<String, OutputError> {
+    let figures = statistics.scalars.iter().map(|(name, unit, value)| {
+        let unit = if unit == "1" { "" } else { unit };
+        context!(name => sided(&named(name, pigments)), value => rounded(*value), unit => unit.to_owned())
+    });
+    let plots = statistics.curves.iter().filter(|curve| drawable(curve)).map(|curve| {
+        let (y, x) = (named(&curve.y_label, pigments), curve.x_label.clone());
+        context!(file => format!("{}.svg", curve.name), y, x)
+    });
+    let page = context! {
+        title => title.to_owned(),
+        accounts => Serde(packings.iter().enumerate().map(account).collect::<Vec<_>>()),
+        figures => figures.collect::<Vec<_>>(),
+        plots => plots.collect::<Vec<_>>(),
+    };
+    rendered(include_str!("packing.html"), page).map_err(OutputError::making("the page"))
 }
 
-/// Picture files and their descriptions.
-const PICTURES: [(&str, &str); 4] = [
-    ("shapes.png", "The shape of every pigment's grains"),
-    ("top.png", "The grains of realisation 1 seen from the incident side"),
-    ("cut.png", "A cut through realisation 1, from the incident side down to the paper side"),
-    ("perspective.png", "Realisation 1 in perspective, its free face up"),
-];
-
-/// Table of how every realisation was packed.
-fn accounts(packings: &[Packing]) -> String {
-    let count = packings.len();
-    let mut table = format!(
-        "<p>{count} realisation{}. Errors are standard errors over realisations. \
-         Files count from 0: grains_000.csv is realisation 1.</p>\n<h2>How it was made</h2>\
-         <div class=\"scroll\"><table><tr><th>realisation<th>method<th>steps<th>sweeps<th>smallest gap, µm<th>notes</tr>\n",
-        if count == 1 { "" } else { "s" }
-    );
-    for (k, packing) in packings.iter().enumerate() {
-        let a = packing.account();
-        let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
-        let (number, notes) = (k + 1, escaped(&a.notes.join("; ")));
-        table += &format!(
-            "<tr><td>{number}<td>{}<td>{}<td>{}<td>{gap}<td>{notes}</tr>\n",
-            a.method.in_words(),
-            a.steps,
-            a.sweeps
-        );
-    }
-    table + "</table></div>\n"
-}
-
-/// Means over the realisations.
-fn figures(pigments: &[(String, Shape)], statistics: &Statistics) -> String {
-    let mut table = "<h2>Figures</h2><div class=\"scroll\"><table><tr><th>quantity<th>mean ± standard error<th>unit</tr>\n"
-        .to_owned();
-    for (name, unit, value) in &statistics.scalars {
-        let (name, unit) = (sided(&named(name, pigments)), if unit == "1" { "" } else { unit });
-        table += &format!("<tr><td>{}<td>{}<td>{unit}</tr>\n", escaped(&name), rounded(*value));
-    }
-    table + "</table></div>\n"
+/// How a realisation was packed, as cells of a table.
+fn account((k, packing): (usize, &Packing)) -> [String; 6] {
+    let a = packing.account();
+    let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
+    let (method, notes) = (a.method.in_words().to_string(), a.notes.join("; "));
+    [(k + 1).to_string(), method, a.steps.to_string(), a.sweeps.to_string(), gap, notes]
 }
 
 /// Terms for heights in the tables, and their wording on the page.
@@ -204,10 +173,6 @@ fn rounded(Estimate { value, standard_error }: Estimate) -> String {
 
 fn without_zeros(words: &str) -> String {
     words.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::report::page::{Figure, svg_data};
+use crate::report::page::Figure;
 use std::f64::consts::PI;
 
 /// Wavelengths of the BRDF curves, nm: the nearest ones of the study are shown.
@@ -27,10 +27,7 @@ pub(crate) fn figures(
     let rows = &manifest.spectra;
     let all =
         [seen_spectra(study, rows), layer_spectra(study, rows), other_angles(study, rows), brdf(study, seen)];
-    let drawn = all.into_iter().flatten().map(|(heading, plot, caption)| {
-        Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
-    });
-    drawn.collect()
+    all.into_iter().flatten().map(|(heading, plot, caption)| Figure::new(heading, &plot, caption)).collect()
 }
 
 type Drawing = Option<(&'static str, Chart, String)>;
@@ -98,16 +95,17 @@ fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     let caption =
         "The layer alone at every angle solved: shares of the light reflected (R) and transmitted (T).";
     let plot = if angles.len() <= MOST_CURVES {
-        let of = |&deg: &f64| {
-            let rows = at_angle(rows, deg);
-            let reflected = spectrum((study, &rows), &format!("R, {deg:.0}°"), |row| Some(row.reflectance));
-            [reflected, spectrum((study, &rows), &format!("T, {deg:.0}°"), |row| Some(row.transmittance))]
-        };
-        against_wavelength("share of the light", angles.iter().flat_map(of).collect())?
+        let mut curves = Vec::new();
+        for deg in angles {
+            let own = &at_angle(rows, deg);
+            curves.push(spectrum((study, own), &format!("R, {deg:.0}°"), |row| Some(row.reflectance)));
+            curves.push(spectrum((study, own), &format!("T, {deg:.0}°"), |row| Some(row.transmittance)));
+        }
+        against_wavelength("share of the light", curves)?
     } else {
         let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
-        let places = shown(&wavelengths).into_iter();
-        let curves = places.flat_map(|w| against_angle(study, rows, wavelengths[w])).collect();
+        let curves =
+            shown_nm(&wavelengths).into_iter().flat_map(|nm| against_angle(study, rows, nm)).collect();
         shares("angle of incidence, °", "share of the light", curves)?
     };
     Some(("Every angle solved", plot, caption.to_owned()))
@@ -116,11 +114,12 @@ fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
 /// R and T at one wavelength against the angle of incidence.
 fn against_angle(study: &Study, rows: &[SpectrumRow], nm: f64) -> [Curve; 2] {
     let rows: Vec<&SpectrumRow> = rows.iter().filter(|row| row.wavelength_nm == nm).collect();
-    let curve = |name: &str, of: &dyn Fn(&SpectrumRow) -> Estimate| {
+    let numbers: [(&str, fn(&SpectrumRow) -> Estimate); 2] =
+        [("R", |row| row.reflectance), ("T", |row| row.transmittance)];
+    numbers.map(|(name, of)| {
         let points = rows.iter().map(|row| (row.polar_deg, of(row)));
         Curve::measured(format!("{name}, {nm:.0} nm"), points).asked_at(&study.angles.exact_deg)
-    };
-    [curve("R", &|row| row.reflectance), curve("T", &|row| row.transmittance)]
+    })
 }
 
 fn at_angle(rows: &[SpectrumRow], polar_deg: f64) -> Vec<SpectrumRow> {
@@ -135,11 +134,12 @@ fn brdf(study: &Study, seen: &Seen) -> Drawing {
     let views: Vec<_> = degrees.iter().map(|&deg| ink.at(deg)).collect::<Result<_, _>>().ok()?;
     let spectra: Vec<Vec<Estimate>> =
         views.iter().map(|view| ink.spectrum(|layer| PI * layer.brdf(&light, view)).estimates()).collect();
-    let curve = |w: usize| {
+    let mut curves = Vec::new();
+    for nm in shown_nm(&study.wavelengths_nm) {
+        let w = study.wavelengths_nm.iter().position(|own| *own == nm)?;
         let points = degrees.iter().zip(&spectra).map(|(&deg, spectrum)| (deg, spectrum[w]));
-        Curve::measured(format!("{:.0} nm", study.wavelengths_nm[w]), points)
-    };
-    let curves = shown(&study.wavelengths_nm).into_iter().map(curve).collect();
+        curves.push(Curve::measured(format!("{nm:.0} nm"), points));
+    }
     let caption = format!(
         "π × diffuse BRDF of the ink on its paper, lit at {:.0}°, mean over the azimuth, against the viewing angle. A \
          matt white would be 1 everywhere.",
@@ -149,12 +149,14 @@ fn brdf(study: &Study, seen: &Seen) -> Drawing {
     Some(("How it changes with the viewing angle", plot, caption))
 }
 
-/// Indices of the study's wavelengths nearest to the shown ones, without repeats.
-fn shown(wavelengths_nm: &[f64]) -> Vec<usize> {
-    let distance = |w: usize, nm: f64| (wavelengths_nm[w] - nm).abs();
-    let nearest =
-        |&nm: &f64| (0..wavelengths_nm.len()).min_by(|&a, &b| distance(a, nm).total_cmp(&distance(b, nm)));
-    let mut places: Vec<usize> = SHOWN_NM.iter().filter_map(nearest).collect();
-    places.dedup();
-    places
+/// The study's wavelengths nearest to the shown ones, without repeats.
+pub(in crate::report) fn shown_nm(wavelengths_nm: &[f64]) -> Vec<f64> {
+    let mut all: Vec<f64> = SHOWN_NM.iter().filter_map(|&nm| nearest(wavelengths_nm, nm)).collect();
+    all.dedup();
+    all
+}
+
+fn nearest(wavelengths_nm: &[f64], wanted: f64) -> Option<f64> {
+    let all = wavelengths_nm.iter().copied();
+    all.min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
 }

@@ -6,7 +6,7 @@ use crate::evaluate::ink_maker::{InkMaker, MeasuredComparison, Swatch};
 use crate::evaluate::manifest::Manifest;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::report::page::{Figure, MakerBlock, Meant, Named, svg_data};
+use crate::report::page::{Figure, MakerBlock, Meant, Named};
 
 /// Swatches and numbers.
 pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
@@ -68,7 +68,7 @@ pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, Output
 
 fn figure(heading: &str, y_label: &str, curves: Vec<Curve>, caption: String) -> Result<Figure, OutputError> {
     let plot = Chart { from_zero: true, ..Chart::linear("", "wavelength, nm", y_label, curves) };
-    Ok(Figure { heading: heading.to_owned(), data: svg_data(&plot.svg()?), caption })
+    Figure::new(heading, &plot, caption)
 }
 
 fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure, OutputError> {
@@ -102,13 +102,12 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
 }
 
 fn compared(measured: &MeasuredComparison) -> Result<Vec<Figure>, OutputError> {
-    let exact = |value: f64| Estimate { value, standard_error: None };
     let of = |value: &dyn Fn(&crate::evaluate::ink_maker::ComparedRow) -> Estimate| {
         measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
     };
     let both = vec![
         Curve::measured("predicted", of(&|row| row.predicted)),
-        Curve::measured("measured", of(&|row| exact(row.measured))),
+        Curve::measured("measured", of(&|row| Estimate { value: row.measured, standard_error: None })),
     ];
     let residual = of(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
     let residual = vec![Curve::measured("measured less predicted", residual)];

@@ -114,10 +114,10 @@ fn budget(note: &ColourNote) -> Vec<Meant> {
             "effect of their spacing; the colour is corrected for it, and the spread over realisations includes the rest",
         ),
     ];
-    let row = |(name, part, meaning): (&str, Option<f64>, &str)| {
-        Some(Meant::new(name, format!("ΔE {:.3}", part?), meaning))
-    };
-    parts.into_iter().filter_map(row).collect()
+    parts
+        .into_iter()
+        .filter_map(|(name, part, meaning)| Some(Meant::new(name, format!("ΔE {:.3}", part?), meaning)))
+        .collect()
 }
 
 fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
@@ -351,10 +351,11 @@ const ENOUGH_WAVELENGTHS: usize = 8;
 fn few_wavelengths(study: &Study, manifest: &Manifest<&Study>) -> Option<String> {
     let solved = match study.variation.light {
         LightRule::Shifted { strata, .. } => strata * manifest.realisations.finished,
-        LightRule::Listed => {
-            let found = |nm: &&f64| manifest.spectra.iter().any(|row| row.wavelength_nm == **nm);
-            study.wavelengths_nm.iter().filter(found).count()
-        }
+        LightRule::Listed => study
+            .wavelengths_nm
+            .iter()
+            .filter(|nm| manifest.spectra.iter().any(|row| row.wavelength_nm == **nm))
+            .count(),
     };
     (solved < ENOUGH_WAVELENGTHS && study.angles.strata > 0).then(|| {
         format!(

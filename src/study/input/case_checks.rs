@@ -1,7 +1,7 @@
 //! Allowed ranges of a case's numbers, under the names of the file.
 
 use super::case_inputs::{CaseInputs, IndexInput};
-use super::fault::{Allowed, Fault, Faults};
+use super::fault::{Allowed, Faults};
 use super::forms::Pair;
 use super::limits::{ABOVE_ZERO, NOT_NEGATIVE, POLAR_DEG};
 
@@ -29,13 +29,13 @@ pub fn check(inputs: &CaseInputs) -> Faults {
 fn lengths(inputs: &CaseInputs, faults: &mut Faults) {
     if inputs.period.is_none() && inputs.repeats() {
         let remedy = "give the period of the grains or bars in µm";
-        faults.push(Fault::new("L", "nothing", "a number or a pair [Lx, Ly]", remedy));
+        faults.add("L", "nothing", "a number or a pair [Lx, Ly]", remedy);
     }
     let [x, y] = inputs.period_um();
     faults.number("L", x, ABOVE_ZERO, IN_UM);
     faults.number("Ly", y, ABOVE_ZERO, IN_UM);
     if let (Some(Pair::Each(_)), Some(y)) = (inputs.period, inputs.period_y) {
-        faults.push(Fault::new("Ly", y, "nothing beside a pair L = [Lx, Ly]", "give one of them"));
+        faults.add("Ly", y, "nothing beside a pair L = [Lx, Ly]", "give one of them");
     }
     if let Some(height) = inputs.thickness {
         faults.number("H", height, ABOVE_ZERO, IN_UM);
@@ -79,7 +79,7 @@ fn index(field: &str, [re, im]: [f64; 2], faults: &mut Faults) {
     let sign = "0 or more absorbs; change the sign if it was given for e^(+iωt)";
     faults.number(&format!("{field} (absorption)"), im, INDEX_PART, sign);
     if [re, im] == [0.0, 0.0] {
-        faults.push(Fault::new(field, 0, "an index other than 0", "give [real part, absorption]"));
+        faults.add(field, 0, "an index other than 0", "give [real part, absorption]");
     }
 }
 
@@ -107,6 +107,6 @@ fn within(grain: String, z: f64, radius: f64, height: f64, faults: &mut Faults) 
     if low < -slack || high > height + slack {
         let found = format!("a grain from z = {low:.6} to {high:.6} µm");
         let remedy = "move it, make it smaller, or make the layer thicker";
-        faults.push(Fault::new(grain, found, format!("0 … {height} µm, the layer"), remedy));
+        faults.add(grain, found, format!("0 … {height} µm, the layer"), remedy);
     }
 }

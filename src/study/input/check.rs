@@ -40,12 +40,7 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
     packing.0.append(&mut optics.0);
     if !file.layer.walls {
         let remedy = "leave it out; `inkwave pack` packs layers without walls";
-        packing.push(Fault::new(
-            "layer.walls",
-            "false",
-            "true: waves need a layer between two faces",
-            remedy,
-        ));
+        packing.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
     }
     if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
 }
@@ -57,7 +52,7 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
 pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
     let Examined { study, mut packing, .. } = examine(file, folder, name);
     if study.pigments.is_empty() {
-        packing.push(Fault::new("pigment", "none", "at least one [[pigment]] with grains", "add one"));
+        packing.add("pigment", "none", "at least one [[pigment]] with grains", "add one");
     }
     if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
 }
@@ -174,12 +169,7 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
     let Some(written) = file.layer.period_um else {
         if file.layer.cell == CellRule::Fixed {
             let allowed = "one number or [x, y], µm, for cell = \"fixed\"";
-            faults.push(Fault::new(
-                "layer.period_um",
-                "nothing",
-                allowed,
-                "write period_um = 2.4, or let cells vary",
-            ));
+            faults.add("layer.period_um", "nothing", allowed, "write period_um = 2.4, or let cells vary");
         }
         return [pigments::nominal_period_um(file); 2];
     };
@@ -237,18 +227,14 @@ fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
             if table.per_wavelength == Some(true) {
                 let remedy = "leave it out, or write accuracy instead of points and planes";
                 let found = "true beside points_per_um and planes_per_um, which are one grid";
-                faults.push(Fault::new("resolution.per_wavelength", found, "with accuracy", remedy));
+                faults.add("resolution.per_wavelength", found, "with accuracy", remedy);
             }
             WantedResolution::Grid { points_per_um, planes_per_um, scheme }
         }
         _ => {
             let allowed = "either accuracy alone, or both points_per_um and planes_per_um";
-            let found = keys_in_words([
-                ("accuracy", table.accuracy.is_some()),
-                ("points_per_um", table.points_per_um.is_some()),
-                ("planes_per_um", table.planes_per_um.is_some()),
-            ]);
-            faults.push(Fault::new("resolution", found, allowed, "write accuracy = 1e-2"));
+            let found = keys_in_words(table, &["accuracy", "points_per_um", "planes_per_um"]);
+            faults.add("resolution", found, allowed, "write accuracy = 1e-2");
             WantedResolution::Accuracy { amplitude: 1e-2, scheme, per_wavelength: false }
         }
     }
@@ -275,12 +261,12 @@ fn counts(file: &StudyFile, faults: &mut Faults) {
         faults.number("run.target_delta_e", target, limits::TARGET_DELTA_E, remedy);
         if file.run.realisations == Some(1) {
             let allowed = "2 or more with run.target_delta_e: one packing has no interval";
-            faults.push(Fault::new(
+            faults.add(
                 "run.realisations",
                 1,
                 allowed,
                 "leave it out: the run ends when the target is reached",
-            ));
+            );
         }
     }
     whole(
@@ -306,6 +292,6 @@ fn output(table: &OutputTable) -> Output {
 
 fn whole(field: &str, value: usize, allowed: Whole, remedy: &str, faults: &mut Faults) {
     if !allowed.holds(value) {
-        faults.push(Fault::new(field, value, allowed.to_string(), remedy));
+        faults.add(field, value, allowed.to_string(), remedy);
     }
 }

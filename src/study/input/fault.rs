@@ -2,6 +2,7 @@
 
 pub use crate::numerics::allowed::Allowed;
 use crate::numerics::allowed::shown;
+use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -82,14 +83,16 @@ fn list(faults: &[Fault]) -> String {
 /// All errors in one line, each with its remedy.
 impl fmt::Display for Faults {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let one = |fault: &Fault| format!("{fault}: {}", fault.remedy);
-        f.write_str(&self.0.iter().map(one).collect::<Vec<_>>().join("; "))
+        f.write_str(
+            &self.0.iter().map(|fault| format!("{fault}: {}", fault.remedy)).collect::<Vec<_>>().join("; "),
+        )
     }
 }
 
-/// Lists the keys that are present in a table.
-pub fn keys_in_words<const N: usize>(keys: [(&str, bool); N]) -> String {
-    let there: Vec<&str> = keys.into_iter().filter(|(_, is_there)| *is_there).map(|(key, _)| key).collect();
+/// Lists those of some keys that are present in a table.
+pub fn keys_in_words(table: &impl Serialize, keys: &[&str]) -> String {
+    let table = toml::Table::try_from(table).unwrap_or_default();
+    let there: Vec<&str> = keys.iter().copied().filter(|key| table.contains_key(*key)).collect();
     match there.split_last() {
         None => "none of them".into(),
         Some((only, [])) => format!("{only} alone"),
@@ -107,10 +110,21 @@ impl Faults {
         self.0.push(fault);
     }
 
+    /// Adds an error in a field.
+    pub fn add(
+        &mut self,
+        field: impl Into<String>,
+        found: impl fmt::Display,
+        allowed: impl Into<String>,
+        remedy: impl Into<String>,
+    ) {
+        self.push(Fault::new(field, found, allowed, remedy));
+    }
+
     /// Adds an error unless the number is finite and allowed.
     pub fn number(&mut self, field: &str, value: f64, allowed: Allowed, remedy: &str) {
         if !allowed.holds(value) {
-            self.push(Fault::new(field, shown(value), allowed.to_string(), remedy));
+            self.add(field, shown(value), allowed.to_string(), remedy);
         }
     }
 }

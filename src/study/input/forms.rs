@@ -6,7 +6,7 @@ use crate::material::synthetic::Synthetic;
 use crate::solve::{Registry, SolverChoice};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor, value::MapAccessDeserializer};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use std::fmt;
 
@@ -118,8 +118,10 @@ impl Pair {
     }
 }
 
-/// A complex refractive index n + iκ: a number, or a table in one of five forms.
-#[derive(Clone, Debug, Default, Serialize)]
+/// A complex refractive index n + iκ: a number, or a table in one of five forms. Only the table is
+/// derived, as functions of this type.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub struct IndexWritten {
     /// Real part.
     pub n: Option<f64>,
@@ -188,23 +190,18 @@ fn material_names(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "enum": names })
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct IndexTable {
-    n: Option<f64>,
-    k: Option<f64>,
-    built_in: Option<String>,
-    material: Option<String>,
-    csv: Option<String>,
-    yaml: Option<String>,
-}
-
-/// The keys of [`IndexTable`].
-const INDEX_KEYS: &[&str] = &["n", "k", "built_in", "material", "csv", "yaml"];
+/// The keys of [`IndexWritten`].
+pub(super) const INDEX_KEYS: &[&str] = &["n", "k", "built_in", "material", "csv", "yaml"];
 
 impl<'de> Deserialize<'de> for IndexWritten {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_struct("index", INDEX_KEYS, IndexVisitor)
+    }
+}
+
+impl Serialize for IndexWritten {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        IndexWritten::serialize(self, serializer)
     }
 }
 
@@ -226,9 +223,7 @@ impl<'de> Visitor<'de> for IndexVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<IndexWritten, A::Error> {
-        let table = IndexTable::deserialize(MapAccessDeserializer::new(map))?;
-        let IndexTable { n, k, built_in, material, csv, yaml } = table;
-        Ok(IndexWritten { n, k, built_in, material, csv, yaml })
+        IndexWritten::deserialize(MapAccessDeserializer::new(map))
     }
 }
 

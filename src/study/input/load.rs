@@ -32,8 +32,16 @@ type Check = fn(&StudyFile, &Path, &str) -> Result<Study, Vec<Fault>>;
 fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
     let (text, file): (String, StudyFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
-    check(&file, folder, &name).map_err(|faults| StudyError::Values { path: path.to_owned(), text, faults })
+    check(&file, folder, &stem(path)).map_err(|faults| StudyError::Values {
+        path: path.to_owned(),
+        text,
+        faults,
+    })
+}
+
+/// Name of a file without its extension: the default title.
+pub fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// Reads a TOML file; returns its text and its content.
@@ -41,8 +49,8 @@ fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
 /// # Errors
 /// The file cannot be read, is not TOML, has unknown or missing keys, or values of the wrong type.
 pub fn read_file<T: DeserializeOwned>(path: &Path) -> Result<(String, T), StudyError> {
-    let unreadable = |source| StudyError::Unreadable { path: path.to_owned(), source };
-    let text = files::read_text(path, files::STUDY).map_err(unreadable)?;
+    let text = files::read_text(path, files::STUDY)
+        .map_err(|source| StudyError::Unreadable { path: path.to_owned(), source })?;
     let table = parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?;
     match read(table.into()) {
         Ok(value) => Ok((text, value)),

@@ -19,7 +19,7 @@ pub fn span_of(text: &str, field: &str) -> Option<Range<usize>> {
 }
 
 /// `pigment[0].index.k` → `pigment`, `0`, `index`, `k`.
-fn steps(field: &str) -> impl Iterator<Item = &str> {
+pub fn steps(field: &str) -> impl Iterator<Item = &str> {
     field.split(['.', '[', ']']).filter(|step| !step.is_empty())
 }
 

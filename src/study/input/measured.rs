@@ -70,8 +70,8 @@ impl MeasuredSpectrum {
     /// The file cannot be read, has no spectrum or none of that name, its wavelengths do not
     /// increase, its values are not reflectance factors, or they are ambiguous without a unit.
     pub fn read(path: &Path, patch: Option<&str>, unit: Option<MeasuredUnit>) -> Result<Self, MeasuredError> {
-        let unreadable = |source| MeasuredError::Unreadable { path: path.into(), source };
-        let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
+        let bytes = files::read_bytes(path, files::TABLE)
+            .map_err(|source| MeasuredError::Unreadable { path: path.into(), source })?;
         let text = String::from_utf8_lossy(&bytes);
         let no_spectrum = |reason: String| MeasuredError::NoSpectrum { path: path.into(), reason };
         let start = text.trim_start_matches('\u{feff}').trim_start();

@@ -1,6 +1,6 @@
 //! Measured colours: Lab without a spectrum in a CxF3 or CGATS.17 file, which is a target.
 
-use super::patches::{CXF, cgats_set, has_bands, parsed, place};
+use super::patches::{CXF, cgats_set, elements, has_bands, object_name, parsed, place};
 use super::xml_limits::too_large;
 use crate::appearance::viewing::{Summation, Viewing};
 
@@ -40,8 +40,9 @@ impl MeasuredColour {
 }
 
 fn from_cgats(text: &str, patch: Option<&str>) -> Result<Option<MeasuredColour>, String> {
-    let has = |field: &str| text.split_whitespace().any(|word| word == field);
-    if !["LAB_L", "LAB_A", "LAB_B"].into_iter().all(has) || has_bands(text) {
+    if !["LAB_L", "LAB_A", "LAB_B"].into_iter().all(|field| text.split_whitespace().any(|word| word == field))
+        || has_bands(text)
+    {
         return Ok(None);
     }
     let set = cgats_set(text, patch)?;
@@ -80,16 +81,11 @@ fn from_cxf(text: &str, patch: Option<&str>) -> Result<Option<MeasuredColour>, S
         return Ok(None);
     }
     let Ok(document) = roxmltree::Document::parse(text) else { return Ok(None) };
-    let named = |name: &'static str| document.descendants().filter(move |n| n.has_tag_name((CXF, name)));
-    let colours: Vec<roxmltree::Node> = named("ColorCIELab").collect();
-    if colours.is_empty() || named("ReflectanceSpectrum").next().is_some() {
+    let colours: Vec<roxmltree::Node> = elements(&document, "ColorCIELab").collect();
+    if colours.is_empty() || elements(&document, "ReflectanceSpectrum").next().is_some() {
         return Ok(None);
     }
-    let name = |node: &roxmltree::Node| {
-        let object = node.ancestors().find(|n| n.has_tag_name((CXF, "Object")));
-        object.and_then(|o| o.attribute("Name").or(o.attribute("Id"))).unwrap_or("").to_owned()
-    };
-    let names: Vec<String> = colours.iter().map(name).collect();
+    let names: Vec<String> = colours.iter().map(object_name).collect();
     one_is_meant(&names, patch)?;
     let colour = colours[place(&names, patch)?];
     let part = |name: &str| {
@@ -97,7 +93,8 @@ fn from_cxf(text: &str, patch: Option<&str>) -> Result<Option<MeasuredColour>, S
         parsed(text.unwrap_or("").trim())
     };
     let wanted = colour.attribute("ColorSpecification");
-    let specification = named("ColorSpecification").find(|n| wanted.is_some() && n.attribute("Id") == wanted);
+    let mut specifications = elements(&document, "ColorSpecification");
+    let specification = specifications.find(|n| wanted.is_some() && n.attribute("Id") == wanted);
     let stated = |name: &str| {
         let node = specification?.descendants().find(|n| n.has_tag_name((CXF, name)))?;
         Some(node.text()?.trim().trim_end_matches("_Degree").to_owned())

@@ -1,6 +1,7 @@
 //! Selects a sample of a CxF3 or CGATS.17 file.
 
 use super::xml_limits::too_large;
+use roxmltree::{Document, Node};
 
 pub(super) const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
 /// Maximum number of names in a message.
@@ -36,31 +37,35 @@ fn taken(rows: Vec<[f64; 2]>, names: &[String], place: usize) -> Taken {
     Taken { rows, name, number: place + 1, of: names.len() }
 }
 
+/// Elements of CxF3 with a name.
+pub(super) fn elements<'a>(document: &'a Document, name: &'a str) -> impl Iterator<Item = Node<'a, 'a>> {
+    document.descendants().filter(move |node| node.has_tag_name((CXF, name)))
+}
+
+/// Name of the object that an element belongs to.
+pub(super) fn object_name(node: &Node) -> String {
+    let object = node.ancestors().find(|n| n.has_tag_name((CXF, "Object")));
+    object.and_then(|o| o.attribute("Name").or(o.attribute("Id"))).unwrap_or("").to_owned()
+}
+
 /// The object with a reflectance spectrum that has this name, or the first.
 pub(super) fn from_cxf(text: &str, patch: Option<&str>) -> Result<Taken, String> {
     if let Some(reason) = too_large(text) {
         return Err(reason);
     }
-    let document =
-        roxmltree::Document::parse(text.trim_start_matches('\u{feff}')).map_err(|e| e.to_string())?;
-    let named = |name: &'static str| document.descendants().filter(move |n| n.has_tag_name((CXF, name)));
-    let spectra: Vec<roxmltree::Node> = named("ReflectanceSpectrum").collect();
+    let document = Document::parse(text.trim_start_matches('\u{feff}')).map_err(|e| e.to_string())?;
+    let spectra: Vec<Node> = elements(&document, "ReflectanceSpectrum").collect();
     if spectra.is_empty() {
         return Err("no ReflectanceSpectrum of CxF3".into());
     }
-    let name = |node: &roxmltree::Node| {
-        let object = node.ancestors().find(|n| n.has_tag_name((CXF, "Object")));
-        object.and_then(|o| o.attribute("Name").or(o.attribute("Id"))).unwrap_or("").to_owned()
-    };
-    let names: Vec<String> = spectra.iter().map(name).collect();
+    let names: Vec<String> = spectra.iter().map(object_name).collect();
     let place = place(&names, patch)?;
     let spectrum = spectra[place];
     let wanted = spectrum.attribute("ColorSpecification");
-    let belongs = |node: &roxmltree::Node| {
+    let range = elements(&document, "WavelengthRange").find(|node| {
         let specification = node.ancestors().find(|n| n.has_tag_name((CXF, "ColorSpecification")));
         wanted.is_none() || specification.and_then(|s| s.attribute("Id")) == wanted
-    };
-    let range = named("WavelengthRange").find(belongs);
+    });
     let number = |text: Option<&str>| text.and_then(|t| t.trim().parse::<f64>().ok());
     let start = number(spectrum.attribute("StartWL")).or(range.and_then(|r| number(r.attribute("StartWL"))));
     let step = range.and_then(|r| number(r.attribute("Increment")));
@@ -120,8 +125,8 @@ pub(super) fn cgats_set<'a>(text: &'a str, patch: Option<&str>) -> Result<Set<'a
     let data = between("BEGIN_DATA", "END_DATA").ok_or("no BEGIN_DATA")?;
     let mut sets: Vec<Vec<String>> = data.iter().map(|line| words(line)).filter(|w| !w.is_empty()).collect();
     let title = ["SAMPLE_NAME", "SAMPLE_ID"].iter().find_map(|key| fields.iter().position(|f| f == key));
-    let name = |set: &Vec<String>| title.and_then(|t| set.get(t)).cloned().unwrap_or_default();
-    let names: Vec<String> = sets.iter().map(name).collect();
+    let names: Vec<String> =
+        sets.iter().map(|set| title.and_then(|t| set.get(t)).cloned().unwrap_or_default()).collect();
     let place = place(&names, patch)?;
     if place >= sets.len() {
         return Err("no BEGIN_DATA".into());

@@ -101,10 +101,11 @@ pub fn stratified_deg(strata: usize, share: f64) -> Vec<f64> {
 pub(super) fn signs(realisation: usize, pigments: usize) -> Vec<f64> {
     let own = |bit: usize| if bit.is_multiple_of(2) { 1.0 } else { -1.0 };
     let pair = realisation / 2;
-    let of = |k: usize| {
-        own(realisation) * if k == 0 { 1.0 } else { own(pair.checked_shr(k as u32 - 1).unwrap_or(0)) }
-    };
-    (0..pigments).map(of).collect()
+    (0..pigments)
+        .map(|k| {
+            own(realisation) * if k == 0 { 1.0 } else { own(pair.checked_shr(k as u32 - 1).unwrap_or(0)) }
+        })
+        .collect()
 }
 
 /// The shortest possible side of a cell of this nominal period, µm.

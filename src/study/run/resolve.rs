@@ -146,7 +146,12 @@ fn scenes(
     mut scene: impl FnMut(usize) -> Result<Scene, RunError>,
 ) -> Result<Vec<(usize, Scene)>, RunError> {
     let (mut scenes, mut refusal) = (Vec::new(), None);
+    // One is enough if whole realisations are solved on two grids later.
+    let enough = if study.has_two_levels() { 1 } else { GRID_PACKINGS };
     for realisation in 0..compared(study) {
+        if scenes.len() == enough {
+            break;
+        }
         match scene(realisation) {
             Ok(scene) => scenes.push((realisation, scene)),
             Err(error) if error.has_no_room() => refusal = refusal.or(Some(error)),
@@ -161,10 +166,9 @@ pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
     store.get(key(study).as_str())
 }
 
-/// Number of realisations on which two grids are compared: a single one if whole realisations are
-/// solved on two grids later.
+/// Number of realisations on which two grids are compared.
 fn compared(study: &Study) -> usize {
-    if study.has_two_levels() { 1 } else { study.realisations.min(GRID_PACKINGS) }
+    study.realisations.min(GRID_PACKINGS)
 }
 
 /// Content hash of everything that the choice of the grid and its error depend on. It includes all

@@ -191,8 +191,8 @@ impl OutputFolder {
     /// # Errors
     /// The folder cannot be read, or a file cannot be removed.
     pub fn remove_files(&self, ours: fn(&str) -> bool) -> Result<(), FolderError> {
-        let not_writable = |source| FolderError::NotWritable { path: self.path.clone(), source };
-        let entries = std::fs::read_dir(&self.path).map_err(not_writable)?;
+        let entries = std::fs::read_dir(&self.path)
+            .map_err(|source| FolderError::NotWritable { path: self.path.clone(), source })?;
         let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
         names.filter(|name| ours(name)).try_for_each(|name| self.remove(&name))
     }

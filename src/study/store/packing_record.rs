@@ -57,11 +57,12 @@ impl PackingRecord {
     /// The record of a packing.
     pub fn new(realisation: usize, packing: &Packing) -> Self {
         let PackingAccount { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
-        let share = |(k, share): (usize, &Share)| ShareRecord {
-            sizes: ReachedSizes::of(packing, k),
-            ..ShareRecord::from(share)
-        };
-        let shares = packing.shares().iter().enumerate().map(share).collect();
+        let shares = packing
+            .shares()
+            .iter()
+            .enumerate()
+            .map(|(k, share)| ShareRecord { sizes: ReachedSizes::of(packing, k), ..ShareRecord::from(share) })
+            .collect();
         let (period_um, thickness_um) = (packing.period_um(), packing.thickness_um());
         let profile = profile(packing, SLICES);
         Self { realisation, period_um, thickness_um, profile, method, steps, smallest_gap_um, notes, shares }

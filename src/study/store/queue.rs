@@ -7,7 +7,7 @@
 mod tables;
 
 use super::slot::Slot;
-use rusqlite::{Connection, Transaction, TransactionBehavior, params};
+use rusqlite::{Connection, Params, Transaction, TransactionBehavior, params};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tables::{begin, enlist, enter, free_claims_of_the_dead, living, next, open, take, under_way};
@@ -135,7 +135,7 @@ impl Queue {
     /// The queue's file cannot be used.
     pub fn finish(&self, task: usize, solves: usize, failed: usize) -> Result<(), QueueError> {
         let sql = "update tasks set done = 1, solves = ?2, failed = ?3 where id = ?1";
-        self.turn(|transaction| transaction.execute(sql, params![task, solves, failed]).map(drop))
+        self.change(sql, params![task, solves, failed])
     }
 
     /// Sets the number of processed solves of a task.
@@ -144,7 +144,7 @@ impl Queue {
     /// The queue's file cannot be used.
     pub fn advance(&self, task: usize, solves: usize) -> Result<(), QueueError> {
         let sql = "update tasks set solves = ?2 where id = ?1 and not done";
-        self.turn(|transaction| transaction.execute(sql, params![task, solves]).map(drop))
+        self.change(sql, params![task, solves])
     }
 
     /// Sets the cost of the tasks that wait for this one, once it is known.
@@ -153,7 +153,7 @@ impl Queue {
     /// The queue's file cannot be used.
     pub fn reckon(&self, after: usize, cost: f64) -> Result<(), QueueError> {
         let sql = "update tasks set cost = ?2 where after = ?1";
-        self.turn(|transaction| transaction.execute(sql, params![after, cost]).map(drop))
+        self.change(sql, params![after, cost])
     }
 
     /// Releases an unfinished task.
@@ -162,7 +162,7 @@ impl Queue {
     /// The queue's file cannot be used.
     pub fn give_back(&self, task: usize) -> Result<(), QueueError> {
         let sql = "update tasks set worker = null, solves = 0 where id = ?1 and not done";
-        self.turn(|transaction| transaction.execute(sql, [task]).map(drop))
+        self.change(sql, [task])
     }
 
     /// Progress of all workers together.
@@ -200,6 +200,10 @@ impl Queue {
             transaction.execute("update work set publisher = ?1", [self.worker])?;
         }
         Ok(!taken)
+    }
+
+    fn change(&self, sql: &str, values: impl Params) -> Result<(), QueueError> {
+        self.turn(|transaction| transaction.execute(sql, values).map(drop))
     }
 
     fn turn<T>(&self, work: impl FnOnce(&Transaction) -> rusqlite::Result<T>) -> Result<T, QueueError> {

@@ -187,8 +187,7 @@ impl Rows {
         if self.connection.is_readonly("main").unwrap_or(true) {
             return Some("the file cannot be written to".into());
         }
-        let first = |row: &rusqlite::Row| row.get::<_, String>(0);
-        match self.connection.query_row("pragma integrity_check(1)", [], first) {
+        match self.connection.query_row("pragma integrity_check(1)", [], |row| row.get::<_, String>(0)) {
             Ok(told) if told == "ok" => None,
             Ok(told) => Some(told),
             Err(error) => Some(error.to_string()),

@@ -1,7 +1,7 @@
 //! Axes of a sweep: turns lists, ranges and cases into labelled settings.
 
 use super::file::AxisTable;
-use crate::input::fault::{Allowed, Fault, Faults};
+use crate::input::fault::{Allowed, Faults};
 use toml::{Table, Value};
 
 /// Maximum number of values of an axis.
@@ -35,21 +35,22 @@ impl Axis {
     /// Reads the `i`-th `[[axis]]`.
     pub fn read(i: usize, table: &AxisTable, faults: &mut Faults) -> Self {
         let of = |key: &str| format!("axis[{i}].{key}");
-        let last = |field: &String| field.rsplit(['.', ']']).next().unwrap_or(field).to_owned();
-        let name = table.name.clone().or_else(|| table.field.as_ref().map(last));
+        let name = table.name.clone().or_else(|| {
+            table.field.as_ref().map(|field| field.rsplit(['.', ']']).next().unwrap_or(field).to_owned())
+        });
         let settings = match (&table.field, table.case.is_empty()) {
             (Some(field), true) => values(i, field, table, faults),
             (None, false) => table.case.iter().map(AxisSetting::from).collect(),
             _ => {
                 let allowed = "either a field with its values, or [[axis.case]] entries";
                 let remedy = "write for example field = \"pigment[0].diameter_nm\" and values = [100, 300]";
-                faults.push(Fault::new(of("field"), "both or neither", allowed, remedy));
+                faults.add(of("field"), "both or neither", allowed, remedy);
                 Vec::new()
             }
         };
         let name = name.unwrap_or_else(|| {
             let remedy = "write for example name = \"ink\"";
-            faults.push(Fault::new(of("name"), "nothing", "a name for an axis of cases", remedy));
+            faults.add(of("name"), "nothing", "a name for an axis of cases", remedy);
             String::new()
         });
         let unit = table.field.as_ref().map_or("", |field| unit(field, &settings)).to_owned();
@@ -63,7 +64,7 @@ impl Axis {
             if self.settings[..k].iter().any(|earlier| earlier.label == setting.label) {
                 let found = format!("{:?} twice", setting.label);
                 let remedy = "give each value its own label, and no value twice";
-                faults.push(Fault::new(field, found, "labels that differ", remedy));
+                faults.add(field, found, "labels that differ", remedy);
             }
         }
     }
@@ -108,11 +109,11 @@ fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<
     if list.is_empty() {
         let allowed = "either values = […], or from, to and one of step and count";
         let remedy = "write for example values = [100, 300]";
-        faults.push(Fault::new(format!("axis[{i}].values"), "no values", allowed, remedy));
+        faults.add(format!("axis[{i}].values"), "no values", allowed, remedy);
     }
     if let Some(labels) = table.labels.as_ref().filter(|labels| labels.len() != list.len()) {
         let (found, allowed) = (format!("{} labels", labels.len()), format!("{} labels", list.len()));
-        faults.push(Fault::new(format!("axis[{i}].labels"), found, allowed, "one label for each value"));
+        faults.add(format!("axis[{i}].labels"), found, allowed, "one label for each value");
     }
     let setting = |(k, value): (usize, &Value)| AxisSetting {
         label: table.labels.as_ref().and_then(|l| l.get(k).cloned()).unwrap_or_else(|| in_words(value)),
@@ -135,7 +136,7 @@ fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -
     if !(to >= from && (1.0..=LONGEST_AXIS as f64).contains(&count)) {
         let (found, allowed) =
             (format!("{from} to {to}"), format!("a rising range of 1 to {LONGEST_AXIS} values"));
-        faults.push(Fault::new(format!("axis[{i}].to"), found, allowed, "raise `to` or the step"));
+        faults.add(format!("axis[{i}].to"), found, allowed, "raise `to` or the step");
         return Vec::new();
     }
     let step = table.step.unwrap_or(if count > 1.0 { (to - from) / (count - 1.0) } else { 0.0 });

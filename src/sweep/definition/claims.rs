@@ -7,7 +7,7 @@ mod slips;
 use super::axes::Axis;
 use super::expand::{Draft, check_where, matches};
 use super::file::{ConclusionTable, Over, Quantity, Where};
-use crate::input::fault::{Fault, Faults};
+use crate::input::fault::Faults;
 pub use light::check_variants;
 use serde::{Deserialize, Serialize};
 
@@ -64,6 +64,14 @@ pub struct Claim {
     pub curve: Vec<(f64, usize)>,
 }
 
+impl Claim {
+    /// All variants that it names.
+    pub fn variants(&self) -> impl Iterator<Item = usize> {
+        let listed = self.plus.iter().chain(&self.minus).chain(&self.absorbed_by).copied();
+        listed.chain(self.curve.iter().map(|(_, variant)| *variant))
+    }
+}
+
 /// Resolves the variants that the conclusions refer to.
 pub fn claims(
     tables: &[ConclusionTable],
@@ -76,7 +84,7 @@ pub fn claims(
         if tables[..k].iter().any(|(_, earlier)| earlier.id == table.id) {
             let (field, found) = (format!("conclusion[{i}].id"), format!("{:?} twice", table.id));
             let remedy = "conclusions.csv and the page name them by it: give each its own";
-            faults.push(Fault::new(field, found, "names that differ", remedy));
+            faults.add(field, found, "names that differ", remedy);
         }
     }
     tables.iter().map(|(i, table)| claim(&format!("conclusion[{i}]"), table, axes, drafts, faults)).collect()
@@ -135,12 +143,7 @@ fn one_variant(
         return Some(one);
     }
     let found = format!("{} variants", fitting.len());
-    faults.push(Fault::new(
-        field,
-        found,
-        "exactly one variant",
-        "name a value for every axis that has several",
-    ));
+    faults.add(field, found, "exactly one variant", "name a value for every axis that has several");
     None
 }
 

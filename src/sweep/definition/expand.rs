@@ -29,7 +29,7 @@ pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults
     for (i, axis) in axes.iter().enumerate() {
         if axes[..i].iter().any(|earlier| earlier.name == axis.name) {
             let (found, allowed) = (format!("{:?} twice", axis.name), "names that differ");
-            faults.push(Fault::new(format!("axis[{i}].name"), found, allowed, "give each axis its own name"));
+            faults.add(format!("axis[{i}].name"), found, allowed, "give each axis its own name");
         }
     }
     for (i, exclude) in file.exclude.iter().enumerate() {
@@ -65,12 +65,12 @@ pub fn check_where(field: &str, condition: &Where, axes: &[Axis], faults: &mut F
             None => {
                 let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
                 let allowed = format!("the axes {}", names.join(", "));
-                faults.push(Fault::new(field, format!("{name:?}"), allowed, "name one of the axes"));
+                faults.add(field, format!("{name:?}"), allowed, "name one of the axes");
             }
             Some(axis) if axis.matching(wanted).is_empty() => {
                 let labels: Vec<&str> = axis.settings.iter().map(|s| s.label.as_str()).collect();
                 let allowed = format!("one of {}", labels.join(", "));
-                faults.push(Fault::new(field, wanted, allowed, "name a label or value of the axis"));
+                faults.add(field, wanted, allowed, "name a label or value of the axis");
             }
             Some(_) => {}
         }
@@ -81,8 +81,7 @@ pub fn check_where(field: &str, condition: &Where, axes: &[Axis], faults: &mut F
 fn places(axes: &[Axis], faults: &mut Faults) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (a, axis) in axes.iter().enumerate() {
-        let same = |group: &&mut Vec<usize>| axis.zip.is_some() && axes[group[0]].zip == axis.zip;
-        match groups.iter_mut().find(same) {
+        match groups.iter_mut().find(|group| axis.zip.is_some() && axes[group[0]].zip == axis.zip) {
             Some(group) => group.push(a),
             None => groups.push(vec![a]),
         }
@@ -92,18 +91,13 @@ fn places(axes: &[Axis], faults: &mut Faults) -> Vec<Vec<usize>> {
         if let Some(&odd) = group.iter().find(|&&a| axes[a].settings.len() != *length) {
             let found = format!("{} values", axes[odd].settings.len());
             let allowed = format!("{length} values, as its zipped axis {:?}", axes[group[0]].name);
-            faults.push(Fault::new(
-                format!("axis[{odd}].zip"),
-                found,
-                allowed,
-                "make the lists equally long",
-            ));
+            faults.add(format!("axis[{odd}].zip"), found, allowed, "make the lists equally long");
         }
     }
     let count = lengths.iter().try_fold(1usize, |all, &n| all.checked_mul(n)).unwrap_or(usize::MAX);
     if count > MOST_VARIANTS {
         let allowed = format!("at most {MOST_VARIANTS} combinations");
-        faults.push(Fault::new("axis", format!("{count} combinations"), allowed, "shorten the axes"));
+        faults.add("axis", format!("{count} combinations"), allowed, "shorten the axes");
     }
     if !faults.0.is_empty() {
         return Vec::new();
@@ -164,38 +158,18 @@ fn check_names(drafts: &[Draft], faults: &mut Faults) {
     if let Some(name) = names.iter().find(|name| name.len() > LONGEST_NAME) {
         let found = format!("labels that give a name of {} characters", name.len());
         let allowed = format!("at most {LONGEST_NAME}: it is the name of the variant's folder");
-        faults.push(Fault::new(
-            "axis",
-            found,
-            allowed,
-            "shorten the labels, as with labels = [\"a\", \"b\"]",
-        ));
+        faults.add("axis", found, allowed, "shorten the labels, as with labels = [\"a\", \"b\"]");
     }
     if let Some(name) = names.iter().find(|name| !is_folder_name(name)) {
         let allowed = "a label with a letter or digit: it is the name of the variant's folder";
-        faults.push(Fault::new(
-            "axis",
-            format!("label {name:?}"),
-            allowed,
-            "give the axis labels = [\"a\", \"b\"]",
-        ));
+        faults.add("axis", format!("label {name:?}"), allowed, "give the axis labels = [\"a\", \"b\"]");
     }
     names.sort_unstable();
     if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
         let remedy = "give the axes labels that differ in their letters and digits";
-        faults.push(Fault::new(
-            "axis",
-            format!("{:?} twice", pair[0]),
-            "variants with different names",
-            remedy,
-        ));
+        faults.add("axis", format!("{:?} twice", pair[0]), "variants with different names", remedy);
     }
     if drafts.is_empty() && faults.0.is_empty() {
-        faults.push(Fault::new(
-            "exclude",
-            "every variant",
-            "exclusions that leave some",
-            "remove an exclusion",
-        ));
+        faults.add("exclude", "every variant", "exclusions that leave some", "remove an exclusion");
     }
 }

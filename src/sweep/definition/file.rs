@@ -18,10 +18,13 @@
 //! ```
 
 use super::file_schema::{base, fields};
+use crate::input::fault::StudyError;
+use crate::input::load::read_file;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// A whole sweep file.
@@ -60,6 +63,23 @@ pub enum Base {
     Path(String),
     /// The study itself.
     Table(Table),
+}
+
+impl Base {
+    /// The study as a table, and the folder of the files that it names; `folder` is that of the
+    /// file with the base.
+    ///
+    /// # Errors
+    /// The study's file cannot be read, or is not TOML.
+    pub fn read(&self, folder: &Path) -> Result<(Table, PathBuf), StudyError> {
+        match self {
+            Base::Table(table) => Ok((table.clone(), folder.to_owned())),
+            Base::Path(base) => {
+                let path = folder.join(base);
+                Ok((read_file::<Table>(&path)?.1, path.parent().unwrap_or(Path::new("")).to_owned()))
+            }
+        }
+    }
 }
 
 impl JsonSchema for Base {

@@ -4,16 +4,17 @@ use super::axes::{Axis, plain};
 use super::claims;
 use super::claims::Claim;
 use super::expand::{Draft, expand};
-use super::file::{Base, SheetTable, SweepFile, Where};
+use super::file::{SheetTable, SweepFile, Where};
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::file::StudyFile;
-use crate::input::load::read_file;
+use crate::input::load::{read_file, stem};
+use crate::input::locate::steps;
 use crate::input::read::read;
 use crate::input::study::Study;
 use crate::numerics::files;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::{Table, Value};
 
 /// Number of errors in variants that are shown; most others repeat them.
@@ -171,21 +172,13 @@ impl Sweep {
 pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     let (text, file): (String, SweepFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let base = match &file.base {
-        Base::Table(table) => table.clone(),
-        Base::Path(base) => read_file::<Table>(&folder.join(base))?.1,
-    };
+    let (base, base_folder) = file.base.read(folder)?;
     let mut faults = Faults::default();
     let axes: Vec<Axis> =
         file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
     check_fields(&file, &mut faults);
     let drafts = expand(&file, &base, &axes, &mut faults);
-    let stem = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
-    let title = file.title.clone().unwrap_or(stem);
-    let base_folder = match &file.base {
-        Base::Path(base) => folder.join(base).parent().map_or_else(PathBuf::new, Path::to_owned),
-        Base::Table(_) => folder.to_owned(),
-    };
+    let title = file.title.clone().unwrap_or_else(|| stem(path));
     let mut reading = Reading { title: &title, axes: &axes, folder: &base_folder, inputs: Vec::new() };
     let mut variants = Vec::new();
     for draft in &drafts {
@@ -210,16 +203,10 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
 fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
     let names = |axis: &Axis| axis.settings.iter().map(|s| s.label.clone()).collect();
     let shown = |a: &Axis| AxisOutline { name: a.name.clone(), labels: names(a), unit: a.unit.clone() };
-    let known = |name: &String| axes.iter().any(|axis| axis.name == *name);
     for (key, name) in [("rows", &file.sheet.rows), ("columns", &file.sheet.columns)] {
-        if let Some(name) = name.as_ref().filter(|name| !known(name)) {
+        if let Some(name) = name.as_ref().filter(|name| !axes.iter().any(|axis| axis.name == **name)) {
             let field = format!("sheet.{key}");
-            faults.push(Fault::new(
-                field,
-                format!("{name:?}"),
-                "the name of an axis",
-                "name one of the axes",
-            ));
+            faults.add(field, format!("{name:?}"), "the name of an axis", "name one of the axes");
         }
     }
     let sound = faults.0.is_empty();
@@ -229,7 +216,7 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
     let first = drafts.iter().position(|d| super::expand::matches(reference, axes, &d.place));
     if first.is_none() && sound {
         let remedy = "name axes and values of a variant that is not excluded";
-        faults.push(Fault::new("reference", "no such variant", "a variant of the sweep", remedy));
+        faults.add("reference", "no such variant", "a variant of the sweep", remedy);
     }
     Outline {
         title,
@@ -312,8 +299,8 @@ impl Reading<'_> {
 
     fn keep_input(&mut self, name: &mut String) -> Result<(), StudyError> {
         let from = self.folder.join(name.as_str());
-        let unreadable = |source| StudyError::Unreadable { path: from.clone(), source };
-        let bytes = files::read_bytes(&from, files::TABLE).map_err(unreadable)?;
+        let bytes = files::read_bytes(&from, files::TABLE)
+            .map_err(|source| StudyError::Unreadable { path: from.clone(), source })?;
         let file = from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
         let input = Input::new(&file, bytes);
         *name = format!("../../{}", input.path);
@@ -327,18 +314,11 @@ impl Reading<'_> {
 /// Whether two dotted names refer to the same field of `study`, as far as the shorter one goes:
 /// `pigment.0.index`, `pigment.yellow.index`, `pigment[0].index.k`.
 fn same_field(study: &Table, one: &str, other: &str) -> bool {
-    let steps = |name: &str| -> Vec<String> {
-        name.split(['.', '[', ']']).filter(|step| !step.is_empty()).map(str::to_owned).collect()
-    };
-    let (one, other) = (steps(one), steps(other));
-    let name_of = |array: &str, i: &str| -> Option<String> {
-        Some(study.get(array)?.get(i.parse::<usize>().ok()?)?.get("name")?.as_str()?.to_owned())
-    };
-    let same = |k: usize| {
-        let named = || k == 1 && name_of(&other[0], &other[1]).is_some_and(|name| name == one[1]);
-        one[k] == other[k] || one[k] == "*" || named()
-    };
-    (0..one.len().min(other.len())).all(same)
+    let (one, other): (Vec<&str>, Vec<&str>) = (steps(one).collect(), steps(other).collect());
+    let entry = other.get(1).and_then(|i| study.get(other[0])?.get(i.parse::<usize>().ok()?)?.get("name"));
+    let name = entry.and_then(Value::as_str);
+    let mut pairs = one.iter().zip(&other).enumerate();
+    pairs.all(|(k, (a, b))| a == b || *a == "*" || k == 1 && name == Some(*a))
 }
 
 /// Keys of a study that name files; `*` stands for every entry of a list.
@@ -368,12 +348,7 @@ fn check_fields(file: &SweepFile, faults: &mut Faults) {
         let Some(field) = &table.field else { continue };
         if file.axis[..i].iter().any(|earlier| earlier.field.as_ref() == Some(field)) {
             let remedy = "keep one of them, with all values";
-            faults.push(Fault::new(
-                format!("axis[{i}].field"),
-                format!("{field} twice"),
-                "a field of one axis",
-                remedy,
-            ));
+            faults.add(format!("axis[{i}].field"), format!("{field} twice"), "a field of one axis", remedy);
         }
     }
 }

@@ -1,13 +1,10 @@
 //! Validates an outline, wherever its file comes from: names must stay inside the folder; variants,
 //! axes and labels must exist. The checksum detects accidental changes, this check deliberate ones.
 
-use super::claims::{Claim, check_variants};
+use super::claims::Claim;
 use super::expand::is_folder_name;
 use super::file::Quantity;
-use super::load::{Outline, Place, Variant};
-use crate::input::fault::Faults;
-use crate::input::study::Study;
-use std::collections::HashSet;
+use super::load::Outline;
 
 /// Checks an outline before any of its names is used as a path and any of its numbers as an index.
 ///
@@ -15,97 +12,41 @@ use std::collections::HashSet;
 /// A message with the field, what was found and what is allowed.
 pub fn check(outline: &Outline) -> Result<(), String> {
     let count = outline.variants.len();
-    if count == 0 {
-        return Err("variants: found none; allowed: one or more".into());
-    }
-    within("reference", outline.reference, count)?;
-    let mut names = HashSet::new();
-    for (i, place) in outline.variants.iter().enumerate() {
-        check_place(&format!("variants[{i}]"), place, outline)?;
-        if !names.insert(place.name.as_str()) {
-            return Err(format!(
-                "variants[{i}].name: found {:?} twice; allowed: names that differ",
-                place.name
-            ));
+    for (i, variant) in outline.variants.iter().enumerate() {
+        let (name, place) = (&variant.name, &variant.place);
+        if !is_folder_name(name) || outline.variants[..i].iter().any(|other| other.name == *name) {
+            let allowed = "names that differ, of folders under variants, of letters, digits and . _ + -";
+            return Err(format!("variants[{i}].name: found {name:?}; allowed: {allowed}"));
+        }
+        let labels = place.iter().zip(&outline.axes);
+        if place.len() != outline.axes.len() || !labels.into_iter().all(|(&k, axis)| k < axis.labels.len()) {
+            return Err(format!("variants[{i}].place: found {place:?}; allowed: a label of every axis"));
         }
     }
-    let sheet = [("rows", &outline.sheet.rows), ("columns", &outline.sheet.columns)];
-    for (key, name) in sheet.into_iter().filter_map(|(key, name)| Some((key, name.as_ref()?))) {
-        if !outline.axes.iter().any(|axis| axis.name == *name) {
-            return Err(format!("sheet.{key}: found {name:?}; allowed: the name of an axis"));
+    if outline.reference >= count {
+        let found = outline.reference;
+        return Err(format!("reference: found {found}; allowed: whole numbers below {count}"));
+    }
+    match outline.claims.iter().position(|claim| !names_variants(claim, count)) {
+        Some(i) => {
+            Err(format!("claims[{i}]: found other variants; allowed: those of the sweep, of delta_e two"))
         }
+        None => Ok(()),
     }
-    let mut claims = outline.claims.iter().enumerate();
-    claims.try_for_each(|(i, claim)| check_claim(&format!("claims[{i}]"), claim, count))
 }
 
-/// Checks that the variants have what the conclusions need: wavelengths, a target colour.
-///
-/// # Errors
-/// As for [`check`].
-pub fn check_wavelengths(claims: &[Claim], variants: &[Variant]) -> Result<(), String> {
-    let studies: Vec<&Study> = variants.iter().map(|v| &v.study).collect();
-    let mut faults = Faults::default();
-    check_variants(claims, &studies, &mut faults);
-    if faults.0.is_empty() { Ok(()) } else { Err(faults.to_string()) }
-}
-
-fn within(field: &str, found: usize, count: usize) -> Result<(), String> {
-    if found < count {
-        return Ok(());
-    }
-    Err(format!("{field}: found {found}; allowed: whole numbers below {count}"))
-}
-
-/// A variant's name must be a folder name, its position one label of every axis.
-fn check_place(at: &str, place: &Place, outline: &Outline) -> Result<(), String> {
-    if !is_folder_name(&place.name) {
-        return Err(format!(
-            "{at}.name: found {:?}; allowed: the name of a folder under variants, of letters, digits and . _ + -",
-            place.name
-        ));
-    }
-    if place.place.len() != outline.axes.len() {
-        let (found, axes) = (place.place.len(), outline.axes.len());
-        return Err(format!("{at}.place: found {found} numbers; allowed: one for each of the {axes} axes"));
-    }
-    let labels = outline.axes.iter().zip(&place.place);
-    labels
-        .enumerate()
-        .try_for_each(|(a, (axis, &k))| within(&format!("{at}.place[{a}]"), k, axis.labels.len()))
-}
-
-/// A conclusion's variants must exist, in the number that its quantity compares.
-fn check_claim(at: &str, claim: &Claim, count: usize) -> Result<(), String> {
-    let curve: Vec<usize> = claim.curve.iter().map(|(_, variant)| *variant).collect();
-    let absorbing: Vec<usize> = claim.absorbed_by.into_iter().collect();
-    let lists =
-        [("plus", &claim.plus), ("minus", &claim.minus), ("absorbed_by", &absorbing), ("curve", &curve)];
-    for (key, list) in lists {
-        list.iter().try_for_each(|&variant| within(&format!("{at}.{key}"), variant, count))?;
-    }
+/// Whether a conclusion's variants exist, in the number that its quantity compares.
+fn names_variants(claim: &Claim, count: usize) -> bool {
     let compared = (claim.plus.len(), claim.minus.len());
-    if claim.plus.is_empty() || claim.quantity == Quantity::DeltaE && compared != (1, 1) {
-        return Err(format!(
-            "{at}.plus: found {} variants; allowed: one or more, of delta_e one",
-            claim.plus.len()
-        ));
-    }
-    let rising = claim.curve.windows(2).all(|pair| pair[0].0 < pair[1].0);
-    if !rising || claim.curve.len() == 1 {
-        return Err(format!("{at}.curve: found places that do not increase; allowed: two or more that do"));
-    }
-    if claim.at_least.is_none() && claim.at_most.is_none() {
-        return Err(format!("{at}.at_least: found nothing; allowed: a bound, at_least, at_most or both"));
-    }
-    Ok(())
+    let fits = if claim.quantity == Quantity::DeltaE { compared == (1, 1) } else { compared.0 > 0 };
+    fits && claim.variants().all(|variant| variant < count)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sweep::definition::file::SheetTable;
-    use crate::sweep::definition::load::AxisOutline;
+    use crate::sweep::definition::load::{AxisOutline, Place};
 
     fn outline() -> Outline {
         let place = |name: &str, k: usize| Place { name: name.into(), place: vec![k] };
@@ -135,7 +76,7 @@ mod tests {
         }
         let mut twice = outline();
         twice.variants[1].name = "100".into();
-        assert!(check(&twice).unwrap_err().contains("twice"));
+        assert!(check(&twice).unwrap_err().contains("names that differ"));
     }
 
     #[test]
@@ -145,9 +86,9 @@ mod tests {
         assert!(check(&found).unwrap_err().starts_with("reference: found 9"));
         let mut found = outline();
         found.variants[0].place = vec![6];
-        assert!(check(&found).unwrap_err().starts_with("variants[0].place[0]: found 6"));
+        assert!(check(&found).unwrap_err().starts_with("variants[0].place: found [6]"));
         let mut found = outline();
         found.variants[0].place = vec![0, 1];
-        assert!(check(&found).unwrap_err().starts_with("variants[0].place: found 2"));
+        assert!(check(&found).unwrap_err().starts_with("variants[0].place: found [0, 1]"));
     }
 }

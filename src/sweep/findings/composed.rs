@@ -4,9 +4,9 @@
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::composed::manifest::MediumRow;
 use crate::numerics::estimate::Estimate;
-use crate::report::cell::{numbers, table};
+use crate::report::cell::{numbers, table, with_errors};
 use crate::report::composed::{PublishedLayer, coefficients, publish as publish_layer};
-use crate::report::page::{Figure, Meant, Page, svg_data};
+use crate::report::page::{Figure, Meant, Page};
 use crate::report::publish::PublishError;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
@@ -93,9 +93,8 @@ pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> Resu
 fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
     let axes = sweep.outline.axes.iter().map(|axis| axis.heading());
     let first = done.iter().find_map(|(_, layer)| layer.medium.first());
-    let names = first.map(|row| coefficients(row).map(|(name, _)| name)).into_iter().flatten();
-    let both =
-        names.chain(["hiding_thickness_um"]).flat_map(|name| [name.into(), format!("{name}_standard_error")]);
+    let names = first.map(coefficients).into_iter().flatten().map(|(name, _)| name);
+    let both = with_errors(names.chain(["hiding_thickness_um"]));
     let header = axes.chain(["wavelength_nm".to_owned()]).chain(both);
     let mut all = Vec::new();
     for (k, layer) in done {
@@ -120,8 +119,8 @@ fn against(
     of: &dyn Fn(&PublishedLayer) -> Option<Estimate>,
 ) -> Vec<(f64, Estimate)> {
     let at = |k: usize| sweep.outline.axes.first()?.number(*sweep.outline.variants[k].place.first()?);
-    let point = |(k, layer): &LayerDone| Some((at(*k)?, of(layer)?));
-    let mut points: Vec<(f64, Estimate)> = done.iter().filter_map(point).collect();
+    let mut points: Vec<(f64, Estimate)> =
+        done.iter().filter_map(|(k, layer)| Some((at(*k)?, of(layer)?))).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points
 }
@@ -146,7 +145,7 @@ fn figures(sweep: &Sweep, done: &[LayerDone]) -> Result<Vec<Figure>, PublishErro
         let heading = name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ");
         let chart = Chart { from_zero: true, ..Chart::linear("", &axis.heading(), &heading, curves) };
         let caption = format!("{heading} against {}, with standard errors.", axis.heading());
-        figures.push(Figure { heading, data: svg_data(&chart.svg()?), caption });
+        figures.push(Figure::new(&heading, &chart, caption)?);
     }
     Ok(figures)
 }

@@ -23,6 +23,7 @@ pub struct Judged {
     /// The conclusion as one sentence.
     pub statement: String,
     /// Source, wording and justification.
+    #[serde(flatten)]
     pub words: Words,
     /// The inequality, such as "C*(a) − C*(b) ≥ 5".
     pub inequality: String,
@@ -100,10 +101,9 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), Strin
         let missing = || no_value(if a.colour.is_none() { a } else { b });
         return Ok((a.difference(b).ok_or_else(missing)?, fewest));
     }
-    let of = |outcome: &Outcome| {
-        outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(outcome))
-    };
-    let numbers = all().map(of).collect::<Result<Vec<Linked>, String>>()?;
+    let numbers = all()
+        .map(|outcome| outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(outcome)))
+        .collect::<Result<Vec<Linked>, String>>()?;
     let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
     let mut sum = Linked::sum(signs.zip(&numbers));
     if claim.quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {

@@ -4,7 +4,6 @@
 use super::outcome::Outcome;
 use super::sheets::Sheet;
 use crate::draw::chart::{Chart, Curve};
-use crate::evaluate::manifest::SpectrumRow;
 use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
 use crate::input::contrast::ContrastPart;
 use crate::input::study::Study;
@@ -45,8 +44,7 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome]) -> Vec<C
     let Some(&(first, _)) = made.first() else { return Vec::new() };
     let nm = strongest_nm(&sweep.variants[first].study);
     let transmittance = |v: usize| {
-        let near = |row: &&SpectrumRow| (row.wavelength_nm - nm).abs() < 1e-6;
-        Some(outcomes[v].spectra.iter().find(near)?.transmittance)
+        Some(outcomes[v].spectra.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6)?.transmittance)
     };
     let chroma = |v: usize| Some(outcomes[v].colour.as_ref()?.chroma());
     let of_t = format!("transmittance at {nm:.0} nm");

@@ -15,7 +15,7 @@ use crate::report::page::hex;
 use crate::sweep::definition::load::Sweep;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Steps per unit of a spectrum; the largest value is 3.2767 − 0.1.
 const STEPS: f64 = 20_000.0;
@@ -26,96 +26,38 @@ const NUMBERS: f64 = 1e6;
 /// Code of an unknown value or error.
 const UNKNOWN: u16 = u16::MAX;
 
+/// Names and units of the spectra, in order.
+const SPECTRA: [(&str, &str); 4] = [
+    ("under a uniform sky", "share of a perfect white"),
+    ("lit at 45°, seen at 0°", "share of a perfect white"),
+    ("transmittance of the layer", "share of the light"),
+    ("reflectance of the layer", "share of the light"),
+];
+
 const TEMPLATE: &str = include_str!("explore.html");
 const STYLE: &str = crate::report::page::STYLE;
-
-#[derive(Serialize)]
-struct ExplorePage<'a> {
-    title: &'a str,
-    program: String,
-    reference: &'a str,
-    /// The target colour, if there is one.
-    target: Option<Wanted>,
-    axes: Vec<AxisOf<'a>>,
-    wavelengths_nm: Vec<f64>,
-    /// Names of the spectra, in order.
-    spectra: [&'static str; 4],
-    /// Units of the spectra, for their axes.
-    units: [&'static str; 4],
-    steps: f64,
-    lowest: f64,
-    variants: Vec<VariantOf<'a>>,
-}
-
-/// Description of the target colour, and the nearest variant.
-#[derive(Serialize)]
-struct Wanted {
-    colour: String,
-    nearest: String,
-}
-
-#[derive(Serialize)]
-struct AxisOf<'a> {
-    name: String,
-    labels: &'a [String],
-}
-
-#[derive(Serialize)]
-struct VariantOf<'a> {
-    name: &'a str,
-    place: &'a [usize],
-    hex: Option<String>,
-    /// \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀; with a target also ΔE₀₀ to it and the
-    /// contrast ratio.
-    numbers: Option<Vec<[Option<f64>; 2]>>,
-    realisations: usize,
-    state: String,
-    /// Base64 of u16: for every spectrum all values, then all errors.
-    spectra: String,
-    /// Number of angles along an edge of the picture.
-    angles: usize,
-    /// Base64 of a PNG: its first column is the strip, the rest the square.
-    picture: String,
-}
 
 /// The page as HTML.
 pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]) -> String {
     let outline = &sweep.outline;
-    let axes =
-        outline.axes.iter().map(|axis| AxisOf { name: axis.heading(), labels: &axis.labels }).collect();
     let wavelengths_nm = wavelengths_nm(outcomes);
-    let reference = &outcomes[outline.reference];
-    let variant =
-        |(number, (picture, place))| variant((sweep, outcomes, number), picture, place, &wavelengths_nm);
-    let places = outline.variants.iter().map(|v| v.place.as_slice());
-    let variants = pictures.iter().zip(places).enumerate().map(variant).collect();
-    let data = ExplorePage {
-        title: &outline.title,
-        program: crate::report::page::made_by(),
-        reference: &reference.name,
-        target: target::nearest(outline, outcomes)
-            .map(|nearest| Wanted { colour: nearest.target, nearest: nearest.summary }),
-        axes,
-        spectra: [
-            "under a uniform sky",
-            "lit at 45°, seen at 0°",
-            "transmittance of the layer",
-            "reflectance of the layer",
-        ],
-        units: [
-            "share of a perfect white",
-            "share of a perfect white",
-            "share of the light",
-            "share of the light",
-        ],
-        steps: STEPS,
-        lowest: LOWEST,
-        variants,
-        wavelengths_nm: wavelengths_nm.clone(),
-    };
+    let axes = outline.axes.iter().map(|axis| json!({ "name": axis.heading(), "labels": axis.labels }));
+    let numbered = pictures.iter().enumerate();
+    let data = json!({
+        "title": outline.title,
+        "program": crate::report::page::made_by(),
+        "reference": outcomes[outline.reference].name,
+        "target": target::nearest(outline, outcomes).map(|near| json!({ "colour": near.target, "nearest": near.summary })),
+        "axes": Vec::from_iter(axes),
+        "spectra": SPECTRA.map(|(name, _)| name),
+        "units": SPECTRA.map(|(_, unit)| unit),
+        "steps": STEPS,
+        "lowest": LOWEST,
+        "variants": Vec::from_iter(numbered.map(|(v, p)| variant((sweep, outcomes, v), p, &wavelengths_nm))),
+        "wavelengths_nm": wavelengths_nm,
+    });
     // "</script" would end the script element, "<!--<script>" hide its end
-    let json = serde_json::to_string(&data).unwrap_or_default().replace('<', "\\u003c");
-    TEMPLATE.replace("/*style*/", STYLE).replace("/*data*/null", &json)
+    TEMPLATE.replace("/*style*/", STYLE).replace("/*data*/null", &data.to_string().replace('<', "\\u003c"))
 }
 
 /// Wavelengths of the variant that has the most, nm.
@@ -124,42 +66,49 @@ fn wavelengths_nm(outcomes: &[Outcome]) -> Vec<f64> {
     longest.unwrap_or(&[]).iter().map(|row| row.wavelength_nm).collect()
 }
 
-fn variant<'a>(
-    (sweep, outcomes, number): (&Sweep, &'a [Outcome], usize),
+/// A variant: `numbers` are \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀, with a target
+/// also ΔE₀₀ to it and the contrast ratio; `spectra` holds u16 in base64, of every spectrum all
+/// values, then all errors; the first column of `picture`, a PNG in base64, is the strip, the rest
+/// the square.
+fn variant(
+    (sweep, outcomes, number): (&Sweep, &[Outcome], usize),
     picture: &Option<InkPicture>,
-    place: &'a [usize],
     wavelengths_nm: &[f64],
-) -> VariantOf<'a> {
+) -> Value {
     let outcome = &outcomes[number];
-    let finite = |x: f64| Some((x * NUMBERS).round() / NUMBERS).filter(|x| x.is_finite());
-    let both = |e: Estimate| [finite(e.value), e.standard_error.and_then(finite)];
-    let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], both));
+    let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], in_numbers));
     let to_target = to_target.into_iter().filter(|_| outcome.aim.is_some());
-    let hex = outcome.colour.as_ref().map(|c| hex(c.srgb8));
+    let numbers = shown(sweep, number, outcomes).map(|all| all.into_iter().map(in_numbers).chain(to_target));
     let (finished, asked) = (outcome.solves.finished, outcome.solves.asked);
     let missing = if finished < asked { format!("{finished} of {asked} solves") } else { String::new() };
-    VariantOf {
-        name: &outcome.name,
-        place,
-        hex,
-        numbers: shown(sweep, number, outcomes)
-            .map(|all| all.into_iter().map(both).chain(to_target).collect()),
-        realisations: outcome.realisations,
-        state: outcome.reason.clone().unwrap_or(missing),
-        spectra: spectra(&outcome.spectra, wavelengths_nm),
-        angles: picture.as_ref().map_or(0, |p| p.strip.len()),
-        picture: picture.as_ref().map_or_else(String::new, pixels),
-    }
+    json!({
+        "name": outcome.name,
+        "place": sweep.outline.variants[number].place,
+        "hex": outcome.colour.map(|c| hex(c.srgb8)),
+        "numbers": numbers.map(Vec::from_iter),
+        "realisations": outcome.realisations,
+        "state": outcome.reason.as_ref().unwrap_or(&missing),
+        "spectra": spectra(&outcome.spectra, wavelengths_nm),
+        "angles": picture.as_ref().map_or(0, |p| p.strip.len()),
+        "picture": picture.as_ref().map_or_else(String::new, pixels),
+    })
+}
+
+/// Value and standard error, rounded; none where not finite.
+fn in_numbers(e: Estimate) -> [Option<f64>; 2] {
+    [Some(e.value), e.standard_error]
+        .map(|x| Some((x? * NUMBERS).round() / NUMBERS).filter(|x| x.is_finite()))
 }
 
 fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
-    let at = |nm: f64| rows.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6);
     let kinds: [fn(&SpectrumRow) -> Option<Estimate>; 4] =
         [|r| r.natural_light, |r| r.lit_at_45, |r| Some(r.transmittance), |r| Some(r.reflectance)];
     let mut bytes = Vec::new();
     for kind in kinds {
-        let estimates: Vec<Option<Estimate>> =
-            wavelengths_nm.iter().map(|&nm| at(nm).and_then(kind)).collect();
+        let estimates: Vec<Option<Estimate>> = wavelengths_nm
+            .iter()
+            .map(|&nm| rows.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6).and_then(kind))
+            .collect();
         let values = estimates.iter().map(|e| e.map(|e| e.value - LOWEST));
         let errors = estimates.iter().map(|e| e.and_then(|e| e.standard_error));
         values.chain(errors).for_each(|x| bytes.extend(counted(x).to_le_bytes()));

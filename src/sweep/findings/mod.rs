@@ -10,5 +10,4 @@ mod page;
 pub mod publish;
 pub mod reported;
 mod sheets;
-pub mod sweep_page;
 mod target;

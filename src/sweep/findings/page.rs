@@ -5,44 +5,46 @@ use super::curves;
 use super::outcome::Outcome;
 use super::reported::{Reported, shown};
 use super::sheets::Sheet;
-use super::sweep_page::{ConclusionGroup, ConclusionRow, SweepPage, VariantRow};
 use super::target;
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::manifest::Count;
-use crate::report::page::{Picture, hex, made_by, png_data, svg_data};
+use crate::report::page::{Picture, hex, made_by, png_data, rendered, svg_data};
+use crate::report::publish::PublishError;
 use crate::report::scalar_error;
-use crate::sweep::definition::load::Sweep;
+use crate::sweep::definition::load::{AxisOutline, Sweep};
+use minijinja::value::Serde;
+use minijinja::{Value, context};
 
 /// Maximum number of figures with spectra.
 const MOST_FIGURES: usize = 24;
 
+/// The page as HTML; all text is escaped.
 pub(crate) fn page(
     sweep: &Sweep,
     reported: &Reported,
     sheets: &[Sheet],
     drawn: &[Vec<u8>],
-) -> Result<SweepPage, OutputError> {
-    let outline = &sweep.outline;
-    let reference = &reported.outcomes[outline.reference];
+) -> Result<String, PublishError> {
+    let (outline, outcomes) = (&sweep.outline, &reported.outcomes);
     let (complete, all) = (reported.complete(), sweep.variants.len());
-    let partial = (complete < all).then(|| partial(reported, complete, all));
-    let picture =
-        |(sheet, png): (&Sheet, &Vec<u8>)| Picture { data: png_data(png), caption: sheet.caption.clone() };
-    Ok(SweepPage {
-        title: outline.title.clone(),
-        summary: format!("{all} variants over {} axes.", outline.axes.len()),
-        partial,
-        scalar_error: scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
-        sheets: sheets.iter().zip(drawn).map(picture).collect(),
-        conclusions: conclusions(&reported.conclusions),
-        nearest: target::nearest(outline, &reported.outcomes),
-        axes: outline.axes.iter().map(|axis| axis.heading()).collect(),
-        reference: reference.name.clone(),
-        variants: (0..all).map(|v| row(sweep, v, &reported.outcomes)).collect(),
-        figures: figures(sweep, sheets, &reported.outcomes)?,
-        program: made_by(),
-    })
+    let pictures = sheets.iter().zip(drawn).map(|(sheet, png)| Picture::new(png_data(png), &sheet.caption));
+    let pictures: Vec<Picture> = pictures.collect();
+    let data = context! {
+        title => &outline.title,
+        summary => format!("{all} variants over {} axes.", outline.axes.len()),
+        partial => (complete < all).then(|| partial(reported, complete, all)),
+        scalar_error => scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
+        sheets => Serde(pictures),
+        conclusions => conclusions(&reported.conclusions),
+        nearest => Serde(target::nearest(outline, outcomes)),
+        axes => Vec::from_iter(outline.axes.iter().map(AxisOutline::heading)),
+        reference => &outcomes[outline.reference].name,
+        variants => Vec::from_iter((0..all).map(|v| row(sweep, v, outcomes))),
+        figures => Serde(figures(sweep, sheets, outcomes)?),
+        program => made_by(),
+    };
+    Ok(rendered(include_str!("sweep.html"), data)?)
 }
 
 fn partial(reported: &Reported, complete: usize, all: usize) -> String {
@@ -67,43 +69,32 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
     )
 }
 
-/// Groups conclusions by source; the sweep's own questions are a group of their own.
-fn conclusions(all: &[Judged]) -> Vec<ConclusionGroup> {
+/// Groups conclusions by source; the sweep's own questions are the last group.
+fn conclusions(all: &[Judged]) -> Vec<Value> {
     let mut sources: Vec<Option<&str>> = Vec::new();
-    for judged in all {
-        let source = judged.words.source.as_deref();
+    for source in all.iter().map(|judged| judged.words.source.as_deref()) {
         if !sources.contains(&source) {
             sources.push(source);
         }
     }
-    // the sweep's own questions come last
     sources.sort_by_key(Option::is_none);
     let quoted = sources.iter().any(Option::is_some);
-    let group = |source: &Option<&str>| ConclusionGroup {
-        heading: match source {
-            Some(source) => Some(format!("What {source} says")),
-            None => quoted.then(|| "Our own questions".to_owned()),
-        },
-        rows: all.iter().filter(|j| j.words.source.as_deref() == *source).map(conclusion).collect(),
-    };
-    sources.iter().map(group).collect()
-}
-
-fn conclusion(judged: &Judged) -> ConclusionRow {
-    ConclusionRow {
-        id: judged.id.clone(),
-        statement: judged.statement.clone(),
-        inequality: judged.inequality.clone(),
-        measured: judged.measured.map_or_else(|| "–".into(), |m| m.in_words(4)),
-        verdict: judged.verdict.name().into(),
-        remark: judged.remark.clone(),
-        quote: judged.words.quote.clone(),
-        translation: judged.words.translation.clone(),
-        because: judged.words.because.clone(),
+    let mut groups = Vec::new();
+    for source in sources {
+        let own = quoted.then(|| "Our own questions".to_owned());
+        let heading = source.map(|source| format!("What {source} says")).or(own);
+        let rows = all.iter().filter(|judged| judged.words.source.as_deref() == source).map(conclusion);
+        groups.push(context!(heading, rows => Vec::from_iter(rows)));
     }
+    groups
 }
 
-fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
+fn conclusion(judged: &Judged) -> Value {
+    let measured = judged.measured.map_or_else(|| "–".into(), |m| m.in_words(4));
+    context!(measured, ..Value::from(Serde(judged)))
+}
+
+fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Value {
     let (outcome, numbers) = (&outcomes[number], shown(sweep, number, outcomes));
     let all = outcome.solves;
     let state = match (&outcome.reason, all.finished) {
@@ -112,11 +103,11 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> VariantRow {
         (None, n) if n < all.asked => format!("{n} of {} solves", all.asked),
         _ => String::new(),
     };
-    VariantRow {
-        labels: outcome.labels.clone(),
-        link: (all.finished > 0).then(|| format!("variants/{}/report.html", outcome.name)),
-        hex: outcome.colour.as_ref().map(|c| hex(c.srgb8)),
-        numbers: (0..6).map(|i| numbers.map_or_else(String::new, |n| n[i].in_words(2))).collect(),
+    context! {
+        labels => Serde(&outcome.labels),
+        link => (all.finished > 0).then(|| format!("variants/{}/report.html", outcome.name)),
+        hex => outcome.colour.map(|c| hex(c.srgb8)),
+        numbers => (0..6).map(|i| numbers.map_or_else(String::new, |n| n[i].in_words(2))).collect::<Vec<_>>(),
         state,
     }
 }
@@ -166,5 +157,20 @@ fn transmittance(name: &str, outcome: &Outcome) -> Option<Curve> {
 }
 
 fn drawn(plot: &Chart) -> Result<Picture, OutputError> {
-    Ok(Picture { data: svg_data(&plot.svg()?), caption: plot.title.clone() })
+    Ok(Picture::new(svg_data(&plot.svg()?), &plot.title))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// *Planted*: in the last of ten columns the reason would be only a few characters wide at 1280
+    /// pixels.
+    #[test]
+    fn the_reason_of_a_failure_has_the_whole_width() {
+        let row = context!(labels => ["yellow", "100"], state => "4 failed: no room for grain 7");
+        let page = context!(axes => ["ink", "diameter, nm"], variants => [row]);
+        let html = rendered(include_str!("sweep.html"), page).unwrap();
+        assert!(html.contains("<td colspan=\"9\">4 failed: no room for grain 7</td>"), "{html}");
+    }
 }

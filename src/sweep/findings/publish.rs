@@ -97,7 +97,7 @@ fn report(
     folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
     folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
     folder.write("explore.html", explore::page(sweep, &reported.outcomes, pictures).as_bytes())?;
-    let html = page::page(sweep, &reported, &sheets, &drawn)?.html()?;
+    let html = page::page(sweep, &reported, &sheets, &drawn)?;
     folder.write("report.html", html.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
         folder.complete()?;
@@ -162,8 +162,7 @@ fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
     let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
     let aims = target::columns(outcomes);
-    let names = NUMBERS.iter().chain(aims);
-    let columns = names.flat_map(|name| [(*name).to_owned(), format!("{name}_standard_error")]);
+    let columns = cell::with_errors(NUMBERS.into_iter().chain(aims.iter().copied()));
     let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
     let reference = &outcomes[sweep.outline.reference];
     cell::table(header, outcomes.iter().map(|outcome| outcome_row(outcome, reference, aims.len())))

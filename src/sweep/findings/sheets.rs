@@ -18,65 +18,85 @@ pub(crate) struct Sheet {
 
 /// All sheets of a sweep that contain a variant.
 pub(crate) fn sheets(outline: &Outline) -> Vec<Sheet> {
-    let (row, column) = shown_axes(outline);
+    let shown = shown_axes(outline);
     let mut others: Vec<Vec<usize>> = Vec::new();
     for variant in &outline.variants {
-        let other = others_of(&variant.place, row, column);
+        let other = others_of(&variant.place, shown);
         if !others.contains(&other) {
             others.push(other);
         }
     }
-    others.into_iter().map(|other| sheet(outline, row, column, &other)).collect()
+    others.into_iter().map(|other| sheet(outline, shown, &other)).collect()
 }
 
 /// The axes of rows and columns: as requested, otherwise the first two unused ones.
-fn shown_axes(outline: &Outline) -> (Option<usize>, Option<usize>) {
-    let named = |name: &Option<String>| outline.axes.iter().position(|a| Some(&a.name) == name.as_ref());
-    let (mut row, mut column) = (named(&outline.sheet.rows), named(&outline.sheet.columns));
-    let free = |taken: Option<usize>| (0..outline.axes.len()).find(|&a| Some(a) != taken);
-    if outline.axes.len() > 1 {
-        row = row.or_else(|| free(column));
+fn shown_axes(outline: &Outline) -> [Option<usize>; 2] {
+    let asked = [&outline.sheet.rows, &outline.sheet.columns];
+    let [mut row, column] =
+        asked.map(|name| outline.axes.iter().position(|axis| Some(&axis.name) == name.as_ref()));
+    let all = 0..outline.axes.len();
+    if all.len() > 1 {
+        row = row.or_else(|| all.clone().find(|&a| Some(a) != column));
     }
-    column = column.filter(|_| column != row).or_else(|| free(row));
-    (row, column)
+    [row, column.filter(|_| column != row).or_else(|| all.clone().find(|&a| Some(a) != row))]
 }
 
 /// The position with rows and columns set to 0.
-fn others_of(place: &[usize], row: Option<usize>, column: Option<usize>) -> Vec<usize> {
-    let shown = |a: usize| Some(a) == row || Some(a) == column;
-    place.iter().enumerate().map(|(a, &k)| if shown(a) { 0 } else { k }).collect()
+fn others_of(place: &[usize], shown: [Option<usize>; 2]) -> Vec<usize> {
+    place.iter().enumerate().map(|(a, &k)| if shown.contains(&Some(a)) { 0 } else { k }).collect()
 }
 
-fn sheet(outline: &Outline, row: Option<usize>, column: Option<usize>, other: &[usize]) -> Sheet {
-    let here = |v: &usize| others_of(&outline.variants[*v].place, row, column) == other;
-    let on_sheet: Vec<usize> = (0..outline.variants.len()).filter(here).collect();
-    let at = |v: usize, axis: Option<usize>| axis.map_or(0, |a| outline.variants[v].place[a]);
-    // values without a variant on this sheet are left out
-    let used = |axis: Option<usize>| distinct(on_sheet.iter().map(|&v| at(v, axis)).collect());
-    let (rows, columns) = (used(row), used(column));
-    let find = |r: usize, c: usize| on_sheet.iter().copied().find(|&v| at(v, row) == r && at(v, column) == c);
-    let names = |axis: Option<usize>, used: &[usize]| -> Vec<String> {
-        used.iter().map(|&k| axis.map_or_else(String::new, |a| outline.axes[a].caption(k))).collect()
-    };
-    let axis_name =
-        |axis: Option<usize>| axis.map_or_else(String::new, |a| outline.axes[a].plain_name().to_owned());
-    let shown = |a: usize| Some(a) == row || Some(a) == column;
-    let captions = (0..outline.axes.len()).filter(|&a| !shown(a)).map(|a| outline.axes[a].named(other[a]));
-    Sheet {
-        caption: captions.collect::<Vec<_>>().join(", "),
-        row_axis: axis_name(row),
-        column_axis: axis_name(column),
-        variants: rows.iter().map(|&r| columns.iter().map(|&c| find(r, c)).collect()).collect(),
-        rows: names(row, &rows),
-        columns: names(column, &columns),
+/// One side of a sheet: its axis, and the values that variants on the sheet have there.
+struct SheetSide {
+    axis: Option<usize>,
+    used: Vec<usize>,
+}
+
+impl SheetSide {
+    fn new(outline: &Outline, axis: Option<usize>, on_sheet: &[usize]) -> Self {
+        let mut side = Self { axis, used: Vec::new() };
+        side.used = on_sheet.iter().map(|&v| side.at(outline, v)).collect();
+        side.used.sort_unstable();
+        side.used.dedup();
+        side
+    }
+
+    /// Value of a variant.
+    fn at(&self, outline: &Outline, variant: usize) -> usize {
+        self.axis.map_or(0, |a| outline.variants[variant].place[a])
+    }
+
+    fn name(&self, outline: &Outline) -> String {
+        self.axis.map_or_else(String::new, |a| outline.axes[a].plain_name().to_owned())
+    }
+
+    fn captions(&self, outline: &Outline) -> Vec<String> {
+        let axis = self.axis.map(|a| &outline.axes[a]);
+        self.used.iter().map(|&k| axis.map_or_else(String::new, |axis| axis.caption(k))).collect()
     }
 }
 
-/// Distinct values in increasing order.
-fn distinct(mut values: Vec<usize>) -> Vec<usize> {
-    values.sort_unstable();
-    values.dedup();
-    values
+fn sheet(outline: &Outline, shown: [Option<usize>; 2], other: &[usize]) -> Sheet {
+    let all = 0..outline.variants.len();
+    let on_sheet: Vec<usize> =
+        all.filter(|&v| others_of(&outline.variants[v].place, shown) == other).collect();
+    let [rows, columns] = shown.map(|axis| SheetSide::new(outline, axis, &on_sheet));
+    let mut variants = vec![vec![None; columns.used.len()]; rows.used.len()];
+    for &v in on_sheet.iter().rev() {
+        let [r, c] = [&rows, &columns].map(|side| side.used.iter().position(|&k| k == side.at(outline, v)));
+        if let (Some(r), Some(c)) = (r, c) {
+            variants[r][c] = Some(v);
+        }
+    }
+    let hidden = (0..outline.axes.len()).filter(|&a| !shown.contains(&Some(a)));
+    Sheet {
+        caption: hidden.map(|a| outline.axes[a].named(other[a])).collect::<Vec<_>>().join(", "),
+        row_axis: rows.name(outline),
+        column_axis: columns.name(outline),
+        variants,
+        rows: rows.captions(outline),
+        columns: columns.captions(outline),
+    }
 }
 
 impl Sheet {

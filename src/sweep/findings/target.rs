@@ -2,13 +2,41 @@
 
 use super::conclusions::{QUANTILE, student};
 use super::outcome::Outcome;
-use super::sweep_page::{NearRow, Nearest};
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
 use crate::sweep::definition::load::{Outline, Place};
+use serde::Serialize;
 
 /// Maximum number of variants in the page's table.
 const MOST_ROWS: usize = 12;
+
+/// The variants nearest to a target colour.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Nearest {
+    /// The target colour with its conditions.
+    pub target: String,
+    /// Names the nearest variant, and how many cannot be distinguished from it.
+    pub summary: String,
+    /// The nearest variants, in order.
+    pub rows: Vec<NearRow>,
+}
+
+/// One of the variants nearest to a target colour.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct NearRow {
+    /// Labels of the variant on the axes.
+    pub labels: Vec<String>,
+    /// The variant's own page.
+    pub link: String,
+    /// `#rrggbb` of the print.
+    pub hex: Option<String>,
+    /// ΔE₀₀ with its 95 % interval.
+    pub delta_e: String,
+    /// Contrast ratio (Y over black divided by Y over white) with its 95 % interval.
+    pub contrast_ratio: String,
+    /// Whether it can be distinguished from the nearest.
+    pub verdict: String,
+}
 
 /// A variant with its distance to the target.
 struct Near {
@@ -108,8 +136,8 @@ fn edge(outline: &Outline, a: usize, k: usize) -> Option<String> {
 
 /// All variants with a distance to their target, the nearest first.
 fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
-    let distance = |(v, outcome): (usize, &Outcome)| Some((v, outcome.to_target()?));
-    let mut all: Vec<(usize, Linked)> = outcomes.iter().enumerate().filter_map(distance).collect();
+    let mut all: Vec<(usize, Linked)> =
+        outcomes.iter().enumerate().filter_map(|(v, outcome)| Some((v, outcome.to_target()?))).collect();
     all.retain(|(_, to_target)| to_target.estimate.value.is_finite());
     all.sort_by(|a, b| a.1.estimate.value.total_cmp(&b.1.estimate.value));
     let Some((best, least)) = all.first().cloned() else { return Vec::new() };

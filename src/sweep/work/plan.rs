@@ -5,7 +5,7 @@ mod scaled;
 mod trial;
 
 use super::units::{groups, units};
-use crate::input::study::{Point, Study, WantedResolution};
+use crate::input::study::{Study, WantedResolution};
 use crate::run::realisation::Packings;
 use crate::run::resolve::size;
 use crate::run::watch::RunWatch;
@@ -179,10 +179,10 @@ fn representatives(sweep: &Sweep, groups: &[Vec<usize>]) -> Vec<usize> {
 
 /// One variant of each group with the `n`-th requested resolution.
 fn one_of_each(sweep: &Sweep, groups: &[Vec<usize>], n: usize, wanted: &WantedResolution) -> Vec<usize> {
-    let here = |v: &&usize| sweep.variants[**v].study.resolution == *wanted;
     // takes the inks of a group in turn, so that the trials do not all use the first
     let member = |(k, group): (usize, &Vec<usize>)| {
-        let members: Vec<usize> = group.iter().filter(here).copied().collect();
+        let members: Vec<usize> =
+            group.iter().filter(|v| sweep.variants[**v].study.resolution == *wanted).copied().collect();
         members.get((k + n) % members.len().max(1)).copied()
     };
     groups.iter().enumerate().filter_map(member).collect()
@@ -289,11 +289,10 @@ impl Counts {
         for study in studies {
             let method = (&study.solver, &study.goal);
             for r in 0..study.realisations {
-                let key = |p: &Point| {
+                solves.extend(study.points(r).iter().map(|p| {
                     let indices = study.indices(p.incidence.wavelength_um);
                     Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
-                };
-                solves.extend(study.points(r).iter().map(key));
+                }));
                 finer += study.solves_of(r) - study.solves_each();
             }
             let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();

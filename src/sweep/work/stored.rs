@@ -7,7 +7,6 @@ use crate::run::resolve;
 use crate::run::resolve::Resolved;
 use crate::run::{Collected, Realisation, Refused, Stores};
 use crate::store::identity::Key;
-use crate::store::record::PointRecord;
 
 /// Everything stored for the first realisations.
 pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collected> {
@@ -21,19 +20,21 @@ pub(super) fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Opti
 
 /// Realisations recorded as having no packing or no grid.
 pub(crate) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
-    let of = |realisation: usize| {
-        let record = stores.failures.get(stage_key(study, realisation).as_str())?;
-        Some(Refused { realisation, reason: record.reason })
-    };
-    (0..tried).filter_map(of).collect()
+    (0..tried)
+        .filter_map(|realisation| {
+            let record = stores.failures.get(stage_key(study, realisation).as_str())?;
+            Some(Refused { realisation, reason: record.reason })
+        })
+        .collect()
 }
 
 /// Everything stored for a realisation; `None` if it is not packed.
 fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) -> Option<Realisation> {
     let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
     let keyed = all_point_keys(study, resolved, r);
-    let sound = |record: &PointRecord| is_physical(record, resolved.grid_error);
-    let points = keyed.iter().map(|(_, key)| stores.points.get(key.as_str()).filter(sound));
+    let points = keyed.iter().map(|(_, key)| {
+        stores.points.get(key.as_str()).filter(|record| is_physical(record, resolved.grid_error))
+    });
     let mut points: Vec<_> = points.collect();
     let missing = keyed.iter().zip(&points).filter(|(_, found)| found.is_none());
     let failures = missing.filter_map(|(keyed, _)| stores.failure(keyed)).collect();

@@ -74,9 +74,10 @@ pub fn units_within(sweep: &Sweep, realisations: &[Range<usize>]) -> Vec<Unit> {
 fn units_of(group: usize, members: &[usize], realisations: &[Range<usize>]) -> Vec<Unit> {
     let first = members.iter().map(|&v| realisations[v].start).min().unwrap_or(0);
     let end = members.iter().map(|&v| realisations[v].end).max().unwrap_or(0);
-    let unit = |realisation| {
-        let asks = |v: &usize| realisations[*v].contains(&realisation);
-        Unit { group, variants: members.iter().copied().filter(asks).collect(), realisation }
+    let unit = |realisation| Unit {
+        group,
+        variants: members.iter().copied().filter(|v| realisations[*v].contains(&realisation)).collect(),
+        realisation,
     };
     (first..end).map(unit).filter(|unit| !unit.variants.is_empty()).collect()
 }

@@ -4,7 +4,7 @@
 use super::light::check_list;
 use crate::appearance::paper::Coupling;
 use crate::appearance::paper::PRINT_DEG;
-use crate::input::fault::{Fault, Faults};
+use crate::input::fault::Faults;
 use crate::input::file::{AnglesTable, StudyFile};
 use crate::input::limits;
 use crate::input::study::Angles;
@@ -39,7 +39,7 @@ pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angl
         }
         (Some(_), Some(_)) => {
             let allowed = "either angles.count or angles.polar_deg";
-            faults.push(Fault::new("angles", "both count and polar_deg", allowed, "remove one of them"));
+            faults.add("angles", "both count and polar_deg", allowed, "remove one of them");
             alone(table, Vec::new(), String::new())
         }
     }
@@ -90,7 +90,7 @@ fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
     let otherwise = "list angles.polar_deg for a study without paper and picture";
     if file.layer.index_in != 1.0 {
         let found = file.layer.index_in;
-        faults.push(Fault::new("layer.index_in", found, "1, air above the ink", otherwise));
+        faults.add("layer.index_in", found, "1, air above the ink", otherwise);
     }
     let below = file.layer.index_out;
     let (wrong, allowed) = match coupling {
@@ -101,6 +101,6 @@ fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
     };
     if wrong {
         let remedy = format!("choose paper.coupling to suit, or {otherwise}");
-        faults.push(Fault::new("layer.index_out", below, allowed, remedy));
+        faults.add("layer.index_out", below, allowed, remedy);
     }
 }

@@ -1,6 +1,6 @@
 //! Composed layers: the slabs they are cut into, and what they cannot hold.
 
-use crate::input::fault::{Fault, Faults};
+use crate::input::fault::Faults;
 use crate::input::file::StudyFile;
 use crate::input::forms::ThicknessWritten;
 use crate::input::limits;
@@ -19,7 +19,7 @@ pub(super) fn composed(file: &StudyFile, faults: &mut Faults) -> Option<Composed
     let Some(table) = &file.layer.composed else {
         if matches!(written, ThicknessWritten::Several(_)) {
             let remedy = "add [layer.composed], or give one thickness";
-            faults.push(Fault::new("layer.thickness_um", "a list", "one thickness, µm", remedy));
+            faults.add("layer.thickness_um", "a list", "one thickness, µm", remedy);
         }
         return None;
     };
@@ -28,7 +28,7 @@ pub(super) fn composed(file: &StudyFile, faults: &mut Faults) -> Option<Composed
     super::light::check_list("layer.thickness_um", &thicknesses_um, limits::THICKNESS_UM, remedy, faults);
     if written.std() > 0.0 {
         let remedy = "give a list of thicknesses, or remove [layer.composed]";
-        faults.push(Fault::new("layer.thickness_um.std", written.std(), "0 where it is composed", remedy));
+        faults.add("layer.thickness_um.std", written.std(), "0 where it is composed", remedy);
     }
     faults.number("layer.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
     for (zone, count) in table.directions.into_iter().enumerate() {
@@ -39,7 +39,7 @@ pub(super) fn composed(file: &StudyFile, faults: &mut Faults) -> Option<Composed
     if table.slab_um > 0.5 * first * (1.0 + 1e-9) {
         let allowed = format!("at most {} µm, half of the thinnest layer: two slabs", 0.5 * first);
         let remedy = "take thinner slabs, or remove [layer.composed]: so thin a layer is solved at once";
-        faults.push(Fault::new("layer.composed.slab_um", table.slab_um, allowed, remedy));
+        faults.add("layer.composed.slab_um", table.slab_um, allowed, remedy);
     }
     let slabs = (first / table.slab_um).round().max(2.0);
     Some(Composed { slab_um: first / slabs, directions: table.directions, thicknesses_um })
@@ -70,7 +70,7 @@ pub(super) fn complete(study: &mut Study, composed: Composed) {
 pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
         if there {
-            faults.push(Fault::new(field, "given", format!("{allowed} where it is composed"), remedy));
+            faults.add(field, "given", format!("{allowed} where it is composed"), remedy);
         }
     };
     let relief = "remove [layer.relief]: inner slabs have no surface, and skins need a plane one yet";
@@ -86,11 +86,11 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     refuse(file.compare.measured.is_some(), "compare.measured", "no measurement", measured);
     if study.pigments.is_empty() {
         let remedy = "remove [layer.composed]: a clear layer is solved exactly at any thickness";
-        faults.push(Fault::new("pigment", "none", "grains where the layer is composed", remedy));
+        faults.add("pigment", "none", "grains where the layer is composed", remedy);
     }
     if study.realisations < 2 && !study.pigments.is_empty() {
         let remedy = "12 to 24 are usual: one realisation has no error bar";
-        faults.push(Fault::new("run.realisations", study.realisations, "2 or more", remedy));
+        faults.add("run.realisations", study.realisations, "2 or more", remedy);
     }
 }
 

@@ -2,7 +2,6 @@
 
 use crate::input::study::{IndexSpectrum, Study};
 use crate::material::gaps::widest_gap_nm;
-use crate::material::spectra::Spectrum;
 
 /// One remark for every file with a wide gap within the study's wavelengths.
 pub fn bridged(study: &Study) -> Vec<String> {
@@ -11,8 +10,9 @@ pub fn bridged(study: &Study) -> Vec<String> {
     };
     let range = [from, to];
     let spectra = materials(study).map(|material| &material.spectrum);
-    let of_spectrum = |spectrum: &Spectrum| Some(words(&spectrum.name(), spectrum.widest_gap_nm(range)?));
-    let mut remarks: Vec<String> = spectra.filter_map(of_spectrum).collect();
+    let mut remarks: Vec<String> = spectra
+        .filter_map(|spectrum| Some(words(&spectrum.name(), spectrum.widest_gap_nm(range)?)))
+        .collect();
     remarks.extend(of_measured(study, range));
     remarks.sort();
     remarks.dedup();

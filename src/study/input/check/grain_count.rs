@@ -33,7 +33,7 @@ pub(super) fn check(
         faults.push(too_many(size, most));
     } else if grains.volume_fraction < least_share {
         let found = format!("{:e}", grains.volume_fraction);
-        faults.push(Fault::new(share, found, too_few_grains(least_share, cell), MORE_ROOM));
+        faults.add(share, found, too_few_grains(least_share, cell), MORE_ROOM);
     }
 }
 

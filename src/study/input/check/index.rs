@@ -1,7 +1,7 @@
 //! Refractive indices: evaluates a number, a built-in spectrum or a table at every wavelength.
 
 use crate::input::fault::{Fault, Faults, keys_in_words};
-use crate::input::forms::IndexWritten;
+use crate::input::forms::{INDEX_KEYS, IndexWritten};
 use crate::input::limits;
 use crate::input::study::IndexSpectrum;
 use crate::material::mixing::MixingRule;
@@ -61,8 +61,9 @@ const LARGEST_PART: f64 = 100.0;
 
 /// Refuses indices that no passive medium has: the formulas of records may have poles.
 fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
-    let sound = |eta: &Complex64| eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART;
-    let i = index.iter().position(|eta| !sound(eta))?;
+    let i = index
+        .iter()
+        .position(|eta| !(eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART))?;
     let [n, k] = [index[i].re, index[i].im].map(shown);
     let found = format!("n = {n}, k = {k} at {} nm", wavelengths_nm[i]);
     let remedy = "correct the file; absorption is a positive k here (time factor exp(-iωt))";
@@ -100,14 +101,7 @@ fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Fau
 fn unclear(field: &str, written: &IndexWritten) -> Fault {
     let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
                    with n beside a file of k alone";
-    let found = keys_in_words([
-        ("n", written.n.is_some()),
-        ("k", written.k.is_some()),
-        ("built_in", written.built_in.is_some()),
-        ("material", written.material.is_some()),
-        ("csv", written.csv.is_some()),
-        ("yaml", written.yaml.is_some()),
-    ]);
+    let found = keys_in_words(written, INDEX_KEYS);
     Fault::new(field, found, allowed, "write for example index = { n = 1.4, k = 0.1 }")
 }
 
@@ -125,7 +119,7 @@ fn built_in(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
     if found.is_none() {
         let names = Synthetic::ALL.map(Synthetic::name).join(", ");
         let remedy = "take one of these, or your own table with { csv = \"file.csv\" }";
-        faults.push(Fault::new(format!("{field}.built_in"), format!("{name:?}"), names, remedy));
+        faults.add(format!("{field}.built_in"), format!("{name:?}"), names, remedy);
     }
     found
 }
@@ -137,7 +131,7 @@ fn material(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
         let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
         let remedy = "take one of these, or your own table with { csv = \"file.csv\" }; organic pigments are in no open \
                       collection of indices";
-        faults.push(Fault::new(format!("{field}.material"), format!("{name:?}"), names, remedy));
+        faults.add(format!("{field}.material"), format!("{name:?}"), names, remedy);
     }
     found
 }

@@ -16,20 +16,15 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
         let allowed =
             "\"plain\" where the wavelengths are not evenly spaced: ASTM E308 has no weights for them";
         let remedy = "write from_nm, to_nm and step_nm, or leave it out";
-        faults.push(Fault::new("colour.summation", "\"e308\"", allowed, remedy));
+        faults.add("colour.summation", "\"e308\"", allowed, remedy);
     }
     if let (Some(patch), None) = (&file.compare.patch, &file.compare.measured) {
         let allowed = "a name beside compare.measured";
-        faults.push(Fault::new("compare.patch", format!("{patch:?}"), allowed, "add compare.measured"));
+        faults.add("compare.patch", format!("{patch:?}"), allowed, "add compare.measured");
     }
     if let (Some(unit), None) = (&file.compare.unit, &file.compare.measured) {
         let allowed = "a unit beside compare.measured";
-        faults.push(Fault::new(
-            "compare.unit",
-            format!("{unit:?}").to_lowercase(),
-            allowed,
-            "add compare.measured",
-        ));
+        faults.add("compare.unit", format!("{unit:?}").to_lowercase(), allowed, "add compare.measured");
     }
     let measured = match measured_colour(file, folder) {
         Some(colour) => {
@@ -94,7 +89,7 @@ fn target(file: &StudyFile, faults: &mut Faults) -> Option<[f64; 3]> {
     let lab = file.colour.target_lab?;
     if !is_lab(lab) {
         let remedy = "write for example target_lab = [85, -10, 80]";
-        faults.push(Fault::new("colour.target_lab", format!("{lab:?}"), LAB, remedy));
+        faults.add("colour.target_lab", format!("{lab:?}"), LAB, remedy);
     }
     Some(lab)
 }
@@ -132,12 +127,12 @@ fn wanted(
         Ok(_) => {
             let remedy = "leave out colour.target_lab or compare.measured";
             let found = "Lab alone, which is a target, beside colour.target_lab";
-            faults.push(Fault::new("compare.measured", found, "one target", remedy));
+            faults.add("compare.measured", found, "one target", remedy);
             return target_lab;
         }
         Err(reason) => format!("Lab alone, and {reason}"),
     };
-    faults.push(Fault::new("compare.measured", found, allowed, remedy));
+    faults.add("compare.measured", found, allowed, remedy);
     None
 }
 

@@ -37,12 +37,7 @@ fn neither_list_nor_range(light: &LightTable) -> Fault {
     let allowed =
         "either wavelengths_nm, or all of from_nm, to_nm and step_nm, or step_nm alone from 400 to 700 nm";
     let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
-    let found = keys_in_words([
-        ("wavelengths_nm", light.wavelengths_nm.is_some()),
-        ("from_nm", light.from_nm.is_some()),
-        ("to_nm", light.to_nm.is_some()),
-        ("step_nm", light.step_nm.is_some()),
-    ]);
+    let found = keys_in_words(light, &["wavelengths_nm", "from_nm", "to_nm", "step_nm"]);
     Fault::new("light", found, allowed, remedy)
 }
 
@@ -78,18 +73,18 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
     faults.number("light.from_nm", from, limits::WAVELENGTH_NM, "400 is usual");
     if !(to >= from && to <= 1e4) {
         let allowed = format!("from from_nm = {from} to 10000 nm");
-        faults.push(Fault::new("light.to_nm", to, allowed, "700 is usual"));
+        faults.add("light.to_nm", to, allowed, "700 is usual");
     }
     let count = ((to - from) / step + 1e-9).floor();
     if faults.0.len() == before && count >= LONGEST_LIST as f64 {
         let allowed = format!("a step that gives fewer than {LONGEST_LIST} wavelengths");
-        faults.push(Fault::new("light.step_nm", shown(step), allowed, "20 is usual"));
+        faults.add("light.step_nm", shown(step), allowed, "20 is usual");
     }
     // a range with a single wavelength is a mistake
     if faults.0.len() == before && to > from && count == 0.0 {
         let allowed = format!("at most to_nm - from_nm = {} nm", to - from);
         let remedy = "20 is usual; for one wavelength write wavelengths_nm = [550]";
-        faults.push(Fault::new("light.step_nm", step, allowed, remedy));
+        faults.add("light.step_nm", step, allowed, remedy);
     }
     if faults.0.len() > before {
         return Vec::new();
@@ -101,19 +96,14 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
 pub fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults: &mut Faults) {
     if list.is_empty() || list.len() > LONGEST_LIST {
         let found = format!("{} entries", list.len());
-        faults.push(Fault::new(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy));
+        faults.add(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy);
     }
     let wrong = list.iter().position(|&value| !allowed.holds(value));
     if let Some(i) = wrong {
         faults.number(&format!("{field}[{i}]"), list[i], allowed, remedy);
     } else if let Some(i) = (1..list.len()).find(|&i| list[i] <= list[i - 1]) {
         let found = format!("{} after {}", list[i], list[i - 1]);
-        faults.push(Fault::new(
-            format!("{field}[{i}]"),
-            found,
-            "rising values",
-            "sort the list, without repeats",
-        ));
+        faults.add(format!("{field}[{i}]"), found, "rising values", "sort the list, without repeats");
     }
 }
 
@@ -126,7 +116,7 @@ pub fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Fault
         whole("light.per_realisation", count, limits::PER_REALISATION, remedy, faults);
         if !range && !wavelengths_nm.is_empty() {
             let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
-            faults.push(Fault::new("light.per_realisation", count, allowed, "give a range, or leave it out"));
+            faults.add("light.per_realisation", count, allowed, "give a range, or leave it out");
         }
     }
     if !range {

@@ -45,23 +45,23 @@ fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &m
     if let Some(i) = wrong {
         let field = format!("{field}[{i}]");
         let allowed = "albedos from 0 to 1";
-        faults.push(Fault::new(field, format!("{} at {} nm", rows[i][1], rows[i][0]), allowed, REMEDY));
+        faults.add(field, format!("{} at {} nm", rows[i][1], rows[i][0]), allowed, REMEDY);
         return Albedo::Constant(0.5);
     }
     if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
         let found = format!("wavelengths up to {largest}, which look like µm");
-        faults.push(Fault::new(field, found, "wavelengths in nm", "multiply the wavelengths by 1000"));
+        faults.add(field, found, "wavelengths in nm", "multiply the wavelengths by 1000");
         return Albedo::Constant(0.5);
     }
     let albedo = Albedo::Spectral(rows);
     if let Some(error) = wavelengths_nm.iter().find_map(|&nm| albedo.at(nm).err()) {
         let allowed = "two or more rows [wavelength in nm, albedo], rising, that cover [light]";
-        faults.push(Fault::new(
+        faults.add(
             field,
             error,
             allowed,
             "extend the table: colours need 400 to 700 nm; or, for spectra alone, keep [light] inside it",
-        ));
+        );
         return Albedo::Constant(0.5);
     }
     albedo

@@ -47,12 +47,13 @@ pub fn pigments(
 /// The pigments without grains.
 pub fn dissolved(file: &StudyFile, indices: &Tabulation, faults: &mut Faults) -> Vec<Dissolved> {
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| is_molecular(table));
-    let dissolved = |(i, table): (usize, &PigmentTable)| Dissolved {
-        name: name(i, table),
-        volume_fraction: table.volume_fraction,
-        material: indices.tabulate(&of(i, "index"), &table.index, faults),
-    };
-    tables.map(dissolved).collect()
+    tables
+        .map(|(i, table)| Dissolved {
+            name: name(i, table),
+            volume_fraction: table.volume_fraction,
+            material: indices.tabulate(&of(i, "index"), &table.index, faults),
+        })
+        .collect()
 }
 
 /// The binder with the pigments dissolved in it, whose fractions refer to the volume without
@@ -211,7 +212,7 @@ fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution
         _ => {
             let allowed = "either diameter_nm or size";
             let remedy = "write diameter_nm = 250 for grains that are all alike";
-            faults.push(Fault::new(format!("pigment[{i}]"), "both or neither", allowed, remedy));
+            faults.add(format!("pigment[{i}]"), "both or neither", allowed, remedy);
             SizeDistribution::diameter_nm(1e-3)
         }
     }
@@ -226,7 +227,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
     }
     if let Some((_, found, allowed)) = grains.size.defect() {
         let remedy = "correct these numbers; pigment grains measure 50 to 500 nm";
-        faults.push(Fault::new(field, found, allowed, remedy));
+        faults.add(field, found, allowed, remedy);
         return;
     }
     let (thickest, longest) = largest_extents_nm(grains);
@@ -245,7 +246,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
         let allowed = format!("grains of at most {} nm, {name}", (1e6 * limit).round() / 1e6);
-        faults.push(Fault::new(field, format!("grains of up to {extent:.6} nm"), allowed, remedy));
+        faults.add(field, format!("grains of up to {extent:.6} nm"), allowed, remedy);
     }
 }
 
@@ -272,7 +273,7 @@ fn names(file: &StudyFile, faults: &mut Faults) {
         if names[..i].contains(name) || name.trim().is_empty() {
             let found = format!("{name:?}");
             let allowed = "a name that no other pigment has";
-            faults.push(Fault::new(of(i, "name"), found, allowed, "give it another name"));
+            faults.add(of(i, "name"), found, allowed, "give it another name");
         }
     }
 }
@@ -283,6 +284,6 @@ fn total_fraction(file: &StudyFile, faults: &mut Faults) {
         let allowed = format!("a sum {} over all pigments", limits::VOLUME_FRACTION);
         let found = format!("{total} in all");
         let remedy = "lower the volume fractions";
-        faults.push(Fault::new(of(file.pigments.len() - 1, "volume_fraction"), found, allowed, remedy));
+        faults.add(of(file.pigments.len() - 1, "volume_fraction"), found, allowed, remedy);
     }
 }

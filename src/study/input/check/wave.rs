@@ -26,12 +26,12 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
         let allowed =
             "none with Maxwell's equations: the slope of a rough surface has no normal-field tensor yet";
         let remedy = format!("remove [layer.relief], {scalar}");
-        faults.push(Fault::new("layer.relief", "a rough surface", allowed, remedy));
+        faults.add("layer.relief", "a rough surface", allowed, remedy);
     }
     if let SolverChoice::ConvergentBorn(_) | SolverChoice::Relaxation(_) = study.solver {
         let allowed = "\"krylov\", \"bicgstab\", \"born\" or \"direct\" with Maxwell's equations: their unknowns are no values at points";
         let found = study.solver.build().name().to_owned();
-        faults.push(Fault::new("solver.strategy", found, allowed, format!("leave it out, {scalar}")));
+        faults.add("solver.strategy", found, allowed, format!("leave it out, {scalar}"));
     }
     if study.pigments.is_empty() {
         // metal films are exact

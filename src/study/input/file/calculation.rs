@@ -46,7 +46,7 @@ impl Default for RunTable {
 
 /// `[resolution]`: the requested accuracy, or the grid.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct ResolutionTable {
     /// Maximum error of any order's complex amplitude.
     #[schemars(transform = limits::ACCURACY.mark(), example = 1e-2)]
@@ -60,12 +60,10 @@ pub struct ResolutionTable {
     /// Whether longer waves use coarser grids, as far as the accuracy allows (default: if
     /// `accuracy` is 1e-3 or smaller, where it saves a quarter of the time or more). With coarser
     /// grids it saves little and increases the grid's error.
-    #[serde(default)]
     #[schemars(example = true)]
     pub per_wavelength: Option<bool>,
     /// Discretisation of the scalar wave along z; Maxwell's equations always use two moments per
     /// cell.
-    #[serde(default)]
     pub scheme: Scheme,
 }
 

@@ -7,10 +7,9 @@ use serde::{Deserialize, Serialize};
 
 /// `[light]`: vacuum wavelengths in nm, as a list or as a range.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct LightTable {
     /// The equation to solve, and the polarisation of the light.
-    #[serde(default)]
     pub wave: Wave,
     /// List of wavelengths, nm.
     #[schemars(transform = limits::WAVELENGTHS_NM.mark(), example = (450, 550, 650))]
@@ -29,7 +28,6 @@ pub struct LightTable {
     #[schemars(transform = limits::PER_REALISATION.mark(), example = 15)]
     pub per_realisation: Option<usize>,
     /// Use a range's own wavelengths in every realisation instead of shifted ones.
-    #[serde(default)]
     pub sampling: SamplingName,
 }
 
@@ -47,7 +45,7 @@ pub enum SamplingName {
 /// `[angles]`: 0°, 45° and directions over the hemisphere (`count` in all), as paper and picture
 /// need them, or a list.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct AnglesTable {
     /// Number of directions per wavelength (default: 5): 0°, 45°, and the rest stratified over the
     /// hemisphere, shifted between realisations.
@@ -58,21 +56,15 @@ pub struct AnglesTable {
     #[schemars(transform = limits::POLARS_DEG.mark(), example = (0, 30, 45, 60))]
     pub polar_deg: Option<Vec<f64>>,
     /// Largest angle of the picture's axes (P1: 60°).
-    #[serde(default = "sixty")]
     #[schemars(transform = limits::PICTURE_MAX_DEG.mark())]
     pub picture_max_deg: f64,
     /// Azimuth of the plane of incidence from x, degrees.
-    #[serde(default)]
     #[schemars(transform = limits::AZIMUTH_DEG.mark())]
     pub azimuth_deg: f64,
 }
 
 impl Default for AnglesTable {
     fn default() -> Self {
-        Self { count: None, polar_deg: None, picture_max_deg: sixty(), azimuth_deg: 0.0 }
+        Self { count: None, polar_deg: None, picture_max_deg: 60.0, azimuth_deg: 0.0 }
     }
-}
-
-fn sixty() -> f64 {
-    60.0
 }

@@ -86,11 +86,10 @@ impl Study {
     pub fn sides(&self, wavelength_um: f64) -> Option<Sides> {
         let portion = self.portion.as_ref()?;
         let borders = [self.layer.index_in, self.layer.index_out, self.effective_index(wavelength_um)];
-        let oblique = |side: usize| (side == 0 && portion.position == Position::Front).then_some(PRINT_DEG);
         let medium = |(side, index): (usize, f64)| Hemisphere {
             ordinates: Ordinates::new(index, &borders, portion.directions),
             polarisations: self.polarisations().len(),
-            oblique_deg: oblique(side),
+            oblique_deg: (side == 0 && portion.position == Position::Front).then_some(PRINT_DEG),
         };
         let [before, behind] = self.outer_indices(wavelength_um);
         let alike = portion.position == Position::Inner;

@@ -10,20 +10,13 @@ use crate::sweep::definition::file::Quantity;
 pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults) {
     let light: Vec<&[f64]> = studies.iter().map(|study| study.wavelengths_nm.as_slice()).collect();
     check_light(claims, &light, faults);
-    let aimless = |v: &&usize| studies[**v].judgement.target_lab.is_none();
     for claim in claims.iter().filter(|claim| claim.quantity == Quantity::DeltaEToTarget) {
-        if named(claim).any(|v| aimless(&v)) {
+        if claim.variants().any(|v| studies[v].judgement.target_lab.is_none()) {
             let found = format!("{:?} in {:?}, of a variant without a target", "delta_e_to_target", claim.id);
             let remedy = "set base.colour.target_lab = [L, a, b]";
-            faults.push(Fault::new("conclusion.quantity", found, "variants with a target colour", remedy));
+            faults.add("conclusion.quantity", found, "variants with a target colour", remedy);
         }
     }
-}
-
-/// All variants of a conclusion.
-fn named(claim: &Claim) -> impl Iterator<Item = &usize> {
-    let curve = claim.curve.iter().map(|(_, v)| v);
-    claim.plus.iter().chain(&claim.minus).chain(&claim.absorbed_by).chain(curve)
 }
 
 /// Checks that the wavelengths of a conclusion are computed; `wavelengths_nm` lists those of each
@@ -32,8 +25,9 @@ fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Faults)
     for (i, claim) in claims.iter().enumerate() {
         let one = claim.wavelength_nm.map(|nm| [nm - 1e-6, nm + 1e-6]);
         let Some([from, to]) = claim.range_nm.or(one) else { continue };
-        let dark = |v: &&usize| !wavelengths_nm[**v].iter().any(|nm| (from..=to).contains(nm));
-        let Some(&v) = named(claim).find(dark) else {
+        let Some(v) =
+            claim.variants().find(|v| !wavelengths_nm[*v].iter().any(|nm| (from..=to).contains(nm)))
+        else {
             faults.0.extend(claim.range_nm.and_then(|range| uneven(claim, i, wavelengths_nm, range)));
             continue;
         };
@@ -44,26 +38,21 @@ fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Faults)
         let listed: Vec<String> = wavelengths_nm[v].iter().map(f64::to_string).collect();
         let allowed = format!("wavelengths of the study, {} nm", listed.join(", "));
         let remedy = "name one of these, or add it to [light]";
-        faults.push(Fault::new(format!("conclusion[{i}].{key}"), found, allowed, remedy));
+        faults.add(format!("conclusion[{i}].{key}"), found, allowed, remedy);
     }
 }
 
 /// Finds a variant with other wavelengths in the range: ranges are compared wavelength by
 /// wavelength.
 fn uneven(claim: &Claim, i: usize, wavelengths_nm: &[&[f64]], [from, to]: [f64; 2]) -> Option<Fault> {
-    let of = |v: usize| -> Vec<f64> {
-        wavelengths_nm[v].iter().copied().filter(|nm| (from..=to).contains(nm)).collect()
-    };
-    let mut all = claim.plus.iter().chain(&claim.minus).chain(&claim.absorbed_by).map(|&v| of(v));
+    let mut all = claim.variants().map(|v| {
+        let inside = wavelengths_nm[v].iter().filter(|nm| (from..=to).contains(*nm));
+        inside.map(|nm| format!("{}", (nm * 1e6).round() / 1e6)).collect::<Vec<_>>().join(", ")
+    });
     let first = all.next()?;
-    let near = |a: &f64, b: &f64| (a - b).abs() < 1e-6;
-    let same =
-        |other: &Vec<f64>| other.len() == first.len() && other.iter().zip(&first).all(|(a, b)| near(a, b));
-    let other = all.find(|other| !same(other))?;
-    let [first, other] =
-        [&first, &other].map(|nm| nm.iter().map(f64::to_string).collect::<Vec<_>>().join(", "));
-    let (field, found) =
-        (format!("conclusion[{i}].range_nm"), format!("{first} nm of one variant, {other} nm of another"));
+    let other = all.find(|other| *other != first)?;
+    let field = format!("conclusion[{i}].range_nm");
+    let found = format!("{first} nm of one variant, {other} nm of another");
     let remedy = "give them the same [light], or a range in which they agree";
     Some(Fault::new(field, found, "the same wavelengths of the range in all variants", remedy))
 }

@@ -1,13 +1,13 @@
 //! Checks the keys of a conclusion.
 
-use crate::input::fault::{Fault, Faults};
+use crate::input::fault::Faults;
 use crate::sweep::definition::file::{ConclusionTable, Over, Quantity};
 
 /// Reports errors in a conclusion's numbers: wavelengths, abscissas of a curve, bounds.
 pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
     let spectral = matches!(table.quantity, Quantity::Transmittance | Quantity::Reflectance);
     let mut wrong = |key: &str, found: &str, allowed: &str| {
-        faults.push(Fault::new(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml"));
+        faults.add(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml");
     };
     match (spectral, table.wavelength_nm, table.range_nm) {
         (true, None, None) => {

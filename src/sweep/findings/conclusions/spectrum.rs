@@ -99,8 +99,8 @@ fn mean(numbers: &[Linked]) -> Linked {
 }
 
 fn one_by_one(claim: &Claim, outcomes: &[Outcome], nm: &[f64], range: [f64; 2]) -> SpectrumFound {
-    let part = |&one: &f64| at_wavelength(claim, outcomes, one, nm.len());
-    let parts: Vec<AtWavelength> = nm.iter().map(part).collect::<Result<_, String>>()?;
+    let parts: Vec<AtWavelength> =
+        nm.iter().map(|&one| at_wavelength(claim, outcomes, one, nm.len())).collect::<Result<_, String>>()?;
     Ok(match claim.over {
         Over::Some => some(&parts, range),
         Over::Every | Over::Mean => every(&parts, range),
@@ -126,8 +126,9 @@ fn none([from, to]: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
 fn every(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
     let refuted = parts.iter().filter(|part| part.together == Verdict::Refuted);
     let clearest = refuted.min_by(|a, b| a.clearness().total_cmp(&b.clearness()));
-    let nearest = || parts.iter().min_by(|a, b| a.margin.total_cmp(&b.margin));
-    let Some(worst) = clearest.or_else(nearest) else { return none(range) };
+    let Some(worst) = clearest.or_else(|| parts.iter().min_by(|a, b| a.margin.total_cmp(&b.margin))) else {
+        return none(range);
+    };
     let verdict = match clearest {
         _ if parts.iter().all(|part| part.verdict == Verdict::Confirmed) => Verdict::Confirmed,
         Some(_) => Verdict::Refuted,
@@ -144,8 +145,9 @@ fn every(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>,
 fn some(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
     let confirmed = parts.iter().filter(|part| part.together == Verdict::Confirmed);
     let clearest = confirmed.max_by(|a, b| a.clearness().total_cmp(&b.clearness()));
-    let nearest = || parts.iter().max_by(|a, b| a.margin.total_cmp(&b.margin));
-    let Some(best) = clearest.or_else(nearest) else { return none(range) };
+    let Some(best) = clearest.or_else(|| parts.iter().max_by(|a, b| a.margin.total_cmp(&b.margin))) else {
+        return none(range);
+    };
     let verdict = match clearest {
         Some(_) => Verdict::Confirmed,
         _ if parts.iter().all(|part| part.verdict == Verdict::Refuted) => Verdict::Refuted,

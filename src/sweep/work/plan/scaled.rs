@@ -79,8 +79,8 @@ fn indices(study: &Study) -> impl Iterator<Item = num_complex::Complex64> {
 fn applications(study: &Study) -> f64 {
     let um = 1e-3 * study.wavelengths_nm[0];
     let binder = study.layer.binder.index_at(um);
-    let of = |p: &crate::input::study::Pigment| (p.material.index_at(um) - binder).norm();
-    let contrast = study.pigments.iter().map(of).fold(0.0, f64::max);
+    let contrast =
+        study.pigments.iter().map(|p| (p.material.index_at(um) - binder).norm()).fold(0.0, f64::max);
     let phase = TAU / um * study.layer.thickness_um * contrast;
     (10.0 + APPLICATIONS_A_RADIAN * phase).min(study.goal.max_applications as f64)
 }
@@ -91,10 +91,11 @@ const APPLICATIONS_A_RADIAN: f64 = 5.0;
 
 /// Core seconds of one packing, proportional to its spheres; the other cores are idle.
 fn packing(study: &Study) -> f64 {
-    let spheres = |p: &crate::input::study::Pigment| {
-        p.grains.expected(volume(study)) * p.grains.shape.template().spheres.len() as f64
-    };
-    let count: f64 = study.pigments.iter().map(spheres).sum();
+    let count: f64 = study
+        .pigments
+        .iter()
+        .map(|p| p.grains.expected(volume(study)) * p.grains.shape.template().spheres.len() as f64)
+        .sum();
     let share: f64 = study.pigments.iter().map(|p| p.grains.volume_fraction).sum();
     count * SPHERE[usize::from(share > RELAXED)] * rayon::current_num_threads() as f64
 }

@@ -131,11 +131,10 @@ pub(crate) fn covers(
     watch: &dyn RunWatch,
 ) -> Result<Vec<Wavelength>, RunError> {
     let waves = study.points(0).into_iter().map(|point| point.incidence.wavelength_um);
-    let grid = |wavelength_um: f64| coarsened(study, finest, wavelength_um, longer_waves);
     let (error, stop) = (study.resolution.coverage_error(), || watch.stop());
     let cover =
         |resolution| Ok(Geometry::new(study.wave, scene, resolution, Precision { error, stop: &stop })?);
-    Wavelength::all(waves, grid, cover)
+    Wavelength::all(waves, |wavelength_um| coarsened(study, finest, wavelength_um, longer_waves), cover)
 }
 
 /// A grid of the requested resolution with its coarsening for longer waves, and the core seconds of

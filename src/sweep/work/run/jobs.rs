@@ -16,11 +16,12 @@ pub(super) enum Job {
 
 impl Job {
     pub fn task(&self, sweep: &Sweep) -> QueuedTask {
-        let volume = |v: &usize| sweep.variants[*v].study.volume_um3();
         match self {
-            Self::Grids(variants) => {
-                QueuedTask { cost: GRIDS_FIRST * variants.iter().map(volume).sum::<f64>(), after: None }
-            }
+            Self::Grids(variants) => QueuedTask {
+                cost: GRIDS_FIRST
+                    * variants.iter().map(|v| sweep.variants[*v].study.volume_um3()).sum::<f64>(),
+                after: None,
+            },
             // an estimate until the grid is known
             Self::Unit(unit, grids) => {
                 QueuedTask { cost: solves_of(sweep, unit) as f64, after: Some(*grids) }

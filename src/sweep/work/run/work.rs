@@ -64,8 +64,9 @@ impl Work<'_> {
 
     pub fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
         self.room.within(|memory| {
-            let scene = |r: usize| packings.get(r).map(|packing| Scene::from_packing(&packing));
-            resolve(self.study, &self.stores.grids, memory, self.watch, scene)
+            resolve(self.study, &self.stores.grids, memory, self.watch, |r| {
+                packings.get(r).map(|packing| Scene::from_packing(&packing))
+            })
         })
     }
 
