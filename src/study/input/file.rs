@@ -57,7 +57,7 @@ pub struct StudyFile {
     /// Number of packings, and their seed.
     #[serde(default)]
     pub run: RunTable,
-    /// The requested accuracy (default: 1e-2), or the grid.
+    /// The requested accuracy (default: 1e-2, or 3e-2 with a target), or the grid.
     #[serde(default)]
     pub resolution: ResolutionTable,
     /// How the wave equation is solved.

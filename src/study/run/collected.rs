@@ -54,7 +54,7 @@ pub struct Realisation {
     /// One record per solve, in the order of [`Study::points`](crate::input::study::Study::points);
     /// `None` if it is missing.
     pub points: Vec<Option<PointRecord>>,
-    /// The same solves on the finer grid ([`Study::is_checked`]); empty if there are none.
+    /// These solves on the finer grid ([`Study::is_checked`]); empty if there are none.
     ///
     /// [`Study::is_checked`]: crate::input::study::Study::is_checked
     pub finer: Vec<Option<PointRecord>>,
