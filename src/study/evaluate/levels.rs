@@ -250,8 +250,8 @@ mod tests {
             let correction = GridCorrection::new(checked, &basis, REFINEMENT).expect("four packings");
             part(&correction).largest(&[550.0]).transmittance
         };
-        // ± 0.01 in four packings: a standard error of 0.01/√3, extrapolated. The packings have their
-        // own wavelengths and angles, so that their weights at one place differ by some tenths.
+        // ± 0.01 in four packings: a standard error of 0.01/√3, extrapolated. The packings have
+        // their own wavelengths and angles: their weights at one place differ by some tenths.
         let factor = 1.0 / (1.0 - REFINEMENT.powi(-ORDER));
         let added = (error(&wild).powi(2) - error(&calm).powi(2)).sqrt();
         let expected = factor * 0.01 / 3.0_f64.sqrt();
