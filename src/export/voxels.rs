@@ -2,7 +2,7 @@
 //! wave sees.
 
 use super::vti::{Image, PointArray};
-use crate::ink::Packing;
+use crate::ink::{Packing, Solid};
 use crate::wave::Media;
 use num_complex::Complex64;
 
@@ -101,6 +101,10 @@ impl VoxelRaster {
             self.mark_vacuum(packing, &mut marks);
         }
         for grain in packing.grains() {
+            if let Some(solid) = &grain.solid {
+                self.mark_solid(solid, (FIRST_PIGMENT + grain.pigment) as u8, &mut marks);
+                continue;
+            }
             for sphere in &grain.spheres {
                 self.mark_ball(
                     sphere.center_um,
@@ -119,6 +123,24 @@ impl VoxelRaster {
             let [x, y, z] = [0, 1, 2].map(|a| (place[a] as f64 + 0.5) * self.step_um[a]);
             if z < packing.surface_z_um(x, y) {
                 *mark = VACUUM;
+            }
+        }
+    }
+
+    /// Marks the points inside a convex body; x and y wrap.
+    fn mark_solid(&self, solid: &Solid, mark: u8, marks: &mut [u8]) {
+        let points = |[low, high]: [f64; 2], a: usize| {
+            (low / self.step_um[a] - 0.5).ceil() as i64..=(high / self.step_um[a] - 0.5).floor() as i64
+        };
+        let wrap = |a: usize, k: i64| k.rem_euclid(self.count[a] as i64) as usize;
+        let [nx, ny, nz] = self.count;
+        for y in points(solid.extent_um(1), 1) {
+            for x in points(solid.extent_um(0), 0) {
+                let at = |a: usize, k: i64| (k as f64 + 0.5) * self.step_um[a];
+                let Some(inside) = solid.chord([at(0, x), at(1, y), 0.0], [0.0, 0.0, 1.0]) else { continue };
+                for z in points(inside, 2).filter(|&z| (0..nz as i64).contains(&z)) {
+                    marks[wrap(0, x) + nx * (wrap(1, y) + ny * z as usize)] = mark;
+                }
             }
         }
     }

@@ -3,6 +3,7 @@
 use crate::claim::Claim;
 
 pub mod agreement;
+mod bodies;
 mod cell_size;
 mod colour;
 mod composed;
@@ -18,6 +19,7 @@ mod molecular;
 mod orders;
 mod packing;
 mod paper;
+mod published;
 mod reciprocity;
 mod references;
 mod slab;
@@ -26,7 +28,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 26] = [
+pub const ALL: [Claim; 28] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -53,4 +55,6 @@ pub const ALL: [Claim; 26] = [
     intervals::CLAIM,
     maxwell_garnett::CLAIM,
     composed::CLAIM,
+    bodies::CLAIM,
+    published::CLAIM,
 ];

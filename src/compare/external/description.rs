@@ -41,6 +41,8 @@ pub enum ShapeKind {
     Cylinders,
     /// Spheres.
     Spheres,
+    /// Convex bodies: ellipsoids, boxes, discs and prisms.
+    Bodies,
 }
 
 /// A medium of a case.
@@ -98,6 +100,7 @@ fn shapes(case: &Case) -> Vec<ShapeKind> {
         BodyShape::CylinderY { .. } => ShapeKind::Cylinders,
         BodyShape::BarY { .. } => ShapeKind::Bars,
         BodyShape::Sheet { .. } => ShapeKind::Films,
+        BodyShape::Solid(_) => ShapeKind::Bodies,
         BodyShape::Balls(_) | BodyShape::Above { .. } => ShapeKind::Spheres,
     };
     let bodies = case.scene.bodies.iter().map(|body| kind(&body.shape));

@@ -3,9 +3,13 @@
 //! Bodies of every kind are inserted one by one into a grid of cells whose volume is a body's share
 //! of the layer, and compared with those already in the same cells. Bodies that do not overlap
 //! cannot crowd a cell, so the work is proportional to their number. Nothing here is shared with
-//! the packing methods.
+//! the packing methods but the proof that two convex bodies are apart.
 
 use super::{Ball, Body, BodyShape, Scene, WaveError};
+use crate::ink;
+use crate::ink::Solid;
+use crate::ink::grains::contact::proven_gap_um;
+use crate::numerics::Rotation;
 use std::collections::HashMap;
 
 /// Tolerance for touching bodies due to the rounding of their coordinates, in periods along x.
@@ -31,14 +35,15 @@ impl Scene {
 
 /// A convex part of a body.
 #[derive(Clone, Copy)]
-struct Piece {
+struct Piece<'a> {
     body: usize,
-    form: Form,
+    form: Form<'a>,
 }
 
 #[derive(Clone, Copy)]
-enum Form {
+enum Form<'a> {
     Ball(Ball),
+    Solid(&'a Solid),
     /// A cylinder along y: a disc in the plane of x and z.
     Disc {
         x: f64,
@@ -54,10 +59,11 @@ enum Form {
     },
 }
 
-fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece> {
+fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece<'_>> {
     let piece = |form| Piece { body, form };
     match &of.shape {
         BodyShape::Balls(balls) => balls.iter().map(|&ball| piece(Form::Ball(ball))).collect(),
+        BodyShape::Solid(solid) => vec![piece(Form::Solid(solid))],
         BodyShape::CylinderY { x_um, z_um, radius_um } => {
             vec![piece(Form::Disc { x: *x_um, z: *z_um, radius: *radius_um })]
         }
@@ -67,11 +73,12 @@ fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece> {
     }
 }
 
-impl Form {
+impl Form<'_> {
     /// Smallest and largest x, y and z; the whole period along uniform axes.
     fn extent(&self, [lx, ly]: [f64; 2]) -> [[f64; 2]; 3] {
         match *self {
             Form::Ball(Ball { center_um, radius_um }) => center_um.map(|c| [c - radius_um, c + radius_um]),
+            Form::Solid(solid) => [0, 1, 2].map(|axis| solid.extent_um(axis)),
             Form::Disc { x, z, radius } => [[x - radius, x + radius], [0.0, ly], [z - radius, z + radius]],
             Form::Bar { x, z } => [x, [0.0, ly], z],
             Form::Sheet { z } => [[0.0, lx], [0.0, ly], z],
@@ -83,13 +90,38 @@ impl Form {
         match *self {
             Form::Ball(Ball { center_um: [x, _, z], radius_um }) => Some((x, z, radius_um)),
             Form::Disc { x, z, radius } => Some((x, z, radius)),
-            Form::Bar { .. } | Form::Sheet { .. } => None,
+            Form::Solid(_) | Form::Bar { .. } | Form::Sheet { .. } => None,
         }
+    }
+
+    /// The form as a convex body; bodies along y are cut three periods long about the height `y`.
+    fn solid(&self, [_, ly]: [f64; 2], y: f64) -> Option<Solid> {
+        Some(match *self {
+            Form::Solid(solid) => solid.clone(),
+            Form::Ball(Ball { center_um, radius_um }) => {
+                Solid::upright(ink::Form::Ellipsoid { semi_axes_um: [radius_um; 3] }, center_um)
+            }
+            Form::Disc { x, z, radius } => Solid {
+                form: ink::Form::Disc { radius_um: radius, half_length_um: 1.5 * ly },
+                center_um: [x, y, z],
+                rotation: Rotation::from_z_to([0.0, 1.0, 0.0]),
+            },
+            Form::Bar { x, z } => {
+                Solid::upright(ink::Form::cuboid([width(x), 3.0 * ly, width(z)]), [middle(x), y, middle(z)])
+            }
+            Form::Sheet { .. } => return None,
+        })
     }
 
     /// Depth by which two forms overlap in their nearest images, µm; negative if they are apart.
     fn overlap_um(&self, other: &Form, period: [f64; 2]) -> f64 {
         match (*self, *other) {
+            (Form::Solid(solid), any) | (any, Form::Solid(solid)) => {
+                match any.solid(period, solid.center_um[1]) {
+                    Some(other) => solid_overlap_um(solid, &other, period, true),
+                    None => common(any.extent(period)[2], solid.extent_um(2)),
+                }
+            }
             (Form::Ball(a), Form::Ball(b)) => ball_overlap_um(&a, &b, period),
             (Form::Bar { x: x1, z: z1 }, Form::Bar { x: x2, z: z2 }) => {
                 let apart = nearest(middle(x1) - middle(x2), period[0]).abs();
@@ -118,7 +150,7 @@ struct Cells<'a> {
     /// Number of cells along x, y and z, and the lengths they divide.
     count: [i64; 3],
     length: [f64; 3],
-    held: HashMap<[i64; 3], Vec<&'a Piece>>,
+    held: HashMap<[i64; 3], Vec<&'a Piece<'a>>>,
 }
 
 impl<'a> Cells<'a> {
@@ -126,7 +158,7 @@ impl<'a> Cells<'a> {
         let [lx, ly] = scene.period_um;
         let length = [lx, ly, scene.thickness_um()];
         let number = pieces.len().max(1) as f64;
-        let flat = !pieces.iter().any(|p| matches!(p.form, Form::Ball(_)));
+        let flat = !pieces.iter().any(|p| matches!(p.form, Form::Ball(_) | Form::Solid(_)));
         let side = if flat {
             (length[0] * length[2] / number).sqrt()
         } else {
@@ -138,7 +170,7 @@ impl<'a> Cells<'a> {
     }
 
     /// Compares a piece with those of other bodies in its cells, and inserts it.
-    fn enter(&mut self, piece: &'a Piece, slack: f64) -> Result<(), WaveError> {
+    fn enter(&mut self, piece: &'a Piece<'a>, slack: f64) -> Result<(), WaveError> {
         for cell in self.cells_of(piece) {
             let held = self.held.entry(cell).or_default();
             for other in held.iter().filter(|other| other.body != piece.body) {
@@ -180,6 +212,17 @@ fn ball_overlap_um(a: &Ball, b: &Ball, [lx, ly]: [f64; 2]) -> f64 {
     a.radius_um + b.radius_um - nearest(x, lx).hypot(nearest(y, ly)).hypot(z)
 }
 
+/// Depth by which two convex bodies overlap in any of their images, without that in place if not
+/// wanted; negative if they are apart.
+fn solid_overlap_um(a: &Solid, b: &Solid, [lx, ly]: [f64; 2], in_place: bool) -> f64 {
+    let delta: [f64; 3] = std::array::from_fn(|i| b.center_um[i] - a.center_um[i]);
+    let near = [nearest(delta[0], lx), nearest(delta[1], ly), delta[2]];
+    let shifts = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [f64::from(i) * lx, f64::from(j) * ly]));
+    let wanted = shifts.filter(|shift| in_place || *shift != [0.0; 2]);
+    let depth = |[x, y]: [f64; 2]| -proven_gap_um(a, b, [near[0] + x, near[1] + y, near[2]]);
+    wanted.map(depth).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Depth by which a body overlaps its own images: its parts may overlap each other, but not their
 /// copies.
 fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
@@ -195,6 +238,7 @@ fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
             let deepest = pairs.flat_map(|(a, b)| shifts.clone().map(move |shift| overlap(a, b, shift)));
             deepest.fold(f64::NEG_INFINITY, f64::max)
         }
+        BodyShape::Solid(solid) => solid_overlap_um(solid, solid, [lx, ly], false),
         BodyShape::CylinderY { radius_um, .. } => 2.0 * radius_um - lx,
         BodyShape::BarY { x_um, .. } => width(*x_um) - lx,
         BodyShape::Sheet { .. } | BodyShape::Above { .. } => f64::NEG_INFINITY,

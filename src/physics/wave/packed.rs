@@ -23,7 +23,11 @@ fn balls(grain: &Grain) -> Vec<Ball> {
 }
 
 fn body(grain: &Grain) -> Body {
-    Body::new(BodyShape::Balls(balls(grain)), grain.pigment)
+    let shape = match &grain.solid {
+        Some(solid) => BodyShape::Solid(solid.clone()),
+        None => BodyShape::Balls(balls(grain)),
+    };
+    Body::new(shape, grain.pigment)
 }
 
 /// The space above the surface, which is sampled at the relief's own points as z = H − height.

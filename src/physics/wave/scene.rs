@@ -2,6 +2,7 @@
 //! indices.
 
 use super::WaveError;
+use crate::ink::Solid;
 use num_complex::Complex64;
 
 /// A ball in µm; `center_um` may lie outside the cell and is wrapped periodically in x and y.
@@ -18,6 +19,8 @@ pub struct Ball {
 pub enum BodyShape {
     /// Union of the balls of one grain; overlapping volume counts once.
     Balls(Vec<Ball>),
+    /// A convex body with an exact surface.
+    Solid(Solid),
     /// Infinite circular cylinder along y.
     CylinderY {
         /// Centre along x, µm.
@@ -146,7 +149,10 @@ impl Scene {
 
     /// Whether the scene is uniform along y, so that only orders n = 0 exist.
     pub fn uniform_in_y(&self) -> bool {
-        !self.bodies.iter().any(|b| matches!(b.shape, BodyShape::Balls(_) | BodyShape::Above { .. }))
+        let lateral = |shape: &BodyShape| {
+            matches!(shape, BodyShape::Balls(_) | BodyShape::Solid(_) | BodyShape::Above { .. })
+        };
+        !self.bodies.iter().any(|b| lateral(&b.shape))
     }
 
     /// Whether the scene is uniform along x and y: a stack of homogeneous films.
@@ -199,6 +205,7 @@ impl Body {
                     [lo.min(b.center_um[2] - b.radius_um), hi.max(b.center_um[2] + b.radius_um)]
                 })
             }
+            BodyShape::Solid(solid) => solid.extent_um(2),
             BodyShape::CylinderY { z_um, radius_um, .. } => [z_um - radius_um, z_um + radius_um],
             BodyShape::Above { surface, .. } => [0.0, surface.deepest_um()],
             BodyShape::BarY { z_um, .. } | BodyShape::Sheet { z_um } => *z_um,
@@ -233,6 +240,7 @@ impl Body {
             BodyShape::Balls(balls) | BodyShape::Above { balls, .. } => {
                 balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect()
             }
+            BodyShape::Solid(solid) => solid.center_um[..2].to_vec(),
             BodyShape::CylinderY { x_um, .. } => vec![*x_um],
             BodyShape::BarY { x_um, .. } => x_um.to_vec(),
             BodyShape::Sheet { .. } => Vec::new(),

@@ -21,7 +21,7 @@ struct CoordinateRow {
 }
 
 /// One row per sphere: grain, pigment, agglomerate (empty if none), centre, radius, axis of the
-/// grain.
+/// grain. A convex body has the sphere around it; its form and rotation are in the JSON file.
 pub fn grains_csv(packing: &Packing) -> csv::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (number, grain) in packing.grains().iter().enumerate() {

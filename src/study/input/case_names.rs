@@ -33,13 +33,14 @@ fn names(inputs: &CaseInputs) -> Vec<String> {
     let count = |list: Option<usize>| 0..list.unwrap_or(0);
     let spheres = count(inputs.spheres.as_ref().map(Vec::len)).map(|i| format!("spheres[{i}]"));
     let cylinders = count(inputs.cylinders.as_ref().map(Vec::len)).map(|i| format!("cylinders[{i}]"));
+    let bodies = count(inputs.bodies.as_ref().map(Vec::len)).map(|i| format!("bodies[{i}]"));
     let sublayers = inputs.sublayers_from_z0.iter().flatten().enumerate();
     // films of zero thickness have no bodies
     let solid = sublayers.filter(|(_, sublayer)| sublayer.thickness != 0.0);
     let bars = solid.flat_map(|(i, sublayer)| {
         (0..sublayer.bars.len()).map(move |j| format!("sublayers_from_z0[{i}].bars[{j}]"))
     });
-    spheres.chain(cylinders).chain(bars).collect()
+    spheres.chain(cylinders).chain(bodies).chain(bars).collect()
 }
 
 #[cfg(test)]

@@ -242,6 +242,13 @@ impl PackingRequest {
             return Err(PackError::input("sum of volume_fraction", total, allowed, "lower the shares"));
         }
         self.relaxation.check()?;
+        let convex = self.pigments.iter().position(|p| p.shape.form().is_some());
+        if let (Some(k), Some(_)) = (convex, &self.relief) {
+            let found = format!("a {} with a relief", self.pigments[k].shape.name());
+            let allowed = "grains made of spheres where they protrude from the binder";
+            let remedy = "leave the relief out, or take another shape";
+            return Err(PackError::input(format!("pigment[{k}].shape"), found, allowed, remedy));
+        }
         self.relief.iter().try_for_each(|r| r.check(self.thickness_um, self.walls))
     }
 }

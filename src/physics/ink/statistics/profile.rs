@@ -1,6 +1,6 @@
 //! Volume fractions across the layer.
 
-use crate::ink::{Packing, Sphere};
+use crate::ink::{Packing, Solid, Sphere};
 use std::f64::consts::PI;
 
 /// Columns per side for the air above a relief.
@@ -16,6 +16,10 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     let height = packing.thickness_um() / slices as f64;
     let mut fractions = vec![vec![0.0; pigments]; slices];
     for grain in packing.grains() {
+        if let Some(solid) = &grain.solid {
+            add_solid(solid, height, grain.pigment, &mut fractions);
+            continue;
+        }
         for sphere in &grain.spheres {
             for (k, slice) in fractions.iter_mut().enumerate() {
                 slice[grain.pigment] += between(sphere, k as f64 * height, (k + 1) as f64 * height);
@@ -35,6 +39,24 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
         }
     }
     fractions
+}
+
+/// Lines per side on which a convex body is sampled.
+const LINES: usize = 24;
+
+/// Adds the volume of a convex body in every slice, µm³, from its chords along z.
+fn add_solid(solid: &Solid, height: f64, pigment: usize, slices: &mut [Vec<f64>]) {
+    let extents = [0, 1].map(|axis| solid.extent_um(axis));
+    let step = extents.map(|[low, high]| (high - low) / LINES as f64);
+    for line in 0..LINES * LINES {
+        let at = |axis: usize, i: usize| extents[axis][0] + (i as f64 + 0.5) * step[axis];
+        let from = [at(0, line % LINES), at(1, line / LINES), 0.0];
+        let Some([low, high]) = solid.chord(from, [0.0, 0.0, 1.0]) else { continue };
+        for (k, slice) in slices.iter_mut().enumerate() {
+            let [bottom, top] = [k, k + 1].map(|k| k as f64 * height);
+            slice[pigment] += step[0] * step[1] * (high.min(top) - low.max(bottom)).max(0.0);
+        }
+    }
 }
 
 /// Volume of a sphere between two heights, µm³.

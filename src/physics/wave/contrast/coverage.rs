@@ -112,7 +112,7 @@ struct Builder<'a, T: Real> {
     harmonics: &'a Harmonics,
     /// Largest |m| and |n| of the harmonics.
     widest: [usize; 2],
-    /// `None` if no body is round in the plane.
+    /// `None` if no body has edges in the plane.
     transform: Option<SourceTransform<T>>,
     sampling: Sampling,
     stop: Stop<'a>,
@@ -226,7 +226,8 @@ impl<'a, T: Real> Builder<'a, T> {
         let corner = |share: f64| k(0, share).hypot(k(1, share));
         let loose = (OUTER * error).min(1e-2);
         let demands = Demands([(corner(1.0 / REACH as f64), error), (corner(1.0), loose)]);
-        let round = scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Balls(_)));
+        let sourced = |shape: &BodyShape| matches!(shape, BodyShape::Balls(_) | BodyShape::Solid(_));
+        let round = scene.bodies.iter().any(|b| sourced(&b.shape));
         let transform = round.then(|| SourceTransform::new(widest[0], widest[1], Spreading::within(error)));
         let sampling = Sampling { demands, degree: grid.element.degree, rules: GaussRules::default() };
         Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: precision.stop }

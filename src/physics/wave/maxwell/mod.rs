@@ -18,6 +18,7 @@ mod nodes;
 mod power;
 pub mod problem;
 pub mod scattering;
+mod solid_sources;
 pub mod sources;
 
 pub use crate::wave::light::Polarisation;

@@ -5,7 +5,9 @@
 //! plane. They are real and independent of wavelength and angle, computed once per scene and grid
 //! and shared by both polarisations.
 
+use super::solid_sources;
 use super::sources::{self, FIELDS, Slab, Source, VALUES};
+use crate::ink::Solid;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{Patch, SourceTransform, Spreading};
@@ -221,6 +223,7 @@ impl<'a> MomentSum<'a> {
             BodyShape::Balls(balls) => {
                 (0..balls.len()).for_each(|i| self.add_ball(balls, i));
             }
+            BodyShape::Solid(solid) => self.add_solid(solid),
             BodyShape::CylinderY { x_um, z_um, radius_um } => {
                 for (x, values) in sources::of_cylinder(*z_um, *radius_um, &slab, sampling) {
                     self.add_lines(&values, |k, lx| Complex64::cis(-k * (x_um + x)) / lx);
@@ -239,16 +242,34 @@ impl<'a> MomentSum<'a> {
     }
 
     fn add_ball(&mut self, balls: &[Ball], i: usize) {
-        let (transform, [lx, ly]) = (&self.builder.transform, self.builder.grid.period_um);
+        let (builder, slab) = (self.builder, self.slab);
+        let Ball { center_um: [x, y, _], radius_um } = balls[i];
+        self.spread(&[[x - radius_um, x + radius_um], [y - radius_um, y + radius_um]], |push| {
+            sources::of_ball(balls, i, &slab, &builder.sampling, &mut |source| push(source));
+        });
+    }
+
+    fn add_solid(&mut self, solid: &Solid) {
+        let (builder, slab) = (self.builder, self.slab);
+        self.spread(&[0, 1].map(|axis| solid.extent_um(axis)), |push| {
+            let nodes = &builder.grid.nodes_um;
+            solid_sources::of_solid(solid, nodes, &slab, &builder.sampling, &mut |source| push(source));
+        });
+    }
+
+    /// Adds the sources that `all` hands over, within the given lateral extents in µm.
+    fn spread(&mut self, extents: &[[f64; 2]; 2], all: impl FnOnce(&mut dyn FnMut(Source))) {
+        let (transform, period) = (&self.builder.transform, self.builder.grid.period_um);
         if self.sources.is_empty() {
             self.sources = vec![vec![Complex64::default(); transform.points()]; FIELDS];
         }
-        let Ball { center_um: [x, y, _], radius_um } = balls[i];
-        transform.open(&mut self.patch, VALUES, [x / lx, y / ly], [radius_um / lx, radius_um / ly]);
+        let center = [0, 1].map(|i| 0.5 * (extents[i][0] + extents[i][1]) / period[i]);
+        let reach = [0, 1].map(|i| 0.5 * (extents[i][1] - extents[i][0]) / period[i]);
+        transform.open(&mut self.patch, VALUES, center, reach);
         let patch = &mut self.patch;
-        sources::of_ball(balls, i, &self.slab, &self.builder.sampling, &mut |source: Source| {
+        all(&mut |source: Source| {
             let [x, y] = source.position;
-            let (x, y) = (transform.footprint(0, x / lx), transform.footprint(1, y / ly));
+            let (x, y) = (transform.footprint(0, x / period[0]), transform.footprint(1, y / period[1]));
             transform.spread(patch, &x, &y, &source.values);
         });
         transform.close(&self.patch, &mut self.sources);

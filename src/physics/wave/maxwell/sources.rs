@@ -33,7 +33,7 @@ pub struct Source {
 }
 
 /// Moments 2∫ψ_q ζᵏ dζ/h for both Gauss planes q and k = 0, 1, 2.
-type HeightMoments = [[f64; 3]; 2];
+pub(super) type HeightMoments = [[f64; 3]; 2];
 
 impl Slab {
     fn height(&self) -> f64 {
@@ -64,7 +64,7 @@ impl Slab {
     }
 
     /// Moments of one height z with a quadrature weight in µm.
-    fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
+    pub(super) fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
         let zeta = z - origin;
         self.shape_functions(z)
             .map(|psi| [1.0, zeta, zeta * zeta].map(|p| 2.0 * weight * psi * p / self.height()))

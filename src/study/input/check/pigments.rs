@@ -263,7 +263,11 @@ pub fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
         Measure::Radius => largest,
         Measure::Length => largest / template.length,
     };
-    (2.0 * radius, template.length * radius)
+    match &template.form {
+        // a platelet may lie flat, but its neighbours and images may not reach over its corners
+        Some(form) => (2.0 * form.thin_um() * radius, 2.0 * form.reach_um() * radius),
+        None => (2.0 * radius, template.length * radius),
+    }
 }
 
 fn names(file: &StudyFile, faults: &mut Faults) {
