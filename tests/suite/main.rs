@@ -26,6 +26,7 @@ mod merge;
 mod operator_export;
 mod packing_grains;
 mod packing_output;
+mod packing_solids;
 mod packing_spheres;
 mod plans;
 mod prose;

@@ -73,7 +73,7 @@ fn measure(level: Level, findings: &mut Findings) {
         let because =
             "second order of a contrast of 1e-4, some phases of the body's size, and the grid's error";
         findings.promise(format!("{name}, weak contrast"), worst / scale, 2e-4, because);
-        let s = vector::solve(&case_weak, points, 10, 1e-9);
+        let s = vector::solve(&case_weak, points, 20, 1e-9);
         let loss = vector_deviation(&s.far, form, contrast);
         findings.promise(
             format!("{name}, weak contrast, vector wave"),
@@ -174,7 +174,7 @@ fn convergence(level: Level, findings: &mut Findings) {
             (n as f64, off)
         };
         let errors: Vec<(f64, f64)> = counts.iter().map(error).collect();
-        let because = "3 with the tensor, 2 where edges bound it, ± the scatter of a line through few grids";
+        let because = "3 with the tensor, less where edges count, more while the grid is coarse";
         findings.order(
             format!("{name}, order in the plane, vector wave"),
             fitted_slope(&errors),

@@ -1,6 +1,7 @@
 //! Grains: shape as a rigid union of balls or a convex body, size, volume, orientation, and agglomerates.
 
 pub mod agglomeration;
+mod beads;
 pub mod contact;
 mod log_normal;
 mod name_or_table;

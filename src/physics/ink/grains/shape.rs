@@ -1,11 +1,12 @@
 //! Grain shapes: convex bodies, and rigid clusters of spheres, most of them along an axis (P1
 //! section 3, "Форма").
 
+use super::beads::{bead, centred, chain, inscribed};
 use super::solid::{self, Form};
 use super::volume::{Volume, union_volume};
 use crate::ink::Sphere;
 use crate::numerics::allowed::{Allowed, Whole};
-use crate::numerics::vector::{V3, add, norm, scale, sub, unit};
+use crate::numerics::vector::scale;
 use crate::numerics::written::also_by_name;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -365,103 +366,6 @@ fn cluster_defect(spheres: &[[f64; 4]]) -> Option<(&'static str, String, &'stati
     Some(("shape.spheres", format!("{bad:?}"), "finite x, y, z and a radius above 0"))
 }
 
-fn bead(z: f64, radius: f64) -> Sphere {
-    Sphere { center_um: [0.0, 0.0, z], radius_um: radius }
-}
-
-/// A chain of `n` spheres between −reach and reach; `radius` is a function of the position from −1
-/// to 1.
-fn chain(n: usize, reach: f64, radius: impl Fn(f64) -> f64) -> Vec<Sphere> {
-    let at = |i: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
-    let beads: Vec<Sphere> = (0..n).map(|i| bead(reach * at(i), radius(at(i)))).collect();
-    let thickest = beads.iter().map(|s| s.radius_um).fold(0.0, f64::max);
-    beads.iter().map(|s| bead(s.center_um[2] / thickest, s.radius_um / thickest)).collect()
-}
-
-/// The largest sphere centred at z on the axis inside the ellipsoid (1, 1, a) has r² = 1 − z²/(a² −
-/// 1), up to the sphere that osculates the tip at z = (a² − 1)/a.
-fn inscribed(a: f64, n: usize) -> Vec<Sphere> {
-    let squared = a * a - 1.0;
-    chain(n, squared / a, |t| (1.0 - t * t * squared / (a * a)).sqrt())
-}
-
-/// Moves the cluster's centre of mass to the origin, rotates its longest principal axis to z,
-/// scales it to thickest radius 1.
-fn centred(rows: &[[f64; 4]]) -> Vec<Sphere> {
-    let thickest = rows.iter().map(|s| s[3]).fold(0.0, f64::max);
-    let weight = |s: &[f64; 4]| (s[3] / thickest).powi(3);
-    let total: f64 = rows.iter().map(weight).sum();
-    let centre = rows.iter().fold([0.0; 3], |c, s| add(c, scale([s[0], s[1], s[2]], weight(s) / total)));
-    let arms: Vec<V3> = rows.iter().map(|s| scale(sub([s[0], s[1], s[2]], centre), 1.0 / thickest)).collect();
-    let weights: Vec<f64> = rows.iter().map(weight).collect();
-    let back = crate::numerics::Rotation::from_z_to(long_axis(&arms, &weights)).inverse();
-    let sphere =
-        |(arm, s): (&V3, &[f64; 4])| Sphere { center_um: back.turn(*arm), radius_um: s[3] / thickest };
-    arms.iter().zip(rows).map(sphere).collect()
-}
-
-/// Second moment of the arms applied to v: Σ w a (a · v).
-fn spread(arms: &[V3], weights: &[f64], v: V3) -> V3 {
-    arms.iter().zip(weights).fold([0.0; 3], |sum, (a, w)| {
-        let along = w * crate::numerics::vector::dot(*a, v);
-        add(sum, scale(*a, along))
-    })
-}
-
-/// Direction of largest second moment by power iteration on Σ w a aᵀ; z if the moment vanishes.
-fn long_axis(arms: &[V3], weights: &[f64]) -> V3 {
-    let start = arms.iter().copied().max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or([0.0; 3]);
-    (0..200).fold(unit(start), |v, _| unit(spread(arms, weights, v)))
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The figures of the design note: effective diameter of a cylinder of length 6 R.
-    #[test]
-    fn cylinders_of_length_6_have_the_stated_effective_diameters() {
-        for (spheres, expected) in [(3, 2.884), (5, 3.107), (9, 3.158)] {
-            let template = Shape::Cylinder { length_in_radii: 6.0, spheres }.template();
-            // Three decimals were printed.
-            assert!((template.effective_diameter() - expected).abs() < 5e-4);
-            assert!((template.length - 6.0).abs() < 1e-14);
-        }
-    }
-
-    #[test]
-    fn inscribed_beads_approach_the_ellipsoid_from_inside() {
-        let exact = 4.0 * PI / 3.0 * 2.0;
-        let volume = |spheres| Shape::BeadedEllipsoid { aspect_ratio: 2.0, spheres }.template().volume.um3;
-        let (coarse, fine) = (exact - volume(11), exact - volume(21));
-        // Order: the gap between an envelope and its n members shrinks as 1/n²: a factor 4 from 10
-        // to 20 gaps.
-        assert!(fine > 0.0 && coarse / fine > 3.5 && coarse / fine < 4.5, "{coarse} {fine}");
-        let tips = Shape::BeadedEllipsoid { aspect_ratio: 2.0, spheres: 9 }.template().length;
-        assert!((tips - 4.0).abs() < 1e-14);
-    }
-
-    #[test]
-    fn a_cluster_is_centred_and_turned_to_its_long_axis() {
-        let rows = vec![[5.0, 1.0, 1.0, 2.0], [11.0, 1.0, 1.0, 2.0], [8.0, 1.0, 1.0, 2.0]];
-        let template = Shape::Cluster { spheres: rows }.template();
-        // Identity: rounding of the power iteration.
-        assert!((template.length - 5.0).abs() < 1e-12, "{}", template.length);
-        assert!(template.spheres.iter().all(|s| s.center_um[0].hypot(s.center_um[1]) < 1e-12));
-    }
-
-    #[test]
-    fn shapes_read_as_names_and_tables_and_refuse_unknown_keys() {
-        #[derive(Deserialize)]
-        struct Line {
-            shape: Shape,
-        }
-        let read = |text: &str| toml::from_str::<Line>(text).map(|l| l.shape);
-        assert_eq!(read("shape = 'sphere'").unwrap(), Shape::Sphere);
-        assert_eq!(read("shape = 'cylinder'").unwrap(), Shape::CYLINDER);
-        let long = read("shape = { kind = 'cylinder', length_in_radii = 8 }").unwrap();
-        assert_eq!(long, Shape::Cylinder { length_in_radii: 8.0, spheres: 5 });
-        assert!(read("shape = { kind = 'cylinder', lenght = 8 }").is_err());
-        assert!(read("shape = 'cube'").unwrap_err().to_string().contains("rice_grain"));
-    }
-}
+#[path = "shape_tests.rs"]
+mod tests;
