@@ -43,11 +43,12 @@ fn check(table: &Published, accuracy: f64, findings: &mut Findings) {
     let case = Case::parse(&table.inputs.to_string(), false).unwrap_or_else(|e| panic!("{id}: {e}"));
     let solved = solve_to(&case, accuracy).unwrap_or_else(|e| panic!("{id}: {e}"));
     let mut rows = Vec::new();
-    let (mut worst, mut asymmetry, mut own_asymmetry) = (0.0f64, 0.0f64, 0.0f64);
+    let (mut worst, mut squares, mut asymmetry, mut own_asymmetry) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     for entry in &table.efficiencies {
         let (side, polarisation, m, n, published) = entry;
         let own = efficiency(&solved.far_fields, side, polarisation, [*m, *n]);
         worst = worst.max((own - published).abs());
+        squares += (own - published).powi(2);
         for (p, image) in images(id, polarisation, [*m, *n]) {
             let partner =
                 table.efficiencies.iter().find(|e| (&e.0, e.1.as_str(), [e.2, e.3]) == (side, p, image));
