@@ -4,6 +4,7 @@ use crate::claim::Claim;
 
 pub mod agreement;
 mod cell_size;
+mod coated;
 mod colour;
 mod composed;
 mod dilute;
@@ -26,7 +27,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 26] = [
+pub const ALL: [Claim; 27] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -53,4 +54,5 @@ pub const ALL: [Claim; 26] = [
     intervals::CLAIM,
     maxwell_garnett::CLAIM,
     composed::CLAIM,
+    coated::CLAIM,
 ];

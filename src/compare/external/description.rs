@@ -41,6 +41,8 @@ pub enum ShapeKind {
     Cylinders,
     /// Spheres.
     Spheres,
+    /// Spheres inside others, whose material they displace.
+    NestedSpheres,
 }
 
 /// A medium of a case.
@@ -100,7 +102,10 @@ fn shapes(case: &Case) -> Vec<ShapeKind> {
         BodyShape::Sheet { .. } => ShapeKind::Films,
         BodyShape::Balls(_) | BodyShape::Above { .. } => ShapeKind::Spheres,
     };
-    let bodies = case.scene.bodies.iter().map(|body| kind(&body.shape));
+    let bodies = case.scene.bodies.iter().map(|body| match body.within {
+        Some(_) => ShapeKind::NestedSpheres,
+        None => kind(&body.shape),
+    });
     bodies.chain(case.scene.bodies.is_empty().then_some(ShapeKind::Films)).collect()
 }
 
