@@ -62,12 +62,14 @@ fn paint_top(packing: &Packing, w: usize, h: usize) -> Raster {
     raster
 }
 
-/// Spheres and those periodic images that reach into the cell.
+/// Spheres with their materials, and those periodic images that reach into the cell; inner spheres
+/// follow those around them.
 fn images(packing: &Packing) -> impl Iterator<Item = (Sphere, usize)> + '_ {
     let period_um = packing.period_um();
-    let grains = packing.grains().iter().filter(|g| g.solid.is_none());
-    let spheres = grains.flat_map(|g| g.spheres.iter().map(move |s| (*s, g.pigment)));
-    spheres.flat_map(move |(s, pigment)| images_of(s, period_um).map(move |image| (image, pigment)))
+    let round = packing.grains().iter().filter(|g| g.solid.is_none());
+    let nested = round.flat_map(|g| packing.nested(g));
+    let spheres = nested.flat_map(|(material, all)| all.into_iter().map(move |s| (s, material)));
+    spheres.flat_map(move |(s, material)| images_of(s, period_um).map(move |image| (image, material)))
 }
 
 /// Convex bodies and those periodic images that reach into the cell.
@@ -159,7 +161,7 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
             }
         }
     }
-    for (sphere, pigment) in images(packing) {
+    for (after, (sphere, material)) in images(packing).enumerate() {
         let [cx, cy, cz] = sphere.center_um;
         let square = sphere.radius_um.powi(2) - (cy - 0.5 * ly).powi(2);
         if square <= 0.0 {
@@ -170,7 +172,7 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
             for i in ((cx - r) * sx).floor() as i64..=((cx + r) * sx).ceil() as i64 {
                 let (x, z) = ((i as f64 + 0.5) / sx, (j as f64 + 0.5) / sz);
                 if (x - cx).powi(2) + (z - cz).powi(2) < square {
-                    raster.set(i, j, 0.0, pigment_colour(pigment));
+                    raster.set(i, j, -(after as f64), pigment_colour(material));
                 }
             }
         }
@@ -231,9 +233,10 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
             camera.solid(&mut raster, solid, height, pigment_colour(grain.pigment));
             continue;
         }
+        let outermost = packing.nested(grain)[0].0;
         for s in &grain.spheres {
             let [x, y, z] = s.center_um;
-            camera.sphere(&mut raster, [x, y, height - z], s.radius_um, pigment_colour(grain.pigment));
+            camera.sphere(&mut raster, [x, y, height - z], s.radius_um, pigment_colour(outermost));
         }
     }
     let corner = |k: usize| [(k & 1) as f64 * lx, (k >> 1 & 1) as f64 * ly, (k >> 2 & 1) as f64 * height];

@@ -1,4 +1,4 @@
-//! The layer as a volume: which share of every voxel each pigment fills, and the contrast that the
+//! The layer as a volume: which share of every voxel each material fills, and the contrast that the
 //! wave sees.
 
 use super::vti::{Image, PointArray};
@@ -27,7 +27,7 @@ pub struct Voxels {
     /// Edges of a voxel, µm.
     pub edge_um: [f64; 3],
     /// Share of each voxel's volume, x fastest: first the space above a relief, then one list per
-    /// pigment.
+    /// material of the grains, see [`Packing::materials`].
     pub shares: Vec<Vec<f32>>,
 }
 
@@ -41,7 +41,7 @@ impl Voxels {
         let fine = count.map(|n| SAMPLES * n);
         let raster = VoxelRaster { count: fine, step_um: [0, 1, 2].map(|i| size[i] / fine[i] as f64) };
         let marks = raster.marks(packing);
-        let kinds = FIRST_PIGMENT - 1 + packing.shares().len();
+        let kinds = FIRST_PIGMENT - 1 + packing.materials();
         let mut shares = vec![vec![0.0_f32; count.iter().product()]; kinds];
         let part = 1.0 / SAMPLES.pow(3) as f32;
         for (i, &mark) in marks.iter().enumerate() {
@@ -66,11 +66,14 @@ impl Voxels {
         contrast
     }
 
-    /// Shares of the pigments by name, and the contrast at one wavelength, on the voxels' centres.
-    pub fn image(&self, pigments: &[&str], media: &Media, wavelength_nm: f64) -> Image {
+    /// Shares of the materials by name, and the contrast at one wavelength, on the voxels' centres.
+    pub fn image(&self, materials: &[String], media: &Media, wavelength_nm: f64) -> Image {
         let share = |(kind, values): (usize, &Vec<f32>)| {
-            let name =
-                if kind == 0 { "share_above_relief".into() } else { format!("share_{}", pigments[kind - 1]) };
+            let name = if kind == 0 {
+                "share_above_relief".into()
+            } else {
+                format!("share_{}", materials[kind - 1])
+            };
             PointArray { name, components: 1, values: values.clone() }
         };
         let filled = |(_, values): &(usize, &Vec<f32>)| values.iter().any(|&v| v > 0.0);
@@ -105,13 +108,9 @@ impl VoxelRaster {
                 self.mark_solid(solid, (FIRST_PIGMENT + grain.pigment) as u8, &mut marks);
                 continue;
             }
-            for sphere in &grain.spheres {
-                self.mark_ball(
-                    sphere.center_um,
-                    sphere.radius_um,
-                    (FIRST_PIGMENT + grain.pigment) as u8,
-                    &mut marks,
-                );
+            for (material, spheres) in packing.nested(grain) {
+                let mark = (FIRST_PIGMENT + material) as u8;
+                spheres.iter().for_each(|s| self.mark_ball(s.center_um, s.radius_um, mark, &mut marks));
             }
         }
         marks

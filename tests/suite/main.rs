@@ -23,6 +23,7 @@ mod inverse;
 mod kubelka_munk;
 mod memory;
 mod merge;
+mod nested;
 mod operator_export;
 mod packing_grains;
 mod packing_output;

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
 pub const CLAIM: Claim = Claim {
-    id: "27-bodies",
+    id: "28-bodies",
     statement: "Ellipsoids, boxes, discs and prisms in any orientation scatter weakly as their form factors say, in the scalar and the vector wave, and their amplitudes converge with the grid.",
     because: "To first order in the contrast an order's amplitude is the transform of the body at the change of the wavevector (Born and Wolf 13.1.2); the coverage is exact.",
     file: file!(),

@@ -5,6 +5,7 @@ use crate::claim::Claim;
 pub mod agreement;
 mod bodies;
 mod cell_size;
+mod coated;
 mod colour;
 mod composed;
 mod dilute;
@@ -28,7 +29,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 28] = [
+pub const ALL: [Claim; 29] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -55,6 +56,7 @@ pub const ALL: [Claim; 28] = [
     intervals::CLAIM,
     maxwell_garnett::CLAIM,
     composed::CLAIM,
+    coated::CLAIM,
     bodies::CLAIM,
     published::CLAIM,
 ];

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 pub const CLAIM: Claim = Claim {
-    id: "28-published-tables",
+    id: "29-published-tables",
     statement: "Published tables of crossed gratings: every efficiency of Li's checkerboard and of his cylindrical pillars is met within what the tables themselves are worth.",
     because: "Tables that nobody here computed. Mirror images must be equal; by how much they differ in a table is a measure of its own error, which comes from its truncated orders.",
     file: file!(),

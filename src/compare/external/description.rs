@@ -43,6 +43,8 @@ pub enum ShapeKind {
     Spheres,
     /// Convex bodies: ellipsoids, boxes, discs and prisms.
     Bodies,
+    /// Spheres inside others, whose material they displace.
+    NestedSpheres,
 }
 
 /// A medium of a case.
@@ -103,7 +105,10 @@ fn shapes(case: &Case) -> Vec<ShapeKind> {
         BodyShape::Solid(_) => ShapeKind::Bodies,
         BodyShape::Balls(_) | BodyShape::Above { .. } => ShapeKind::Spheres,
     };
-    let bodies = case.scene.bodies.iter().map(|body| kind(&body.shape));
+    let bodies = case.scene.bodies.iter().map(|body| match body.within {
+        Some(_) => ShapeKind::NestedSpheres,
+        None => kind(&body.shape),
+    });
     bodies.chain(case.scene.bodies.is_empty().then_some(ShapeKind::Films)).collect()
 }
 

@@ -79,6 +79,9 @@ pub struct Body {
     pub shape: BodyShape,
     /// Material of the body.
     pub material: Material,
+    /// The body directly around this one, whose material it displaces, as an index into
+    /// [`Scene::bodies`]; `None` in the background.
+    pub within: Option<usize>,
 }
 
 /// One stratum of constant background, counted from z = 0; `background` indexes
@@ -119,7 +122,7 @@ pub struct Scene {
     pub period_um: [f64; 2],
     /// Strata, starting at z = 0.
     pub strata: Vec<Stratum>,
-    /// Bodies in them, without overlap.
+    /// Bodies in them: none overlaps another except those around it ([`Body::within`]).
     pub bodies: Vec<Body>,
 }
 
@@ -160,6 +163,11 @@ impl Scene {
         self.bodies.iter().all(|b| matches!(b.shape, BodyShape::Sheet { .. }))
     }
 
+    /// The material that a body displaces where it is not the background.
+    pub fn displaced(&self, body: &Body) -> Option<Material> {
+        Some(self.bodies[body.within?].material)
+    }
+
     /// Indices of the strata that contain part of a body: elsewhere the wave is that of a film,
     /// exact on every grid.
     pub fn patterned_strata(&self) -> Vec<usize> {
@@ -194,7 +202,7 @@ impl Scene {
 impl Body {
     /// A body made of the medium `inclusion` of [`Media::inclusions`].
     pub fn new(shape: BodyShape, inclusion: usize) -> Body {
-        Body { shape, material: Material::Inclusion(inclusion) }
+        Body { shape, material: Material::Inclusion(inclusion), within: None }
     }
 
     /// Lowest and highest z of the body.
@@ -280,7 +288,9 @@ impl Media {
             Material::Inclusion(index) => missing("inclusion", index, self.inclusions.len()),
             Material::Incident => None,
         });
-        if let Some(error) = background.or(inclusion) {
+        let around = scene.bodies.iter().filter_map(|b| b.within);
+        let around = around.filter_map(|host| missing("body", host, scene.bodies.len())).next();
+        if let Some(error) = background.or(inclusion).or(around) {
             return Err(error);
         }
         let named = |name: &'static str| move |(i, &eta): (usize, &Complex64)| (format!("{name} {i}"), eta);

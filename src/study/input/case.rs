@@ -73,7 +73,7 @@ impl Case {
         scene.check(&media).map_err(|error| with_names(error, inputs))?;
         incidence.check()?;
         check_thickness(inputs, &scene)?;
-        scene.check_overlaps().map_err(|error| with_names(error, inputs))?;
+        let scene = scene.nested().map_err(|error| with_names(error, inputs))?;
         Ok(Case { scene, media, incidence })
     }
 }

@@ -12,7 +12,8 @@ pub(super) fn with_names(error: WaveError, inputs: &CaseInputs) -> CaseError {
         WaveError::Overlap { first, second, overlap_um } => {
             let found = format!("an overlap by {overlap_um:.3e} µm");
             let both = format!("{} and {}", name(first), name(second));
-            Fault::new(both, found, "bodies apart", "move them apart").into()
+            let allowed = "bodies apart, or a sphere wholly inside another";
+            Fault::new(both, found, allowed, "move them apart").into()
         }
         WaveError::OverlapsImage { body, overlap_um } => {
             let found = format!("an overlap with its own periodic image by {overlap_um:.3e} µm");

@@ -202,6 +202,14 @@ impl SizeDistribution {
         }
     }
 
+    /// Smallest size of the distribution, nm.
+    pub fn smallest_nm(&self) -> f64 {
+        match self {
+            Self::List { values_nm, .. } => values_nm.iter().copied().fold(f64::MAX, f64::min),
+            law => law.quantile_nm(0.0),
+        }
+    }
+
     /// Draws one size, nm.
     pub fn draw_nm(&self, draws: &mut Draws) -> f64 {
         match self {

@@ -2,6 +2,7 @@
 
 use super::placed::Share;
 use super::request::{PackingRequest, PigmentGrains};
+use super::shell;
 use super::sizes::{check_presence, draw_sizes, unlike};
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration;
@@ -66,6 +67,9 @@ impl PackingPlan {
             check_size(request, k, pigment, &template)?;
             let (sizes, share) = draw_sizes(pigment, &template, lx * ly * dry, draws)?;
             check_presence(k, pigment, lx * ly * dry, &sizes)?;
+            if !pigment.shell_nm.is_empty() {
+                sizes.iter().try_for_each(|&radius| shell::check_core(k, pigment, &template, radius))?;
+            }
             let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
             bodies.extend(group(k, request, grains, &template, draws)?);
             notes.extend(unlike(k, pigment, &share));

@@ -6,30 +6,38 @@ use std::f64::consts::PI;
 /// Columns per side for the air above a relief.
 const COLUMNS: usize = 24;
 
-/// Volume fractions in `slices` equal slices from z = 0: one profile per pigment, and last the
-/// fraction above a relief's surface, if any.
+/// Volume fractions in `slices` equal slices from z = 0: one profile per material of the grains
+/// (see [`Packing::materials`]), and last the fraction above a relief's surface, if any.
 ///
 /// Overlapping spheres of one grain are counted individually and scaled to the volume of their
 /// union, so that the mean for every pigment is its achieved fraction.
 pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
-    let pigments = packing.shares().len();
     let height = packing.thickness_um() / slices as f64;
-    let mut fractions = vec![vec![0.0; pigments]; slices];
+    let mut fractions = vec![vec![0.0; packing.materials()]; slices];
     for grain in packing.grains() {
         if let Some(solid) = &grain.solid {
             add_solid(solid, height, grain.pigment, &mut fractions);
             continue;
         }
-        for sphere in &grain.spheres {
+        let mut around: Option<usize> = None;
+        for (material, spheres) in packing.nested(grain) {
             for (k, slice) in fractions.iter_mut().enumerate() {
-                slice[grain.pigment] += between(sphere, k as f64 * height, (k + 1) as f64 * height);
+                let [from, to] = [k, k + 1].map(|k| k as f64 * height);
+                for volume in spheres.iter().map(|s| between(s, from, to)) {
+                    slice[material] += volume;
+                    around.iter().for_each(|&outer| slice[outer] -= volume);
+                }
             }
+            around = Some(material);
         }
     }
-    for pigment in 0..pigments {
-        let sum: f64 = fractions.iter().map(|slice| slice[pigment]).sum();
+    let mut layers = packing.shells_um().len();
+    for (pigment, shell) in packing.shells_um().iter().enumerate() {
+        let materials = || (layers..layers + shell.len()).chain([pigment]);
+        let sum: f64 = fractions.iter().flat_map(|slice| materials().map(|m| slice[m])).sum();
         let factor = if sum > 0.0 { packing.achieved_fraction(pigment) * slices as f64 / sum } else { 0.0 };
-        fractions.iter_mut().for_each(|slice| slice[pigment] *= factor);
+        fractions.iter_mut().for_each(|slice| materials().for_each(|m| slice[m] *= factor));
+        layers += shell.len();
     }
     if packing.relief().is_some() {
         let air = above_surface(packing, slices, height);

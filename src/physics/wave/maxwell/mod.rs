@@ -12,6 +12,7 @@ pub mod cell;
 pub mod contrast;
 mod far_field;
 mod kernels;
+mod layers;
 pub mod mean;
 pub mod moments;
 mod nodes;

@@ -17,6 +17,8 @@ use std::f64::consts::TAU;
 pub(super) struct CellSum<'a, T: Real> {
     builder: &'a Builder<'a, T>,
     cell: usize,
+    /// Factor on what is added, 1 or −1.
+    sign: f64,
     /// Surface sources on the fine grid, one grid per plane: n_x dS + i n_y dS; empty until the
     /// first is added.
     sources: Vec<Vec<Complex<T>>>,
@@ -31,11 +33,13 @@ impl<'a, T: Real> CellSum<'a, T> {
         let planes = builder.grid.planes_of_cell(cell).count();
         let spectra = vec![vec![Complex::default(); builder.harmonics.len()]; planes];
         let direct = CellCoefficients { spectra, means: vec![0.0; planes] };
-        CellSum { builder, cell, sources: Vec::new(), direct, patch: Patch::empty(), points: Vec::new() }
+        let (sources, points) = (Vec::new(), Vec::new());
+        CellSum { builder, cell, sign: 1.0, sources, direct, patch: Patch::empty(), points }
     }
 
-    /// Adds the moments of a body that covers the height range `range` of the cell.
-    pub(super) fn add_body(&mut self, body: &Body, range: [f64; 2]) {
+    /// Adds the moments of a body that covers the height range `range` of the cell, times a sign.
+    pub(super) fn add_body(&mut self, body: &Body, sign: f64, range: [f64; 2]) {
+        self.sign = sign;
         match &body.shape {
             BodyShape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
             BodyShape::Solid(solid) => self.add_solid(solid, range),
@@ -59,7 +63,7 @@ impl<'a, T: Real> CellSum<'a, T> {
     fn shares(&self, z: f64, weight: f64) -> [f64; MAX_DEGREE + 1] {
         let grid = self.builder.grid;
         let t = (z - grid.nodes_um[self.cell]) / grid.height_um(self.cell);
-        grid.element.shape_functions(t).map(|psi| psi * weight)
+        grid.element.shape_functions(t).map(|psi| psi * weight * self.sign)
     }
 
     /// Opens the patch around a body of the given lateral extents, µm.
