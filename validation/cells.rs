@@ -2,7 +2,7 @@
 
 use inkwave::solve::{Goal, Silent, Solution, SolveError, Solver};
 use inkwave::wave::{
-    Ball, Body, BodyShape, Incidence, Material, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
+    Ball, Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
 };
 use num_complex::Complex64;
 
@@ -33,9 +33,8 @@ impl Cell {
             [0.55, 0.50, 0.42, 0.09],
             [0.12, 0.33, 0.40, 0.08],
         ];
-        let grain = |[x, y, z, radius_um]: [f64; 4]| Body {
-            shape: BodyShape::Balls(vec![Ball { center_um: [x, y, z], radius_um }]),
-            material: Material::Inclusion(0),
+        let grain = |[x, y, z, radius_um]: [f64; 4]| {
+            Body::new(BodyShape::Balls(vec![Ball { center_um: [x, y, z], radius_um }]), 0)
         };
         Scene::layer([0.7, 0.62], 0.55, grains.map(grain).to_vec())
     }

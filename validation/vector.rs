@@ -69,7 +69,8 @@ impl Reference {
     }
 }
 
-fn complex(value: &Value) -> Complex64 {
+/// A complex number of a data file.
+pub fn complex(value: &Value) -> Complex64 {
     let part = |i: usize| value[i].as_f64().expect("amplitudes are pairs of numbers");
     Complex64::new(part(0), part(1))
 }

@@ -91,7 +91,7 @@ class Case:
         near = lambda a, centre, axis: (a - centre + self.period[axis] / 2) % self.period[axis] - self.period[axis] / 2
         for c in self.cylinders:
             eta[near(x, c["x"], 0) ** 2 + (z - c["z"]) ** 2 < c["radius"] ** 2] = index(c["eta"])
-        for s in self.spheres:
+        for s in sorted(self.spheres, key=lambda s: -s["radius"]):  # inner spheres displace those around them
             dx, dy, dz = near(x, s["center"][0], 0), near(y, s["center"][1], 1), z - s["center"][2]
             eta[dx**2 + dy**2 + dz**2 < s["radius"] ** 2] = index(s["eta"])
         return eta**2

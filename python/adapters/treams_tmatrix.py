@@ -6,7 +6,7 @@ from common import Refusal, index, main, program
 from treams.special import vpw_M, vpw_N
 
 treams.config.POLTYPE = "parity"
-DESCRIPTION = {"program": program("treams"), "waves": ["vector"], "shapes": ["films", "spheres"],
+DESCRIPTION = {"program": program("treams"), "waves": ["vector"], "shapes": ["films", "spheres", "nested_spheres"],
                "knob": "largest multipole order", "conventions": "exp(-iwt), parity basis of vpw_M and vpw_N"}
 # Gap between a sphere and a face below which evanescent orders couple them so strongly that the expansion diverges.
 CLOSEST = 0.005
@@ -14,6 +14,17 @@ CLOSEST = 0.005
 
 def material(eta):
     return treams.Material(eta**2)
+
+
+def layered(case):
+    """The spheres of every centre, from the innermost outwards."""
+    grains = {}
+    for s in sorted(case.spheres, key=lambda s: s["radius"]):
+        grains.setdefault(tuple(s["center"]), []).append(s)
+    for one, inside in ((a[-1], b[-1]) for a in grains.values() for b in grains.values() if a is not b):
+        if np.linalg.norm(np.subtract(one["center"], inside["center"])) < one["radius"] + inside["radius"] - 1e-9:
+            raise Refusal("spheres inside others about one centre only")
+    return list(grains.values())
 
 
 def solve(case):
@@ -37,9 +48,10 @@ def solve(case):
         stack.append(smatrices.interface(basis, k0, [material(below), material(above)]))
         if film and case.spheres:
             binder = material(film[1])
-            single = [treams.TMatrix.sphere(degree, k0, s["radius"], [material(index(s["eta"])), binder])
-                      for s in case.spheres]
-            places = [np.subtract(s["center"], [0, 0, half]) for s in case.spheres]
+            grains = layered(case)
+            single = [treams.TMatrix.sphere(degree, k0, [s["radius"] for s in grain],
+                                            [material(index(s["eta"])) for s in grain] + [binder]) for grain in grains]
+            places = [np.subtract(grain[0]["center"], [0, 0, half]) for grain in grains]
             cluster = treams.TMatrix.cluster(single, places).latticeinteraction.solve(lattice, case.kpar)
             propagation = smatrices.propagation([0, 0, half], basis, k0, binder)
             stack += [propagation, smatrices.from_array(cluster, basis), propagation]

@@ -4,8 +4,10 @@
 use super::error::{OutputError, failed};
 use super::figure::FONT;
 use super::frame::{Canvas, Frame, drawn, framed};
-use super::raster::{BACKGROUND, BINDER, Camera, Raster, mix, pigment_colour, shade};
-use crate::ink::{Packing, Shape, Sphere};
+use super::raster::{BACKGROUND, BINDER, Camera, Raster, Rgb, mix, pigment_colour, shade};
+use crate::ink::grains::shape::Template;
+use crate::ink::{Packing, Shape, Solid, Sphere};
+use crate::numerics::vector::dot;
 use plotters::prelude::*;
 
 const WIDE: f64 = 860.0;
@@ -54,14 +56,65 @@ fn paint_top(packing: &Packing, w: usize, h: usize) -> Raster {
             }
         }
     }
+    for (solid, pigment) in solid_images(packing) {
+        paint_top_solid(packing, &solid, pigment_colour(pigment), &mut raster);
+    }
     raster
 }
 
-/// Spheres and those periodic images that reach into the cell.
+/// Spheres with their materials, and those periodic images that reach into the cell; inner spheres
+/// follow those around them.
 fn images(packing: &Packing) -> impl Iterator<Item = (Sphere, usize)> + '_ {
     let period_um = packing.period_um();
-    let spheres = packing.grains().iter().flat_map(|g| g.spheres.iter().map(move |s| (*s, g.pigment)));
-    spheres.flat_map(move |(s, pigment)| images_of(s, period_um).map(move |image| (image, pigment)))
+    let round = packing.grains().iter().filter(|g| g.solid.is_none());
+    let nested = round.flat_map(|g| packing.nested(g));
+    let spheres = nested.flat_map(|(material, all)| all.into_iter().map(move |s| (s, material)));
+    spheres.flat_map(move |(s, material)| images_of(s, period_um).map(move |image| (image, material)))
+}
+
+/// Convex bodies and those periodic images that reach into the cell.
+fn solid_images(packing: &Packing) -> impl Iterator<Item = (Solid, usize)> + '_ {
+    let period_um = packing.period_um();
+    let solids =
+        packing.grains().iter().filter_map(|g| Some((g.solid.as_ref()?, g.spheres.first()?, g.pigment)));
+    solids.flat_map(move |(solid, around, pigment)| {
+        let place = |image: Sphere| Solid { center_um: image.center_um, ..solid.clone() };
+        images_of(*around, period_um).map(move |image| (place(image), pigment))
+    })
+}
+
+/// Pixels within a range in µm, at `per_um` of them.
+fn pixels([low, high]: [f64; 2], per_um: f64) -> std::ops::RangeInclusive<i64> {
+    (low * per_um).floor() as i64..=(high * per_um).ceil() as i64
+}
+
+fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut Raster) {
+    let [lx, ly] = packing.period_um();
+    let (sx, sy) = (raster.width as f64 / lx, raster.height as f64 / ly);
+    let [[x0, x1], [y0, y1]] = [0, 1].map(|axis| solid.extent_um(axis));
+    for j in pixels([ly - y1, ly - y0], sy) {
+        for i in pixels([x0, x1], sx) {
+            let (x, y) = ((i as f64 + 0.5) / sx, ly - (j as f64 + 0.5) / sy);
+            if let Some([z, _]) = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0]) {
+                let lit = dot(solid.normal([x, y, z]), [-0.4, 0.4, -1.0]) / 1.15;
+                let below = (z - packing.surface_z_um(x, y)).max(0.0) / packing.thickness_um();
+                let lit = shade(colour, 0.45 + 0.55 * lit.max(0.0));
+                raster.set(i, j, z, mix(lit, BINDER, 0.85 * below));
+            }
+        }
+    }
+}
+
+fn paint_cut_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut Raster) {
+    let [lx, ly] = packing.period_um();
+    let (sx, sz) = (raster.width as f64 / lx, raster.height as f64 / packing.thickness_um());
+    for j in pixels(solid.extent_um(2), sz) {
+        let from = [0.0, 0.5 * ly, (j as f64 + 0.5) / sz];
+        let Some([x0, x1]) = solid.chord(from, [1.0, 0.0, 0.0]) else { continue };
+        for i in (x0 * sx - 0.5).ceil() as i64..=(x1 * sx - 0.5).floor() as i64 {
+            raster.set(i, j, 0.0, colour);
+        }
+    }
 }
 
 /// Those of a sphere's nine nearest periodic images, itself among them, that reach into the cell.
@@ -109,7 +162,7 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
             }
         }
     }
-    for (sphere, pigment) in images(packing) {
+    for (after, (sphere, material)) in images(packing).enumerate() {
         let [cx, cy, cz] = sphere.center_um;
         let square = sphere.radius_um.powi(2) - (cy - 0.5 * ly).powi(2);
         if square <= 0.0 {
@@ -120,17 +173,24 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
             for i in ((cx - r) * sx).floor() as i64..=((cx + r) * sx).ceil() as i64 {
                 let (x, z) = ((i as f64 + 0.5) / sx, (j as f64 + 0.5) / sz);
                 if (x - cx).powi(2) + (z - cz).powi(2) < square {
-                    raster.set(i, j, 0.0, pigment_colour(pigment));
+                    raster.set(i, j, -(after as f64), pigment_colour(material));
                 }
             }
         }
     }
+    for (solid, pigment) in solid_images(packing) {
+        paint_cut_solid(packing, &solid, pigment_colour(pigment), &mut raster);
+    }
     raster
 }
 
-/// The number of spheres in words.
-fn spheres(count: usize) -> String {
-    if count == 1 { "1 sphere".into() } else { format!("{count} spheres") }
+/// The number of spheres in words, for grains made of them.
+fn made_of(template: &Template) -> String {
+    match template.spheres.len() {
+        _ if template.form.is_some() => String::new(),
+        1 => ", 1 sphere".into(),
+        count => format!(", {count} spheres"),
+    }
 }
 
 /// The cell with its edges, obliquely from the incident side; the face z = 0 is up.
@@ -170,9 +230,14 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
     let camera = Camera::new(eye, [0.5 * lx, 0.5 * ly, 0.0], [0.0, 0.0, 1.0], 1.02 * w as f64);
     let mut raster = Raster::new(w, h, BACKGROUND);
     for grain in packing.grains() {
+        if let Some(solid) = &grain.solid {
+            camera.solid(&mut raster, solid, height, pigment_colour(grain.pigment));
+            continue;
+        }
+        let outermost = packing.nested(grain)[0].0;
         for s in &grain.spheres {
             let [x, y, z] = s.center_um;
-            camera.sphere(&mut raster, [x, y, height - z], s.radius_um, pigment_colour(grain.pigment));
+            camera.sphere(&mut raster, [x, y, height - z], s.radius_um, pigment_colour(outermost));
         }
     }
     let corner = |k: usize| [(k & 1) as f64 * lx, (k >> 1 & 1) as f64 * ly, (k >> 2 & 1) as f64 * height];
@@ -195,11 +260,11 @@ pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
 /// The grain of pigment `k` in its place on the sheet, with its name and figures beneath.
 fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Result<(), OutputError> {
     let template = shape.template();
-    let raster = paint_shape(&template.spheres, k, 2 * TILE).halved();
+    let raster = paint_shape(&template, k, 2 * TILE).halved();
     let left = (k * TILE) as i32;
     place(canvas, &raster, (left, 0), (TILE as u32, TILE as u32))?;
     let lines = [
-        format!("{name}: {}, {}", shape.name(), spheres(template.spheres.len())),
+        format!("{name}: {}{}", shape.name(), made_of(&template)),
         format!("length {:.2} R", template.length),
         format!("effective diameter {:.3} R", template.effective_diameter()),
     ];
@@ -207,12 +272,17 @@ fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Res
     lines.into_iter().enumerate().try_for_each(|(row, line)| write_line(canvas, line, at(row), 16))
 }
 
-fn paint_shape(spheres: &[Sphere], colour: usize, side: usize) -> Raster {
+fn paint_shape(template: &Template, colour: usize, side: usize) -> Raster {
+    let spheres = &template.spheres;
     let mut raster = Raster::new(side, side, BACKGROUND);
     let reach =
         spheres.iter().map(|s| crate::numerics::vector::norm(s.center_um) + s.radius_um).fold(0.0, f64::max);
     let away = 6.0 * reach;
     let camera = Camera::new([away, 0.35 * away, 0.3 * away], [0.0; 3], [0.0, 0.0, 1.0], 2.6 * side as f64);
+    if let Some(form) = &template.form {
+        camera.solid(&mut raster, &Solid::upright(form.clone(), [0.0; 3]), 0.0, pigment_colour(colour));
+        return raster;
+    }
     for s in spheres {
         camera.sphere(&mut raster, s.center_um, s.radius_um, pigment_colour(colour));
     }

@@ -1,5 +1,6 @@
 //! Small pictures of shaded spheres: a depth buffer, one light, flat colours.
 
+use crate::ink::Solid;
 use crate::numerics::vector::{V3, add, cross, dot, norm, scale, sub, unit};
 
 pub type Rgb = [u8; 3];
@@ -115,7 +116,7 @@ impl Camera {
         }
         let (cx, cy) = (0.5 * raster.width as f64, 0.5 * raster.height as f64);
         let reach = 1.3 * self.focal * radius / (ahead - radius);
-        let light = unit(add(scale(self.forward, -1.0), add(scale(self.up, 0.9), scale(self.right, -0.5))));
+        let light = self.light();
         for y in (cy + v - reach).floor() as i64..=(cy + v + reach).ceil() as i64 {
             for x in (cx + u - reach).floor() as i64..=(cx + u + reach).ceil() as i64 {
                 let ray = self.ray(x as f64 + 0.5 - cx, y as f64 + 0.5 - cy);
@@ -125,6 +126,34 @@ impl Camera {
                 }
             }
         }
+    }
+
+    /// Draws a convex body given with z downwards from `top`, lit as spheres are.
+    pub fn solid(&self, raster: &mut Raster, solid: &Solid, top: f64, colour: Rgb) {
+        let flip = |v: V3| [v[0], v[1], -v[2]];
+        let [x, y, z] = solid.center_um;
+        let radius = solid.form.reach_um();
+        let (u, v, ahead) = self.project([x, y, top - z]);
+        if ahead <= 2.0 * radius {
+            return;
+        }
+        let (cx, cy) = (0.5 * raster.width as f64, 0.5 * raster.height as f64);
+        let reach = 1.3 * self.focal * radius / (ahead - radius);
+        let eye = [self.eye[0], self.eye[1], top - self.eye[2]];
+        for y in (cy + v - reach).floor() as i64..=(cy + v + reach).ceil() as i64 {
+            for x in (cx + u - reach).floor() as i64..=(cx + u + reach).ceil() as i64 {
+                let ray = flip(self.ray(x as f64 + 0.5 - cx, y as f64 + 0.5 - cy));
+                if let Some([t, _]) = solid.chord(eye, ray) {
+                    let normal = flip(solid.normal(add(eye, scale(ray, t))));
+                    raster.set(x, y, t, shade(colour, 0.35 + 0.7 * dot(normal, self.light()).max(0.0)));
+                }
+            }
+        }
+    }
+
+    /// Direction towards the light, over the left shoulder.
+    fn light(&self) -> V3 {
+        unit(add(scale(self.forward, -1.0), add(scale(self.up, 0.9), scale(self.right, -0.5))))
     }
 
     /// Draws a line as a row of points, hidden behind what is nearer.

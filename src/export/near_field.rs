@@ -117,7 +117,11 @@ mod tests {
         let scene = Scene::layer(
             [1.0, 0.8],
             0.5,
-            vec![Body { shape: BodyShape::Balls(vec![ball]), material: Material::Inclusion(0) }],
+            vec![Body {
+                shape: BodyShape::Balls(vec![ball]),
+                material: Material::Inclusion(0),
+                within: None,
+            }],
         );
         let one = Complex64::ONE;
         let media = Media { incident: one, exit: one, backgrounds: vec![one], inclusions: vec![one] };

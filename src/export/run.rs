@@ -167,7 +167,7 @@ impl Exporter<'_> {
         let study = self.study();
         self.watch.stage("packing realisation 1 again");
         let packing = pack_realisation(study, 0, self.watch)?;
-        let names: Vec<&str> = study.pigments.iter().map(|p| p.name.as_str()).collect();
+        let names = study.material_names();
         let asked = self.request.near_field.map(|light| light.wavelength_nm);
         let w = asked.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
         let wavelength_nm = study.wavelengths_nm[w];
@@ -213,7 +213,7 @@ impl Exporter<'_> {
         let study = self.study();
         self.watch.stage("packing realisation 1 again");
         let packing = pack_realisation(study, 0, self.watch)?;
-        let names: Vec<&str> = study.pigments.iter().map(|p| p.name.as_str()).collect();
+        let names = study.material_names();
         out.add(
             "packing.html",
             viewer::page(&packing, &study.title, &names),

@@ -1,8 +1,8 @@
-//! The layer as a volume: which share of every voxel each pigment fills, and the contrast that the
+//! The layer as a volume: which share of every voxel each material fills, and the contrast that the
 //! wave sees.
 
 use super::vti::{Image, PointArray};
-use crate::ink::Packing;
+use crate::ink::{Packing, Solid};
 use crate::wave::Media;
 use num_complex::Complex64;
 
@@ -27,7 +27,7 @@ pub struct Voxels {
     /// Edges of a voxel, µm.
     pub edge_um: [f64; 3],
     /// Share of each voxel's volume, x fastest: first the space above a relief, then one list per
-    /// pigment.
+    /// material of the grains, see [`Packing::materials`].
     pub shares: Vec<Vec<f32>>,
 }
 
@@ -41,7 +41,7 @@ impl Voxels {
         let fine = count.map(|n| SAMPLES * n);
         let raster = VoxelRaster { count: fine, step_um: [0, 1, 2].map(|i| size[i] / fine[i] as f64) };
         let marks = raster.marks(packing);
-        let kinds = FIRST_PIGMENT - 1 + packing.shares().len();
+        let kinds = FIRST_PIGMENT - 1 + packing.materials();
         let mut shares = vec![vec![0.0_f32; count.iter().product()]; kinds];
         let part = 1.0 / SAMPLES.pow(3) as f32;
         for (i, &mark) in marks.iter().enumerate() {
@@ -66,15 +66,15 @@ impl Voxels {
         contrast
     }
 
-    /// Shares of the pigments by name, and the contrast at one wavelength, on the voxels' centres.
-    pub fn image(&self, pigments: &[&str], media: &Media, wavelength_nm: f64) -> Image {
+    /// Shares of the materials by name, and the contrast at one wavelength, on the voxels' centres.
+    pub fn image(&self, materials: &[String], media: &Media, wavelength_nm: f64) -> Image {
         let filled = |(_, values): &(usize, &Vec<f32>)| values.iter().any(|&v| v > 0.0);
         let contrast = self.contrast(media).iter().flat_map(|v| [v.re as f32, v.im as f32]).collect();
         let name = format!("contrast_{wavelength_nm:.0}nm");
         let mut arrays = vec![PointArray { name, components: 2, values: contrast }];
         arrays.extend(self.shares.iter().enumerate().filter(filled).map(|(kind, values)| {
             let name =
-                if kind == 0 { "share_above_relief".into() } else { format!("share_{}", pigments[kind - 1]) };
+                if kind == 0 { "share_above_relief".into() } else { format!("share_{}", materials[kind - 1]) };
             PointArray { name, components: 1, values: values.clone() }
         }));
         let origin_um = self.edge_um.map(|e| e / 2.0);
@@ -100,13 +100,13 @@ impl VoxelRaster {
             self.mark_vacuum(packing, &mut marks);
         }
         for grain in packing.grains() {
-            for sphere in &grain.spheres {
-                self.mark_ball(
-                    sphere.center_um,
-                    sphere.radius_um,
-                    (FIRST_PIGMENT + grain.pigment) as u8,
-                    &mut marks,
-                );
+            if let Some(solid) = &grain.solid {
+                self.mark_solid(solid, (FIRST_PIGMENT + grain.pigment) as u8, &mut marks);
+                continue;
+            }
+            for (material, spheres) in packing.nested(grain) {
+                let mark = (FIRST_PIGMENT + material) as u8;
+                spheres.iter().for_each(|s| self.mark_ball(s.center_um, s.radius_um, mark, &mut marks));
             }
         }
         marks
@@ -118,6 +118,24 @@ impl VoxelRaster {
             let [x, y, z] = [0, 1, 2].map(|a| (place[a] as f64 + 0.5) * self.step_um[a]);
             if z < packing.surface_z_um(x, y) {
                 *mark = VACUUM;
+            }
+        }
+    }
+
+    /// Marks the points inside a convex body; x and y wrap.
+    fn mark_solid(&self, solid: &Solid, mark: u8, marks: &mut [u8]) {
+        let points = |[low, high]: [f64; 2], a: usize| {
+            (low / self.step_um[a] - 0.5).ceil() as i64..=(high / self.step_um[a] - 0.5).floor() as i64
+        };
+        let wrap = |a: usize, k: i64| k.rem_euclid(self.count[a] as i64) as usize;
+        let [nx, ny, nz] = self.count;
+        for y in points(solid.extent_um(1), 1) {
+            for x in points(solid.extent_um(0), 0) {
+                let at = |a: usize, k: i64| (k as f64 + 0.5) * self.step_um[a];
+                let Some(inside) = solid.chord([at(0, x), at(1, y), 0.0], [0.0, 0.0, 1.0]) else { continue };
+                for z in points(inside, 2).filter(|&z| (0..nz as i64).contains(&z)) {
+                    marks[wrap(0, x) + nx * (wrap(1, y) + ny * z as usize)] = mark;
+                }
             }
         }
     }

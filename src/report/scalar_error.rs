@@ -42,9 +42,8 @@ struct TablePlace {
 impl TablePlace {
     /// Properties of a study's ink; `None` for a layer without pigments.
     fn of(study: &Study) -> Option<TablePlace> {
-        let materials: Vec<&IndexSpectrum> = (study.pigments.iter().map(|p| &p.material))
-            .chain(study.dissolved.iter().map(|d| &d.material))
-            .collect();
+        let materials: Vec<&IndexSpectrum> =
+            study.materials().chain(study.dissolved.iter().map(|d| &d.material)).collect();
         let indices = materials.iter().flat_map(|m| study.wavelengths_nm.iter().zip(&m.index));
         let (mut largest_kappa, mut contrast) = (f64::NEG_INFINITY, 0.0_f64);
         for (nm, eta) in indices {

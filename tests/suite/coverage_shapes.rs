@@ -37,7 +37,11 @@ fn grain(balls: Vec<Ball>) -> Body {
 
 fn flat(z: f64, balls: &[Ball]) -> Body {
     let surface = HeightField { z_um: vec![z], count: [1, 1], period_um: PERIOD };
-    Body { shape: BodyShape::Above { surface, balls: balls.to_vec() }, material: Material::Incident }
+    Body {
+        shape: BodyShape::Above { surface, balls: balls.to_vec() },
+        material: Material::Incident,
+        within: None,
+    }
 }
 
 /// Identity of descriptions: a flat relief as columns of vacuum, or as a stratum of vacuum whose interface is a node.

@@ -54,7 +54,7 @@ fn assert_rigid(grain: &Grain, template: &Template) {
 fn every_shape_packs_without_overlap_and_stays_rigid() {
     let elbow =
         Shape::Cluster { spheres: vec![[0.0, 0.0, 0.0, 1.0], [1.5, 0.0, 0.0, 0.8], [0.0, 1.5, 0.0, 0.8]] };
-    let ellipsoid = Shape::Ellipsoid { aspect_ratio: 2.0, spheres: 5 };
+    let ellipsoid = Shape::BeadedEllipsoid { aspect_ratio: 2.0, spheres: 5 };
     for shape in [Shape::CYLINDER, Shape::RICE_GRAIN, ellipsoid, elbow] {
         let template = shape.template();
         for (fraction, method) in [(0.10, MethodChoice::SequentialAddition), (0.40, MethodChoice::Relaxation)]

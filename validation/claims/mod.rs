@@ -3,7 +3,9 @@
 use crate::claim::Claim;
 
 pub mod agreement;
+mod bodies;
 mod cell_size;
+mod coated;
 mod colour;
 mod composed;
 mod dilute;
@@ -18,6 +20,7 @@ mod molecular;
 mod orders;
 mod packing;
 mod paper;
+mod published;
 mod reciprocity;
 mod references;
 mod slab;
@@ -26,7 +29,7 @@ mod tau;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 26] = [
+pub const ALL: [Claim; 29] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -53,4 +56,7 @@ pub const ALL: [Claim; 26] = [
     intervals::CLAIM,
     maxwell_garnett::CLAIM,
     composed::CLAIM,
+    coated::CLAIM,
+    bodies::CLAIM,
+    published::CLAIM,
 ];

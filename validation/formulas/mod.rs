@@ -1,4 +1,5 @@
 //! Independent formulas: closed forms that share no code with the program.
 
 pub mod films;
+pub mod form_factors;
 pub mod mie;

@@ -41,6 +41,10 @@ pub enum ShapeKind {
     Cylinders,
     /// Spheres.
     Spheres,
+    /// Convex bodies: ellipsoids, boxes, discs and prisms.
+    Bodies,
+    /// Spheres inside others, whose material they displace.
+    NestedSpheres,
 }
 
 /// A medium of a case.
@@ -98,9 +102,13 @@ fn shapes(case: &Case) -> Vec<ShapeKind> {
         BodyShape::CylinderY { .. } => ShapeKind::Cylinders,
         BodyShape::BarY { .. } => ShapeKind::Bars,
         BodyShape::Sheet { .. } => ShapeKind::Films,
+        BodyShape::Solid(_) => ShapeKind::Bodies,
         BodyShape::Balls(_) | BodyShape::Above { .. } => ShapeKind::Spheres,
     };
-    let bodies = case.scene.bodies.iter().map(|body| kind(&body.shape));
+    let bodies = case.scene.bodies.iter().map(|body| match body.within {
+        Some(_) => ShapeKind::NestedSpheres,
+        None => kind(&body.shape),
+    });
     bodies.chain(case.scene.bodies.is_empty().then_some(ShapeKind::Films)).collect()
 }
 

@@ -16,6 +16,7 @@ pub use grains::agglomeration::Agglomeration;
 pub use grains::orientation::Orientation;
 pub use grains::shape::Shape;
 pub use grains::size::{By, Measure, SizeDistribution};
+pub use grains::solid::{Form, Solid};
 pub use grains::sphere::Sphere;
 pub use packing::grain::Grain;
 pub use packing::pack::pack;

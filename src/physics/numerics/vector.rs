@@ -1,5 +1,7 @@
 //! Three-vectors and rotations: the few operations that packings need.
 
+use serde::{Deserialize, Serialize};
+
 /// Cartesian components (x, y, z).
 pub type V3 = [f64; 3];
 
@@ -40,7 +42,7 @@ pub fn unit(a: V3) -> V3 {
 }
 
 /// A rotation as a unit quaternion (w, x, y, z).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rotation(pub [f64; 4]);
 
 impl Rotation {

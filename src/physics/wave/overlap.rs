@@ -3,21 +3,48 @@
 //! Bodies of every kind are inserted one by one into a grid of cells whose volume is a body's share
 //! of the layer, and compared with those already in the same cells. Bodies that do not overlap
 //! cannot crowd a cell, so the work is proportional to their number. Nothing here is shared with
-//! the packing methods.
+//! the packing methods but the proof that two convex bodies are apart.
 
 use super::{Ball, Body, BodyShape, Scene, WaveError};
+use crate::ink;
+use crate::ink::Solid;
+use crate::ink::grains::contact::proven_gap_um;
+use crate::numerics::Rotation;
 use std::collections::HashMap;
 
 /// Tolerance for touching bodies due to the rounding of their coordinates, in periods along x.
 const ROUNDING: f64 = 1e-9;
 
 impl Scene {
-    /// Rejects bodies that overlap each other or their own periodic images. The vacuum above a
-    /// relief is exempt: it is cut around the grains.
+    /// Rejects bodies that overlap each other or their own periodic images. Exempt are bodies
+    /// around each other ([`Body::within`]), and the vacuum above a relief, which is cut around the
+    /// grains.
     ///
     /// # Errors
     /// [`WaveError::Overlap`] and [`WaveError::OverlapsImage`], for the first pair found.
     pub fn check_overlaps(&self) -> Result<(), WaveError> {
+        let hosts = self.hosts()?;
+        let stray = (0..hosts.len()).find_map(|second| {
+            let first = hosts[second].filter(|_| self.bodies[second].within != hosts[second])?;
+            Some((first, second))
+        });
+        let Some((first, second)) = stray else { return Ok(()) };
+        let [lo, hi] = self.bodies[second].extent_um();
+        Err(WaveError::Overlap { first, second, overlap_um: hi - lo })
+    }
+
+    /// The scene with every sphere that lies wholly inside another one as a body within it.
+    ///
+    /// # Errors
+    /// As [`Scene::check_overlaps`], for pairs of which neither lies inside the other.
+    pub fn nested(mut self) -> Result<Scene, WaveError> {
+        let hosts = self.hosts()?;
+        self.bodies.iter_mut().zip(hosts).for_each(|(body, host)| body.within = host);
+        Ok(self)
+    }
+
+    /// The smallest sphere around every sphere, or the body given as around it.
+    fn hosts(&self) -> Result<Vec<Option<usize>>, WaveError> {
         let slack = ROUNDING * self.period_um[0];
         let images = self.bodies.iter().map(|body| image_overlap_um(body, self.period_um)).enumerate();
         if let Some((body, overlap_um)) = images.into_iter().find(|&(_, overlap)| overlap > slack) {
@@ -25,20 +52,41 @@ impl Scene {
         }
         let pieces: Vec<Piece> = self.bodies.iter().enumerate().flat_map(pieces_of).collect();
         let mut cells = Cells::new(self, &pieces);
-        pieces.iter().try_for_each(|piece| cells.enter(piece, slack))
+        pieces.iter().try_for_each(|piece| cells.enter(piece, slack))?;
+        let around = |body: usize| cells.around.get(&body).map(|(host, _)| *host);
+        Ok((0..self.bodies.len()).map(|body| self.bodies[body].within.or(around(body))).collect())
+    }
+
+    /// Whether one of two bodies is given as around the other, directly or not.
+    fn is_around(&self, one: usize, other: usize) -> bool {
+        let up = |body: usize| std::iter::successors(Some(body), |&b| self.bodies[b].within);
+        up(one).any(|b| b == other) || up(other).any(|b| b == one)
     }
 }
 
 /// A convex part of a body.
 #[derive(Clone, Copy)]
-struct Piece {
+struct Piece<'a> {
     body: usize,
-    form: Form,
+    /// Whether it is the whole body.
+    whole: bool,
+    form: Form<'a>,
+}
+
+impl Piece<'_> {
+    /// Whether a single sphere lies inside this one, which is larger.
+    fn surrounds(&self, other: &Piece, period: [f64; 2], slack: f64) -> bool {
+        let (Form::Ball(a), Form::Ball(b)) = (self.form, other.form) else { return false };
+        let apart = a.radius_um + b.radius_um - ball_overlap_um(&a, &b, period);
+        let larger = a.radius_um > b.radius_um + slack;
+        self.whole && other.whole && larger && apart + b.radius_um <= a.radius_um + slack
+    }
 }
 
 #[derive(Clone, Copy)]
-enum Form {
+enum Form<'a> {
     Ball(Ball),
+    Solid(&'a Solid),
     /// A cylinder along y: a disc in the plane of x and z.
     Disc {
         x: f64,
@@ -54,10 +102,12 @@ enum Form {
     },
 }
 
-fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece> {
-    let piece = |form| Piece { body, form };
+fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece<'_>> {
+    let whole = !matches!(&of.shape, BodyShape::Balls(balls) if balls.len() > 1);
+    let piece = |form| Piece { body, whole, form };
     match &of.shape {
         BodyShape::Balls(balls) => balls.iter().map(|&ball| piece(Form::Ball(ball))).collect(),
+        BodyShape::Solid(solid) => vec![piece(Form::Solid(solid))],
         BodyShape::CylinderY { x_um, z_um, radius_um } => {
             vec![piece(Form::Disc { x: *x_um, z: *z_um, radius: *radius_um })]
         }
@@ -67,11 +117,12 @@ fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece> {
     }
 }
 
-impl Form {
+impl Form<'_> {
     /// Smallest and largest x, y and z; the whole period along uniform axes.
     fn extent(&self, [lx, ly]: [f64; 2]) -> [[f64; 2]; 3] {
         match *self {
             Form::Ball(Ball { center_um, radius_um }) => center_um.map(|c| [c - radius_um, c + radius_um]),
+            Form::Solid(solid) => [0, 1, 2].map(|axis| solid.extent_um(axis)),
             Form::Disc { x, z, radius } => [[x - radius, x + radius], [0.0, ly], [z - radius, z + radius]],
             Form::Bar { x, z } => [x, [0.0, ly], z],
             Form::Sheet { z } => [[0.0, lx], [0.0, ly], z],
@@ -83,13 +134,38 @@ impl Form {
         match *self {
             Form::Ball(Ball { center_um: [x, _, z], radius_um }) => Some((x, z, radius_um)),
             Form::Disc { x, z, radius } => Some((x, z, radius)),
-            Form::Bar { .. } | Form::Sheet { .. } => None,
+            Form::Solid(_) | Form::Bar { .. } | Form::Sheet { .. } => None,
         }
+    }
+
+    /// The form as a convex body; bodies along y are cut three periods long about the height `y`.
+    fn solid(&self, [_, ly]: [f64; 2], y: f64) -> Option<Solid> {
+        Some(match *self {
+            Form::Solid(solid) => solid.clone(),
+            Form::Ball(Ball { center_um, radius_um }) => {
+                Solid::upright(ink::Form::Ellipsoid { semi_axes_um: [radius_um; 3] }, center_um)
+            }
+            Form::Disc { x, z, radius } => Solid {
+                form: ink::Form::Disc { radius_um: radius, half_length_um: 1.5 * ly },
+                center_um: [x, y, z],
+                rotation: Rotation::from_z_to([0.0, 1.0, 0.0]),
+            },
+            Form::Bar { x, z } => {
+                Solid::upright(ink::Form::cuboid([width(x), 3.0 * ly, width(z)]), [middle(x), y, middle(z)])
+            }
+            Form::Sheet { .. } => return None,
+        })
     }
 
     /// Depth by which two forms overlap in their nearest images, µm; negative if they are apart.
     fn overlap_um(&self, other: &Form, period: [f64; 2]) -> f64 {
         match (*self, *other) {
+            (Form::Solid(solid), any) | (any, Form::Solid(solid)) => {
+                match any.solid(period, solid.center_um[1]) {
+                    Some(other) => solid_overlap_um(solid, &other, period, true),
+                    None => common(any.extent(period)[2], solid.extent_um(2)),
+                }
+            }
             (Form::Ball(a), Form::Ball(b)) => ball_overlap_um(&a, &b, period),
             (Form::Bar { x: x1, z: z1 }, Form::Bar { x: x2, z: z2 }) => {
                 let apart = nearest(middle(x1) - middle(x2), period[0]).abs();
@@ -114,19 +190,22 @@ impl Form {
 
 /// Pieces by the cells they reach.
 struct Cells<'a> {
+    scene: &'a Scene,
     period: [f64; 2],
+    /// The smallest sphere found around a body, with its radius.
+    around: HashMap<usize, (usize, f64)>,
     /// Number of cells along x, y and z, and the lengths they divide.
     count: [i64; 3],
     length: [f64; 3],
-    held: HashMap<[i64; 3], Vec<&'a Piece>>,
+    held: HashMap<[i64; 3], Vec<&'a Piece<'a>>>,
 }
 
 impl<'a> Cells<'a> {
-    fn new(scene: &Scene, pieces: &[Piece]) -> Cells<'a> {
+    fn new(scene: &'a Scene, pieces: &[Piece]) -> Cells<'a> {
         let [lx, ly] = scene.period_um;
         let length = [lx, ly, scene.thickness_um()];
         let number = pieces.len().max(1) as f64;
-        let flat = !pieces.iter().any(|p| matches!(p.form, Form::Ball(_)));
+        let flat = !pieces.iter().any(|p| matches!(p.form, Form::Ball(_) | Form::Solid(_)));
         let side = if flat {
             (length[0] * length[2] / number).sqrt()
         } else {
@@ -134,22 +213,43 @@ impl<'a> Cells<'a> {
         };
         let cells = |l: f64| ((l / side) as i64).clamp(1, pieces.len().max(1) as i64);
         let count = [cells(lx), if flat { 1 } else { cells(ly) }, cells(length[2])];
-        Cells { period: scene.period_um, count, length, held: HashMap::new() }
+        let (around, held) = (HashMap::new(), HashMap::new());
+        Cells { scene, period: scene.period_um, around, count, length, held }
     }
 
     /// Compares a piece with those of other bodies in its cells, and inserts it.
-    fn enter(&mut self, piece: &'a Piece, slack: f64) -> Result<(), WaveError> {
+    fn enter(&mut self, piece: &'a Piece<'a>, slack: f64) -> Result<(), WaveError> {
         for cell in self.cells_of(piece) {
-            let held = self.held.entry(cell).or_default();
+            let mut held = self.held.remove(&cell).unwrap_or_default();
             for other in held.iter().filter(|other| other.body != piece.body) {
                 let overlap_um = other.form.overlap_um(&piece.form, self.period);
-                if overlap_um > slack {
+                if overlap_um > slack && !self.is_nested(other, piece, slack) {
                     return Err(WaveError::Overlap { first: other.body, second: piece.body, overlap_um });
                 }
             }
             held.push(piece);
+            self.held.insert(cell, held);
         }
         Ok(())
+    }
+
+    /// Whether one piece is around the other, which is noted.
+    fn is_nested(&mut self, one: &Piece, other: &Piece, slack: f64) -> bool {
+        if self.scene.is_around(one.body, other.body) {
+            return true;
+        }
+        let surrounds = |a: &Piece, b: &Piece| a.surrounds(b, self.period, slack);
+        let (host, inner) = match (surrounds(one, other), surrounds(other, one)) {
+            (true, _) => (one, other),
+            (_, true) => (other, one),
+            _ => return false,
+        };
+        let Form::Ball(Ball { radius_um, .. }) = host.form else { return false };
+        let smallest = self.around.entry(inner.body).or_insert((host.body, radius_um));
+        if radius_um < smallest.1 {
+            *smallest = (host.body, radius_um);
+        }
+        true
     }
 
     fn cells_of(&self, piece: &Piece) -> Vec<[i64; 3]> {
@@ -180,6 +280,17 @@ fn ball_overlap_um(a: &Ball, b: &Ball, [lx, ly]: [f64; 2]) -> f64 {
     a.radius_um + b.radius_um - nearest(x, lx).hypot(nearest(y, ly)).hypot(z)
 }
 
+/// Depth by which two convex bodies overlap in any of their images, without that in place if not
+/// wanted; negative if they are apart.
+fn solid_overlap_um(a: &Solid, b: &Solid, [lx, ly]: [f64; 2], in_place: bool) -> f64 {
+    let delta: [f64; 3] = std::array::from_fn(|i| b.center_um[i] - a.center_um[i]);
+    let near = [nearest(delta[0], lx), nearest(delta[1], ly), delta[2]];
+    let shifts = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [f64::from(i) * lx, f64::from(j) * ly]));
+    let wanted = shifts.filter(|shift| in_place || *shift != [0.0; 2]);
+    let depth = |[x, y]: [f64; 2]| -proven_gap_um(a, b, [near[0] + x, near[1] + y, near[2]]);
+    wanted.map(depth).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Depth by which a body overlaps its own images: its parts may overlap each other, but not their
 /// copies.
 fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
@@ -195,6 +306,7 @@ fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
             let deepest = pairs.flat_map(|(a, b)| shifts.clone().map(move |shift| overlap(a, b, shift)));
             deepest.fold(f64::NEG_INFINITY, f64::max)
         }
+        BodyShape::Solid(solid) => solid_overlap_um(solid, solid, [lx, ly], false),
         BodyShape::CylinderY { radius_um, .. } => 2.0 * radius_um - lx,
         BodyShape::BarY { x_um, .. } => width(*x_um) - lx,
         BodyShape::Sheet { .. } | BodyShape::Above { .. } => f64::NEG_INFINITY,
@@ -292,16 +404,39 @@ mod tests {
                 (-5..=5).any(|i| {
                     (-2..=2).any(|j| {
                         let (dx, dy) = (a[0] - b[0] + f64::from(i), a[1] - b[1] + 1.5 * f64::from(j));
-                        dx.hypot(dy).hypot(a[2] - b[2]) < a[3] + b[3]
+                        let apart = dx.hypot(dy).hypot(a[2] - b[2]);
+                        apart < a[3] + b[3] && apart > (a[3] - b[3]).abs()
                     })
                 })
             };
             let expected = (0..12).any(|i| (0..i).any(|j| overlaps(&balls[i], &balls[j])));
             let shapes: Vec<BodyShape> = balls.iter().map(|b| ball(b[0], b[1], b[2], b[3])).collect();
-            assert_eq!(scene(&shapes).check_overlaps().is_err(), expected, "{balls:?}");
+            assert_eq!(scene(&shapes).nested().is_err(), expected, "{balls:?}");
             hits += usize::from(expected);
         }
         assert!((40..360).contains(&hits), "both answers occur: {hits} of 400");
+    }
+
+    /// Spheres inside each other, one of them across the boundary, each know the smallest around
+    /// them; unless they are nested, they overlap.
+    #[test]
+    fn spheres_inside_others_are_nested() {
+        let shapes = [
+            ball(0.03, 0.75, 1.0, 0.1),
+            ball(0.98, 0.75, 1.0, 0.3),
+            ball(0.9, 0.75, 1.15, 0.02),
+            ball(0.05, 2.25, 1.0, 0.05),
+            ball(0.5, 0.75, 1.0, 0.15),
+        ];
+        let nested = scene(&shapes).nested().unwrap();
+        let within: Vec<_> = nested.bodies.iter().map(|b| b.within).collect();
+        assert_eq!(within, [Some(1), None, Some(1), Some(0), None]);
+        assert!(nested.check_overlaps().is_ok());
+        assert!(matches!(scene(&shapes).check_overlaps(), Err(WaveError::Overlap { .. })));
+        // The same sphere twice, and one that reaches out of the other.
+        for inner in [ball(0.5, 0.75, 1.0, 0.3), ball(0.7, 0.75, 1.0, 0.2)] {
+            assert!(scene(&[ball(0.5, 0.75, 1.0, 0.3), inner]).nested().is_err());
+        }
     }
 
     #[test]

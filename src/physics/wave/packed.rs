@@ -2,28 +2,37 @@
 
 use super::scene::HeightField;
 use super::{Ball, Body, BodyShape, Material, Scene};
-use crate::ink::{Grain, Packing, Relief};
+use crate::ink::{Packing, Relief, Sphere};
 
 impl Scene {
-    /// One stratum of binder (background 0) with one body per grain; pigment i is inclusion i, and
-    /// the space above a relief is filled by the medium of the incident side.
+    /// One stratum of binder (background 0) with the nested bodies of every grain; their materials
+    /// are the inclusions (see [`Packing::materials`]), and the space above a relief is filled by the
+    /// medium of the incident side.
     ///
     /// The packing has been checked for overlap, so the check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {
-        let mut bodies: Vec<Body> = packing.grains().iter().map(body).collect();
+        let mut bodies: Vec<Body> = Vec::with_capacity(packing.grains().len());
+        for grain in packing.grains() {
+            if let Some(solid) = &grain.solid {
+                bodies.push(Body::new(BodyShape::Solid(solid.clone()), grain.pigment));
+                continue;
+            }
+            let mut within = None;
+            for (material, spheres) in packing.nested(grain) {
+                bodies.push(Body { within, ..Body::new(BodyShape::Balls(balls(&spheres)), material) });
+                within = Some(bodies.len() - 1);
+            }
+        }
         if let Some(relief) = packing.relief() {
-            bodies.push(Body { shape: open(packing, relief), material: Material::Incident });
+            let shape = open(packing, relief);
+            bodies.push(Body { shape, material: Material::Incident, within: None });
         }
         Scene::layer(packing.period_um(), packing.thickness_um(), bodies)
     }
 }
 
-fn balls(grain: &Grain) -> Vec<Ball> {
-    grain.spheres.iter().map(|s| Ball { center_um: s.center_um, radius_um: s.radius_um }).collect()
-}
-
-fn body(grain: &Grain) -> Body {
-    Body::new(BodyShape::Balls(balls(grain)), grain.pigment)
+fn balls(spheres: &[Sphere]) -> Vec<Ball> {
+    spheres.iter().map(|s| Ball { center_um: s.center_um, radius_um: s.radius_um }).collect()
 }
 
 /// The space above the surface, which is sampled at the relief's own points as z = H − height.
@@ -33,5 +42,5 @@ fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let z = |k: usize| packing.surface_z_um(at(k % count[0], 0), at(k / count[0], 1)).max(0.0);
     let z_um = (0..count[0] * count[1]).map(z).collect();
     let surface = HeightField { z_um, count, period_um };
-    BodyShape::Above { surface, balls: packing.grains().iter().flat_map(balls).collect() }
+    BodyShape::Above { surface, balls: packing.grains().iter().flat_map(|g| balls(&g.spheres)).collect() }
 }

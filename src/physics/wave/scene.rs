@@ -2,6 +2,7 @@
 //! indices.
 
 use super::WaveError;
+use crate::ink::Solid;
 use num_complex::Complex64;
 
 /// A ball in µm; `center_um` may lie outside the cell and is wrapped periodically in x and y.
@@ -18,6 +19,8 @@ pub struct Ball {
 pub enum BodyShape {
     /// Union of the balls of one grain; overlapping volume counts once.
     Balls(Vec<Ball>),
+    /// A convex body with an exact surface.
+    Solid(Solid),
     /// Infinite circular cylinder along y.
     CylinderY {
         /// Centre along x, µm.
@@ -76,6 +79,9 @@ pub struct Body {
     pub shape: BodyShape,
     /// Material of the body.
     pub material: Material,
+    /// The body directly around this one, whose material it displaces, as an index into
+    /// [`Scene::bodies`]; `None` in the background.
+    pub within: Option<usize>,
 }
 
 /// One stratum of constant background, counted from z = 0; `background` indexes
@@ -116,7 +122,7 @@ pub struct Scene {
     pub period_um: [f64; 2],
     /// Strata, starting at z = 0.
     pub strata: Vec<Stratum>,
-    /// Bodies in them, without overlap.
+    /// Bodies in them: none overlaps another except those around it ([`Body::within`]).
     pub bodies: Vec<Body>,
 }
 
@@ -146,12 +152,20 @@ impl Scene {
 
     /// Whether the scene is uniform along y, so that only orders n = 0 exist.
     pub fn uniform_in_y(&self) -> bool {
-        !self.bodies.iter().any(|b| matches!(b.shape, BodyShape::Balls(_) | BodyShape::Above { .. }))
+        let lateral = |shape: &BodyShape| {
+            matches!(shape, BodyShape::Balls(_) | BodyShape::Solid(_) | BodyShape::Above { .. })
+        };
+        !self.bodies.iter().any(|b| lateral(&b.shape))
     }
 
     /// Whether the scene is uniform along x and y: a stack of homogeneous films.
     pub fn uniform_in_plane(&self) -> bool {
         self.bodies.iter().all(|b| matches!(b.shape, BodyShape::Sheet { .. }))
+    }
+
+    /// The material that a body displaces where it is not the background.
+    pub fn displaced(&self, body: &Body) -> Option<Material> {
+        Some(self.bodies[body.within?].material)
     }
 
     /// Indices of the strata that contain part of a body: elsewhere the wave is that of a film,
@@ -188,7 +202,7 @@ impl Scene {
 impl Body {
     /// A body made of the medium `inclusion` of [`Media::inclusions`].
     pub fn new(shape: BodyShape, inclusion: usize) -> Body {
-        Body { shape, material: Material::Inclusion(inclusion) }
+        Body { shape, material: Material::Inclusion(inclusion), within: None }
     }
 
     /// Lowest and highest z of the body.
@@ -199,6 +213,7 @@ impl Body {
                     [lo.min(b.center_um[2] - b.radius_um), hi.max(b.center_um[2] + b.radius_um)]
                 })
             }
+            BodyShape::Solid(solid) => solid.extent_um(2),
             BodyShape::CylinderY { z_um, radius_um, .. } => [z_um - radius_um, z_um + radius_um],
             BodyShape::Above { surface, .. } => [0.0, surface.deepest_um()],
             BodyShape::BarY { z_um, .. } | BodyShape::Sheet { z_um } => *z_um,
@@ -233,6 +248,7 @@ impl Body {
             BodyShape::Balls(balls) | BodyShape::Above { balls, .. } => {
                 balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect()
             }
+            BodyShape::Solid(solid) => solid.center_um[..2].to_vec(),
             BodyShape::CylinderY { x_um, .. } => vec![*x_um],
             BodyShape::BarY { x_um, .. } => x_um.to_vec(),
             BodyShape::Sheet { .. } => Vec::new(),
@@ -272,7 +288,9 @@ impl Media {
             Material::Inclusion(index) => missing("inclusion", index, self.inclusions.len()),
             Material::Incident => None,
         });
-        if let Some(error) = background.or(inclusion) {
+        let around = scene.bodies.iter().filter_map(|b| b.within);
+        let around = around.filter_map(|host| missing("body", host, scene.bodies.len())).next();
+        if let Some(error) = background.or(inclusion).or(around) {
             return Err(error);
         }
         let named = |name: &'static str| move |(i, &eta): (usize, &Complex64)| (format!("{name} {i}"), eta);

@@ -10,7 +10,7 @@ const COLUMNS: [&str; 10] =
     ["grain", "pigment", "agglomerate", "x_um", "y_um", "z_um", "radius_um", "axis_x", "axis_y", "axis_z"];
 
 /// One row per sphere: grain, pigment, agglomerate (empty if none), centre, radius, axis of the
-/// grain.
+/// grain. A convex body has the sphere around it; its form and rotation are in the JSON file.
 pub fn grains_csv(packing: &Packing) -> csv::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(COLUMNS)?;
@@ -38,6 +38,7 @@ pub fn packing_json(packing: &Packing) -> Vec<u8> {
         "account": packing.account(),
         "shares": packing.shares(),
         "relief": packing.relief().map(relief_json),
+        "shells_um": packing.shells_um(),
         "grains": packing.grains(),
     });
     format!("{value:#}\n").into_bytes()
@@ -61,6 +62,8 @@ struct Read {
     period_um: [f64; 2],
     thickness_um: f64,
     walls: bool,
+    #[serde(default)]
+    shells_um: Vec<Vec<f64>>,
     grains: Vec<Grain>,
 }
 
@@ -70,6 +73,7 @@ pub fn read_packing_json(path: &std::path::Path) -> Result<Packing, OutputError>
     let fail = |reason: String| OutputError::Read { path: path.into(), reason };
     let text = std::fs::read(path).map_err(|e| fail(e.to_string()))?;
     let read: Read = serde_json::from_slice(&text).map_err(|e| fail(e.to_string()))?;
-    Packing::from_grains(read.period_um, read.thickness_um, read.walls, read.grains)
-        .map_err(|e| fail(e.to_string()))
+    let packing = Packing::from_grains(read.period_um, read.thickness_um, read.walls, read.grains);
+    let layered = packing.and_then(|packing| packing.with_shells(read.shells_um));
+    layered.map_err(|e| fail(e.to_string()))
 }

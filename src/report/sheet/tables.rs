@@ -7,7 +7,7 @@ use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
 use crate::evaluate::survivors::Survivors;
 use crate::ink::Method;
-use crate::input::study::{Dissolved, Pigment, Study, WantedResolution};
+use crate::input::study::{Dissolved, IndexSpectrum, Pigment, Study, WantedResolution};
 use crate::input::variation::{CellRule, LightRule};
 use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
 use crate::report::scalar_error;
@@ -162,7 +162,12 @@ fn with_grains(pigment: &Pigment) -> Named {
     let (grains, source) = (&pigment.grains, &pigment.material.source);
     let size = format!("{}, {}", grains.shape.name(), super::size(grains));
     let share = percent(grains.volume_fraction);
-    Named::new(format!("pigment {}", pigment.name), format!("{share} %, {size}; index {source}"))
+    let layer = |(nm, own): (&f64, &IndexSpectrum)| format!(", {nm} nm of index {}", own.source);
+    let layers: String = grains.shell_nm.iter().zip(&pigment.shell).map(layer).collect();
+    let layers = if layers.is_empty() { layers } else { format!("; layers from the core outwards{layers}") };
+    let core = if layers.is_empty() { "" } else { " of the core" };
+    let value = format!("{share} %, {size}; index{core} {source}{layers}");
+    Named::new(format!("pigment {}", pigment.name), value)
 }
 
 /// A pigment of vanishing grains with its volume fraction and its index.

@@ -111,8 +111,7 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
 /// As [`InkOnPaper::homogeneous`].
 pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
     let indices = |nm: f64| indices(study, nm);
-    let shares = study.pigments.iter().map(|p| p.grains.volume_fraction).collect();
-    let films = films(study, Profile { fractions: vec![shares] }, &indices);
+    let films = films(study, Profile { fractions: vec![study.material_shares()] }, &indices);
     let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
     let outputs_nm = &study.wavelengths_nm;
     InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })

@@ -3,12 +3,14 @@
 
 use super::case_inputs::TEXT;
 pub use super::case_inputs::{
-    BarInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, SphereInput, SublayerInput,
+    BarInput, BodyInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, SphereInput,
+    SublayerInput,
 };
 use super::case_names::with_names;
 use super::fault::{Fault, Faults};
 use super::read::read;
 use super::tree::{Node, SyntaxFault, parse_json, parse_toml};
+use crate::ink::Form;
 use crate::numerics::files;
 use crate::wave::{Ball, Body, BodyShape, Incidence, Media, Scene, Stratum};
 use num_complex::Complex64;
@@ -53,7 +55,9 @@ impl Case {
         }
         let mut builder = CaseBuilder::default();
         let strata = builder.strata(inputs)?;
-        let scene = Scene { period_um: inputs.period_um(), strata, bodies: builder.bodies(inputs)? };
+        let bodies = builder.bodies(inputs)?;
+        let strata = split_at_flat_faces(strata, &bodies);
+        let scene = Scene { period_um: inputs.period_um(), strata, bodies };
         let media = Media {
             incident: half_space("n_in", inputs.n_in, inputs.eta_in)?,
             exit: half_space("n_out", inputs.n_out, inputs.eta_out)?,
@@ -69,7 +73,7 @@ impl Case {
         scene.check(&media).map_err(|error| with_names(error, inputs))?;
         incidence.check()?;
         check_thickness(inputs, &scene)?;
-        scene.check_overlaps().map_err(|error| with_names(error, inputs))?;
+        let scene = scene.nested().map_err(|error| with_names(error, inputs))?;
         Ok(Case { scene, media, incidence })
     }
 }
@@ -145,6 +149,9 @@ impl CaseBuilder {
         for c in inputs.cylinders.iter().flatten() {
             bodies.push(self.body(BodyShape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius }, c.eta));
         }
+        for b in inputs.bodies.iter().flatten() {
+            bodies.extend(b.solid().map(|solid| self.body(BodyShape::Solid(solid), b.eta)));
+        }
         let mut bottom = 0.0;
         for sublayer in inputs.sublayers_from_z0.iter().flatten() {
             let z_um = [bottom, bottom + sublayer.thickness];
@@ -160,6 +167,39 @@ impl CaseBuilder {
     fn body(&mut self, shape: BodyShape, eta: [f64; 2]) -> Body {
         Body::new(shape, index_of(&mut self.inclusions, eta))
     }
+}
+
+/// Most heights of flat faces at which strata are divided.
+const MOST_FACES: usize = 16;
+
+/// Divides strata at the horizontal faces of bodies, which then lie on nodes of every grid: the
+/// fields, whose derivatives jump there, keep their order of convergence.
+fn split_at_flat_faces(strata: Vec<Stratum>, bodies: &[Body]) -> Vec<Stratum> {
+    let mut faces: Vec<f64> = bodies.iter().flat_map(flat_faces).collect();
+    let total: f64 = strata.iter().map(|s| s.thickness_um).sum();
+    faces.sort_by(f64::total_cmp);
+    faces.dedup_by(|a, b| *a - *b < 1e-6 * total);
+    if faces.len() > MOST_FACES {
+        return strata;
+    }
+    let mut split = Vec::new();
+    let mut bottom = 0.0;
+    for stratum in strata {
+        let top = bottom + stratum.thickness_um;
+        let inner = faces.iter().filter(|&&z| z > bottom + 1e-6 * total && z < top - 1e-6 * total);
+        let ends: Vec<f64> = [bottom].into_iter().chain(inner.copied()).chain([top]).collect();
+        split.extend(ends.windows(2).map(|p| Stratum { thickness_um: p[1] - p[0], ..stratum }));
+        bottom = top;
+    }
+    split
+}
+
+/// Heights of a body's horizontal ends.
+fn flat_faces(body: &Body) -> Vec<f64> {
+    let BodyShape::Solid(solid) = &body.shape else { return Vec::new() };
+    let up = solid.rotation.turn([0.0, 0.0, 1.0])[2].abs();
+    let flat = up > 1.0 - 1e-12 && !matches!(solid.form, Form::Ellipsoid { .. });
+    if flat { solid.extent_um(2).to_vec() } else { Vec::new() }
 }
 
 fn index_of(list: &mut Vec<Complex64>, [re, im]: [f64; 2]) -> usize {

@@ -4,6 +4,7 @@ use super::case_inputs::{CaseInputs, IndexInput};
 use super::fault::{Allowed, Faults};
 use super::forms::Pair;
 use super::limits::{ABOVE_ZERO, NOT_NEGATIVE, POLAR_DEG};
+use crate::numerics::vector::norm;
 
 /// Any finite number.
 const FINITE: Allowed = Allowed::between(f64::MIN, f64::MAX, "");
@@ -23,6 +24,7 @@ pub fn check(inputs: &CaseInputs) -> Faults {
         index(&field, eta, &mut faults);
     }
     grains(inputs, &mut faults);
+    bodies(inputs, &mut faults);
     faults
 }
 
@@ -63,6 +65,8 @@ fn indices(inputs: &CaseInputs) -> Vec<(String, [f64; 2])> {
     all.extend(spheres.map(|(i, s)| (format!("spheres[{i}].eta"), s.eta)));
     let cylinders = inputs.cylinders.iter().flatten().enumerate();
     all.extend(cylinders.map(|(i, c)| (format!("cylinders[{i}].eta"), c.eta)));
+    let bodies = inputs.bodies.iter().flatten().enumerate();
+    all.extend(bodies.map(|(i, b)| (format!("bodies[{i}].eta"), b.eta)));
     let layers = inputs.layers_from_z0.iter().flatten().enumerate();
     all.extend(layers.map(|(i, l)| (format!("layers_from_z0[{i}].eta"), l.eta)));
     for (i, l) in inputs.sublayers_from_z0.iter().flatten().enumerate() {
@@ -97,6 +101,29 @@ fn grains(inputs: &CaseInputs, faults: &mut Faults) {
         faults.number(&format!("cylinders[{i}].x"), c.x, FINITE, IN_UM);
         faults.number(&format!("cylinders[{i}].z"), c.z, FINITE, IN_UM);
         within(format!("cylinders[{i}]"), c.z, c.radius, height, faults);
+    }
+}
+
+fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
+    for (i, body) in inputs.bodies.iter().flatten().enumerate() {
+        let shape = format!("bodies[{i}].shape");
+        if let Some((key, found, allowed)) = body.shape.defect() {
+            let field = key.replacen("shape", &shape, 1);
+            faults.push(Fault::new(field, found, allowed, "give lengths in µm"));
+        } else if body.shape.form().is_none() {
+            let allowed = "`ellipsoid`, `box`, `disc` or `prism`";
+            faults.push(Fault::new(shape, body.shape.name(), allowed, "give single spheres as `spheres`"));
+        }
+        for (axis, value) in body.center.into_iter().enumerate() {
+            faults.number(&format!("bodies[{i}].center[{axis}]"), value, FINITE, IN_UM);
+        }
+        faults.number(&format!("bodies[{i}].turn_deg"), body.turn_deg, FINITE, "give it in degrees");
+        let length = body.axis.map_or(1.0, norm);
+        if !(length.is_finite() && length > 0.0) {
+            let found = format!("{:?}", body.axis.unwrap_or_default());
+            let field = format!("bodies[{i}].axis");
+            faults.push(Fault::new(field, found, "a direction of finite length", "give [x, y, z]"));
+        }
     }
 }
 

@@ -3,6 +3,9 @@
 use super::fault::{Fault, Faults};
 use super::forms::Pair;
 use super::limits;
+use crate::ink::{Shape, Solid};
+use crate::numerics::Rotation;
+use crate::numerics::vector::unit;
 use crate::wave::Side;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -51,10 +54,13 @@ pub struct CaseInputs {
     /// Side of incidence: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
-    /// Spheres in the binder.
+    /// Spheres in the binder; one wholly inside another displaces its material, which makes layers
+    /// and hollow grains.
     pub spheres: Option<Vec<SphereInput>>,
     /// Cylinders along y in the binder.
     pub cylinders: Option<Vec<CylinderInput>>,
+    /// Convex bodies in the binder: ellipsoids, boxes, discs and prisms.
+    pub bodies: Option<Vec<BodyInput>>,
     /// Homogeneous films, starting at z = 0.
     pub layers_from_z0: Option<Vec<LayerInput>>,
     /// Films with bars along y, starting at z = 0.
@@ -98,7 +104,8 @@ impl CaseInputs {
     pub fn repeats(&self) -> bool {
         let bars = self.sublayers_from_z0.iter().flatten().any(|sublayer| !sublayer.bars.is_empty());
         let spheres = self.spheres.as_ref().is_some_and(|all| !all.is_empty());
-        spheres || bars || self.cylinders.as_ref().is_some_and(|all| !all.is_empty())
+        let bodies = self.bodies.as_ref().is_some_and(|all| !all.is_empty());
+        spheres || bodies || bars || self.cylinders.as_ref().is_some_and(|all| !all.is_empty())
     }
 }
 
@@ -128,6 +135,32 @@ pub struct CylinderInput {
     pub radius: f64,
     /// Index as [re, im].
     pub eta: [f64; 2],
+}
+
+/// A convex body.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BodyInput {
+    /// An `ellipsoid`, `box`, `disc` or `prism` as in studies, with its lengths in µm.
+    pub shape: Shape,
+    /// Centre (x, y, z), µm.
+    pub center: [f64; 3],
+    /// Direction of the shape's z axis (default: z).
+    pub axis: Option<[f64; 3]>,
+    /// Rotation about that axis beforehand, degrees from x towards y.
+    #[serde(default)]
+    pub turn_deg: f64,
+    /// Index as [re, im].
+    pub eta: [f64; 2],
+}
+
+impl BodyInput {
+    /// The body in its place; `None` for shapes made of spheres.
+    pub fn solid(&self) -> Option<Solid> {
+        let turn = Rotation::by([0.0, 0.0, self.turn_deg.to_radians()]);
+        let tilt = Rotation::from_z_to(unit(self.axis.unwrap_or([0.0, 0.0, 1.0])));
+        Some(Solid { form: self.shape.form()?, center_um: self.center, rotation: turn.then(tilt) })
+    }
 }
 
 /// A homogeneous film.

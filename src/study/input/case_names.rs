@@ -12,7 +12,8 @@ pub(super) fn with_names(error: WaveError, inputs: &CaseInputs) -> CaseError {
         WaveError::Overlap { first, second, overlap_um } => {
             let found = format!("an overlap by {overlap_um:.3e} µm");
             let both = format!("{} and {}", name(first), name(second));
-            Fault::new(both, found, "bodies apart", "move them apart").into()
+            let allowed = "bodies apart, or a sphere wholly inside another";
+            Fault::new(both, found, allowed, "move them apart").into()
         }
         WaveError::OverlapsImage { body, overlap_um } => {
             let found = format!("an overlap with its own periodic image by {overlap_um:.3e} µm");
@@ -33,13 +34,14 @@ fn names(inputs: &CaseInputs) -> Vec<String> {
     let count = |list: Option<usize>| 0..list.unwrap_or(0);
     let spheres = count(inputs.spheres.as_ref().map(Vec::len)).map(|i| format!("spheres[{i}]"));
     let cylinders = count(inputs.cylinders.as_ref().map(Vec::len)).map(|i| format!("cylinders[{i}]"));
+    let bodies = count(inputs.bodies.as_ref().map(Vec::len)).map(|i| format!("bodies[{i}]"));
     let sublayers = inputs.sublayers_from_z0.iter().flatten().enumerate();
     // films of zero thickness have no bodies
     let solid = sublayers.filter(|(_, sublayer)| sublayer.thickness != 0.0);
     let bars = solid.flat_map(|(i, sublayer)| {
         (0..sublayer.bars.len()).map(move |j| format!("sublayers_from_z0[{i}].bars[{j}]"))
     });
-    spheres.chain(cylinders).chain(bars).collect()
+    spheres.chain(cylinders).chain(bodies).chain(bars).collect()
 }
 
 #[cfg(test)]

@@ -169,7 +169,35 @@ impl Study {
         Key::of("packings", &(&self.packing, cell))
     }
 
-    /// Indices at one wavelength; pigment i is inclusion i.
+    /// Materials of the grains in the order of [`Media::inclusions`]: the pigments' own (the core's
+    /// in grains with layers), then all layers, from the core outwards.
+    pub fn materials(&self) -> impl Iterator<Item = &IndexSpectrum> {
+        let cores = self.pigments.iter().map(|p| &p.material);
+        cores.chain(self.pigments.iter().flat_map(|p| &p.shell))
+    }
+
+    /// Fractions of the layer's volume of these materials.
+    pub fn material_shares(&self) -> Vec<f64> {
+        let (mut cores, mut layers) = (Vec::new(), Vec::new());
+        for grains in self.pigments.iter().map(|p| &p.grains) {
+            let mut shares = grains.layer_shares().into_iter().map(|s| s * grains.volume_fraction);
+            cores.extend(shares.next());
+            layers.extend(shares);
+        }
+        cores.into_iter().chain(layers).collect()
+    }
+
+    /// Names of these materials.
+    pub fn material_names(&self) -> Vec<String> {
+        let layer = |p: &Pigment, i: usize| match p.shell.len() {
+            1 => format!("{} shell", p.name),
+            _ => format!("{} shell {}", p.name, i + 1),
+        };
+        let layers = self.pigments.iter().flat_map(|p| (0..p.shell.len()).map(move |i| layer(p, i)));
+        self.pigments.iter().map(|p| p.name.clone()).chain(layers).collect()
+    }
+
+    /// Indices at one wavelength; the inclusions are those of [`Study::materials`].
     pub fn media(&self, wavelength_um: f64) -> Media {
         let (binder, inclusions) = self.binder_and_pigments(wavelength_um);
         let [incident, exit] = self.outer_indices(wavelength_um).map(Complex64::from);
@@ -179,9 +207,11 @@ impl Study {
     /// Indices within the layer at one wavelength.
     pub(super) fn binder_and_pigments(&self, wavelength_um: f64) -> (Complex64, Vec<Complex64>) {
         let binder = self.layer.binder.index_at(wavelength_um);
-        let pigments: Vec<_> = self.pigments.iter().map(|p| p.material.index_at(wavelength_um)).collect();
-        let shares: Vec<f64> = self.pigments.iter().map(|p| p.grains.volume_fraction).collect();
-        self.layer.contrast.of(binder, &shares, pigments)
+        let grains = self.materials().map(|material| material.index_at(wavelength_um)).collect();
+        if self.layer.contrast.is_full() {
+            return (binder, grains);
+        }
+        self.layer.contrast.of(binder, &self.material_shares(), grains)
     }
 
     /// Indices of all media for a content hash: incident side, exit side, binder, pigments.

@@ -5,7 +5,7 @@
 //! allows a spacing larger by λ/λ₀, or by √(V₀/V) if that is less: the work per solve falls as
 //! (λ₀/λ)³ in a clear ink. Two test solves at the longest wavelength check this.
 
-use crate::input::study::{Pigment, Study, WantedResolution};
+use crate::input::study::{IndexSpectrum, Study, WantedResolution};
 use crate::input::variation::stratified_deg;
 use crate::solve::accuracy::smooth_size;
 use crate::wave::{Incidence, Resolution, Side};
@@ -20,11 +20,11 @@ const STEPS: f64 = 4.0;
 /// Largest |η² − η_b²|/λ² of the pigments in the binder, proportional to the contrast V, 1/nm².
 pub(super) fn largest_contrast(study: &Study, nm: f64) -> f64 {
     let binder = study.layer.binder.index_at(1e-3 * nm);
-    let of = |p: &Pigment| {
-        let eta = p.material.index_at(1e-3 * nm);
+    let of = |material: &IndexSpectrum| {
+        let eta = material.index_at(1e-3 * nm);
         ((eta * eta - binder * binder) / (nm * nm)).norm()
     };
-    study.pigments.iter().map(of).fold(0.0, f64::max)
+    study.materials().map(of).fold(0.0, f64::max)
 }
 
 /// The grid of the shortest wave, coarsened for a longer one; `share` is the exponent of the

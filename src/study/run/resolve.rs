@@ -95,11 +95,11 @@ impl Resolved {
 
 /// What a solve of the study needs on a grid.
 pub fn size(study: &Study, resolution: Resolution) -> Size {
-    let indices = study.pigments.iter().map(|p| &p.material).chain([&study.layer.binder]);
+    let indices = study.materials().chain([&study.layer.binder]);
     let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
     let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
     let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
-    let channels = study.pigments.len() + usize::from(study.packing.relief.is_some());
+    let channels = study.materials().count() + usize::from(study.packing.relief.is_some());
     let vector = study.wave.is_vector();
     let wavenumbers = if vector { [0.0; 2] } else { [k0 * densest, k0] };
     Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers, vector }

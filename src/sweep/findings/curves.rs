@@ -223,13 +223,16 @@ fn kind(grains: &PigmentGrains) -> String {
     };
     let agglomerated = grains.agglomeration.as_ref().is_some_and(|a| a.degree > 0.0);
     let agglomerated = if agglomerated { ", agglomerated" } else { "" };
-    format!("{}s{orientation}{agglomerated}", grains.shape.name())
+    let shell = match grains.shell_nm.iter().sum::<f64>() {
+        0.0 => String::new(),
+        nm => format!(", layers of {nm} nm"),
+    };
+    format!("{}s{orientation}{agglomerated}{shell}", grains.shape.name())
 }
 
 /// Wavelength at which the strongest pigment absorbs most, nm.
 fn strongest_nm(study: &Study) -> f64 {
-    let materials =
-        || study.pigments.iter().map(|p| &p.material).chain(study.dissolved.iter().map(|d| &d.material));
+    let materials = || study.materials().chain(study.dissolved.iter().map(|d| &d.material));
     let kappa = |w: usize| materials().map(|m| m.index[w].im).fold(0.0, f64::max);
     let all = 0..study.wavelengths_nm.len();
     let strongest = all.max_by(|&a, &b| kappa(a).total_cmp(&kappa(b)));

@@ -221,6 +221,21 @@ pub const INK: &[Slip] = &[
         ["pigment[0].name", "\" \"", "no other pigment", "another name"],
     ),
     slip(
+        "diameter_nm = 200",
+        "diameter_nm = 200\nshell = [{ thickness_nm = 60, index = 1.46 }, { thickness_nm = 40, index = 1.4 }]",
+        ["pigment[0].shell", "layers of 100 nm in all", "less than 100.000 nm", "sizes are outer ones"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = 200\nshell = [{ thickness_nm = 0, index = 1.46 }]",
+        ["pigment[0].shell[0].thickness_nm", "found 0", "above 0", "leave the layer out"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = \"molecular\"\nshell = [{ thickness_nm = 20, index = 1.46 }]",
+        ["pigment[0].shell", "layers", "dissolved pigments", "remove shell"],
+    ),
+    slip(
         "name = \"yellow\"",
         "name = \"yellow\"\nshape = \"cube\"",
         ["shape", "cube", "`sphere`", "write one of"],

@@ -1,11 +1,14 @@
-//! Grains: shape as a rigid union of balls, size, volume, orientation, and agglomerates.
+//! Grains: shape as a rigid union of balls or a convex body, size, volume, orientation, and agglomerates.
 
 pub mod agglomeration;
+mod beads;
+pub mod contact;
 mod log_normal;
 mod name_or_table;
 pub mod orientation;
 pub mod shape;
 pub mod size;
 mod size_strata;
+pub mod solid;
 pub mod sphere;
 pub mod volume;

@@ -1,9 +1,12 @@
-//! Grain shapes: rigid clusters of spheres, most of them along an axis (P1 section 3, "Форма").
+//! Grain shapes: convex bodies, and rigid clusters of spheres, most of them along an axis (P1
+//! section 3, "Форма").
 
+use super::beads::{bead, centred, chain, inscribed};
+use super::solid::{self, Form};
 use super::volume::{Volume, union_volume};
 use crate::ink::Sphere;
 use crate::numerics::allowed::{Allowed, Whole};
-use crate::numerics::vector::{V3, add, norm, scale, sub, unit};
+use crate::numerics::vector::scale;
 use crate::numerics::written::also_by_name;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -13,14 +16,23 @@ use std::f64::consts::PI;
 const LENGTH_IN_RADII: Allowed = Allowed::above(2.0, 100.0, "");
 /// Radius of a rice grain's ends in radii.
 const TIP_IN_RADII: Allowed = Allowed::above(0.0, 1.0, "");
-/// Length of an ellipsoid over its width; 1 is a sphere.
+/// Length of a beaded ellipsoid over its width; 1 is a sphere.
 const ASPECT_RATIO: Allowed = Allowed::above(1.0, 20.0, "");
+/// Length of an axis or edge of a convex body.
+const LENGTH: Allowed = Allowed::above(0.0, 1e6, "");
+/// Corners of a prism's polygon.
+const MOST_CORNERS: usize = 64;
+/// Longest over shortest length of a convex body.
+const SLIMMEST: f64 = 100.0;
 /// Spheres on the axis of a grain.
 const SPHERES: Whole = Whole::between(2, 200);
 
-/// The shape of a grain; lengths are in radii R of its thickest sphere. A file gives either the
-/// bare name (`shape = "cylinder"`) or a table (`shape = { kind = "cylinder", length_in_radii =
-/// 8.0, spheres = 7 }`).
+/// The shape of a grain. A file gives either the bare name (`shape = "cylinder"`) or a table
+/// (`shape = { kind = "cylinder", length_in_radii = 8.0, spheres = 7 }`).
+///
+/// Clusters of spheres have lengths in radii R of their thickest sphere. `ellipsoid`, `box`, `disc`
+/// and `prism` are exact convex bodies: their lengths are proportions, which the size scales (in
+/// case files they are µm).
 #[derive(Clone, Debug, PartialEq, Serialize, Default, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[schemars(deny_unknown_fields, transform = also_by_name)]
@@ -51,8 +63,39 @@ pub enum Shape {
         #[schemars(transform = SPHERES.mark(), default = "seven")]
         spheres: usize,
     },
-    /// Spheres inscribed in a prolate ellipsoid of semi-axes R and `aspect_ratio` R, tips included.
+    /// Ellipsoid with three axes; bare: the third twice as long as the others.
     Ellipsoid {
+        /// Lengths of the axes, tip to tip, along x, y and z: z is the grain's axis.
+        #[schemars(inner(range(min = 0)), default = "prolate")]
+        axes: [f64; 3],
+    },
+    /// Box with three edges; bare: a cube.
+    Box {
+        /// Lengths of the edges along x, y and z: z is the grain's axis.
+        #[schemars(inner(range(min = 0)), default = "cube")]
+        edges: [f64; 3],
+    },
+    /// Circular disc, platelet or rod with flat ends; bare: five times as wide as thick.
+    Disc {
+        /// Diameter of the ends.
+        #[schemars(transform = LENGTH.mark(), default = "one")]
+        diameter: f64,
+        /// Distance between the ends along z, the grain's axis.
+        #[schemars(transform = LENGTH.mark(), default = "fifth")]
+        thickness: f64,
+    },
+    /// Prism over a convex polygon; bare: hexagonal, as long as its edges.
+    Prism {
+        /// Corners of the polygon in order, x and y; its centre of mass becomes the grain's axis.
+        #[schemars(length(min = 3, max = 64), default = "hexagon")]
+        corners: Vec<[f64; 2]>,
+        /// Distance between the ends along z, the grain's axis.
+        #[schemars(transform = LENGTH.mark(), default = "one")]
+        length: f64,
+    },
+    /// Spheres inscribed in a prolate ellipsoid of semi-axes R and `aspect_ratio` R, tips included;
+    /// unlike `ellipsoid` it can agglomerate.
+    BeadedEllipsoid {
         /// Length over width, above 1.
         #[schemars(transform = ASPECT_RATIO.mark(), default = "two")]
         aspect_ratio: f64,
@@ -88,6 +131,26 @@ enum ShapeWritten {
         spheres: usize,
     },
     Ellipsoid {
+        #[serde(default = "prolate")]
+        axes: [f64; 3],
+    },
+    Box {
+        #[serde(default = "cube")]
+        edges: [f64; 3],
+    },
+    Disc {
+        #[serde(default = "one")]
+        diameter: f64,
+        #[serde(default = "fifth")]
+        thickness: f64,
+    },
+    Prism {
+        #[serde(default = "hexagon")]
+        corners: Vec<[f64; 2]>,
+        #[serde(default = "one")]
+        length: f64,
+    },
+    BeadedEllipsoid {
         #[serde(default = "two")]
         aspect_ratio: f64,
         #[serde(default = "nine")]
@@ -100,6 +163,22 @@ enum ShapeWritten {
 
 fn six() -> f64 {
     6.0
+}
+fn one() -> f64 {
+    1.0
+}
+fn fifth() -> f64 {
+    0.2
+}
+fn prolate() -> [f64; 3] {
+    [1.0, 1.0, 2.0]
+}
+fn cube() -> [f64; 3] {
+    [1.0; 3]
+}
+fn hexagon() -> Vec<[f64; 2]> {
+    let h = 0.75f64.sqrt();
+    vec![[1.0, 0.0], [0.5, h], [-0.5, h], [-1.0, 0.0], [-0.5, -h], [0.5, -h]]
 }
 fn two() -> f64 {
     2.0
@@ -127,7 +206,13 @@ impl From<ShapeWritten> for Shape {
             ShapeWritten::RiceGrain { length_in_radii, tip_in_radii, spheres } => {
                 Self::RiceGrain { length_in_radii, tip_in_radii, spheres }
             }
-            ShapeWritten::Ellipsoid { aspect_ratio, spheres } => Self::Ellipsoid { aspect_ratio, spheres },
+            ShapeWritten::Ellipsoid { axes } => Self::Ellipsoid { axes },
+            ShapeWritten::Box { edges } => Self::Box { edges },
+            ShapeWritten::Disc { diameter, thickness } => Self::Disc { diameter, thickness },
+            ShapeWritten::Prism { corners, length } => Self::Prism { corners, length },
+            ShapeWritten::BeadedEllipsoid { aspect_ratio, spheres } => {
+                Self::BeadedEllipsoid { aspect_ratio, spheres }
+            }
             ShapeWritten::Cluster { spheres } => Self::Cluster { spheres },
         }
     }
@@ -140,15 +225,18 @@ impl<'de> Deserialize<'de> for Shape {
 }
 
 /// Spheres in the body frame (centre of mass at the origin, symmetry axis along z), thickest radius
-/// 1.
+/// 1; or a convex body whose longest axis or edge is 2.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
-    /// Positions and radii in units of the thickest radius (not in µm, as the fields' names say).
+    /// Positions and radii in units of the thickest radius (not in µm, as the fields' names say); of
+    /// a convex body the sphere around it.
     pub spheres: Vec<Sphere>,
-    /// Volume of their union, in units of the thickest radius cubed.
+    /// Volume of the grain, in units of the thickest radius cubed.
     pub volume: Volume,
-    /// Tip-to-tip length along the axis.
+    /// Tip-to-tip length along the axis; of a convex body the longest axis or edge.
     pub length: f64,
+    /// The convex body, if the shape is one.
+    pub form: Option<Form>,
 }
 
 impl Shape {
@@ -164,6 +252,10 @@ impl Shape {
             Self::Cylinder { .. } => "cylinder",
             Self::RiceGrain { .. } => "rice grain",
             Self::Ellipsoid { .. } => "ellipsoid",
+            Self::Box { .. } => "box",
+            Self::Disc { .. } => "disc",
+            Self::Prism { .. } => "prism",
+            Self::BeadedEllipsoid { .. } => "beaded ellipsoid",
             Self::Cluster { .. } => "cluster",
         }
     }
@@ -183,19 +275,45 @@ impl Shape {
             Self::RiceGrain { tip_in_radii: t, .. } if !TIP_IN_RADII.holds(t) => {
                 bad("shape.tip_in_radii", t, "above 0 up to 1")
             }
-            Self::Ellipsoid { aspect_ratio: a, .. } if !ASPECT_RATIO.holds(a) => {
+            Self::BeadedEllipsoid { aspect_ratio: a, .. } if !ASPECT_RATIO.holds(a) => {
                 bad("shape.aspect_ratio", a, "above 1 (a sphere) up to 20")
             }
             Self::Cylinder { spheres, .. }
             | Self::RiceGrain { spheres, .. }
-            | Self::Ellipsoid { spheres, .. } => count(spheres),
+            | Self::BeadedEllipsoid { spheres, .. } => count(spheres),
             Self::Cluster { ref spheres } => cluster_defect(spheres),
+            Self::Ellipsoid { ref axes } => lengths_defect("shape.axes", axes),
+            Self::Box { ref edges } => lengths_defect("shape.edges", edges),
+            Self::Disc { diameter, thickness } => {
+                lengths_defect("shape.diameter and shape.thickness", &[diameter, thickness])
+            }
+            Self::Prism { ref corners, length } => prism_defect(corners, length),
         }
     }
 
-    /// The cluster of spheres with its union volume. The numbers must be valid (see
-    /// [`Shape::defect`]).
+    /// The exact convex body that the shape describes, if any, in the units of its lengths.
+    pub fn form(&self) -> Option<Form> {
+        Some(match self {
+            Self::Ellipsoid { axes } => Form::Ellipsoid { semi_axes_um: scale(*axes, 0.5) },
+            Self::Box { edges } => Form::cuboid(*edges),
+            Self::Disc { diameter, thickness } => {
+                Form::Disc { radius_um: 0.5 * diameter, half_length_um: 0.5 * thickness }
+            }
+            Self::Prism { corners, length } => {
+                Form::Prism { corners_um: solid::centred(corners), half_length_um: 0.5 * length }
+            }
+            _ => return None,
+        })
+    }
+
+    /// The grain of unit size with its volume. The numbers must be valid (see [`Shape::defect`]).
     pub fn template(&self) -> Template {
+        if let Some(form) = self.form() {
+            let form = form.scaled(2.0 / form.longest_um());
+            let around = Sphere { center_um: [0.0; 3], radius_um: form.reach_um() };
+            let volume = Volume { um3: form.volume_um3(), error_um3: 0.0 };
+            return Template { spheres: vec![around], volume, length: 2.0, form: Some(form) };
+        }
         let spheres = match self {
             Self::Sphere => vec![bead(0.0, 1.0)],
             Self::Cylinder { length_in_radii, spheres } => {
@@ -205,12 +323,13 @@ impl Shape {
                 let reach = 0.5 * length_in_radii - tip_in_radii;
                 chain(*spheres, reach, |t| 1.0 - (1.0 - tip_in_radii) * t * t)
             }
-            Self::Ellipsoid { aspect_ratio: a, spheres } => inscribed(*a, *spheres),
+            Self::BeadedEllipsoid { aspect_ratio: a, spheres } => inscribed(*a, *spheres),
             Self::Cluster { spheres } => centred(spheres),
+            Self::Ellipsoid { .. } | Self::Box { .. } | Self::Disc { .. } | Self::Prism { .. } => Vec::new(),
         };
         let tip = |sign: f64| spheres.iter().map(move |s| sign * s.center_um[2] + s.radius_um);
         let length = tip(1.0).fold(f64::MIN, f64::max) + tip(-1.0).fold(f64::MIN, f64::max);
-        Template { volume: union_volume(&spheres), length, spheres }
+        Template { volume: union_volume(&spheres), length, spheres, form: None }
     }
 }
 
@@ -219,6 +338,22 @@ impl Template {
     pub fn effective_diameter(&self) -> f64 {
         (6.0 * self.volume.um3 / PI).cbrt()
     }
+}
+
+fn lengths_defect(field: &'static str, lengths: &[f64]) -> Option<(&'static str, String, &'static str)> {
+    let (least, most) = lengths.iter().fold((f64::MAX, 0.0), |(a, b): (f64, f64), &l| (a.min(l), b.max(l)));
+    let sound = lengths.iter().all(|l| LENGTH.holds(*l)) && most <= SLIMMEST * least;
+    let allowed = "numbers above 0, none more than 100 times another";
+    (!sound).then(|| (field, format!("{lengths:?}"), allowed))
+}
+
+fn prism_defect(corners: &[[f64; 2]], length: f64) -> Option<(&'static str, String, &'static str)> {
+    let wide = || 4.0 * solid::area(corners).abs().sqrt();
+    if corners.len() > MOST_CORNERS || !solid::is_convex(corners) {
+        let allowed = "3 to 64 corners of a convex polygon, in order";
+        return Some(("shape.corners", format!("{corners:?}"), allowed));
+    }
+    lengths_defect("shape.length beside shape.corners", &[length, wide()])
 }
 
 fn cluster_defect(spheres: &[[f64; 4]]) -> Option<(&'static str, String, &'static str)> {
@@ -231,103 +366,6 @@ fn cluster_defect(spheres: &[[f64; 4]]) -> Option<(&'static str, String, &'stati
     Some(("shape.spheres", format!("{bad:?}"), "finite x, y, z and a radius above 0"))
 }
 
-fn bead(z: f64, radius: f64) -> Sphere {
-    Sphere { center_um: [0.0, 0.0, z], radius_um: radius }
-}
-
-/// A chain of `n` spheres between −reach and reach; `radius` is a function of the position from −1
-/// to 1.
-fn chain(n: usize, reach: f64, radius: impl Fn(f64) -> f64) -> Vec<Sphere> {
-    let at = |i: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
-    let beads: Vec<Sphere> = (0..n).map(|i| bead(reach * at(i), radius(at(i)))).collect();
-    let thickest = beads.iter().map(|s| s.radius_um).fold(0.0, f64::max);
-    beads.iter().map(|s| bead(s.center_um[2] / thickest, s.radius_um / thickest)).collect()
-}
-
-/// The largest sphere centred at z on the axis inside the ellipsoid (1, 1, a) has r² = 1 − z²/(a² −
-/// 1), up to the sphere that osculates the tip at z = (a² − 1)/a.
-fn inscribed(a: f64, n: usize) -> Vec<Sphere> {
-    let squared = a * a - 1.0;
-    chain(n, squared / a, |t| (1.0 - t * t * squared / (a * a)).sqrt())
-}
-
-/// Moves the cluster's centre of mass to the origin, rotates its longest principal axis to z,
-/// scales it to thickest radius 1.
-fn centred(rows: &[[f64; 4]]) -> Vec<Sphere> {
-    let thickest = rows.iter().map(|s| s[3]).fold(0.0, f64::max);
-    let weight = |s: &[f64; 4]| (s[3] / thickest).powi(3);
-    let total: f64 = rows.iter().map(weight).sum();
-    let centre = rows.iter().fold([0.0; 3], |c, s| add(c, scale([s[0], s[1], s[2]], weight(s) / total)));
-    let arms: Vec<V3> = rows.iter().map(|s| scale(sub([s[0], s[1], s[2]], centre), 1.0 / thickest)).collect();
-    let weights: Vec<f64> = rows.iter().map(weight).collect();
-    let back = crate::numerics::Rotation::from_z_to(long_axis(&arms, &weights)).inverse();
-    let sphere =
-        |(arm, s): (&V3, &[f64; 4])| Sphere { center_um: back.turn(*arm), radius_um: s[3] / thickest };
-    arms.iter().zip(rows).map(sphere).collect()
-}
-
-/// Second moment of the arms applied to v: Σ w a (a · v).
-fn spread(arms: &[V3], weights: &[f64], v: V3) -> V3 {
-    arms.iter().zip(weights).fold([0.0; 3], |sum, (a, w)| {
-        let along = w * crate::numerics::vector::dot(*a, v);
-        add(sum, scale(*a, along))
-    })
-}
-
-/// Direction of largest second moment by power iteration on Σ w a aᵀ; z if the moment vanishes.
-fn long_axis(arms: &[V3], weights: &[f64]) -> V3 {
-    let start = arms.iter().copied().max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or([0.0; 3]);
-    (0..200).fold(unit(start), |v, _| unit(spread(arms, weights, v)))
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The figures of the design note: effective diameter of a cylinder of length 6 R.
-    #[test]
-    fn cylinders_of_length_6_have_the_stated_effective_diameters() {
-        for (spheres, expected) in [(3, 2.884), (5, 3.107), (9, 3.158)] {
-            let template = Shape::Cylinder { length_in_radii: 6.0, spheres }.template();
-            // Three decimals were printed.
-            assert!((template.effective_diameter() - expected).abs() < 5e-4);
-            assert!((template.length - 6.0).abs() < 1e-14);
-        }
-    }
-
-    #[test]
-    fn inscribed_beads_approach_the_ellipsoid_from_inside() {
-        let exact = 4.0 * PI / 3.0 * 2.0;
-        let volume = |spheres| Shape::Ellipsoid { aspect_ratio: 2.0, spheres }.template().volume.um3;
-        let (coarse, fine) = (exact - volume(11), exact - volume(21));
-        // Order: the gap between an envelope and its n members shrinks as 1/n²: a factor 4 from 10
-        // to 20 gaps.
-        assert!(fine > 0.0 && coarse / fine > 3.5 && coarse / fine < 4.5, "{coarse} {fine}");
-        let tips = Shape::Ellipsoid { aspect_ratio: 2.0, spheres: 9 }.template().length;
-        assert!((tips - 4.0).abs() < 1e-14);
-    }
-
-    #[test]
-    fn a_cluster_is_centred_and_turned_to_its_long_axis() {
-        let rows = vec![[5.0, 1.0, 1.0, 2.0], [11.0, 1.0, 1.0, 2.0], [8.0, 1.0, 1.0, 2.0]];
-        let template = Shape::Cluster { spheres: rows }.template();
-        // Identity: rounding of the power iteration.
-        assert!((template.length - 5.0).abs() < 1e-12, "{}", template.length);
-        assert!(template.spheres.iter().all(|s| s.center_um[0].hypot(s.center_um[1]) < 1e-12));
-    }
-
-    #[test]
-    fn shapes_read_as_names_and_tables_and_refuse_unknown_keys() {
-        #[derive(Deserialize)]
-        struct Line {
-            shape: Shape,
-        }
-        let read = |text: &str| toml::from_str::<Line>(text).map(|l| l.shape);
-        assert_eq!(read("shape = 'sphere'").unwrap(), Shape::Sphere);
-        assert_eq!(read("shape = 'cylinder'").unwrap(), Shape::CYLINDER);
-        let long = read("shape = { kind = 'cylinder', length_in_radii = 8 }").unwrap();
-        assert_eq!(long, Shape::Cylinder { length_in_radii: 8.0, spheres: 5 });
-        assert!(read("shape = { kind = 'cylinder', lenght = 8 }").is_err());
-        assert!(read("shape = 'cube'").unwrap_err().to_string().contains("rice_grain"));
-    }
-}
+#[path = "shape_tests.rs"]
+mod tests;

@@ -27,13 +27,13 @@ const SKEW: f64 = 0.05;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// Diameter of the sphere of equal **union** volume (P1 section 5 calls it the effective
-    /// diameter).
+    /// Diameter of the sphere of equal volume, of the **union** for grains of several spheres (P1
+    /// section 5 calls it the effective diameter).
     #[default]
     EffectiveDiameter,
-    /// Radius of the thickest sphere.
+    /// Radius of the thickest sphere; of a convex body half of its `length`.
     Radius,
-    /// Tip-to-tip length along the axis.
+    /// Tip-to-tip length along the axis; of a convex body its longest axis, diameter or edge.
     Length,
 }
 
@@ -199,6 +199,14 @@ impl SizeDistribution {
             }
             Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().largest_nm(),
             Self::List { values_nm, .. } => values_nm.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// Smallest size of the distribution, nm.
+    pub fn smallest_nm(&self) -> f64 {
+        match self {
+            Self::List { values_nm, .. } => values_nm.iter().copied().fold(f64::MAX, f64::min),
+            law => law.quantile_nm(0.0),
         }
     }
 

@@ -2,8 +2,10 @@
 
 use super::grain::Grain;
 use super::plan::GrainSpheres;
+use crate::ink::grains::contact::{self, Contact};
+use crate::ink::grains::solid::{Form, Solid};
 use crate::ink::grains::sphere::Sphere;
-use crate::numerics::vector::{Rotation, V3, add};
+use crate::numerics::vector::{Rotation, V3, add, norm, scale, unit};
 
 /// The cell: side lengths, and the distance beyond which a periodic image is nearer (infinite
 /// across walls).
@@ -68,6 +70,8 @@ pub(crate) struct Bodies<'a> {
     pub arm: Vec<V3>,
     /// Wrapped centres of the spheres.
     pub at: Vec<V3>,
+    /// Convex bodies about their centres, as rotated.
+    solid: Vec<Option<Solid>>,
 }
 
 impl<'a> Bodies<'a> {
@@ -82,12 +86,17 @@ impl<'a> Bodies<'a> {
         }
         let (arm, at) = (vec![[0.0; 3]; radius.len()], vec![[0.0; 3]; radius.len()]);
         let (centre, rotation) = (vec![[0.0; 3]; bodies.len()], vec![Rotation::IDENTITY; bodies.len()]);
-        Self { cell, bodies, placed: 0, centre, rotation, first, owner, radius, arm, at }
+        let upright = |b: &GrainSpheres| Some(Solid::upright(b.form.clone()?, [0.0; 3]));
+        let solid = bodies.iter().map(upright).collect();
+        Self { cell, bodies, placed: 0, centre, rotation, first, owner, radius, arm, at, solid }
     }
 
     /// Places body b and updates its spheres.
     pub fn put(&mut self, b: usize, centre: V3, rotation: Rotation) {
         self.rotation[b] = rotation;
+        if let Some(solid) = &mut self.solid[b] {
+            solid.rotation = rotation;
+        }
         let range = self.first[b]..self.first[b + 1];
         for (arm, sphere) in self.arm[range].iter_mut().zip(&self.bodies[b].spheres) {
             *arm = rotation.turn(sphere.center_um);
@@ -111,9 +120,38 @@ impl<'a> Bodies<'a> {
 
     /// Lowest and highest z of body b, relative to its centre.
     pub fn span_z(&self, b: usize) -> [f64; 2] {
+        if let Some(solid) = &self.solid[b] {
+            return solid.extent_um(2);
+        }
         let range = self.first[b]..self.first[b + 1];
         let ends = range.map(|s| [self.arm[s][2] - self.radius[s], self.arm[s][2] + self.radius[s]]);
         ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
+    }
+
+    /// The convex body b about its centre, if it is one.
+    pub fn solid(&self, b: usize) -> Option<&Solid> {
+        self.solid[b].as_ref()
+    }
+
+    /// Whether both of two spheres are surfaces themselves, not the spheres around convex bodies.
+    #[inline(always)]
+    pub fn are_spheres(&self, s: usize, t: usize) -> bool {
+        self.solid[self.owner[s] as usize].is_none() && self.solid[self.owner[t] as usize].is_none()
+    }
+
+    /// Contact of what spheres s and t stand for, with t at d from s, if nearer than `within_um`;
+    /// its arms are relative to the spheres' centres.
+    pub fn contact(&self, s: usize, t: usize, d: V3, within_um: f64) -> Option<Contact> {
+        if self.are_spheres(s, t) {
+            let normal = unit(d);
+            let arms = [scale(normal, self.radius[s]), scale(normal, -self.radius[t])];
+            let gap_um = norm(d) - self.radius[s] - self.radius[t];
+            return (gap_um < within_um).then_some(Contact { gap_um, normal, arms });
+        }
+        let round =
+            |s: usize| Solid::upright(Form::Ellipsoid { semi_axes_um: [self.radius[s]; 3] }, [0.0; 3]);
+        let [a, b] = [s, t].map(|s| self.solid[self.owner[s] as usize].clone().unwrap_or_else(|| round(s)));
+        contact::contact(&a, &b, d, within_um)
     }
 
     /// Rotated axes of the grains of body b.
@@ -139,10 +177,13 @@ impl<'a> Bodies<'a> {
                 let range = self.first[b] + part.spheres.start..self.first[b] + part.spheres.end;
                 let lead = add(self.centre[b], self.arm[range.start]);
                 let inside = self.cell.wrap(lead);
-                let axis = if part.spheres.len() == 1 { part.axis } else { self.rotation[b].turn(part.axis) };
+                let turned = self.solid[b].is_some() || part.spheres.len() > 1;
+                let axis = if turned { self.rotation[b].turn(part.axis) } else { part.axis };
                 let volume_um3 = part.volume_um3;
-                let spheres = range.map(|s| self.image(b, s, lead, inside)).collect();
-                grains.push(Grain { spheres, pigment: body.pigment, axis, agglomerate, volume_um3 });
+                let spheres: Vec<Sphere> = range.map(|s| self.image(b, s, lead, inside)).collect();
+                let center_um = spheres.first().map_or(inside, |s| s.center_um);
+                let solid = self.solid[b].clone().map(|solid| Solid { center_um, ..solid });
+                grains.push(Grain { spheres, solid, pigment: body.pigment, axis, agglomerate, volume_um3 });
             }
         }
         grains

@@ -1,16 +1,20 @@
 //! A placed grain.
 
+use crate::ink::grains::solid::Solid;
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::grains::volume::union_volume;
 use crate::numerics::vector::{V3, sub, unit};
 use serde::{Deserialize, Serialize};
 
-/// A rigid union of spheres. The coordinates of a grain are contiguous (not wrapped individually),
-/// and its first centre lies in the cell.
+/// A rigid union of spheres, or a convex body. The coordinates of a grain are contiguous (not
+/// wrapped individually), and its first centre lies in the cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grain {
-    /// Spheres of the union, µm.
+    /// Spheres of the union, µm; of a convex body the sphere around it.
     pub spheres: Vec<Sphere>,
+    /// The convex body, if the grain is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solid: Option<Solid>,
     /// Index into the request's pigments.
     pub pigment: usize,
     /// Unit vector along the symmetry axis (z for a sphere).
@@ -27,7 +31,29 @@ impl Grain {
         let ends = spheres.first().zip(spheres.last());
         let axis = ends.map_or([0.0, 0.0, 1.0], |(a, b)| unit(sub(b.center_um, a.center_um)));
         let volume_um3 = union_volume(&spheres).um3;
-        Self { spheres, pigment, axis, agglomerate: None, volume_um3 }
+        Self { spheres, solid: None, pigment, axis, agglomerate: None, volume_um3 }
+    }
+
+    /// A convex body; its axis is the form's z axis.
+    pub fn convex(solid: Solid, pigment: usize) -> Self {
+        let around = Sphere { center_um: solid.center_um, radius_um: solid.form.reach_um() };
+        let (axis, volume_um3) = (solid.rotation.turn([0.0, 0.0, 1.0]), solid.form.volume_um3());
+        let (spheres, solid) = (vec![around], Some(solid));
+        Self { spheres, solid, pigment, axis, agglomerate: None, volume_um3 }
+    }
+
+    /// Lowest and highest z, µm.
+    pub fn extent_z_um(&self) -> [f64; 2] {
+        if let Some(solid) = &self.solid {
+            return solid.extent_um(2);
+        }
+        let ends = self.spheres.iter().map(|s| [s.center_um[2] - s.radius_um, s.center_um[2] + s.radius_um]);
+        ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
+    }
+
+    /// Whether the grain has an axis: it is not a single sphere.
+    pub fn is_elongated(&self) -> bool {
+        self.solid.is_some() || self.spheres.len() > 1
     }
 
     /// Centre of mass of the spheres, each weighted by its volume; not wrapped.

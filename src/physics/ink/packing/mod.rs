@@ -21,6 +21,7 @@ mod relaxation;
 pub mod request;
 mod sequential;
 mod settle;
+mod shell;
 pub mod sizes;
 mod strain;
 pub mod watch;

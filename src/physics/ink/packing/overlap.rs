@@ -1,11 +1,13 @@
 //! Independent check of zero overlap: every pair of spheres that could touch, found by sorting
-//! along x.
+//! along x; of convex bodies, the spheres around them, then a direction that separates them.
 //!
 //! Shares nothing with the packing methods: no grid, no neighbour list, no wrapped copy of
-//! positions.
+//! positions; a separating direction is judged by the widths of the forms alone.
 
 use super::grain::Grain;
 use crate::ink::error::PackError;
+use crate::ink::grains::contact::proven_gap_um;
+use crate::ink::grains::solid::{Form, Solid};
 use crate::ink::grains::sphere::Sphere;
 
 struct GridEntry {
@@ -33,7 +35,8 @@ pub fn smallest_gap(
     let largest = entries.iter().map(|e| e.sphere.radius_um).fold(0.0, f64::max);
     for (i, a) in entries.iter().enumerate() {
         if walls {
-            let to_wall = a.sphere.center_um[2].min(thickness - a.sphere.center_um[2]) - a.sphere.radius_um;
+            let [low, high] = grains[a.grain].solid.as_ref().map_or(a.ends(), |solid| solid.extent_um(2));
+            let to_wall = low.min(thickness - high);
             worst.hear(to_wall, || (format!("grain {}", a.grain), "a wall".into()));
         }
         let window = a.sphere.radius_um + 2.0 * largest;
@@ -49,7 +52,8 @@ pub fn smallest_gap(
             let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
             let far = dy.min(period[1] - dy) > reach || (walls && dz > reach);
             if !far && a.grain != b.grain {
-                let gap = image_gap(&a.sphere, &b.sphere, period, thickness, walls);
+                let apart = image(&a.sphere, &b.sphere, period, thickness, walls);
+                let gap = gap(a, b, apart, grains, worst.gap);
                 worst.hear(gap, || (format!("grain {}", a.grain), format!("grain {}", b.grain)));
             }
         }
@@ -79,14 +83,38 @@ impl Worst {
     }
 }
 
-/// Gap between the nearest periodic images.
-fn image_gap(a: &Sphere, b: &Sphere, period: [f64; 2], thickness: f64, walls: bool) -> f64 {
+impl GridEntry {
+    /// Lowest and highest z of the sphere.
+    fn ends(&self) -> [f64; 2] {
+        [-1.0, 1.0].map(|side| self.sphere.center_um[2] + side * self.sphere.radius_um)
+    }
+
+    /// The convex body that the sphere is around, or the sphere as one.
+    fn solid(&self, grains: &[Grain]) -> Solid {
+        let round = Form::Ellipsoid { semi_axes_um: [self.sphere.radius_um; 3] };
+        grains[self.grain].solid.clone().unwrap_or_else(|| Solid::upright(round, [0.0; 3]))
+    }
+}
+
+/// Gap between two entries with their centres `apart`; that of the spheres around convex bodies if
+/// it is larger than `known` already.
+fn gap(a: &GridEntry, b: &GridEntry, apart: [f64; 3], grains: &[Grain], known: f64) -> f64 {
+    let [dx, dy, dz] = apart;
+    let around = (dx * dx + dy * dy + dz * dz).sqrt() - a.sphere.radius_um - b.sphere.radius_um;
+    let spheres = [a, b].iter().all(|e| grains[e.grain].solid.is_none());
+    if spheres || around >= known {
+        return around;
+    }
+    proven_gap_um(&a.solid(grains), &b.solid(grains), apart)
+}
+
+/// Vector from a to the nearest periodic image of b.
+fn image(a: &Sphere, b: &Sphere, period: [f64; 2], thickness: f64, walls: bool) -> [f64; 3] {
     let nearest = |d: f64, l: f64| d - l * (d / l).round();
-    let dx = nearest(a.center_um[0] - b.center_um[0], period[0]);
-    let dy = nearest(a.center_um[1] - b.center_um[1], period[1]);
-    let dz = a.center_um[2] - b.center_um[2];
-    let dz = if walls { dz } else { nearest(dz, thickness) };
-    (dx * dx + dy * dy + dz * dz).sqrt() - a.radius_um - b.radius_um
+    let dx = nearest(b.center_um[0] - a.center_um[0], period[0]);
+    let dy = nearest(b.center_um[1] - a.center_um[1], period[1]);
+    let dz = b.center_um[2] - a.center_um[2];
+    [dx, dy, if walls { dz } else { nearest(dz, thickness) }]
 }
 
 fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<GridEntry> {

@@ -110,6 +110,7 @@ fn finish(
 ) -> Result<Packing, PackError> {
     let (period, thickness, shares) = (request.period_um, request.thickness_um, plan.shares.clone());
     let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), (shares, account))?;
+    let packing = packing.with_shells(request.shells_um())?;
     Ok(match &request.relief {
         Some(asked) if !packing.grains().is_empty() => {
             let settled = settle::settle(&packing, asked);

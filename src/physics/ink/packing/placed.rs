@@ -1,8 +1,9 @@
 //! Placed grains: a packing exists only if an independent check has found no overlap in it.
 
 use super::grain::Grain;
-use super::overlap;
+use super::{overlap, shell};
 use crate::ink::error::PackError;
+use crate::ink::grains::sphere::Sphere;
 use crate::ink::relief::Relief;
 use serde::{Deserialize, Serialize};
 
@@ -111,6 +112,8 @@ pub struct Packing {
     shares: Vec<Share>,
     account: PackingAccount,
     relief: Option<Relief>,
+    /// Per pigment, thicknesses of the layers of its grains from the core outwards, µm.
+    shells_um: Vec<Vec<f64>>,
 }
 
 impl Packing {
@@ -137,7 +140,24 @@ impl Packing {
         (shares, mut account): (Vec<Share>, PackingAccount),
     ) -> Result<Self, PackError> {
         account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
-        Ok(Self { period_um, thickness_um, walls, grains, shares, account, relief: None })
+        let shells_um = vec![Vec::new(); shares.len()];
+        Ok(Self { period_um, thickness_um, walls, grains, shares, account, relief: None, shells_um })
+    }
+
+    /// The packing with layers in its grains: per pigment, their thicknesses from the core
+    /// outwards, µm. Layers that leave no core are an error.
+    pub fn with_shells(self, mut shells_um: Vec<Vec<f64>>) -> Result<Self, PackError> {
+        shells_um.resize(shells_um.len().max(self.shares.len()), Vec::new());
+        let depth = |g: &Grain| shells_um[g.pigment].iter().sum::<f64>();
+        let filled = |g: &&Grain| depth(g) > 0.0 && g.spheres.iter().any(|s| depth(g) >= s.radius_um);
+        match self.grains.iter().find(filled) {
+            None => Ok(Self { shells_um, ..self }),
+            Some(grain) => {
+                let found = format!("layers of {} µm in a grain of pigment {}", depth(grain), grain.pigment);
+                let allowed = "layers thinner than the radius of every sphere";
+                Err(PackError::input("shells_um", found, allowed, "take thinner layers"))
+            }
+        }
     }
 
     pub(crate) fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
@@ -172,6 +192,31 @@ impl Packing {
     /// Requested and achieved volume fraction of each pigment.
     pub fn shares(&self) -> &[Share] {
         &self.shares
+    }
+
+    /// Per pigment, thicknesses of the layers of its grains from the core outwards, µm.
+    pub fn shells_um(&self) -> &[Vec<f64>] {
+        &self.shells_um
+    }
+
+    /// Number of materials in the grains: the cores of all pigments come first, then their layers.
+    pub fn materials(&self) -> usize {
+        self.shells_um.len() + self.shells_um.iter().map(Vec::len).sum::<usize>()
+    }
+
+    /// The nested bodies of a grain from the outside inwards: each with its material (see
+    /// [`Packing::materials`]) and its spheres, in which the next ones lie.
+    pub fn nested(&self, grain: &Grain) -> Vec<(usize, Vec<Sphere>)> {
+        let shell = &self.shells_um[grain.pigment];
+        let before: usize = self.shells_um[..grain.pigment].iter().map(Vec::len).sum();
+        let (first, mut depth) = (self.shells_um.len() + before, 0.0);
+        let mut bodies = Vec::with_capacity(shell.len() + 1);
+        for (i, thickness) in shell.iter().enumerate().rev() {
+            bodies.push((first + i, shell::inside(&grain.spheres, depth)));
+            depth += thickness;
+        }
+        bodies.push((grain.pigment, shell::inside(&grain.spheres, depth)));
+        bodies
     }
 
     /// Requested volume fraction of a pigment (0 for an unknown one); see [`crate::ink::Relief`]

@@ -2,12 +2,14 @@
 
 use super::placed::Share;
 use super::request::{PackingRequest, PigmentGrains};
+use super::shell;
 use super::sizes::{check_presence, draw_sizes, unlike};
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration;
 use crate::ink::grains::agglomeration::Agglomeration;
 use crate::ink::grains::orientation::AxisField;
 use crate::ink::grains::shape::Template;
+use crate::ink::grains::solid::Form;
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::relief;
 use crate::numerics::Draws;
@@ -18,7 +20,12 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(crate) struct GrainSpheres {
     pub pigment: usize,
+    /// The spheres of the body, or the one around a convex body.
     pub spheres: Vec<Sphere>,
+    /// The convex body, if it is one.
+    pub form: Option<Form>,
+    /// Radius of the thinnest part, µm: the length by which steps and gaps are measured.
+    pub thin: f64,
     pub parts: Vec<Part>,
     /// Radius of the sphere about the origin that encloses the body.
     pub reach: f64,
@@ -60,6 +67,9 @@ impl PackingPlan {
             check_size(request, k, pigment, &template)?;
             let (sizes, share) = draw_sizes(pigment, &template, lx * ly * dry, draws)?;
             check_presence(k, pigment, lx * ly * dry, &sizes)?;
+            if !pigment.shell_nm.is_empty() {
+                sizes.iter().try_for_each(|&radius| shell::check_core(k, pigment, &template, radius))?;
+            }
             let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
             bodies.extend(group(k, request, grains, &template, draws)?);
             notes.extend(unlike(k, pigment, &share));
@@ -92,7 +102,7 @@ impl GrainSpheres {
     }
 
     pub fn single_sphere(&self) -> bool {
-        self.spheres.len() == 1 && self.spheres[0].center_um == [0.0; 3]
+        self.form.is_none() && self.spheres.len() == 1 && self.spheres[0].center_um == [0.0; 3]
     }
 }
 
@@ -111,8 +121,9 @@ fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Templat
         let allowed = format!("at most half the period, {:.1} nm", 1e3 * widest(request));
         return Err(PackError::input(field, found, allowed, "widen period_um or take smaller grains"));
     }
-    if request.walls && radius * thinnest(&t.spheres) > request.thickness_um {
-        let found = format!("{:.1} nm thick for the largest grain", 1e3 * radius * thinnest(&t.spheres));
+    let thin = radius * t.form.as_ref().map_or_else(|| thinnest(&t.spheres), |form| 2.0 * form.thin_um());
+    if request.walls && thin > request.thickness_um {
+        let found = format!("{:.1} nm thick for the largest grain", 1e3 * thin);
         let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
         return Err(PackError::input(field, found, allowed, "thicken the layer or take smaller grains"));
     }
@@ -121,6 +132,10 @@ fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Templat
 
 fn reach(spheres: &[Sphere]) -> f64 {
     spheres.iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
+}
+
+fn slimmest(spheres: &[Sphere]) -> f64 {
+    spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min)
 }
 
 /// Number of directions sampled for the smallest extent.
@@ -159,7 +174,9 @@ fn grain(template: &Template, radius: f64) -> GrainSpheres {
         .collect();
     let volume_um3 = template.volume.um3 * radius.powi(3);
     let part = Part { spheres: 0..spheres.len(), axis: [0.0, 0.0, 1.0], volume_um3 };
-    GrainSpheres { pigment: 0, reach: reach(&spheres), spheres, parts: vec![part] }
+    let form = template.form.as_ref().map(|form| form.scaled(radius));
+    let thin = form.as_ref().map_or_else(|| slimmest(&spheres), Form::thin_um);
+    GrainSpheres { pigment: 0, reach: reach(&spheres), spheres, form, thin, parts: vec![part] }
 }
 
 /// Glues the requested fraction of the grains into agglomerates, in the order of drawing.
@@ -172,6 +189,12 @@ fn group(
 ) -> Result<Vec<GrainSpheres>, PackError> {
     grains.iter_mut().for_each(|g| g.pigment = k);
     let Some(rule) = &request.pigments[k].agglomeration else { return Ok(grains) };
+    if template.form.is_some() {
+        let found = format!("agglomerates of a {}", request.pigments[k].shape.name());
+        let remedy = "leave agglomeration out, or take `sphere`, `cylinder` or `beaded_ellipsoid`";
+        let allowed = "agglomerates of grains made of spheres";
+        return Err(PackError::input(format!("pigment[{k}].agglomeration"), found, allowed, remedy));
+    }
     let sticky = (rule.degree * grains.len() as f64).round() as usize;
     let mut bodies = grains.split_off(sticky);
     let mut left = grains.as_slice();
@@ -227,7 +250,8 @@ fn joined(
         crate::numerics::vector::add(c, scale(s.center_um, s.radius_um.powi(3) / total))
     });
     spheres.iter_mut().for_each(|s| s.center_um = crate::numerics::vector::sub(s.center_um, centre));
-    GrainSpheres { pigment: k, reach: reach(&spheres), spheres, parts }
+    let thin = slimmest(&spheres);
+    GrainSpheres { pigment: k, reach: reach(&spheres), spheres, form: None, thin, parts }
 }
 
 impl Agglomeration {

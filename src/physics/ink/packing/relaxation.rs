@@ -1,7 +1,8 @@
 //! Relaxation of overlaps (P1 section 3): elastic repulsion, overdamped motion, Euler steps.
 //!
 //! Overlapping spheres repel each other with F = L, L = (1 + ε)(R₁ + R₂) − distance; a wall acts
-//! like the mirror image of the sphere. Bodies follow μ v = F, J ω = M = Σ rᵢ × Fᵢ. Only bodies on
+//! like the mirror image of the sphere. Convex bodies repel each other along the normal of their
+//! contact by its depth. Bodies follow μ v = F, J ω = M = Σ rᵢ × Fᵢ. Only bodies on
 //! the moving list are evaluated; bodies pushed by them join it. A batch ends when the true overlap
 //! (ε = 0) vanishes.
 
@@ -11,7 +12,7 @@ mod steps;
 use super::bodies::Bodies;
 use super::loads::{FoundLoads, OverlapLoads};
 use super::neighbours::Neighbours;
-use super::plan::PackingPlan;
+use super::plan::{GrainSpheres, PackingPlan};
 use super::request::RelaxationSettings;
 use super::sequential::scatter;
 use super::strain::strain;
@@ -76,6 +77,8 @@ pub(crate) struct OverlapRelaxation<'r, 'a> {
     loads: OverlapLoads,
     /// Largest step of each body.
     limit: Vec<f64>,
+    /// Radius of the thinnest part of each body, µm.
+    thin: Vec<f64>,
     pub inflation: f64,
     step: f64,
     steps: u64,
@@ -92,12 +95,12 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
     pub fn new(bodies: &'r mut Bodies<'a>, plan: &'r PackingPlan, settings: &'r RelaxationSettings) -> Self {
         let n = plan.bodies.len();
         let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
-        let thinnest =
-            |b: &super::plan::GrainSpheres| b.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
-        let arm2 = |b: &super::plan::GrainSpheres| {
-            b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max)
+        let arm2 = |b: &GrainSpheres| {
+            let farthest = b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max);
+            if b.form.is_some() { b.reach * b.reach } else { farthest }
         };
-        let limit = plan.bodies.iter().map(|b| settings.step_limit_radii * thinnest(b)).collect();
+        let thin: Vec<f64> = plan.bodies.iter().map(|b| b.thin).collect();
+        let limit = thin.iter().map(|thin| settings.step_limit_radii * thin).collect();
         let inertia = plan.bodies.iter().map(|b| settings.rotational_viscosity * arm2(b)).collect();
         Self {
             list: Neighbours::new(bodies, settings.inflation, SKIN_RADII * mean),
@@ -108,6 +111,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
             moves: vec![false; n],
             loads: OverlapLoads::new(inertia),
             limit,
+            thin,
             inflation: settings.inflation,
             step: settings.step,
             steps: 0,

@@ -1,5 +1,6 @@
 //! The request for a packing: cell, pigments and method.
 
+use super::shell;
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration::Agglomeration;
 use crate::ink::grains::orientation::Orientation;
@@ -65,6 +66,10 @@ pub struct PigmentGrains {
     pub shape: Shape,
     /// Distribution of their sizes.
     pub size: SizeDistribution,
+    /// Thicknesses of the layers around the core of every grain, from the core outwards, nm; they
+    /// belong to the grain: its size and volume include them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shell_nm: Vec<f64>,
     /// Union volume of the grains over the volume of the layer (with relief: over the dry volume,
     /// see [`crate::ink::Relief`]).
     pub volume_fraction: f64,
@@ -96,6 +101,7 @@ impl PigmentGrains {
         Self {
             shape,
             size: SizeDistribution::diameter_nm(effective_diameter_nm),
+            shell_nm: Vec::new(),
             volume_fraction,
             orientation: Orientation::Random,
             agglomeration: None,
@@ -221,6 +227,11 @@ pub struct EquilibrationSettings {
 }
 
 impl PackingRequest {
+    /// Per pigment, thicknesses of the layers of its grains from the core outwards, µm.
+    pub fn shells_um(&self) -> Vec<Vec<f64>> {
+        self.pigments.iter().map(|p| p.shell_nm.iter().map(|t| 1e-3 * t).collect()).collect()
+    }
+
     /// Checks every number that can be checked before grains are drawn.
     pub fn check(&self) -> Result<(), PackError> {
         let lengths = [self.period_um[0], self.period_um[1], self.thickness_um];
@@ -242,6 +253,13 @@ impl PackingRequest {
             return Err(PackError::input("sum of volume_fraction", total, allowed, "lower the shares"));
         }
         self.relaxation.check()?;
+        let convex = self.pigments.iter().position(|p| p.shape.form().is_some());
+        if let (Some(k), Some(_)) = (convex, &self.relief) {
+            let found = format!("a {} with a relief", self.pigments[k].shape.name());
+            let allowed = "grains made of spheres where they protrude from the binder";
+            let remedy = "leave the relief out, or take another shape";
+            return Err(PackError::input(format!("pigment[{k}].shape"), found, allowed, remedy));
+        }
         self.relief.iter().try_for_each(|r| r.check(self.thickness_um, self.walls))
     }
 }
@@ -264,7 +282,7 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
     let defects =
         [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
     match defects.into_iter().flatten().next() {
-        None => Ok(()),
+        None => shell::check(k, pigment),
         Some((field, found, allowed)) => {
             Err(PackError::input(format!("pigment[{k}].{field}"), found, allowed, "correct this entry"))
         }

@@ -83,8 +83,19 @@ fn is_free_sphere(bodies: &Bodies, grid: &Buckets, b: usize, s: usize) -> bool {
     grid.around(grid.cell_of(p)).all(|t| {
         let d = bodies.cell.delta(p, bodies.at[t]);
         let reach = (r + bodies.radius[t]) * (1.0 + MARGIN);
-        dot(d, d) >= reach * reach || bodies.owner[t] == b as u32
+        dot(d, d) >= reach * reach || bodies.owner[t] == b as u32 || is_apart(bodies, s, t, d)
     })
+}
+
+/// Gaps between convex bodies below this fraction of the sum of their thinnest radii count as
+/// overlap: the proof of their separation finds its direction by iteration.
+pub(crate) const CONVEX_MARGIN: f64 = 1e-6;
+
+/// Whether two bodies of which one is convex are apart although the spheres around them are not.
+fn is_apart(bodies: &Bodies, s: usize, t: usize, d: V3) -> bool {
+    let thin = |s: usize| bodies.bodies[bodies.owner[s] as usize].thin;
+    let margin = CONVEX_MARGIN * (thin(s) + thin(t));
+    !bodies.are_spheres(s, t) && bodies.contact(s, t, d, margin).is_none_or(|c| c.gap_um > margin)
 }
 
 fn between_walls(cell: &CellBox, centre: V3, span: [f64; 2]) -> bool {

@@ -2,7 +2,6 @@
 
 use super::bodies::Bodies;
 use super::neighbours::Neighbours;
-use crate::numerics::vector::norm;
 
 /// Overlap energy of each body.
 pub(crate) fn strain(bodies: &Bodies) -> Vec<f64> {
@@ -12,10 +11,12 @@ pub(crate) fn strain(bodies: &Bodies) -> Vec<f64> {
         let (p, r) = (bodies.at[s], bodies.radius[s]);
         let mut push = |depth: f64| strain[bodies.owner[s] as usize] += depth.max(0.0).powi(2);
         if bodies.cell.walls {
-            push(2.0 * (r - p[2].min(bodies.cell.size[2] - p[2])));
+            let [low, high] = bodies.solid(bodies.owner[s] as usize).map_or([-r, r], |b| b.extent_um(2));
+            push(-2.0 * (p[2] + low).min(bodies.cell.size[2] - p[2] - high));
         }
         for t in list.of(s).iter().map(|t| *t as usize) {
-            push(r + bodies.radius[t] - norm(bodies.cell.delta(p, bodies.at[t])));
+            let contact = bodies.contact(s, t, bodies.cell.delta(p, bodies.at[t]), 0.0);
+            push(contact.map_or(0.0, |c| -c.gap_um));
         }
     }
     strain

@@ -195,7 +195,13 @@ fn touching(packing: &Packing, top: bool) -> f64 {
         let z = if top { s.center_um[2] } else { packing.thickness_um() - s.center_um[2] };
         z < 1.01 * s.radius_um
     };
-    let touches = packing.grains().iter().filter(|g| g.spheres.iter().any(near)).count();
+    let edge = |solid: &crate::ink::Solid| {
+        let [low, high] = solid.extent_um(2);
+        let gap = if top { low } else { packing.thickness_um() - high };
+        gap < 0.01 * solid.form.thin_um()
+    };
+    let touch = |g: &&crate::ink::Grain| g.solid.as_ref().map_or_else(|| g.spheres.iter().any(near), edge);
+    let touches = packing.grains().iter().filter(touch).count();
     touches as f64 / (packing.period_um()[0] * packing.period_um()[1])
 }
 

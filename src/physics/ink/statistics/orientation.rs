@@ -24,12 +24,8 @@ impl OrientationTensor {
 /// The tensor of one pigment, or of all for `None`; the result is `None` without elongated grains.
 pub fn orientation_tensor(packing: &Packing, pigment: Option<usize>) -> Option<OrientationTensor> {
     let wanted = |p: usize| pigment.is_none_or(|k| k == p);
-    let axes: Vec<[f64; 3]> = packing
-        .grains()
-        .iter()
-        .filter(|g| g.spheres.len() > 1 && wanted(g.pigment))
-        .map(|g| g.axis)
-        .collect();
+    let axes: Vec<[f64; 3]> =
+        packing.grains().iter().filter(|g| g.is_elongated() && wanted(g.pigment)).map(|g| g.axis).collect();
     let n = axes.len() as f64;
     let mean = |a: usize, b: usize| axes.iter().map(|u| u[a] * u[b]).sum::<f64>() / n;
     let unit = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };

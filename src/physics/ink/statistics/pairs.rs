@@ -98,7 +98,8 @@ fn ideal_share(packing: &Packing, edges: &[f64]) -> Vec<f64> {
         let volume = area * packing.thickness_um();
         return edges.iter().map(|r| 4.0 / 3.0 * PI * r.powi(3) / volume).collect();
     }
-    let thickest = |g: &crate::ink::Grain| g.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
+    let widest = |g: &crate::ink::Grain| g.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
+    let thickest = |g: &crate::ink::Grain| g.solid.as_ref().map_or_else(|| widest(g), |s| s.form.thin_um());
     let margin = packing.grains().iter().map(thickest).fold(f64::MAX, f64::min);
     let w = packing.thickness_um() - 2.0 * margin;
     if w <= 1e-9 * packing.thickness_um() {

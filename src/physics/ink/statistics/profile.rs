@@ -1,31 +1,43 @@
 //! Volume fractions across the layer.
 
-use crate::ink::{Packing, Sphere};
+use crate::ink::{Packing, Solid, Sphere};
 use std::f64::consts::PI;
 
 /// Columns per side for the air above a relief.
 const COLUMNS: usize = 24;
 
-/// Volume fractions in `slices` equal slices from z = 0: one profile per pigment, and last the
-/// fraction above a relief's surface, if any.
+/// Volume fractions in `slices` equal slices from z = 0: one profile per material of the grains
+/// (see [`Packing::materials`]), and last the fraction above a relief's surface, if any.
 ///
 /// Overlapping spheres of one grain are counted individually and scaled to the volume of their
 /// union, so that the mean for every pigment is its achieved fraction.
 pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
-    let pigments = packing.shares().len();
     let height = packing.thickness_um() / slices as f64;
-    let mut fractions = vec![vec![0.0; pigments]; slices];
+    let mut fractions = vec![vec![0.0; packing.materials()]; slices];
     for grain in packing.grains() {
-        for sphere in &grain.spheres {
+        if let Some(solid) = &grain.solid {
+            add_solid(solid, height, grain.pigment, &mut fractions);
+            continue;
+        }
+        let mut around: Option<usize> = None;
+        for (material, spheres) in packing.nested(grain) {
             for (k, slice) in fractions.iter_mut().enumerate() {
-                slice[grain.pigment] += between(sphere, k as f64 * height, (k + 1) as f64 * height);
+                let [from, to] = [k, k + 1].map(|k| k as f64 * height);
+                for volume in spheres.iter().map(|s| between(s, from, to)) {
+                    slice[material] += volume;
+                    around.iter().for_each(|&outer| slice[outer] -= volume);
+                }
             }
+            around = Some(material);
         }
     }
-    for pigment in 0..pigments {
-        let sum: f64 = fractions.iter().map(|slice| slice[pigment]).sum();
+    let mut layers = packing.shells_um().len();
+    for (pigment, shell) in packing.shells_um().iter().enumerate() {
+        let materials = || (layers..layers + shell.len()).chain([pigment]);
+        let sum: f64 = fractions.iter().flat_map(|slice| materials().map(|m| slice[m])).sum();
         let factor = if sum > 0.0 { packing.achieved_fraction(pigment) * slices as f64 / sum } else { 0.0 };
-        fractions.iter_mut().for_each(|slice| slice[pigment] *= factor);
+        fractions.iter_mut().for_each(|slice| materials().for_each(|m| slice[m] *= factor));
+        layers += shell.len();
     }
     if packing.relief().is_some() {
         let air = above_surface(packing, slices, height);
@@ -35,6 +47,24 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
         }
     }
     fractions
+}
+
+/// Lines per side on which a convex body is sampled.
+const LINES: usize = 24;
+
+/// Adds the volume of a convex body in every slice, µm³, from its chords along z.
+fn add_solid(solid: &Solid, height: f64, pigment: usize, slices: &mut [Vec<f64>]) {
+    let extents = [0, 1].map(|axis| solid.extent_um(axis));
+    let step = extents.map(|[low, high]| (high - low) / LINES as f64);
+    for line in 0..LINES * LINES {
+        let at = |axis: usize, i: usize| extents[axis][0] + (i as f64 + 0.5) * step[axis];
+        let from = [at(0, line % LINES), at(1, line / LINES), 0.0];
+        let Some([low, high]) = solid.chord(from, [0.0, 0.0, 1.0]) else { continue };
+        for (k, slice) in slices.iter_mut().enumerate() {
+            let [bottom, top] = [k, k + 1].map(|k| k as f64 * height);
+            slice[pigment] += step[0] * step[1] * (high.min(top) - low.max(bottom)).max(0.0);
+        }
+    }
 }
 
 /// Volume of a sphere between two heights, µm³.

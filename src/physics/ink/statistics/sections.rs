@@ -1,8 +1,8 @@
 //! Plane sections of the grains and exact chords on lines in them: fraction, profile, two-point
 //! probability.
 
-use crate::ink::Packing;
 use crate::ink::grains::volume::merge;
+use crate::ink::{Packing, Solid};
 
 /// Statistics of the pigment on lines parallel to x and y in equally spaced planes z = const.
 ///
@@ -81,15 +81,17 @@ pub fn section_statistics(
     found
 }
 
-/// A sphere cut by a plane.
+/// A sphere cut by a plane, or the sphere around a convex body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Disc {
+pub(crate) struct Disc<'a> {
     pub centre: [f64; 2],
     pub radius: f64,
     pub pigment: usize,
+    /// The convex body, and the plane's height where the body is.
+    solid: Option<(&'a Solid, f64)>,
 }
 
-pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc> {
+pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc<'_>> {
     let height = packing.thickness_um();
     let mut discs = Vec::new();
     for grain in packing.grains() {
@@ -99,11 +101,29 @@ pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc> {
             let square = s.radius_um * s.radius_um - off * off;
             if square > 0.0 {
                 let centre = [s.center_um[0], s.center_um[1]];
-                discs.push(Disc { centre, radius: square.sqrt(), pigment: grain.pigment });
+                let solid = grain.solid.as_ref().map(|solid| (solid, s.center_um[2] + off));
+                discs.push(Disc { centre, radius: square.sqrt(), pigment: grain.pigment, solid });
             }
         }
     }
     discs
+}
+
+impl Disc<'_> {
+    /// Start and end of the chord on the line along `axis` that misses the centre by `miss`.
+    fn chord(&self, axis: usize, miss: f64) -> Option<[f64; 2]> {
+        let along = self.centre[axis];
+        let Some((solid, z)) = self.solid else {
+            let half = (self.radius * self.radius - miss * miss).max(0.0).sqrt();
+            return Some([along - half, along + half]);
+        };
+        let (mut from, mut direction) = ([along, self.centre[1 - axis] + miss, z], [0.0; 3]);
+        if axis == 1 {
+            from.swap(0, 1);
+        }
+        direction[axis] = 1.0;
+        solid.chord(from, direction).map(|ends| ends.map(|t| along + t))
+    }
 }
 
 /// Merged chords on parallel lines in one plane.
@@ -120,14 +140,14 @@ impl Lines {
         let pitch = across / n as f64;
         let mut chords = vec![Vec::new(); n];
         for disc in discs.iter().filter(|d| pigment.is_none_or(|p| p == d.pigment)) {
-            let (along, off) = (disc.centre[axis], disc.centre[1 - axis]);
+            let off = disc.centre[1 - axis];
             let first = ((off - disc.radius) / pitch - 0.5).ceil() as i64;
             let last = ((off + disc.radius) / pitch - 0.5).floor() as i64;
             for line in first..=last {
                 let miss = (line as f64 + 0.5) * pitch - off;
-                let half = (disc.radius * disc.radius - miss * miss).max(0.0).sqrt();
-                let start = (along - half).rem_euclid(length);
-                push(&mut chords[line.rem_euclid(n as i64) as usize], start, start + 2.0 * half, length);
+                let Some([from, to]) = disc.chord(axis, miss) else { continue };
+                let start = from.rem_euclid(length);
+                push(&mut chords[line.rem_euclid(n as i64) as usize], start, start + to - from, length);
             }
         }
         chords.iter_mut().for_each(merge);

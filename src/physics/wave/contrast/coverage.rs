@@ -14,7 +14,7 @@ use super::folding::{Folding, Planes, REACH};
 use super::nufft::{SourceTransform, Spreading};
 use super::section::{Demands, GaussRules, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
-use crate::wave::{Body, BodyShape, Grid, Layout, Resolution, Scene, WaveError};
+use crate::wave::{Body, BodyShape, Grid, Layout, Material, Resolution, Scene, WaveError};
 use cell_sum::CellSum;
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -112,7 +112,7 @@ struct Builder<'a, T: Real> {
     harmonics: &'a Harmonics,
     /// Largest |m| and |n| of the harmonics.
     widest: [usize; 2],
-    /// `None` if no body is round in the plane.
+    /// `None` if no body has edges in the plane.
     transform: Option<SourceTransform<T>>,
     sampling: Sampling,
     stop: Stop<'a>,
@@ -203,6 +203,17 @@ pub(in crate::wave) fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel>
     channels
 }
 
+/// Sign of a body's indicator in that of a material: what lies within another body takes its volume
+/// from that body's material.
+fn sign(scene: &Scene, body: &Body, material: Material) -> Option<f64> {
+    let [own, displaced] = [Some(body.material), scene.displaced(body)].map(|m| m == Some(material));
+    match (own, displaced) {
+        (true, false) => Some(1.0),
+        (false, true) => Some(-1.0),
+        _ => None,
+    }
+}
+
 /// The height range of a cell that a body covers.
 pub(in crate::wave) fn overlap(body: &Body, grid: &Grid, cell: usize) -> Option<[f64; 2]> {
     let [lo, hi] = body.extent_um();
@@ -226,7 +237,8 @@ impl<'a, T: Real> Builder<'a, T> {
         let corner = |share: f64| k(0, share).hypot(k(1, share));
         let loose = (OUTER * error).min(1e-2);
         let demands = Demands([(corner(1.0 / REACH as f64), error), (corner(1.0), loose)]);
-        let round = scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Balls(_)));
+        let sourced = |shape: &BodyShape| matches!(shape, BodyShape::Balls(_) | BodyShape::Solid(_));
+        let round = scene.bodies.iter().any(|b| sourced(&b.shape));
         let transform = round.then(|| SourceTransform::new(widest[0], widest[1], Spreading::within(error)));
         let sampling = Sampling { demands, degree: grid.element.degree, rules: GaussRules::default() };
         Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: precision.stop }
@@ -248,15 +260,16 @@ impl<'a, T: Real> Builder<'a, T> {
     }
 
     fn channel_in_cell(&self, channel: &Channel, cell: usize) -> Option<CellCoefficients<T>> {
-        let bodies = self.scene.bodies.iter().filter(|b| b.material == channel.material);
-        let present: Vec<_> = bodies.filter_map(|b| Some((b, overlap(b, self.grid, cell)?))).collect();
+        let signed = |b| Some((b, sign(self.scene, b, channel.material)?));
+        let bodies = self.scene.bodies.iter().filter_map(signed);
+        let present: Vec<_> = bodies.filter_map(|b| Some((b, overlap(b.0, self.grid, cell)?))).collect();
         if present.is_empty() {
             return None;
         }
         let mut sum = CellSum::new(self, cell);
         // Cells skipped by a stop are never used: the whole computation then fails.
         let going = present.iter().take_while(|_| !(self.stop)());
-        going.for_each(|(body, range)| sum.add_body(body, *range));
+        going.for_each(|&((body, sign), range)| sum.add_body(body, sign, range));
         Some(sum.finish())
     }
 }

@@ -239,3 +239,28 @@ fn grains_of_different_media_and_strata_make_channels() {
         assert!((share - half).abs() < 1e-13, "half of the ball on either side of the interface");
     }
 }
+
+/// A core takes its moments from the shell around it, plane by plane and cell by cell; a core of the
+/// shell's material changes nothing.
+/// *Planted*: without the sign the shell is the whole ball.
+#[test]
+fn a_core_takes_its_volume_from_the_shell() {
+    let resolution = Resolution { nx: 12, ny: 15, cells: 7, scheme: Scheme::Cubic };
+    let layered = |bodies: &[(f64, usize)]| {
+        let body = |(i, &(radius, material)): (usize, &(f64, usize))| {
+            let shape = BodyShape::Balls(vec![ball([0.1, 0.5, 0.31], radius)]);
+            Body { within: i.checked_sub(1), ..Body::new(shape, material) }
+        };
+        let bodies = bodies.iter().enumerate().map(body).collect();
+        Coverage::new(&Scene::layer(PERIOD, HEIGHT, bodies), resolution).expect("a coverage")
+    };
+    let [whole, core] = [[(0.22, 0)], [(0.15, 0)]].map(|one| layered(&one));
+    let coated = layered(&[(0.22, 0), (0.15, 1)]);
+    assert_eq!(coated.channels.len(), 2);
+    let differ = |a: &Array2<f64>, b: &Array2<f64>| (a - b).iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+    // identity: sums of the same numbers
+    assert!(differ(&coated.moments[0], &(&whole.moments[0] - &core.moments[0])) < 1e-14);
+    assert!(differ(&coated.moments[1], &core.moments[0]) < 1e-14);
+    assert!((volume(&coated) - volume(&whole) + volume(&core)).abs() < 1e-14);
+    assert!(differ(&layered(&[(0.22, 0), (0.15, 0)]).moments[0], &whole.moments[0]) < 1e-14);
+}

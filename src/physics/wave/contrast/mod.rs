@@ -11,3 +11,4 @@ pub mod folding;
 pub mod nufft;
 mod relief;
 pub mod section;
+mod solid;

@@ -161,7 +161,7 @@ impl Sampling {
 
 /// Substitution s = sin²(πt/2) with ds/dt: removes square roots at both ends of 0 ≤ s ≤ 1.
 #[inline]
-fn sine_squared(t: f64) -> (f64, f64) {
+pub(in crate::wave) fn sine_squared(t: f64) -> (f64, f64) {
     ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin())
 }
 

@@ -12,12 +12,14 @@ pub mod cell;
 pub mod contrast;
 mod far_field;
 mod kernels;
+mod layers;
 pub mod mean;
 pub mod moments;
 mod nodes;
 mod power;
 pub mod problem;
 pub mod scattering;
+mod solid_sources;
 pub mod sources;
 
 pub use crate::wave::light::Polarisation;

@@ -5,7 +5,10 @@
 //! plane. They are real and independent of wavelength and angle, computed once per scene and grid
 //! and shared by both polarisations.
 
-use super::sources::{self, FIELDS, Slab, Source, VALUES};
+use super::layers;
+use super::solid_sources;
+use super::sources::{self, FIELDS, NormalField, Slab, Source, VALUES};
+use crate::ink::Solid;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{Patch, SourceTransform, Spreading};
@@ -44,6 +47,8 @@ pub struct NormalMoments {
 
 struct MomentBuilder<'a> {
     scene: &'a Scene,
+    /// The ball inside every body.
+    cores: Vec<Option<Ball>>,
     grid: &'a Grid,
     channels: &'a [Channel],
     harmonics: Harmonics,
@@ -126,6 +131,13 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
             remedy: "leave --scheme out",
         });
     }
+    if !layers::are_concentric(scene) {
+        return Err(WaveError::NotInVectorMode {
+            what: "a body inside another one, other than one sphere about the same centre as the sphere around it",
+            reason: "the normal-field tensor between them is not implemented",
+            remedy: "use layers of spheres, or the scalar wave",
+        });
+    }
     if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Above { .. })) {
         return Err(WaveError::NotInVectorMode {
             what: "a rough surface (relief)",
@@ -147,6 +159,7 @@ impl<'a> MomentBuilder<'a> {
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
         MomentBuilder {
             scene,
+            cores: layers::cores(scene),
             grid,
             channels,
             harmonics: Harmonics::new(nx, ny),
@@ -183,16 +196,15 @@ impl<'a> MomentBuilder<'a> {
     }
 
     fn channel_in_cell(&self, channel: &Channel, cell: usize) -> Option<CellFields> {
-        let bodies = self.scene.bodies.iter();
-        let present: Vec<&Body> = bodies
-            .filter(|b| b.material == channel.material && overlap(b, self.grid, cell).is_some())
-            .collect();
+        let here = |b: &Body| b.material == channel.material && overlap(b, self.grid, cell).is_some();
+        let bodies = self.scene.bodies.iter().zip(&self.cores);
+        let present: Vec<(&Body, &Option<Ball>)> = bodies.filter(|(b, _)| here(b)).collect();
         if present.is_empty() {
             return None;
         }
         let slab = Slab { range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]] };
         let mut sum = MomentSum::new(self, slab);
-        present.iter().for_each(|body| sum.add_body(&body.shape));
+        present.iter().for_each(|(body, core)| sum.add_body(&body.shape, core.as_ref()));
         Some(sum.finish())
     }
 }
@@ -215,40 +227,68 @@ impl<'a> MomentSum<'a> {
         MomentSum { builder, slab, sources: Vec::new(), patch: Patch::empty(), direct }
     }
 
-    fn add_body(&mut self, shape: &BodyShape) {
+    fn add_body(&mut self, shape: &BodyShape, core: Option<&Ball>) {
         let (slab, sampling) = (self.slab, &self.builder.sampling);
-        match shape {
-            BodyShape::Balls(balls) => {
+        match (shape, core) {
+            (BodyShape::Balls(balls), Some(core)) => balls.iter().for_each(|ball| self.add_layer(ball, core)),
+            (BodyShape::Balls(balls), None) => {
                 (0..balls.len()).for_each(|i| self.add_ball(balls, i));
             }
-            BodyShape::CylinderY { x_um, z_um, radius_um } => {
+            (BodyShape::Solid(solid), _) => self.add_solid(solid),
+            (BodyShape::CylinderY { x_um, z_um, radius_um }, _) => {
                 for (x, values) in sources::of_cylinder(*z_um, *radius_um, &slab, sampling) {
                     self.add_lines(&values, |k, lx| Complex64::cis(-k * (x_um + x)) / lx);
                 }
             }
-            BodyShape::BarY { x_um, z_um } => {
+            (BodyShape::BarY { x_um, z_um }, _) => {
                 let values = sources::of_block(*z_um, &slab, true);
                 self.add_lines(&values, |k, lx| strip_coefficient(*x_um, k, lx));
             }
-            BodyShape::Sheet { z_um } => {
+            (BodyShape::Sheet { z_um }, _) => {
                 let values = sources::of_block(*z_um, &slab, false);
                 self.add_lines(&values, |k, _| Complex64::from(f64::from(u8::from(k == 0.0))));
             }
-            BodyShape::Above { .. } => unreachable!("rough surfaces are refused first"),
+            (BodyShape::Above { .. }, _) => unreachable!("rough surfaces are refused first"),
         }
     }
 
     fn add_ball(&mut self, balls: &[Ball], i: usize) {
-        let (transform, [lx, ly]) = (&self.builder.transform, self.builder.grid.period_um);
+        let (slab, sampling) = (self.slab, &self.builder.sampling);
+        self.spread(extents(&balls[i]), |mut push| sources::of_ball(balls, i, &slab, sampling, &mut push));
+    }
+
+    /// Adds a ball less the core inside it.
+    fn add_layer(&mut self, ball: &Ball, core: &Ball) {
+        let (slab, sampling) = (self.slab, &self.builder.sampling);
+        let normal = NormalField::of_layer(core.radius_um, ball.radius_um);
+        self.spread(extents(ball), |mut push| sources::of_single(ball, normal, &slab, sampling, &mut push));
+        self.spread(extents(core), |push| {
+            let mut less =
+                |Source { position, values }| push(Source { position, values: values.map(|v| -v) });
+            sources::of_single(core, normal, &slab, sampling, &mut less);
+        });
+    }
+
+    fn add_solid(&mut self, solid: &Solid) {
+        let (builder, slab) = (self.builder, self.slab);
+        self.spread([0, 1].map(|axis| solid.extent_um(axis)), |mut push| {
+            solid_sources::of_solid(solid, &builder.grid.nodes_um, &slab, &builder.sampling, &mut push);
+        });
+    }
+
+    /// Spreads the sources within the given lateral extents, µm, onto the fine grid.
+    fn spread(&mut self, extents: [[f64; 2]; 2], sources: impl FnOnce(&mut dyn FnMut(Source))) {
+        let (transform, period) = (&self.builder.transform, self.builder.grid.period_um);
         if self.sources.is_empty() {
             self.sources = vec![vec![Complex64::default(); transform.points()]; FIELDS];
         }
-        let Ball { center_um: [x, y, _], radius_um } = balls[i];
-        transform.open(&mut self.patch, VALUES, [x / lx, y / ly], [radius_um / lx, radius_um / ly]);
+        let center = [0, 1].map(|i| 0.5 * (extents[i][0] + extents[i][1]) / period[i]);
+        let reach = [0, 1].map(|i| 0.5 * (extents[i][1] - extents[i][0]) / period[i]);
+        transform.open(&mut self.patch, VALUES, center, reach);
         let patch = &mut self.patch;
-        sources::of_ball(balls, i, &self.slab, &self.builder.sampling, &mut |source: Source| {
+        sources(&mut |source: Source| {
             let [x, y] = source.position;
-            let (x, y) = (transform.footprint(0, x / lx), transform.footprint(1, y / ly));
+            let (x, y) = (transform.footprint(0, x / period[0]), transform.footprint(1, y / period[1]));
             transform.spread(patch, &x, &y, &source.values);
         });
         transform.close(&self.patch, &mut self.sources);
@@ -287,6 +327,11 @@ impl<'a> MomentSum<'a> {
         let mean = self.direct[0][0];
         CellFields { planes, fraction: 0.5 * (mean.re + mean.im) }
     }
+}
+
+/// Lateral extents of a ball, µm.
+fn extents(ball: &Ball) -> [[f64; 2]; 2] {
+    [0, 1].map(|i| [ball.center_um[i] - ball.radius_um, ball.center_um[i] + ball.radius_um])
 }
 
 /// Transform (1/Lx) ∫ e^{−ikx} dx of a strip.

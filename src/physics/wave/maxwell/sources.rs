@@ -1,8 +1,9 @@
 //! Point sources whose Fourier sums are the moments of a grain's indicator χ and of χN, N the
 //! normal-field tensor.
 //!
-//! In a ball N = x xᵀ/R² about its centre: smooth inside, n nᵀ on the surface. In a union of balls
-//! N is that of the ball of least power |x − c|² − R² (the jump on inner radical planes is harmless
+//! In a ball N = x xᵀ/R² about its centre: smooth inside, n nᵀ on the surface. In a layer between
+//! concentric spheres of radii r and R it is x xᵀ (r² + R² − x²)/(r² R²), n nᵀ on both, and the core
+//! is a ball of its own: N is continuous throughout. In a union of balls N is that of the ball of least power |x − c|² − R² (the jump on inner radical planes is harmless
 //! at ink contrast). A vertical column of a ball has closed moments in z, so a ball needs a
 //! quadrature only in its plan; r = R sin θ removes the square root at the rim.
 
@@ -32,8 +33,28 @@ pub struct Source {
     pub values: [f64; VALUES],
 }
 
-/// Moments 2∫ψ_q ζᵏ dζ/h for both Gauss planes q and k = 0, 1, 2.
-type HeightMoments = [[f64; 3]; 2];
+/// Moments 2∫ψ_q ζᵏ dζ/h for both Gauss planes q and k = 0 … 4.
+type HeightMoments = [[f64; 5]; 2];
+
+/// N = x xᵀ (constant − slope x²) about a ball's centre.
+#[derive(Clone, Copy, Debug)]
+pub struct NormalField {
+    constant: f64,
+    slope: f64,
+}
+
+impl NormalField {
+    /// N of a homogeneous ball.
+    pub fn of_ball(radius_um: f64) -> NormalField {
+        NormalField { constant: 1.0 / (radius_um * radius_um), slope: 0.0 }
+    }
+
+    /// N between two concentric spheres.
+    pub fn of_layer(inner_um: f64, outer_um: f64) -> NormalField {
+        let [inner, outer] = [inner_um * inner_um, outer_um * outer_um];
+        NormalField { constant: (inner + outer) / (inner * outer), slope: 1.0 / (inner * outer) }
+    }
+}
 
 impl Slab {
     fn height(&self) -> f64 {
@@ -53,37 +74,39 @@ impl Slab {
     /// Moments over an interval ζ₀ … ζ₁ of a column, heights relative to `origin`.
     fn stretch(&self, [from, to]: [f64; 2], origin: f64) -> HeightMoments {
         let (h, middle) = (self.height(), self.middle() - origin);
-        let power: [f64; 4] = std::array::from_fn(|k| {
+        let power: [f64; 6] = std::array::from_fn(|k| {
             let n = k as i32 + 1;
             (to.powi(n) - from.powi(n)) / f64::from(n)
         });
         let of = |sign: f64, k: usize| {
             (power[k] + sign * 2.0 * 3f64.sqrt() / h * (power[k + 1] - middle * power[k])) / h
         };
-        [-1.0, 1.0].map(|sign| [0, 1, 2].map(|k| of(sign, k)))
+        [-1.0, 1.0].map(|sign| [0, 1, 2, 3, 4].map(|k| of(sign, k)))
     }
 
     /// Moments of one height z with a quadrature weight in µm.
-    fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
+    pub(super) fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
         let zeta = z - origin;
         self.shape_functions(z)
-            .map(|psi| [1.0, zeta, zeta * zeta].map(|p| 2.0 * weight * psi * p / self.height()))
+            .map(|psi| [0, 1, 2, 3, 4].map(|k| 2.0 * weight * psi * zeta.powi(k) / self.height()))
     }
 }
 
 /// All fields of a ball's column at (x, y) relative to its centre.
-fn ball_values([x, y]: [f64; 2], radius: f64, heights: &HeightMoments, weight: f64) -> [f64; VALUES] {
-    let square = 1.0 / (radius * radius);
+fn ball_values([x, y]: [f64; 2], normal: NormalField, heights: &HeightMoments, weight: f64) -> [f64; VALUES] {
+    let NormalField { slope, constant } = normal;
+    let at = constant - slope * (x * x + y * y);
     let mut values = [0.0; VALUES];
-    for (q, [m0, m1, m2]) in heights.iter().enumerate() {
+    for (q, [m0, m1, m2, m3, m4]) in heights.iter().enumerate() {
+        let of = |factor: f64, m: &f64, beyond: &f64| factor * at * m - factor * slope * beyond;
         let fields = [
             *m0,
-            x * x * square * m0,
-            x * y * square * m0,
-            y * y * square * m0,
-            x * square * m1,
-            y * square * m1,
-            square * m2,
+            of(x * x, m0, m2),
+            of(x * y, m0, m2),
+            of(y * y, m0, m2),
+            of(x, m1, m3),
+            of(y, m1, m3),
+            of(1.0, m2, m4),
         ];
         fields.iter().enumerate().for_each(|(f, v)| values[2 * f + q] = weight * v);
     }
@@ -93,12 +116,19 @@ fn ball_values([x, y]: [f64; 2], radius: f64, heights: &HeightMoments, weight: f
 /// Sources of ball `i` of one grain within a cell: its own volume, or its part of the union.
 pub fn of_ball(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
     match balls {
-        [ball] => of_single(ball, slab, sampling, push),
+        [ball] => of_single(ball, NormalField::of_ball(ball.radius_um), slab, sampling, push),
         _ => of_share(balls, i, slab, sampling, push),
     }
 }
 
-fn of_single(ball: &Ball, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
+/// Sources of a ball within a cell, with N of its own or of the layer that ends at its surface.
+pub fn of_single(
+    ball: &Ball,
+    normal: NormalField,
+    slab: &Slab,
+    sampling: &Sampling,
+    push: &mut impl FnMut(Source),
+) {
     let [cx, cy, cz] = ball.center_um;
     for (theta, weight) in profile_nodes(cz, ball.radius_um, slab, sampling) {
         let (sine, cosine) = theta.sin_cos();
@@ -109,7 +139,7 @@ fn of_single(ball: &Ball, slab: &Slab, sampling: &Sampling, push: &mut impl FnMu
         let area = weight * ball.radius_um * cosine * r * TAU / count as f64;
         for k in 0..count {
             let (s, c) = (TAU * k as f64 / count as f64).sin_cos();
-            let values = ball_values([r * c, r * s], ball.radius_um, &heights, area);
+            let values = ball_values([r * c, r * s], normal, &heights, area);
             push(Source { position: [cx + r * c, cy + r * s], values });
         }
     }
@@ -177,7 +207,8 @@ fn fan(
         for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
             let s = 0.5 * (1.0 + x);
             let from_center = to.map(|t| s * t);
-            let values = ball_values(from_center, ball.radius_um, heights, 0.5 * w * s * cone);
+            let normal = NormalField::of_ball(ball.radius_um);
+            let values = ball_values(from_center, normal, heights, 0.5 * w * s * cone);
             push(Source { position: [0, 1].map(|i| center[i] + from_center[i]), values });
         }
     }
@@ -190,8 +221,9 @@ pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab, sampling: &Sampling) 
         let (sine, cosine) = theta.sin_cos();
         let Some(chord) = chord(radius_um * cosine, z_um, slab) else { continue };
         let heights = slab.stretch(chord, z_um);
+        let normal = NormalField::of_ball(radius_um);
         for x in [-radius_um * sine, radius_um * sine] {
-            lines.push((x, ball_values([x, 0.0], radius_um, &heights, weight * radius_um * cosine)));
+            lines.push((x, ball_values([x, 0.0], normal, &heights, weight * radius_um * cosine)));
         }
     }
     lines

@@ -20,7 +20,7 @@ pub fn bridged(study: &Study) -> Vec<String> {
 }
 
 fn materials(study: &Study) -> impl Iterator<Item = &IndexSpectrum> {
-    let grains = study.pigments.iter().map(|pigment| &pigment.material);
+    let grains = study.materials();
     let dissolved = study.dissolved.iter().map(|dissolved| &dissolved.material);
     grains.chain(dissolved).chain([&study.layer.binder])
 }

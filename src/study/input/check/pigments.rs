@@ -19,6 +19,15 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
     for (i, table) in file.pigments.iter().enumerate() {
         let sound = faults.0.len();
         fraction(i, table, faults);
+        if is_molecular(table) && !table.shell.is_empty() {
+            let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
+            faults.push(Fault::new(
+                of(i, "shell"),
+                found,
+                allowed,
+                "give diameter_nm in nm, or remove shell",
+            ));
+        }
         if !is_molecular(table) {
             all.push(grains_of(i, table, (&file.layer, period_um), faults, sound));
         }
@@ -40,8 +49,16 @@ pub fn pigments(
         name: name(i, table),
         grains,
         material: indices.tabulate(&of(i, "index"), &table.index, faults),
+        shell: shell(i, table, indices, faults),
     };
     tables.zip(grains).map(pigment).collect()
+}
+
+/// The layers' indices.
+fn shell(i: usize, table: &PigmentTable, indices: &Tabulation, faults: &mut Faults) -> Vec<IndexSpectrum> {
+    let field = |j: usize| of(i, &format!("shell[{j}].index"));
+    let layers = table.shell.iter().enumerate();
+    layers.map(|(j, layer)| indices.tabulate(&field(j), &layer.index, faults)).collect()
 }
 
 /// The pigments without grains.
@@ -154,6 +171,7 @@ fn as_written(table: &PigmentTable, size: SizeDistribution) -> PigmentGrains {
     PigmentGrains {
         shape: table.shape.clone(),
         size,
+        shell_nm: table.shell.iter().map(|layer| layer.thickness_nm).collect(),
         volume_fraction: table.volume_fraction,
         orientation: table.orientation,
         agglomeration: table.agglomeration.clone(),
@@ -264,7 +282,11 @@ pub fn largest_extents_nm(grains: &PigmentGrains) -> (f64, f64) {
         Measure::Radius => largest,
         Measure::Length => largest / template.length,
     };
-    (2.0 * radius, template.length * radius)
+    match &template.form {
+        // a platelet may lie flat, but its neighbours and images may not reach over its corners
+        Some(form) => (2.0 * form.thin_um() * radius, 2.0 * form.reach_um() * radius),
+        None => (2.0 * radius, template.length * radius),
+    }
 }
 
 fn names(file: &StudyFile, faults: &mut Faults) {

@@ -107,6 +107,11 @@ pub struct PigmentTable {
     /// Shape of the grains.
     #[serde(default)]
     pub shape: Shape,
+    /// Layers around the core, from the core outwards; `index` is that of the core (1 for hollow
+    /// grains). Sizes and the volume fraction are those of the whole grain with its layers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 20))]
+    pub shell: Vec<ShellTable>,
     /// Effective diameter of all grains (sphere of equal volume), nm; or use `size`. `"molecular"`
     /// is the limit of vanishing grains: nothing is packed, the pigment is dissolved in the binder.
     #[schemars(example = 250)]
@@ -129,6 +134,19 @@ pub struct PigmentTable {
     /// How whole grains reach the volume fraction.
     #[serde(default)]
     pub share: ShareRule,
+}
+
+/// One layer around the core of a grain, of the same thickness all around.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShellTable {
+    /// Thickness, nm.
+    #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 20)]
+    pub thickness_nm: f64,
+    /// Refractive index; not needed for packings only.
+    #[serde(default)]
+    #[schemars(with = "IndexForms", example = 1.46)]
+    pub index: IndexWritten,
 }
 
 /// `[packing]`: how the grains are placed.

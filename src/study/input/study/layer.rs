@@ -36,8 +36,12 @@ pub struct Pigment {
     pub name: String,
     /// Shape, sizes and volume fraction of its grains.
     pub grains: PigmentGrains,
-    /// Its refractive index.
+    /// Its refractive index; that of the core where there are layers around it.
     pub material: IndexSpectrum,
+    /// Layers around the core, from the core outwards; their thicknesses are those of
+    /// [`PigmentGrains::shell_nm`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shell: Vec<IndexSpectrum>,
 }
 
 /// A pigment in the limit of vanishing grains: a homogeneous mixture with the binder.

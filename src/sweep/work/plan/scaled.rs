@@ -79,8 +79,7 @@ fn indices(study: &Study) -> impl Iterator<Item = num_complex::Complex64> {
 fn applications(study: &Study) -> f64 {
     let um = 1e-3 * study.wavelengths_nm[0];
     let binder = study.layer.binder.index_at(um);
-    let contrast =
-        study.pigments.iter().map(|p| (p.material.index_at(um) - binder).norm()).fold(0.0, f64::max);
+    let contrast = study.materials().map(|m| (m.index_at(um) - binder).norm()).fold(0.0, f64::max);
     let phase = TAU / um * study.layer.thickness_um * contrast;
     (10.0 + APPLICATIONS_A_RADIAN * phase).min(study.goal.max_applications as f64)
 }

@@ -1,10 +1,10 @@
-//! Repulsion between overlapping spheres, and from the walls.
+//! Repulsion between overlapping spheres or convex bodies, and from the walls.
 
 use super::OverlapRelaxation;
 use crate::ink::packing::loads::FoundLoads;
-use crate::ink::packing::sequential::MARGIN;
+use crate::ink::packing::sequential::{CONVEX_MARGIN, MARGIN};
 use crate::numerics::Draws;
-use crate::numerics::vector::{dot, scale, sub};
+use crate::numerics::vector::{V3, add, dot, scale, sub};
 
 impl OverlapRelaxation<'_, '_> {
     /// Forces and torques on the bodies of the moving list and on the bodies they push.
@@ -21,11 +21,11 @@ impl OverlapRelaxation<'_, '_> {
     }
 
     fn pairs(&mut self, b: usize, s: usize, found: &mut FoundLoads, draws: &mut Draws) {
-        let bodies = &*self.bodies;
-        let (p, r, wider) = (bodies.at[s], bodies.radius[s], 1.0 + self.inflation);
+        let (p, r, wider) = (self.bodies.at[s], self.bodies.radius[s], 1.0 + self.inflation);
         let mut push = [0.0; 3];
         let mut pushed = false;
-        for t in self.list.of(s).iter().map(|t| *t as usize) {
+        for k in 0..self.list.of(s).len() {
+            let (t, bodies) = (self.list.of(s)[k] as usize, &*self.bodies);
             let d = bodies.cell.delta(p, bodies.at[t]);
             let sum = r + bodies.radius[t];
             let reach = sum * wider;
@@ -36,6 +36,10 @@ impl OverlapRelaxation<'_, '_> {
             let other = bodies.owner[t] as usize;
             if other < b && self.moves[other] {
                 continue; // the pair is handled from the other sphere
+            }
+            if !bodies.are_spheres(s, t) {
+                self.press([s, t], d, found);
+                continue;
             }
             let distance = d2.sqrt();
             let depth = reach - distance; // L = (1 + ε)(R₁ + R₂) − distance
@@ -51,7 +55,39 @@ impl OverlapRelaxation<'_, '_> {
             found.hear(0.5 * depth * depth, sum * (1.0 + MARGIN) - distance, sum); // energy L²/2
         }
         if pushed {
-            self.loads.act(b, bodies.arm[s], push);
+            self.loads.act(b, self.bodies.arm[s], push);
+        }
+    }
+
+    /// Repulsion of two bodies of which one is convex: by the depth of their contact, with both
+    /// inflated by their thinnest radii.
+    fn press(&mut self, [s, t]: [usize; 2], d: V3, found: &mut FoundLoads) {
+        let [own, other] = [s, t].map(|s| self.bodies.owner[s] as usize);
+        let thin = self.thin[own] + self.thin[other];
+        let gap = (self.inflation * thin).max(2.0 * CONVEX_MARGIN * thin);
+        let Some(contact) = self.bodies.contact(s, t, d, gap) else { return };
+        let depth = gap - contact.gap_um;
+        if depth <= 0.0 {
+            return;
+        }
+        let push = scale(contact.normal, depth);
+        let arms = [s, t].map(|s| self.bodies.arm[s]);
+        self.loads.act(own, add(arms[0], contact.arms[0]), scale(push, -1.0));
+        self.loads.act(other, add(arms[1], contact.arms[1]), push);
+        found.hear(0.5 * depth * depth, 1.5 * CONVEX_MARGIN * thin - contact.gap_um, thin);
+    }
+
+    /// Repulsion of a convex body from the walls at its lowest and highest point.
+    fn press_walls(&mut self, b: usize, found: &mut FoundLoads) {
+        let Some(solid) = self.bodies.solid(b) else { return };
+        let (z, top, thin) = (self.bodies.centre[b][2], self.bodies.cell.size[2], self.thin[b]);
+        let ends = [-1.0, 1.0].map(|side| solid.arm([0.0, 0.0, side]));
+        for (arm, distance, sign) in [(ends[0], z + ends[0][2], 1.0), (ends[1], top - z - ends[1][2], -1.0)] {
+            let depth = (self.inflation * thin).max(2.0 * CONVEX_MARGIN * thin) - distance;
+            if depth > 0.0 {
+                self.loads.act(b, arm, [0.0, 0.0, sign * 2.0 * depth]);
+                found.hear(depth * depth, MARGIN * (thin + top) - distance, thin);
+            }
         }
     }
 
@@ -60,6 +96,9 @@ impl OverlapRelaxation<'_, '_> {
     fn wall(&mut self, b: usize, s: usize, found: &mut FoundLoads) {
         if !self.bodies.cell.walls {
             return;
+        }
+        if self.bodies.solid(b).is_some() {
+            return self.press_walls(b, found);
         }
         let (z, r, top) = (self.bodies.at[s][2], self.bodies.radius[s], self.bodies.cell.size[2]);
         for (distance, sign) in [(z, 1.0), (top - z, -1.0)] {

@@ -1,7 +1,8 @@
-//! Moments of one channel in one cell: balls by sources on their surfaces, other bodies summed
-//! directly.
+//! Moments of one channel in one cell: balls and convex bodies by sources on their surfaces, other
+//! bodies summed directly.
 
 use super::Builder;
+use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneScratch, Real, narrow};
 use crate::wave::contrast::cell::CellCoefficients;
 use crate::wave::contrast::nufft::{Patch, SourceTransform};
@@ -16,6 +17,8 @@ use std::f64::consts::TAU;
 pub(super) struct CellSum<'a, T: Real> {
     builder: &'a Builder<'a, T>,
     cell: usize,
+    /// Factor on what is added, 1 or −1.
+    sign: f64,
     /// Surface sources on the fine grid, one grid per plane: n_x dS + i n_y dS; empty until the
     /// first is added.
     sources: Vec<Vec<Complex<T>>>,
@@ -30,13 +33,16 @@ impl<'a, T: Real> CellSum<'a, T> {
         let planes = builder.grid.planes_of_cell(cell).count();
         let spectra = vec![vec![Complex::default(); builder.harmonics.len()]; planes];
         let direct = CellCoefficients { spectra, means: vec![0.0; planes] };
-        CellSum { builder, cell, sources: Vec::new(), direct, patch: Patch::empty(), points: Vec::new() }
+        let (sources, points) = (Vec::new(), Vec::new());
+        CellSum { builder, cell, sign: 1.0, sources, direct, patch: Patch::empty(), points }
     }
 
-    /// Adds the moments of a body that covers the height range `range` of the cell.
-    pub(super) fn add_body(&mut self, body: &Body, range: [f64; 2]) {
+    /// Adds the moments of a body that covers the height range `range` of the cell, times a sign.
+    pub(super) fn add_body(&mut self, body: &Body, sign: f64, range: [f64; 2]) {
+        self.sign = sign;
         match &body.shape {
             BodyShape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
+            BodyShape::Solid(solid) => self.add_solid(solid, range),
             BodyShape::Above { surface, balls } => {
                 let columns = self.builder.columns(self.cell);
                 relief::add_vacuum(surface, balls, &columns, &mut self.direct);
@@ -57,29 +63,56 @@ impl<'a, T: Real> CellSum<'a, T> {
     fn shares(&self, z: f64, weight: f64) -> [f64; MAX_DEGREE + 1] {
         let grid = self.builder.grid;
         let t = (z - grid.nodes_um[self.cell]) / grid.height_um(self.cell);
-        grid.element.shape_functions(t).map(|psi| psi * weight)
+        grid.element.shape_functions(t).map(|psi| psi * weight * self.sign)
+    }
+
+    /// Opens the patch around a body of the given lateral extents, µm.
+    fn open_patch(&mut self, extents: [[f64; 2]; 2]) -> &'a SourceTransform<T> {
+        let builder = self.builder;
+        let transform = builder.transform.as_ref().expect("a scene with edges has a transform");
+        let planes = self.direct.means.len();
+        if self.sources.is_empty() {
+            self.sources = vec![vec![Complex::default(); transform.points()]; planes];
+        }
+        let period = builder.grid.period_um;
+        let center = [0, 1].map(|i| 0.5 * (extents[i][0] + extents[i][1]) / period[i]);
+        let reach = [0, 1].map(|i| 0.5 * (extents[i][1] - extents[i][0]) / period[i]);
+        transform.open(&mut self.patch, 2 * planes, center, reach);
+        transform
+    }
+
+    /// Adds one ring of points on a surface at height z, and the area it encloses.
+    #[inline]
+    fn add_cut(&mut self, origin: [f64; 3], [z, weight]: [f64; 2], points: &[EdgePoint]) {
+        let builder = self.builder;
+        let [lx, ly] = builder.grid.period_um;
+        let transform = builder.transform.as_ref().expect("a scene with edges has a transform");
+        let shares = self.shares(z, weight);
+        let moment = self.add_ring(transform, origin, &shares, points);
+        add_mean(&mut self.direct.means, 0.5 * moment / (lx * ly), &shares);
     }
 
     /// Adds the free surface of one ball of a union.
     fn add_ball(&mut self, balls: &[Ball], i: usize, range: [f64; 2]) {
-        let builder = self.builder;
-        let [lx, ly] = builder.grid.period_um;
-        let (own, planes) = (&balls[i], self.direct.means.len());
-        let transform = builder.transform.as_ref().expect("a scene with balls has a transform");
-        if self.sources.is_empty() {
-            self.sources = vec![vec![Complex::default(); transform.points()]; planes];
-        }
-        let center = [own.center_um[0] / lx, own.center_um[1] / ly];
-        transform.open(&mut self.patch, 2 * planes, center, [own.radius_um / lx, own.radius_um / ly]);
+        let (builder, own) = (self.builder, &balls[i]);
+        let extents = [0, 1].map(|a| [own.center_um[a] - own.radius_um, own.center_um[a] + own.radius_um]);
+        let transform = self.open_patch(extents);
         let mut points = std::mem::take(&mut self.points);
-        let mut ring = |z: f64, weight: f64, points: &[EdgePoint]| {
-            let shares = self.shares(z, weight);
-            let moment = self.add_ring(transform, balls[0].center_um, &shares, points);
-            add_mean(&mut self.direct.means, 0.5 * moment / (lx * ly), &shares);
-        };
+        let mut ring =
+            |z: f64, weight: f64, points: &[EdgePoint]| self.add_cut(balls[0].center_um, [z, weight], points);
         builder.sampling.rings(balls, i, range, &mut points, &mut ring);
         transform.close(&self.patch, &mut self.sources);
         self.points = points;
+    }
+
+    /// Adds the surface of a convex body.
+    fn add_solid(&mut self, solid: &Solid, range: [f64; 2]) {
+        let builder = self.builder;
+        let transform = self.open_patch([0, 1].map(|axis| solid.extent_um(axis)));
+        let mut cut =
+            |z: f64, weight: f64, points: &[EdgePoint]| self.add_cut(solid.center_um, [z, weight], points);
+        builder.sampling.cuts(solid, range, 0.0, &mut cut);
+        transform.close(&self.patch, &mut self.sources);
     }
 
     /// Spreads the sources of a ring of points over the patch; returns twice the enclosed area,

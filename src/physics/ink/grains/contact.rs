@@ -1,0 +1,149 @@
+//! Contact of two convex bodies, and the proof that they are apart.
+//!
+//! The contact (distance, or depth of penetration, and normal) comes from parry's search with
+//! support mappings. The proof does not trust it: two bodies are apart if some direction separates
+//! their shadows, and a direction is judged by the closed widths of the forms alone.
+
+use super::solid::{Form, Solid};
+use crate::numerics::vector::{V3, dot, scale, sub, unit};
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::details::contact_support_map_support_map;
+use parry3d_f64::shape::SupportMap;
+
+/// Nearest or deepest points of two bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Distance between the surfaces, µm; negative if the bodies overlap.
+    pub gap_um: f64,
+    /// Unit vector from the first body to the second.
+    pub normal: V3,
+    /// The points, each relative to its body's centre, µm.
+    pub arms: [V3; 2],
+}
+
+/// A body in a unit of length, about its centre.
+struct Scaled<'a> {
+    solid: &'a Solid,
+    unit_um: f64,
+}
+
+impl SupportMap for Scaled<'_> {
+    fn local_support_point(&self, direction: Vector) -> Vector {
+        Vector::from_array(scale(self.solid.arm(direction.to_array()), 1.0 / self.unit_um))
+    }
+}
+
+/// The contact of two bodies whose centres are `apart` (second less first), µm, if their distance
+/// is at most `within_um`.
+pub fn contact(first: &Solid, second: &Solid, apart: V3, within_um: f64) -> Option<Contact> {
+    // parry's tolerances are absolute, for bodies of the size of one.
+    let unit_um = first.form.reach_um().max(second.form.reach_um());
+    let [a, b] = [first, second].map(|solid| Scaled { solid, unit_um });
+    let place = Pose::from_translation(Vector::from_array(scale(apart, 1.0 / unit_um)));
+    let found = contact_support_map_support_map(&place, &a, &b, within_um / unit_um)?;
+    let [normal, one, two] = [found.normal1, found.point1, found.point2].map(|v| v.to_array());
+    let sound = found.dist.is_finite() && normal.iter().all(|x| x.is_finite());
+    let arms = [scale(one, unit_um), scale(two, unit_um)];
+    sound.then_some(Contact { gap_um: found.dist * unit_um, normal, arms })
+}
+
+/// A distance that two bodies surely have, µm: that of their shadows along the best direction
+/// tried. Negative if none separates them; then the bodies overlap by at most as much.
+pub fn proven_gap_um(first: &Solid, second: &Solid, apart: V3) -> f64 {
+    let between = |n: V3| dot(n, apart) - half_width(first, n) - half_width(second, scale(n, -1.0));
+    let far = first.form.reach_um() + second.form.reach_um() + dot(apart, apart).sqrt();
+    let found = contact(first, second, apart, far).map(|c| c.normal);
+    let flat = [first, second].into_iter().flat_map(normals).flat_map(|n| [n, scale(n, -1.0)]);
+    let directions = flat.chain(found).chain([unit(apart)]);
+    directions.map(|n| between(unit(n))).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Largest coordinate of a body along the unit vector n, relative to its centre, µm.
+fn half_width(solid: &Solid, n: V3) -> f64 {
+    let axis = |v: V3| dot(solid.rotation.turn(v), n);
+    let [x, y, z] = [axis([1.0, 0.0, 0.0]), axis([0.0, 1.0, 0.0]), axis([0.0, 0.0, 1.0])];
+    match &solid.form {
+        Form::Ellipsoid { semi_axes_um: [a, b, c] } => (a * x).hypot(b * y).hypot(c * z),
+        Form::Disc { radius_um, half_length_um } => radius_um * x.hypot(y) + half_length_um * z.abs(),
+        Form::Prism { corners_um, half_length_um } => {
+            let corners = corners_um.iter().map(|c| c[0] * x + c[1] * y);
+            corners.fold(f64::NEG_INFINITY, f64::max) + half_length_um * z.abs()
+        }
+    }
+}
+
+/// Normals of a body's flat faces.
+fn normals(solid: &Solid) -> Vec<V3> {
+    let mut own = match &solid.form {
+        Form::Prism { corners_um, .. } => {
+            let next = corners_um.iter().cycle().skip(1);
+            corners_um.iter().zip(next).map(|(a, b)| [b[1] - a[1], a[0] - b[0], 0.0]).collect()
+        }
+        _ => Vec::new(),
+    };
+    own.push([0.0, 0.0, 1.0]);
+    own.into_iter().map(|n| solid.rotation.turn(n)).collect()
+}
+
+/// Whether a point lies in a body, by the inequalities that define its form.
+pub fn contains(solid: &Solid, point: V3) -> bool {
+    let [x, y, z] = solid.rotation.inverse().turn(sub(point, solid.center_um));
+    match &solid.form {
+        Form::Ellipsoid { semi_axes_um: [a, b, c] } => (x / a).hypot(y / b).hypot(z / c) < 1.0,
+        Form::Disc { radius_um, half_length_um } => x.hypot(y) < *radius_um && z.abs() < *half_length_um,
+        Form::Prism { corners_um, half_length_um } => {
+            let next = corners_um.iter().cycle().skip(1);
+            let left = |(a, b): (&[f64; 2], &[f64; 2])| {
+                (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) > 0.0
+            };
+            z.abs() < *half_length_um && corners_um.iter().zip(next).all(left)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::Draws;
+    use crate::numerics::vector::{Rotation, add, norm};
+
+    fn drawn(draws: &mut Draws) -> Solid {
+        let [a, b, c] = std::array::from_fn(|_| draws.between(0.1, 1.0));
+        let form = match draws.between(0.0, 4.0) as usize {
+            0 => Form::Ellipsoid { semi_axes_um: [a, b, c] },
+            1 => Form::Disc { radius_um: a, half_length_um: 0.3 * b },
+            2 => Form::cuboid([a, b, c]),
+            _ => Form::Prism { corners_um: vec![[a, 0.0], [-a, b], [-a, -b]], half_length_um: c },
+        };
+        let rotation = Rotation::from_z_to(draws.direction()).then(Rotation::by(draws.direction()));
+        Solid { form, center_um: [0.0; 3], rotation }
+    }
+
+    /// Surface points of one body, dense enough, decide whether it meets the other.
+    #[test]
+    fn contact_and_proof_agree_with_dense_points_of_the_surfaces() {
+        let mut draws = Draws::new(7, 0);
+        let (mut apart, mut meeting) = (0, 0);
+        for _ in 0..400 {
+            let [first, mut second] = [drawn(&mut draws), drawn(&mut draws)];
+            let delta = scale(draws.direction(), draws.between(0.3, 2.0));
+            second.center_um = delta;
+            let steps = 40;
+            let corner_in = |one: &Solid, other: &Solid| {
+                one.triangles(steps).into_iter().flatten().any(|p| contains(other, p))
+            };
+            let overlap = corner_in(&first, &second) || corner_in(&second, &first);
+            let gap = proven_gap_um(&first, &second, delta);
+            assert!(gap <= 0.0 || !overlap, "{first:?} {second:?}: {gap}");
+            let found = contact(&first, &second, delta, 10.0).expect("a contact within any distance");
+            // The best direction bounds the distance from below, and the search attains it.
+            assert!((found.gap_um - gap).abs() < 1e-5 || gap < 0.0, "{first:?} {second:?}: {found:?} {gap}");
+            assert_eq!(found.gap_um > 1e-5, gap > 1e-5, "{first:?} {second:?}: {found:?} {gap}");
+            let points = [found.arms[0], add(delta, found.arms[1])];
+            assert!((norm(sub(points[1], points[0])) - found.gap_um.abs()).abs() < 1e-4, "{found:?}");
+            apart += usize::from(gap > 0.0);
+            meeting += usize::from(overlap);
+        }
+        assert!(apart > 80 && meeting > 80, "both answers occur: {apart} {meeting}");
+    }
+}
