@@ -68,13 +68,14 @@ impl Voxels {
 
     /// Shares of the materials by name, and the contrast at one wavelength, on the voxels' centres.
     pub fn image(&self, materials: &[String], media: &Media, wavelength_nm: f64) -> Image {
-        let share = |(kind, values): (usize, &Vec<f32>)| {
-            let name = if kind == 0 {
-                "share_above_relief".into()
-            } else {
-                format!("share_{}", materials[kind - 1])
-            };
-            PointArray { name, components: 1, values: values.clone() }
+        let named = |kind: usize| match kind {
+            0 => "share_above_relief".into(),
+            _ => format!("share_{}", materials[kind - 1]),
+        };
+        let share = |(kind, values): (usize, &Vec<f32>)| PointArray {
+            name: named(kind),
+            components: 1,
+            values: values.clone(),
         };
         let filled = |(_, values): &(usize, &Vec<f32>)| values.iter().any(|&v| v > 0.0);
         let contrast = self.contrast(media).iter().flat_map(|v| [v.re as f32, v.im as f32]).collect();
