@@ -18,6 +18,7 @@ pub mod mitsuba;
 pub mod near_field;
 pub mod npz;
 pub mod operator;
+pub mod positions;
 pub mod print;
 pub mod provenance;
 pub mod run;

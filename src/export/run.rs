@@ -12,7 +12,7 @@ use super::provenance::{self, Described, Run, STUDY};
 use super::samples;
 use super::stored::Stored;
 use super::voxels::Voxels;
-use super::{cgats, cxf, near_field, npz, viewer};
+use super::{cgats, cxf, near_field, npz, positions, viewer};
 use crate::evaluate::directional::DirectionalInk;
 use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::manifest::Manifest;
@@ -20,6 +20,7 @@ use crate::evaluate::seen::NoInk;
 use crate::evaluate::summary::{program, summarise};
 use crate::ink::Packing;
 use crate::input::study::Study;
+use crate::report::packing::grains_csv;
 use crate::report::tables;
 use crate::run::point::{Stopper, pack_realisation};
 use crate::run::watch::RunWatch;
@@ -59,6 +60,9 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
     }
     if wants(Format::Vti) || request.near_field.is_some() {
         exporter.vti(&mut out)?;
+    }
+    if wants(Format::Positions) {
+        exporter.positions(&mut out)?;
     }
     if wants(Format::Viewer) {
         exporter.viewer(&mut out)?;
@@ -206,6 +210,19 @@ impl Exporter<'_> {
         let solution = study.solver.build().solve(&problem, study.goal, &mut Stopper(self.watch))?;
         let image = near_field::image(&problem, &solution.field);
         out.add("near-field.vti", image.vti(), "the wave inside the first packing; lengths in µm");
+        Ok(())
+    }
+
+    fn positions(&self, out: &mut Exported) -> Result<(), ExportError> {
+        self.watch.stage("packing realisation 1 again");
+        let packing = pack_realisation(self.study(), 0, self.watch)?;
+        out.add("grains.csv", grains_csv(&packing)?, "spheres of the first packing, lengths in µm");
+        out.add(
+            "grains.dump",
+            positions::dump(&packing),
+            "the same as a LAMMPS dump, radii and lengths in µm",
+        );
+        out.add("grains.xyz", positions::xyz(&packing), "the same as extended XYZ, radii and lengths in µm");
         Ok(())
     }
 

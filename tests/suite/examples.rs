@@ -54,6 +54,7 @@ fn outcome(command: &[&str], name: &str) -> Result<String, String> {
     if name != "yellow.toml" {
         std::fs::copy(folder().join("yellow.toml"), scratch.path().join("yellow.toml")).expect("copied");
     }
+    std::fs::copy(folder().join("positions.csv"), scratch.path().join("positions.csv")).expect("copied");
     let mut args = vec![command[0], name];
     args.extend(&command[1..]);
     let output = inkwave(&args, scratch.path());

@@ -23,6 +23,7 @@ mod inverse;
 mod kubelka_munk;
 mod memory;
 mod merge;
+mod microstructure;
 mod nested;
 mod operator_export;
 mod packing_grains;

@@ -15,6 +15,8 @@ pub enum Format {
     Npz,
     /// Contrast of the first packing as a VTK image.
     Vti,
+    /// Positions of the first packing's spheres: CSV, LAMMPS dump and extended XYZ.
+    Positions,
     /// Interactive view of the first packing for a browser.
     Viewer,
     /// RO-Crate and Data Package.

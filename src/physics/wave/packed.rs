@@ -6,8 +6,8 @@ use crate::ink::{Packing, Relief, Sphere};
 
 impl Scene {
     /// One stratum of binder (background 0) with the nested bodies of every grain; their materials
-    /// are the inclusions (see [`Packing::materials`]), and the space above a relief is filled by the
-    /// medium of the incident side.
+    /// are the inclusions (see [`Packing::materials`]), and the space above a relief is filled by
+    /// the medium of the incident side.
     ///
     /// The packing has been checked for overlap, so the check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {

@@ -291,6 +291,14 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
         lines.push(line.to_owned());
     }
     lines.push(held(study).to_owned());
+    let cuts = study.packing.given.len();
+    if cuts > 0 {
+        let cuts = if cuts == 1 { "one cut".into() } else { format!("{cuts} cuts") };
+        lines.push(format!(
+            "The grains are given ({cuts}), not packed. Each cut is continued periodically: nothing wider than it is in them, \
+             and error bars hold no scatter of packings but that between cuts."
+        ));
+    }
     if study.pigments.iter().any(|p| p.material.source.contains("synthetic")) {
         let line = "Built-in spectra are synthetic: smooth curves like those of printing inks, not measured pigments. Bring \
                     your own with index = { csv = \"…\" }.";

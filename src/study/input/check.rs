@@ -7,6 +7,7 @@ mod grain_count;
 mod index;
 mod judgement;
 mod light;
+mod microstructure;
 mod paper;
 mod pigments;
 mod wave;
@@ -71,6 +72,9 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let composed = composed::composed(file, &mut faults);
     let slab = composed.as_ref().map(|composed| composed::slab_file(file, composed));
     let file = slab.as_ref().unwrap_or(file);
+    let given = microstructure::given(file, folder, &mut faults);
+    let (filled, cuts) = given.map_or((None, Vec::new()), |(file, cuts)| (Some(file), cuts));
+    let file = filled.as_ref().unwrap_or(file);
     let wavelengths_nm = light::wavelengths(&file.light, &mut optics);
     let period_um = period(file, &mut faults);
     let indices = Tabulation { wavelengths_nm: &wavelengths_nm, folder };
@@ -80,7 +84,8 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let pigments = pigments::pigments(file, grains, &indices, &mut optics);
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
     layer.binder = pigments::solution(layer.binder, &dissolved, &pigments, wave::mixing(file));
-    let packing = pigments::packing(file, period_um, &pigments, &mut faults);
+    let mut packing = pigments::packing(file, period_um, &pigments, &mut faults);
+    packing.given = cuts;
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
     let angles = angles::angles(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);

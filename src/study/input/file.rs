@@ -21,11 +21,13 @@ mod appearance;
 mod calculation;
 mod layer;
 mod light;
+mod microstructure;
 
 pub use appearance::{ColourTable, CompareTable, CouplingName, OutputTable, PaperTable};
 pub use calculation::{ResolutionTable, RunTable, SolverTable};
-pub use layer::{BinderTable, ComposedTable, LayerTable, PackingTable, PigmentTable};
+pub use layer::{BinderTable, ComposedTable, LayerTable, PackingTable, PigmentTable, ShellTable};
 pub use light::{AnglesTable, LightTable, SamplingName};
+pub use microstructure::{LengthUnit, MicrostructureTable, PositionFiles, SizeColumn};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -20,6 +20,7 @@ pub mod measured;
 pub mod measured_colour;
 mod misfit;
 mod patches;
+pub mod positions;
 pub mod read;
 pub mod study;
 pub mod tree;

@@ -1,5 +1,9 @@
 //! Agglomerates: grains glued into one rigid body before the packing starts.
 
+mod fractal;
+
+pub use fractal::Fractal;
+
 use crate::ink::{PackError, Sphere};
 use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each, Whole};
@@ -22,6 +26,11 @@ pub struct Agglomeration {
     /// How many grains stick together.
     #[schemars(example = 5)]
     pub grains: GrainCount,
+    /// Makes them fractal clusters, such as carbon black's: without it grains fly in one by one,
+    /// which gives dense ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(example = Fractal { dimension: 1.78, prefactor: 1.3 })]
+    pub fractal: Option<Fractal>,
 }
 
 /// Number of grains in one agglomerate. A last, incomplete agglomerate keeps the grains that are
@@ -84,7 +93,8 @@ impl Agglomeration {
                     && weights.iter().sum::<f64>() > 0.0
             }
         };
-        (!sound).then(|| ("agglomeration.grains", format!("{:?}", self.grains), allowed))
+        let wrong = (!sound).then(|| ("agglomeration.grains", format!("{:?}", self.grains), allowed));
+        wrong.or_else(|| self.fractal?.defect())
     }
 
     /// Mean number of grains of a body, weighted by volume; single grains count.
@@ -140,14 +150,19 @@ const GLUE_GAP: f64 = 1e-6;
 pub(crate) fn glue(grains: &[Vec<Sphere>], draws: &mut Draws) -> Vec<PlacedGrain> {
     let mut placed: Vec<PlacedGrain> = Vec::with_capacity(grains.len());
     for grain in grains {
-        let axis = draws.direction();
-        let turn = draws.rotation_with_axis(axis);
-        let turned = turned(grain, turn);
-        let shift = if placed.is_empty() { [0.0; 3] } else { landing(&placed, &turned, draws) };
-        let spheres = turned.iter().map(|s| Sphere { center_um: add(s.center_um, shift), ..*s }).collect();
-        placed.push(PlacedGrain { spheres, axis: turn.turn([0.0, 0.0, 1.0]) });
+        let PlacedGrain { spheres, axis } = placed_first(grain, draws);
+        let shift = if placed.is_empty() { [0.0; 3] } else { landing(&placed, &spheres, draws) };
+        let spheres = spheres.iter().map(|s| Sphere { center_um: add(s.center_um, shift), ..*s }).collect();
+        placed.push(PlacedGrain { spheres, axis });
     }
     placed
+}
+
+/// A grain alone, randomly rotated.
+pub(super) fn placed_first(grain: &[Sphere], draws: &mut Draws) -> PlacedGrain {
+    let axis = draws.direction();
+    let turn = draws.rotation_with_axis(axis);
+    PlacedGrain { spheres: turned(grain, turn), axis: turn.turn([0.0, 0.0, 1.0]) }
 }
 
 fn turned(grain: &[Sphere], turn: Rotation) -> Vec<Sphere> {
@@ -181,7 +196,7 @@ fn span(spheres: &[Sphere], centre: V3) -> f64 {
 }
 
 /// Length of the flight along −from until a pair of spheres is `GLUE_GAP` short of touching.
-fn first_contact(there: &[Sphere], incoming: &[Sphere], start: V3, from: V3) -> Option<f64> {
+pub(super) fn first_contact(there: &[Sphere], incoming: &[Sphere], start: V3, from: V3) -> Option<f64> {
     let mut shortest: Option<f64> = None;
     for a in there {
         for b in incoming {

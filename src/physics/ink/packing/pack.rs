@@ -32,6 +32,9 @@ use crate::numerics::draws::Draws;
 /// # Ok::<(), inkwave_physics::ink::PackError>(())
 /// ```
 pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
+    if let Some(given) = Packing::given(request) {
+        return given;
+    }
     let (packing, notes) = match request.method {
         MethodChoice::SequentialAddition => {
             (attempt(request, Some(Method::SequentialAddition), watch)?, None)

@@ -1,6 +1,7 @@
 //! Placed grains: a packing exists only if an independent check has found no overlap in it.
 
 use super::grain::Grain;
+use super::request::PackingRequest;
 use super::{overlap, shell};
 use crate::ink::error::PackError;
 use crate::ink::grains::sphere::Sphere;
@@ -129,6 +130,18 @@ impl Packing {
         let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
         let account = PackingAccount::new(Method::Given, 0, 0);
         Self::proven(period_um, thickness_um, walls, grains, (shares, account))
+    }
+
+    /// The given grains of a request's realisation, if it has any.
+    pub(crate) fn given(request: &PackingRequest) -> Option<Result<Self, PackError>> {
+        let grains = request.given.get(usize::try_from(request.stream).ok()?)?;
+        let ([lx, ly], thickness_um) = (request.period_um, request.thickness_um);
+        let share = |pigment| Share::of_given(grains, pigment, lx * ly * thickness_um);
+        let shares = (0..request.pigments.len()).map(share).collect();
+        let account = PackingAccount::new(Method::Given, request.seed, request.stream);
+        let parts = (shares, account);
+        let packing = Self::proven([lx, ly], thickness_um, request.walls, grains.clone(), parts);
+        Some(packing.and_then(|packing| packing.with_shells(request.shells_um())))
     }
 
     /// The only constructor: checks every pair.

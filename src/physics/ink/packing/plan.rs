@@ -68,7 +68,7 @@ impl PackingPlan {
             let (sizes, share) = draw_sizes(pigment, &template, lx * ly * dry, draws)?;
             check_presence(k, pigment, lx * ly * dry, &sizes)?;
             if !pigment.shell_nm.is_empty() {
-                sizes.iter().try_for_each(|&radius| shell::check_core(k, pigment, &template, radius))?;
+                sizes.iter().try_for_each(|&radius| shell::check_core(k, &pigment.shell_nm, &template, radius))?;
             }
             let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
             bodies.extend(group(k, request, grains, &template, draws)?);
@@ -219,7 +219,11 @@ fn agglomerate(
     let members: Vec<Vec<Sphere>> = grains.iter().map(|g| g.spheres.clone()).collect();
     let mut best = f64::MAX;
     for _ in 0..DRAWS_OF_AGGLOMERATE {
-        let glued = agglomeration::glue(&members, draws);
+        let fractal = request.pigments[k].agglomeration.as_ref().and_then(|rule| rule.fractal);
+        let glued = match fractal {
+            Some(law) => law.aggregate(&members, draws),
+            None => agglomeration::glue(&members, draws),
+        };
         let body = joined(k, grains, glued, template);
         let thick = if request.walls { thinnest(&body.spheres) } else { 0.0 };
         if 2.0 * body.reach <= widest(request) && thick <= request.thickness_um {
@@ -257,6 +261,6 @@ fn joined(
 impl Agglomeration {
     /// Agglomerates of exactly `grains` grains.
     pub fn of(grains: usize, degree: f64) -> Self {
-        Self { degree, grains: agglomeration::GrainCount::Constant(grains) }
+        Self { degree, grains: agglomeration::GrainCount::Constant(grains), fractal: None }
     }
 }

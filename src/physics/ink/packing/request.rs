@@ -1,5 +1,6 @@
 //! The request for a packing: cell, pigments and method.
 
+use super::grain::Grain;
 use super::shell;
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration::Agglomeration;
@@ -37,6 +38,10 @@ pub struct PackingRequest {
     pub equilibration: Option<EquilibrationSettings>,
     /// A binder surface below the tops of the grains, if requested.
     pub relief: Option<ReliefRequest>,
+    /// Grains in given places, one list per realisation ([`PackingRequest::stream`]); nothing is
+    /// packed then.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub given: Vec<Vec<Grain>>,
 }
 
 impl Default for PackingRequest {
@@ -53,6 +58,7 @@ impl Default for PackingRequest {
             relaxation: RelaxationSettings::default(),
             equilibration: None,
             relief: None,
+            given: Vec::new(),
         }
     }
 }
@@ -107,6 +113,11 @@ impl PigmentGrains {
             agglomeration: None,
             share: ShareRule::NearestGrain,
         }
+    }
+
+    /// Shares of the grains' volume: the core, then the layers from the core outwards.
+    pub fn layer_shares(&self) -> Vec<f64> {
+        shell::shares(&self.shell_nm, &self.shape, &self.size)
     }
 }
 
@@ -282,7 +293,7 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
     let defects =
         [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
     match defects.into_iter().flatten().next() {
-        None => shell::check(k, pigment),
+        None => shell::check(k, &pigment.shell_nm, &pigment.shape, &pigment.size),
         Some((field, found, allowed)) => {
             Err(PackError::input(format!("pigment[{k}].{field}"), found, allowed, "correct this entry"))
         }

@@ -3,9 +3,9 @@
 //! Every sphere of a grain shrinks by the thickness of the layers around it. The grain is then the
 //! parallel body of its core: all points within that thickness of it, for any union of spheres.
 
-use super::request::PigmentGrains;
 use crate::ink::error::PackError;
-use crate::ink::grains::shape::Template;
+use crate::ink::grains::shape::{Shape, Template};
+use crate::ink::grains::size::SizeDistribution;
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::grains::volume::union_volume;
 use crate::numerics::vector::scale;
@@ -19,34 +19,39 @@ pub(super) fn inside(spheres: &[Sphere], depth_um: f64) -> Vec<Sphere> {
 }
 
 /// Checks the thicknesses, and that a core remains in the smallest grain of the distribution.
-pub(super) fn check(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
+pub(super) fn check(
+    k: usize,
+    shell_nm: &[f64],
+    shape: &Shape,
+    size: &SizeDistribution,
+) -> Result<(), PackError> {
     let thin = |t: &f64| !(t.is_finite() && *t > 0.0);
-    if let Some(i) = pigment.shell_nm.iter().position(thin) {
+    if let Some(i) = shell_nm.iter().position(thin) {
         let field = format!("pigment[{k}].shell[{i}].thickness_nm");
         let remedy = "give the thickness of the layer in nm, or leave the layer out";
-        return Err(PackError::input(field, pigment.shell_nm[i], "above 0", remedy));
+        return Err(PackError::input(field, shell_nm[i], "above 0", remedy));
     }
-    if pigment.shell_nm.is_empty() {
+    if shell_nm.is_empty() {
         return Ok(());
     }
-    let template = pigment.shape.template();
+    let template = shape.template();
     if template.form.is_some() {
-        let found = format!("layers of a {}", pigment.shape.name());
+        let found = format!("layers of a {}", shape.name());
         let (field, allowed) = (format!("pigment[{k}].shell"), "layers of grains made of spheres");
         return Err(PackError::input(field, found, allowed, "leave the layers out, or take another shape"));
     }
-    check_core(k, pigment, &template, pigment.size.radius_um(pigment.size.smallest_nm(), &template))
+    check_core(k, shell_nm, &template, size.radius_um(size.smallest_nm(), &template))
 }
 
 /// Checks that a core remains in the grain of this thickest radius.
 pub(super) fn check_core(
     k: usize,
-    pigment: &PigmentGrains,
+    shell_nm: &[f64],
     template: &Template,
     radius_um: f64,
 ) -> Result<(), PackError> {
     let thinnest = template.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
-    let (layers, most) = (pigment.shell_nm.iter().sum::<f64>(), 1e3 * radius_um * thinnest);
+    let (layers, most) = (shell_nm.iter().sum::<f64>(), 1e3 * radius_um * thinnest);
     if layers < most {
         return Ok(());
     }
@@ -56,50 +61,49 @@ pub(super) fn check_core(
     Err(PackError::input(format!("pigment[{k}].shell"), found, allowed, remedy))
 }
 
-impl PigmentGrains {
-    /// Shares of the grains' volume: the core, then the layers from the core outwards.
-    pub fn layer_shares(&self) -> Vec<f64> {
-        if self.shell_nm.is_empty() {
-            return vec![1.0];
-        }
-        let template = self.shape.template();
-        let count = match (self.size.has_spread(), template.spheres.len()) {
-            (false, _) => 1,
-            (true, 1) => SIZES[0],
-            (true, _) => SIZES[1],
-        };
-        let mut volumes = vec![0.0; self.shell_nm.len() + 1];
-        for i in 0..count {
-            let nm = self.size.quantile_nm((i as f64 + 0.5) / count as f64);
-            self.add_volumes(&template, self.size.radius_um(nm, &template), &mut volumes);
-        }
-        let total: f64 = volumes.iter().sum();
-        volumes.iter().map(|v| v / total).collect()
+/// Shares of the grains' volume: the core, then the layers from the core outwards.
+pub(super) fn shares(shell_nm: &[f64], shape: &Shape, size: &SizeDistribution) -> Vec<f64> {
+    if shell_nm.is_empty() {
+        return vec![1.0];
     }
+    let template = shape.template();
+    let count = match (size.has_spread(), template.spheres.len()) {
+        (false, _) => 1,
+        (true, 1) => SIZES[0],
+        (true, _) => SIZES[1],
+    };
+    let mut volumes = vec![0.0; shell_nm.len() + 1];
+    for i in 0..count {
+        let nm = size.quantile_nm((i as f64 + 0.5) / count as f64);
+        add_volumes(shell_nm, &template, size.radius_um(nm, &template), &mut volumes);
+    }
+    let total: f64 = volumes.iter().sum();
+    volumes.iter().map(|v| v / total).collect()
+}
 
-    /// Adds the volumes of the core and the layers of a grain of this thickest radius.
-    fn add_volumes(&self, template: &Template, radius_um: f64, volumes: &mut [f64]) {
-        let sphere = |s: &Sphere| Sphere {
-            center_um: scale(s.center_um, radius_um),
-            radius_um: s.radius_um * radius_um,
-        };
-        let grain: Vec<Sphere> = template.spheres.iter().map(sphere).collect();
-        let mut outer = template.volume.um3 * radius_um.powi(3);
-        let mut depth = 0.0;
-        for (i, thickness) in self.shell_nm.iter().enumerate().rev() {
-            depth += 1e-3 * thickness;
-            let inner = union_volume(&inside(&grain, depth)).um3;
-            volumes[i + 1] += outer - inner;
-            outer = inner;
-        }
-        volumes[0] += outer;
+/// Adds the volumes of the core and the layers of a grain of this thickest radius.
+fn add_volumes(shell_nm: &[f64], template: &Template, radius_um: f64, volumes: &mut [f64]) {
+    let sphere =
+        |s: &Sphere| Sphere { center_um: scale(s.center_um, radius_um), radius_um: s.radius_um * radius_um };
+    let grain: Vec<Sphere> = template.spheres.iter().map(sphere).collect();
+    let (mut outer, mut depth) = (template.volume.um3 * radius_um.powi(3), 0.0);
+    for (i, thickness) in shell_nm.iter().enumerate().rev() {
+        depth += 1e-3 * thickness;
+        let inner = union_volume(&inside(&grain, depth)).um3;
+        volumes[i + 1] += outer - inner;
+        outer = inner;
     }
+    volumes[0] += outer;
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{Measure, Shape, SizeDistribution};
+    use crate::ink::{Measure, PigmentGrains};
+
+    fn check_grains(k: usize, grains: &PigmentGrains) -> Result<(), PackError> {
+        check(k, &grains.shell_nm, &grains.shape, &grains.size)
+    }
 
     #[test]
     fn shares_are_those_of_the_spheres() {
@@ -130,10 +134,10 @@ mod tests {
     #[test]
     fn a_layer_thicker_than_the_thinnest_sphere_is_refused() {
         let grains = |shape, shell_nm| PigmentGrains { shell_nm, ..PigmentGrains::of(shape, 200.0, 0.2) };
-        assert!(check(0, &grains(Shape::Sphere, vec![40.0, 59.9])).is_ok());
-        let error = check(2, &grains(Shape::Sphere, vec![40.0, 60.0])).unwrap_err().to_string();
+        assert!(check_grains(0, &grains(Shape::Sphere, vec![40.0, 59.9])).is_ok());
+        let error = check_grains(2, &grains(Shape::Sphere, vec![40.0, 60.0])).unwrap_err().to_string();
         assert!(error.contains("pigment[2].shell") && error.contains("100"), "{error}");
-        assert!(check(0, &grains(Shape::RICE_GRAIN, vec![60.0])).is_err(), "its ends are thinner");
-        assert!(check(0, &grains(Shape::Sphere, vec![-1.0])).is_err());
+        assert!(check_grains(0, &grains(Shape::RICE_GRAIN, vec![60.0])).is_err(), "its ends are thinner");
+        assert!(check_grains(0, &grains(Shape::Sphere, vec![-1.0])).is_err());
     }
 }

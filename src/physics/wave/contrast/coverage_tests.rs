@@ -240,8 +240,8 @@ fn grains_of_different_media_and_strata_make_channels() {
     }
 }
 
-/// A core takes its moments from the shell around it, plane by plane and cell by cell; a core of the
-/// shell's material changes nothing.
+/// A core takes its moments from the shell around it, plane by plane and cell by cell; a core of
+/// the shell's material changes nothing.
 /// *Planted*: without the sign the shell is the whole ball.
 #[test]
 fn a_core_takes_its_volume_from_the_shell() {

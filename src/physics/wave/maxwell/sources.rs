@@ -2,10 +2,11 @@
 //! normal-field tensor.
 //!
 //! In a ball N = x xᵀ/R² about its centre: smooth inside, n nᵀ on the surface. In a layer between
-//! concentric spheres of radii r and R it is x xᵀ (r² + R² − x²)/(r² R²), n nᵀ on both, and the core
-//! is a ball of its own: N is continuous throughout. In a union of balls N is that of the ball of least power |x − c|² − R² (the jump on inner radical planes is harmless
-//! at ink contrast). A vertical column of a ball has closed moments in z, so a ball needs a
-//! quadrature only in its plan; r = R sin θ removes the square root at the rim.
+//! concentric spheres of radii r and R it is x xᵀ (r² + R² − x²)/(r² R²), n nᵀ on both, and the
+//! core is a ball of its own: N is continuous throughout. In a union of balls N is that of the ball
+//! of least power |x − c|² − R² (the jump on inner radical planes is harmless at ink contrast). A
+//! vertical column of a ball has closed moments in z, so a ball needs a quadrature only in its
+//! plan; r = R sin θ removes the square root at the rim.
 
 use super::power::share_edges;
 use crate::wave::Ball;

@@ -16,6 +16,11 @@ use num_complex::Complex64;
 /// The pigments with grains.
 pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec<PigmentGrains> {
     let mut all = Vec::new();
+    let unplaced = |table: &PigmentTable| table.volume_fraction.is_none() && !is_molecular(table);
+    if file.layer.microstructure.is_some() && file.pigments.iter().any(unplaced) {
+        // the files of the grains are reported
+        return all;
+    }
     for (i, table) in file.pigments.iter().enumerate() {
         let sound = faults.0.len();
         fraction(i, table, faults);
@@ -67,7 +72,7 @@ pub fn dissolved(file: &StudyFile, indices: &Tabulation, faults: &mut Faults) ->
     tables
         .map(|(i, table)| Dissolved {
             name: name(i, table),
-            volume_fraction: table.volume_fraction,
+            volume_fraction: table.volume_fraction.unwrap_or(0.0),
             material: indices.tabulate(&of(i, "index"), &table.index, faults),
         })
         .collect()
@@ -172,7 +177,7 @@ fn as_written(table: &PigmentTable, size: SizeDistribution) -> PigmentGrains {
         shape: table.shape.clone(),
         size,
         shell_nm: table.shell.iter().map(|layer| layer.thickness_nm).collect(),
-        volume_fraction: table.volume_fraction,
+        volume_fraction: table.volume_fraction.unwrap_or(0.0),
         orientation: table.orientation,
         agglomeration: table.agglomeration.clone(),
         share: table.share,
@@ -220,7 +225,13 @@ const PERIOD_STEP_UM: f64 = 0.1;
 
 fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
     let remedy = "a share of the layer's volume, such as 0.3 for 30 %";
-    faults.number(&of(i, "volume_fraction"), table.volume_fraction, limits::VOLUME_FRACTION, remedy);
+    match table.volume_fraction {
+        Some(share) => faults.number(&of(i, "volume_fraction"), share, limits::VOLUME_FRACTION, remedy),
+        None => {
+            let allowed = limits::VOLUME_FRACTION.to_string();
+            faults.push(Fault::new(of(i, "volume_fraction"), "nothing", allowed, remedy));
+        }
+    }
 }
 
 fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution {
@@ -301,7 +312,7 @@ fn names(file: &StudyFile, faults: &mut Faults) {
 }
 
 fn total_fraction(file: &StudyFile, faults: &mut Faults) {
-    let total: f64 = file.pigments.iter().map(|pigment| pigment.volume_fraction).sum();
+    let total: f64 = file.pigments.iter().filter_map(|pigment| pigment.volume_fraction).sum();
     if file.pigments.len() > 1 && !limits::VOLUME_FRACTION.holds(total) {
         let allowed = format!("a sum {} over all pigments", limits::VOLUME_FRACTION);
         let found = format!("{total} in all");

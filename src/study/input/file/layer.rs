@@ -1,5 +1,6 @@
 //! The layer: the cell, its pigments, and their packing.
 
+use super::microstructure::MicrostructureTable;
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,
@@ -51,6 +52,9 @@ pub struct LayerTable {
     /// Composes the layer of slabs that are solved: for layers of many µm.
     #[schemars(example = ComposedTable::default())]
     pub composed: Option<ComposedTable>,
+    /// Grains in given places instead of packed ones; pigments then have no shares and sizes.
+    #[schemars(example = MicrostructureTable::example())]
+    pub microstructure: Option<MicrostructureTable>,
     /// A binder surface below the tops of the grains, with `index_in` between them.
     pub relief: Option<ReliefRequest>,
 }
@@ -119,9 +123,9 @@ pub struct PigmentTable {
     /// Size distribution.
     #[schemars(example = SizeDistribution::diameter_nm(250.0))]
     pub size: Option<SizeDistribution>,
-    /// Fraction of the layer's volume, 0–1.
+    /// Fraction of the layer's volume, 0–1. Needed unless `layer.microstructure` places the grains.
     #[schemars(transform = limits::VOLUME_FRACTION.mark(), example = 0.3)]
-    pub volume_fraction: f64,
+    pub volume_fraction: Option<f64>,
     /// Refractive index; not needed for packings only.
     #[serde(default)]
     #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from([("built_in", "yellow")]))]

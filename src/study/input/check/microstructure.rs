@@ -1,0 +1,255 @@
+//! Grains in given places: the study file as if its pigments had been asked for, and the cuts.
+
+use super::pigments::is_molecular;
+use crate::ink::{Grain, Measure, PackError, Packing, SizeDistribution, Sphere};
+use crate::input::fault::{Fault, Faults};
+use crate::input::file::StudyFile;
+use crate::input::forms::Pair;
+use crate::input::positions::{Meaning, Positions, read_positions};
+use crate::input::variation::CellRule;
+use std::path::Path;
+
+const FIELD: &str = "layer.microstructure";
+/// A box this much larger or smaller than the layer is in another unit.
+const OTHER_UNIT: f64 = 30.0;
+
+/// The study with the cell, the shares and the sizes of the grains that its files hold, and the
+/// grains of every realisation; `None` without files, and after an error.
+pub(super) fn given(
+    file: &StudyFile,
+    folder: &Path,
+    faults: &mut Faults,
+) -> Option<(StudyFile, Vec<Vec<Grain>>)> {
+    let table = file.layer.microstructure.as_ref()?;
+    let before = faults.0.len();
+    beside(file, faults);
+    let mut cuts = Vec::new();
+    for path in table.spheres.all() {
+        let meaning = Meaning { unit: table.unit, size: table.size };
+        match read_positions(&folder.join(path), meaning) {
+            Ok(read) => cuts.extend(read.into_iter().map(|positions| (path.clone(), positions))),
+            Err(reason) => {
+                faults.push(Fault::new(FIELD, path, format!("positions of spheres: {reason}"), FORMATS))
+            }
+        }
+    }
+    let period_um = period(file, &cuts, faults)?;
+    let cell = [period_um[0], period_um[1], file.layer.thickness_um.mean()];
+    let grains: Vec<Vec<Grain>> = cuts.iter().map(|cut| grains(file, cut, cell, faults)).collect();
+    let packed = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
+    let has = |k: usize| grains.iter().flatten().any(|grain| grain.pigment == k);
+    let absent = packed.enumerate().find(|(k, _)| !has(*k)).filter(|_| faults.0.len() == before);
+    if let Some((_, (i, _))) = absent {
+        let allowed =
+            "at least one grain of every pigment; a file without a column pigment has the first only";
+        faults.push(Fault::new(format!("pigment[{i}]"), "no grain", allowed, "remove this pigment"));
+    }
+    let asked = file.run.realisations.unwrap_or(grains.len());
+    if asked > grains.len() || grains.is_empty() {
+        let allowed = format!("at most {}, one per cut in the files", grains.len());
+        faults.push(Fault::new("run.realisations", asked, allowed, "leave it out, or add files"));
+    }
+    (faults.0.len() == before).then(|| (filled(file, &grains, cell), grains))
+}
+
+const FORMATS: &str = "give CSV with x_um, y_um, z_um and radius_um or diameter_um (or _nm), optionally pigment and grain, a LAMMPS \
+                       dump, or extended XYZ";
+
+/// What has no meaning beside given grains.
+fn beside(file: &StudyFile, faults: &mut Faults) {
+    let mut found = vec![
+        (file.layer.composed.is_some(), "layer.composed".to_owned()),
+        (file.layer.relief.is_some(), "layer.relief".to_owned()),
+        (file.layer.thickness_um.std() > 0.0, "layer.thickness_um.std".to_owned()),
+    ];
+    for (i, table) in file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table)) {
+        let keys = [
+            (table.volume_fraction.is_some(), "volume_fraction"),
+            (table.diameter_nm.is_some(), "diameter_nm"),
+            (table.size.is_some(), "size"),
+            (table.agglomeration.is_some(), "agglomeration"),
+        ];
+        found.extend(keys.map(|(found, key)| (found, format!("pigment[{i}].{key}"))));
+    }
+    for (_, field) in found.into_iter().filter(|(found, _)| *found) {
+        let allowed = "nothing beside layer.microstructure, whose grains are placed";
+        faults.push(Fault::new(field, "a value", allowed, "remove it"));
+    }
+}
+
+/// The period: of the files, or as written; both must agree.
+fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -> Option<[f64; 2]> {
+    let written = file.layer.period_um.map(|pair| pair.xy());
+    let boxes = cuts.iter().filter_map(|(path, cut)| Some((path, cut.box_um?)));
+    let sides = |b: [[f64; 2]; 3]| [b[0][1] - b[0][0], b[1][1] - b[1][0]];
+    let own: Vec<_> = boxes.map(|(path, b)| (path, sides(b))).collect();
+    let Some(period) = written.or(own.first().map(|(_, sides)| *sides)) else {
+        let allowed = "one number or [x, y], µm: these files have no box";
+        faults.push(Fault::new("layer.period_um", "nothing", allowed, "give the period of the positions"));
+        return None;
+    };
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b;
+    if let Some((path, sides)) = own.iter().find(|(_, s)| !(close(s[0], period[0]) && close(s[1], period[1])))
+    {
+        let ratio = sides[0] / period[0];
+        let unit = if ratio > OTHER_UNIT || ratio < 1.0 / OTHER_UNIT { "; is unit right?" } else { "" };
+        let found = format!("{path} with a box of {} × {} µm{unit}", sides[0], sides[1]);
+        let allowed = format!("the period {} × {} µm of all files", period[0], period[1]);
+        faults.push(Fault::new(FIELD, found, allowed, "leave layer.period_um out, or correct unit"));
+        return None;
+    }
+    Some(period)
+}
+
+/// The grains of one cut in the cell, after all checks.
+fn grains(
+    file: &StudyFile,
+    (path, cut): &(String, Positions),
+    cell: [f64; 3],
+    faults: &mut Faults,
+) -> Vec<Grain> {
+    let mut refuse = |found: String, allowed: &str, remedy: &str| {
+        faults.push(Fault::new(FIELD, format!("{path}: {found}"), allowed, remedy));
+        Vec::new()
+    };
+    if cut.spheres.is_empty() {
+        return refuse("no spheres".into(), "at least one sphere per cut", "remove the file or the frame");
+    }
+    let moved = cut.box_um.map_or([0.0; 3], |b| b.map(|range| range[0]));
+    let mut grains: Vec<Grain> = Vec::new();
+    let mut spheres: Vec<Sphere> = Vec::new();
+    for (i, sphere) in cut.spheres.iter().enumerate() {
+        let center_um = [0, 1, 2].map(|axis| sphere.center_um[axis] - moved[axis]);
+        spheres.push(near(Sphere { center_um, ..*sphere }, spheres.first(), cell));
+        let last = cut.grains.get(i).is_none_or(|own| cut.grains.get(i + 1) != Some(own));
+        if last {
+            let Some(pigment) = pigment(file, cut.pigments.get(i), cut.counted_from) else {
+                let found = format!("pigment {:?}", cut.pigments[i]);
+                return refuse(
+                    found,
+                    "names of the study's pigments, or numbers, from 0 in CSV and from 1 in other files",
+                    "name it in [[pigment]]",
+                );
+            };
+            grains.push(Grain::new(std::mem::take(&mut spheres), pigment));
+        }
+    }
+    if let Some(found) = outside(&grains, cell) {
+        return refuse(
+            found,
+            "spheres within 0 … layer.thickness_um along z",
+            "correct the layer, the axes or the units",
+        );
+    }
+    match Packing::from_grains([cell[0], cell[1]], cell[2], true, grains.clone()) {
+        Ok(_) => grains,
+        Err(PackError::Overlap { .. }) => {
+            let remedy =
+                "grains may touch; spheres of one grain share a number in the column grain (mol in dumps)";
+            refuse(
+                overlaps(&grains, cell),
+                "grains apart from each other and from their periodic images",
+                remedy,
+            )
+        }
+        Err(other) => refuse(other.to_string(), "sound grains", "correct the file"),
+    }
+}
+
+/// A sphere in the cell, or next to the first one of its grain.
+fn near(sphere: Sphere, first: Option<&Sphere>, cell: [f64; 3]) -> Sphere {
+    let mut center_um = sphere.center_um;
+    for axis in 0..2 {
+        let turns = match first {
+            Some(first) => ((center_um[axis] - first.center_um[axis]) / cell[axis]).round(),
+            None => (center_um[axis] / cell[axis]).floor(),
+        };
+        center_um[axis] -= turns * cell[axis];
+    }
+    Sphere { center_um, ..sphere }
+}
+
+/// The pigment of that name or number; the first where the file names none.
+fn pigment(file: &StudyFile, called: Option<&String>, first: usize) -> Option<usize> {
+    let Some(called) = called else { return Some(0) };
+    let packed = || file.pigments.iter().filter(|table| !is_molecular(table));
+    let named = packed().position(|table| table.name.as_ref() == Some(called));
+    let numbered = || called.parse::<usize>().ok()?.checked_sub(first).filter(|&k| k < packed().count());
+    named.or_else(numbered)
+}
+
+/// Which spheres leave the layer, and what else their file may mean.
+fn outside(grains: &[Grain], [lx, ly, h]: [f64; 3]) -> Option<String> {
+    let slack = 1e-9 * h;
+    let spheres = || grains.iter().flat_map(|g| &g.spheres);
+    let out = |s: &&Sphere| s.center_um[2] - s.radius_um < -slack || s.center_um[2] + s.radius_um > h + slack;
+    let first = spheres().find(out)?;
+    let ends = |axis: usize| {
+        let high = spheres().map(|s| s.center_um[axis] + s.radius_um).fold(f64::MIN, f64::max);
+        (spheres().map(|s| s.center_um[axis] - s.radius_um).fold(f64::MAX, f64::min), high)
+    };
+    let fits = |axis: usize| ends(axis).0 > -slack && ends(axis).1 < h + slack;
+    let hint = if ends(2).1 > OTHER_UNIT * lx.max(ly).max(h) {
+        "; lengths in nm that the file calls µm?"
+    } else if fits(0) || fits(1) {
+        "; is z, from the lit face down, in another column?"
+    } else {
+        ""
+    };
+    let [x, y, z] = first.center_um;
+    let count = spheres().filter(out).count();
+    Some(format!(
+        "{count} spheres outside the layer of {h} µm, first one of radius {} at ({x}, {y}, {z}) µm{hint}",
+        first.radius_um
+    ))
+}
+
+/// How many pairs of grains overlap, and where they do most.
+fn overlaps(grains: &[Grain], [lx, ly, _]: [f64; 3]) -> String {
+    let (mut count, mut worst) = (0, (0.0, [0.0; 3]));
+    for (i, a) in grains.iter().enumerate() {
+        for b in &grains[..i] {
+            let pairs = a.spheres.iter().flat_map(|s| b.spheres.iter().map(move |t| (s, t)));
+            let deep = pairs.map(|(s, t)| (-nearest_gap(s, t, [lx, ly]), s.center_um));
+            let deepest = deep.fold((0.0, [0.0; 3]), |best, own| if own.0 > best.0 { own } else { best });
+            count += usize::from(deepest.0 > 0.0);
+            worst = if deepest.0 > worst.0 { deepest } else { worst };
+        }
+    }
+    let (depth, [x, y, z]) = worst;
+    match count {
+        0 => "a grain that overlaps its own periodic image or a wall".into(),
+        _ => {
+            format!("{count} pairs of grains overlap, by up to {depth:.4} µm at ({x:.4}, {y:.4}, {z:.4}) µm")
+        }
+    }
+}
+
+fn nearest_gap(a: &Sphere, b: &Sphere, period: [f64; 2]) -> f64 {
+    let apart = |axis: usize| {
+        let d = a.center_um[axis] - b.center_um[axis];
+        period.get(axis).map_or(d, |l| d - l * (d / l).round())
+    };
+    apart(0).hypot(apart(1)).hypot(apart(2)) - a.radius_um - b.radius_um
+}
+
+/// The file with the cell, shares and sizes of the given grains.
+fn filled(file: &StudyFile, cuts: &[Vec<Grain>], [lx, ly, h]: [f64; 3]) -> StudyFile {
+    let mut filled = file.clone();
+    filled.layer.period_um = Some(Pair::Each([lx, ly]));
+    filled.layer.cell = CellRule::Fixed;
+    filled.run.realisations = filled.run.realisations.or(Some(cuts.len()));
+    let packed = filled.pigments.iter_mut().filter(|table| !is_molecular(table));
+    for (k, table) in packed.enumerate() {
+        let own: Vec<f64> =
+            cuts.iter().flatten().filter(|g| g.pigment == k).map(|grain| grain.volume_um3).collect();
+        let share = own.iter().sum::<f64>() / (lx * ly * h * cuts.len() as f64);
+        let diameter = |v: f64| 1e3 * (6.0 * v / std::f64::consts::PI).cbrt();
+        let mut values_nm: Vec<f64> = own.into_iter().map(diameter).collect();
+        values_nm.sort_by(f64::total_cmp);
+        let (weights, of) = (Vec::new(), Measure::EffectiveDiameter);
+        table.volume_fraction = Some(share);
+        table.size = Some(SizeDistribution::List { values_nm, weights, of });
+    }
+    filled
+}
