@@ -73,8 +73,11 @@ impl Voxels {
         let name = format!("contrast_{wavelength_nm:.0}nm");
         let mut arrays = vec![PointArray { name, components: 2, values: contrast }];
         arrays.extend(self.shares.iter().enumerate().filter(filled).map(|(kind, values)| {
-            let name =
-                if kind == 0 { "share_above_relief".into() } else { format!("share_{}", materials[kind - 1]) };
+            let name = if kind == 0 {
+                "share_above_relief".into()
+            } else {
+                format!("share_{}", materials[kind - 1])
+            };
             PointArray { name, components: 1, values: values.clone() }
         }));
         let origin_um = self.edge_um.map(|e| e / 2.0);

@@ -109,10 +109,10 @@ fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
         let shape = format!("bodies[{i}].shape");
         if let Some((key, found, allowed)) = body.shape.defect() {
             let field = key.replacen("shape", &shape, 1);
-            faults.push(Fault::new(field, found, allowed, "give lengths in µm"));
+            faults.add(field, found, allowed, "give lengths in µm");
         } else if body.shape.form().is_none() {
             let allowed = "`ellipsoid`, `box`, `disc` or `prism`";
-            faults.push(Fault::new(shape, body.shape.name(), allowed, "give single spheres as `spheres`"));
+            faults.add(shape, body.shape.name(), allowed, "give single spheres as `spheres`");
         }
         for (axis, value) in body.center.into_iter().enumerate() {
             faults.number(&format!("bodies[{i}].center[{axis}]"), value, FINITE, IN_UM);
@@ -122,7 +122,7 @@ fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
         if !(length.is_finite() && length > 0.0) {
             let found = format!("{:?}", body.axis.unwrap_or_default());
             let field = format!("bodies[{i}].axis");
-            faults.push(Fault::new(field, found, "a direction of finite length", "give [x, y, z]"));
+            faults.add(field, found, "a direction of finite length", "give [x, y, z]");
         }
     }
 }

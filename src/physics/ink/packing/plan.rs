@@ -68,7 +68,9 @@ impl PackingPlan {
             let (sizes, share) = draw_sizes(pigment, &template, lx * ly * dry, draws)?;
             check_presence(k, pigment, lx * ly * dry, &sizes)?;
             if !pigment.shell_nm.is_empty() {
-                sizes.iter().try_for_each(|&radius| shell::check_core(k, &pigment.shell_nm, &template, radius))?;
+                sizes
+                    .iter()
+                    .try_for_each(|&radius| shell::check_core(k, &pigment.shell_nm, &template, radius))?;
             }
             let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
             bodies.extend(group(k, request, grains, &template, draws)?);
