@@ -68,18 +68,16 @@ impl Voxels {
 
     /// Shares of the materials by name, and the contrast at one wavelength, on the voxels' centres.
     pub fn image(&self, materials: &[String], media: &Media, wavelength_nm: f64) -> Image {
-        let filled = |(_, values): &(usize, &Vec<f32>)| values.iter().any(|&v| v > 0.0);
         let contrast = self.contrast(media).iter().flat_map(|v| [v.re as f32, v.im as f32]).collect();
         let name = format!("contrast_{wavelength_nm:.0}nm");
         let mut arrays = vec![PointArray { name, components: 2, values: contrast }];
-        arrays.extend(self.shares.iter().enumerate().filter(filled).map(|(kind, values)| {
-            let name = if kind == 0 {
-                "share_above_relief".into()
-            } else {
-                format!("share_{}", materials[kind - 1])
-            };
-            PointArray { name, components: 1, values: values.clone() }
-        }));
+        let above = "above_relief".to_owned();
+        for (name, values) in std::iter::once(&above).chain(materials).zip(&self.shares) {
+            if values.iter().any(|&v| v > 0.0) {
+                let (name, values) = (format!("share_{name}"), values.clone());
+                arrays.push(PointArray { name, components: 1, values });
+            }
+        }
         let origin_um = self.edge_um.map(|e| e / 2.0);
         Image { points: self.count, spacing_um: self.edge_um, origin_um, arrays }
     }

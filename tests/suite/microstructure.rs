@@ -94,7 +94,7 @@ fn wrong_files_are_refused_with_place_and_count() {
         format!("[layer]\nthickness_um = 0.8\nmicrostructure = {{ spheres = 'one' }}\n{PIGMENTS}{LIGHT}");
     let error = study(folder.path(), &shared.replace("index = 1.7", "index = 1.7\nvolume_fraction = 0.2"))
         .unwrap_err();
-    assert!(error.contains("pigment[1].volume_fraction") && error.contains("remove it"), "{error}");
+    assert!(error.contains("pigment[1].volume_fraction") && error.contains("grains are placed"), "{error}");
 }
 
 /// Clusters in a packing have the dimension asked for: least squares of ln N over the logarithm of the mean radius of gyration.

@@ -184,7 +184,7 @@ const MEASURED: [(&str, &str); 2] = [
 ];
 
 /// Where results go is no number; a layer without walls has no waves; a composed one has other results (`composed`).
-const ELSEWHERE: [&str; 3] = ["output.folder", "layer.walls", "layer.composed"];
+const ELSEWHERE: [&str; 4] = ["output.folder", "layer.walls", "layer.composed", "layer.microstructure"];
 
 fn base() -> toml::Table {
     toml::from_str(BASE).expect("the base study is TOML")

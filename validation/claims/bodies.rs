@@ -31,8 +31,11 @@ const CORNERS: [[f64; 2]; 3] = [[-0.14, -0.1], [0.16, -0.1], [-0.02, 0.2]];
 const AXIS: [f64; 3] = [0.4, -0.3, 0.8];
 const TURN_DEG: f64 = 25.0;
 
-/// The form factors in the bodies' own frame, each with its `shape`.
-fn bodies() -> Vec<(&'static str, Value, fn([f64; 3]) -> Complex64)> {
+/// The form factor at a wave vector, in the body's own frame.
+type FormFactor = fn([f64; 3]) -> Complex64;
+
+/// Bodies by name, each with its `shape` and form factor.
+fn bodies() -> Vec<(&'static str, Value, FormFactor)> {
     vec![
         ("ellipsoid", json!({"kind": "ellipsoid", "axes": [0.4, 0.3, 0.2]}), |q| {
             form_factors::ellipsoid(q, [0.2, 0.15, 0.1]).into()

@@ -70,13 +70,13 @@ struct Piece<'a> {
     body: usize,
     /// Whether it is the whole body.
     whole: bool,
-    form: Form<'a>,
+    form: PieceForm<'a>,
 }
 
 impl Piece<'_> {
     /// Whether a single sphere lies inside this one, which is larger.
     fn surrounds(&self, other: &Piece, period: [f64; 2], slack: f64) -> bool {
-        let (Form::Ball(a), Form::Ball(b)) = (self.form, other.form) else { return false };
+        let (PieceForm::Ball(a), PieceForm::Ball(b)) = (self.form, other.form) else { return false };
         let apart = a.radius_um + b.radius_um - ball_overlap_um(&a, &b, period);
         let larger = a.radius_um > b.radius_um + slack;
         self.whole && other.whole && larger && apart + b.radius_um <= a.radius_um + slack
@@ -84,7 +84,7 @@ impl Piece<'_> {
 }
 
 #[derive(Clone, Copy)]
-enum Form<'a> {
+enum PieceForm<'a> {
     Ball(Ball),
     Solid(&'a Solid),
     /// A cylinder along y: a disc in the plane of x and z.
@@ -106,72 +106,76 @@ fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece<'_>> {
     let whole = !matches!(&of.shape, BodyShape::Balls(balls) if balls.len() > 1);
     let piece = |form| Piece { body, whole, form };
     match &of.shape {
-        BodyShape::Balls(balls) => balls.iter().map(|&ball| piece(Form::Ball(ball))).collect(),
-        BodyShape::Solid(solid) => vec![piece(Form::Solid(solid))],
+        BodyShape::Balls(balls) => balls.iter().map(|&ball| piece(PieceForm::Ball(ball))).collect(),
+        BodyShape::Solid(solid) => vec![piece(PieceForm::Solid(solid))],
         BodyShape::CylinderY { x_um, z_um, radius_um } => {
-            vec![piece(Form::Disc { x: *x_um, z: *z_um, radius: *radius_um })]
+            vec![piece(PieceForm::Disc { x: *x_um, z: *z_um, radius: *radius_um })]
         }
-        BodyShape::BarY { x_um, z_um } => vec![piece(Form::Bar { x: *x_um, z: *z_um })],
-        BodyShape::Sheet { z_um } => vec![piece(Form::Sheet { z: *z_um })],
+        BodyShape::BarY { x_um, z_um } => vec![piece(PieceForm::Bar { x: *x_um, z: *z_um })],
+        BodyShape::Sheet { z_um } => vec![piece(PieceForm::Sheet { z: *z_um })],
         BodyShape::Above { .. } => Vec::new(),
     }
 }
 
-impl Form<'_> {
+impl PieceForm<'_> {
     /// Smallest and largest x, y and z; the whole period along uniform axes.
     fn extent(&self, [lx, ly]: [f64; 2]) -> [[f64; 2]; 3] {
         match *self {
-            Form::Ball(Ball { center_um, radius_um }) => center_um.map(|c| [c - radius_um, c + radius_um]),
-            Form::Solid(solid) => [0, 1, 2].map(|axis| solid.extent_um(axis)),
-            Form::Disc { x, z, radius } => [[x - radius, x + radius], [0.0, ly], [z - radius, z + radius]],
-            Form::Bar { x, z } => [x, [0.0, ly], z],
-            Form::Sheet { z } => [[0.0, lx], [0.0, ly], z],
+            PieceForm::Ball(Ball { center_um, radius_um }) => {
+                center_um.map(|c| [c - radius_um, c + radius_um])
+            }
+            PieceForm::Solid(solid) => [0, 1, 2].map(|axis| solid.extent_um(axis)),
+            PieceForm::Disc { x, z, radius } => {
+                [[x - radius, x + radius], [0.0, ly], [z - radius, z + radius]]
+            }
+            PieceForm::Bar { x, z } => [x, [0.0, ly], z],
+            PieceForm::Sheet { z } => [[0.0, lx], [0.0, ly], z],
         }
     }
 
     /// Centre and radius in the x–z plane of forms that are round there.
     fn disc(&self) -> Option<(f64, f64, f64)> {
         match *self {
-            Form::Ball(Ball { center_um: [x, _, z], radius_um }) => Some((x, z, radius_um)),
-            Form::Disc { x, z, radius } => Some((x, z, radius)),
-            Form::Solid(_) | Form::Bar { .. } | Form::Sheet { .. } => None,
+            PieceForm::Ball(Ball { center_um: [x, _, z], radius_um }) => Some((x, z, radius_um)),
+            PieceForm::Disc { x, z, radius } => Some((x, z, radius)),
+            PieceForm::Solid(_) | PieceForm::Bar { .. } | PieceForm::Sheet { .. } => None,
         }
     }
 
     /// The form as a convex body; bodies along y are cut three periods long about the height `y`.
     fn solid(&self, [_, ly]: [f64; 2], y: f64) -> Option<Solid> {
         Some(match *self {
-            Form::Solid(solid) => solid.clone(),
-            Form::Ball(Ball { center_um, radius_um }) => {
+            PieceForm::Solid(solid) => solid.clone(),
+            PieceForm::Ball(Ball { center_um, radius_um }) => {
                 Solid::upright(ink::Form::Ellipsoid { semi_axes_um: [radius_um; 3] }, center_um)
             }
-            Form::Disc { x, z, radius } => Solid {
+            PieceForm::Disc { x, z, radius } => Solid {
                 form: ink::Form::Disc { radius_um: radius, half_length_um: 1.5 * ly },
                 center_um: [x, y, z],
                 rotation: Rotation::from_z_to([0.0, 1.0, 0.0]),
             },
-            Form::Bar { x, z } => {
+            PieceForm::Bar { x, z } => {
                 Solid::upright(ink::Form::cuboid([width(x), 3.0 * ly, width(z)]), [middle(x), y, middle(z)])
             }
-            Form::Sheet { .. } => return None,
+            PieceForm::Sheet { .. } => return None,
         })
     }
 
     /// Depth by which two forms overlap in their nearest images, µm; negative if they are apart.
-    fn overlap_um(&self, other: &Form, period: [f64; 2]) -> f64 {
+    fn overlap_um(&self, other: &PieceForm, period: [f64; 2]) -> f64 {
         match (*self, *other) {
-            (Form::Solid(solid), any) | (any, Form::Solid(solid)) => {
+            (PieceForm::Solid(solid), any) | (any, PieceForm::Solid(solid)) => {
                 match any.solid(period, solid.center_um[1]) {
                     Some(other) => solid_overlap_um(solid, &other, period, true),
                     None => common(any.extent(period)[2], solid.extent_um(2)),
                 }
             }
-            (Form::Ball(a), Form::Ball(b)) => ball_overlap_um(&a, &b, period),
-            (Form::Bar { x: x1, z: z1 }, Form::Bar { x: x2, z: z2 }) => {
+            (PieceForm::Ball(a), PieceForm::Ball(b)) => ball_overlap_um(&a, &b, period),
+            (PieceForm::Bar { x: x1, z: z1 }, PieceForm::Bar { x: x2, z: z2 }) => {
                 let apart = nearest(middle(x1) - middle(x2), period[0]).abs();
                 (0.5 * (width(x1) + width(x2)) - apart).min(common(z1, z2))
             }
-            (Form::Bar { x, z }, round) | (round, Form::Bar { x, z }) if round.disc().is_some() => {
+            (PieceForm::Bar { x, z }, round) | (round, PieceForm::Bar { x, z }) if round.disc().is_some() => {
                 let (cx, cz, radius) = round.disc().unwrap_or_default();
                 let dx = nearest(cx - middle(x), period[0]).abs() - 0.5 * width(x);
                 let dz = (cz - middle(z)).abs() - 0.5 * width(z);
@@ -205,7 +209,7 @@ impl<'a> Cells<'a> {
         let [lx, ly] = scene.period_um;
         let length = [lx, ly, scene.thickness_um()];
         let number = pieces.len().max(1) as f64;
-        let flat = !pieces.iter().any(|p| matches!(p.form, Form::Ball(_) | Form::Solid(_)));
+        let flat = !pieces.iter().any(|p| matches!(p.form, PieceForm::Ball(_) | PieceForm::Solid(_)));
         let side = if flat {
             (length[0] * length[2] / number).sqrt()
         } else {
@@ -244,7 +248,7 @@ impl<'a> Cells<'a> {
             (_, true) => (other, one),
             _ => return false,
         };
-        let Form::Ball(Ball { radius_um, .. }) = host.form else { return false };
+        let PieceForm::Ball(Ball { radius_um, .. }) = host.form else { return false };
         let smallest = self.around.entry(inner.body).or_insert((host.body, radius_um));
         if radius_um < smallest.1 {
             *smallest = (host.body, radius_um);

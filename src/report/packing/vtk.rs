@@ -8,7 +8,7 @@ use std::fmt::Write;
 const STEPS: usize = 12;
 
 /// A point of the file: number of its grain, the grain, position and diameter.
-type Place<'a> = (usize, &'a Grain, [f64; 3], f64);
+type Glyph<'a> = (usize, &'a Grain, [f64; 3], f64);
 
 /// XML PolyData in plain text (.vtp). In ParaView: Glyph, type Sphere, scale array `diameter_um`,
 /// factor 1. Corners of triangles follow the spheres and have a diameter of 0.
@@ -17,7 +17,7 @@ type Place<'a> = (usize, &'a Grain, [f64; 3], f64);
 pub fn spheres_vtp(packing: &Packing) -> String {
     let grains = || packing.grains().iter().enumerate();
     let spheres = grains().filter(|(_, g)| g.solid.is_none());
-    let mut places: Vec<Place> = spheres
+    let mut places: Vec<Glyph> = spheres
         .flat_map(|(k, g)| g.spheres.iter().map(move |s| (k, g, s.center_um, 2.0 * s.radius_um)))
         .collect();
     let n = places.len();

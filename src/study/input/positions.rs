@@ -270,7 +270,7 @@ mod tests {
         assert_eq!(dump, xyz);
         assert_eq!((&csv.spheres, &csv.pigments), (&dump.spheres, &dump.pigments));
         assert_eq!(csv.spheres[0].radius_um, 0.04);
-        assert_eq!(dump.box_um.unwrap()[2], [0.0, 0.7]);
+        assert_eq!(dump.box_um.unwrap()[2].map(|x| (1e9 * x).round()), [0.0, 7e8]);
         assert_eq!(read(&xyz_twice(), IN_NM).unwrap().len(), 2);
     }
 

@@ -4,7 +4,7 @@
 //! support mappings. The proof does not trust it: two bodies are apart if some direction separates
 //! their shadows, and a direction is judged by the closed widths of the forms alone.
 
-use super::solid::{Form, Solid};
+use super::solid::{Form, Solid, edges, outward};
 use crate::numerics::vector::{V3, dot, scale, sub, unit};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::details::contact_support_map_support_map;
@@ -75,10 +75,7 @@ fn half_width(solid: &Solid, n: V3) -> f64 {
 /// Normals of a body's flat faces.
 fn normals(solid: &Solid) -> Vec<V3> {
     let mut own = match &solid.form {
-        Form::Prism { corners_um, .. } => {
-            let next = corners_um.iter().cycle().skip(1);
-            corners_um.iter().zip(next).map(|(a, b)| [b[1] - a[1], a[0] - b[0], 0.0]).collect()
-        }
+        Form::Prism { corners_um, .. } => edges(corners_um).map(|(a, b)| outward(a, b)).collect(),
         _ => Vec::new(),
     };
     own.push([0.0, 0.0, 1.0]);
@@ -92,11 +89,9 @@ pub fn contains(solid: &Solid, point: V3) -> bool {
         Form::Ellipsoid { semi_axes_um: [a, b, c] } => (x / a).hypot(y / b).hypot(z / c) < 1.0,
         Form::Disc { radius_um, half_length_um } => x.hypot(y) < *radius_um && z.abs() < *half_length_um,
         Form::Prism { corners_um, half_length_um } => {
-            let next = corners_um.iter().cycle().skip(1);
-            let left = |(a, b): (&[f64; 2], &[f64; 2])| {
-                (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) > 0.0
-            };
-            z.abs() < *half_length_um && corners_um.iter().zip(next).all(left)
+            z.abs() < *half_length_um
+                && edges(corners_um)
+                    .all(|(a, b)| (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) > 0.0)
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Grains: shape as a rigid union of balls or a convex body, size, volume, orientation, and agglomerates.
+//! Grains: shape as a rigid union of balls or a convex body, size, volume, orientation, and
+//! agglomerates.
 
 pub mod agglomeration;
 mod beads;

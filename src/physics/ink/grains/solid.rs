@@ -86,9 +86,8 @@ impl Form {
                 [radius_um * x, radius_um * y, half_length_um.copysign(z)]
             }
             Form::Prism { corners_um, half_length_um } => {
-                let along = |c: &[f64; 2]| c[0] * x + c[1] * y;
-                let corner = corners_um.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
-                let [x, y] = corner.copied().unwrap_or_default();
+                let along = corners_um.iter().map(|c| (c[0] * x + c[1] * y, *c));
+                let (_, [x, y]) = along.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
                 [x, y, half_length_um.copysign(z)]
             }
         }
@@ -112,11 +111,11 @@ impl Form {
             Form::Ellipsoid { semi_axes_um } => semi_axes_um.iter().copied().fold(f64::MAX, f64::min),
             Form::Disc { radius_um, half_length_um } => radius_um.min(*half_length_um),
             Form::Prism { corners_um, half_length_um } => {
-                let next = corners_um.iter().cycle().skip(1);
-                let sides = corners_um.iter().zip(next).map(|(a, b)| unit([b[1] - a[1], a[0] - b[0], 0.0]));
-                let across =
-                    |n: V3| dot(self.farthest(n), n) + dot(self.farthest(scale(n, -1.0)), scale(n, -1.0));
-                sides.map(|n| 0.5 * across(n)).fold(*half_length_um, f64::min)
+                let widths = edges(corners_um).map(|(a, b)| {
+                    let n = outward(a, b);
+                    0.5 * dot(sub(self.farthest(n), self.farthest(scale(n, -1.0))), n)
+                });
+                widths.fold(*half_length_um, f64::min)
             }
         }
     }
@@ -138,9 +137,8 @@ impl Form {
                 clipped(round, p, d, ends)
             }
             Form::Prism { corners_um, half_length_um } => {
-                let next = corners_um.iter().cycle().skip(1);
-                let sides = corners_um.iter().zip(next).map(|(a, b)| {
-                    let n = [b[1] - a[1], a[0] - b[0], 0.0];
+                let sides = edges(corners_um).map(|(a, b)| {
+                    let n = outward(a, b);
                     (n, n[0] * a[0] + n[1] * a[1])
                 });
                 let ends = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]].map(|n| (n, *half_length_um));
@@ -156,8 +154,7 @@ impl Form {
             Form::Ellipsoid { .. } => 2.0 * self.reach_um(),
             Form::Disc { radius_um, half_length_um } => 2.0 * radius_um.max(*half_length_um),
             Form::Prism { corners_um, half_length_um } => {
-                let side = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);
-                let sides = corners_um.iter().zip(corners_um.iter().cycle().skip(1)).map(side);
+                let sides = edges(corners_um).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
                 sides.fold(2.0 * half_length_um, f64::max)
             }
         }
@@ -201,13 +198,12 @@ impl Solid {
                 if p[0].hypot(p[1]) - radius_um > height { [p[0], p[1], 0.0] } else { up }
             }
             Form::Prism { corners_um, half_length_um } => {
-                let next = corners_um.iter().cycle().skip(1);
-                let side = |(a, b): (&[f64; 2], &[f64; 2])| {
-                    let n = unit([b[1] - a[1], a[0] - b[0], 0.0]);
+                let sides = edges(corners_um).map(|(a, b)| {
+                    let n = outward(a, b);
                     (n[0] * (p[0] - a[0]) + n[1] * (p[1] - a[1]), n)
-                };
-                let sides = corners_um.iter().zip(next).map(side).chain([end(*half_length_um)]);
-                sides.max_by(|a, b| a.0.total_cmp(&b.0)).map_or([0.0, 0.0, 1.0], |(_, n)| n)
+                });
+                let faces = sides.chain([end(*half_length_um)]);
+                faces.max_by(|a, b| a.0.total_cmp(&b.0)).map_or([0.0, 0.0, 1.0], |(_, n)| n)
             }
         };
         unit(self.rotation.turn(own))
@@ -238,24 +234,21 @@ impl Solid {
 
     /// Closed rings of points in the form's frame, from the lower to the upper end.
     fn rings(&self, steps: usize) -> Vec<Vec<V3>> {
-        let turn = |i: usize| (PI * i as f64 / steps as f64).sin_cos();
-        let walls = |around: Vec<[f64; 2]>, h: f64| {
-            let ring = |share: f64, z: f64| around.iter().map(|p| [share * p[0], share * p[1], z]).collect();
-            vec![ring(0.0, -h), ring(1.0, -h), ring(1.0, h), ring(0.0, h)]
-        };
-        match &self.form {
+        let turns = |n: usize| (0..n).map(|i| (PI * i as f64 / steps as f64).sin_cos());
+        let (around, h) = match &self.form {
             Form::Ellipsoid { semi_axes_um: [a, b, c] } => {
-                let ring = |(sine, cosine): (f64, f64)| {
-                    let point = |(s, co): (f64, f64)| [a * sine * co, b * sine * s, -c * cosine];
-                    (0..2 * steps).map(turn).map(point).collect()
-                };
-                (0..=steps).map(turn).map(ring).collect()
+                let rings = turns(steps + 1).map(|(sine, cosine)| {
+                    turns(2 * steps).map(|(s, co)| [a * sine * co, b * sine * s, -c * cosine]).collect()
+                });
+                return rings.collect();
             }
             Form::Disc { radius_um: r, half_length_um } => {
-                walls((0..2 * steps).map(turn).map(|(s, c)| [r * c, r * s]).collect(), *half_length_um)
+                (turns(2 * steps).map(|(s, c)| [r * c, r * s]).collect(), *half_length_um)
             }
-            Form::Prism { corners_um, half_length_um } => walls(corners_um.clone(), *half_length_um),
-        }
+            Form::Prism { corners_um, half_length_um } => (corners_um.clone(), *half_length_um),
+        };
+        let rings = [(0.0, -h), (1.0, -h), (1.0, h), (0.0, h)];
+        rings.map(|(share, z)| around.iter().map(|p| [share * p[0], share * p[1], z]).collect()).to_vec()
     }
 }
 
@@ -283,18 +276,26 @@ fn clipped([mut a, mut b]: [f64; 2], p: V3, d: V3, within: impl IntoIterator<Ite
     [a, b]
 }
 
+/// Edges of a closed polygon, from corner to corner.
+pub fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
+}
+
+/// Horizontal unit normal of an edge, outward if the corners run counterclockwise.
+pub fn outward(a: [f64; 2], b: [f64; 2]) -> V3 {
+    unit([b[1] - a[1], a[0] - b[0], 0.0])
+}
+
 /// Signed area of a polygon, positive if its corners run counterclockwise.
 pub fn area(corners: &[[f64; 2]]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
+    0.5 * edges(corners).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
 }
 
 /// Moves the centre of mass of a polygon to the origin; corners run counterclockwise afterwards.
 pub fn centred(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let total = area(corners);
-    let next = corners.iter().cycle().skip(1);
     let mut centre = [0.0; 2];
-    for (a, b) in corners.iter().zip(next) {
+    for (a, b) in edges(corners) {
         let part = (a[0] * b[1] - a[1] * b[0]) / (6.0 * total);
         (0..2).for_each(|i| centre[i] += part * (a[i] + b[i]));
     }

@@ -11,7 +11,7 @@ use crate::numerics::vector::{V3, cross, dot, norm, scale, unit};
 use std::f64::consts::{PI, TAU};
 
 /// Part of the edge of a cut, counterclockwise, µm.
-enum Side {
+enum Boundary {
     Line([[f64; 2]; 2]),
     /// center + cos φ axes\[0\] + sin φ axes\[1\] for φ in `angles`.
     Arc {
@@ -62,9 +62,9 @@ impl Sampling {
         }
     }
 
-    fn push_side(&self, side: &Side, extra: f64, points: &mut Vec<EdgePoint>) {
+    fn push_side(&self, side: &Boundary, extra: f64, points: &mut Vec<EdgePoint>) {
         match *side {
-            Side::Line([from, to]) => {
+            Boundary::Line([from, to]) => {
                 let step = [to[0] - from[0], to[1] - from[1]];
                 let degree = self.demands.degree(0.5 * step[0].hypot(step[1])) + 1.0 + extra;
                 for &(x, w) in self.rules.of((0.5 * degree).ceil() as usize + 1) {
@@ -73,7 +73,7 @@ impl Sampling {
                     points.push(EdgePoint { position, normal: [0.5 * w * step[1], -0.5 * w * step[0]] });
                 }
             }
-            Side::Arc { center, axes, angles: [start, end] } => {
+            Boundary::Arc { center, axes, angles: [start, end] } => {
                 let mut push = |angle: f64, weight: f64| points.push(arc_point(center, axes, angle, weight));
                 let longest = axes.iter().map(|a| a[0].hypot(a[1])).fold(0.0, f64::max);
                 if end - start >= TAU {
@@ -168,7 +168,7 @@ fn crossing(corners: &[V3], zeta: f64) -> impl Iterator<Item = [V3; 2]> + '_ {
 }
 
 /// The edge of the cut at height z.
-fn sides(solid: &Solid, z: f64) -> Vec<Side> {
+fn sides(solid: &Solid, z: f64) -> Vec<Boundary> {
     let zeta = z - solid.center_um[2];
     match &solid.form {
         Form::Ellipsoid { .. } => vec![Ellipse::of(solid).at(solid, zeta)],
@@ -186,12 +186,12 @@ fn sides(solid: &Solid, z: f64) -> Vec<Side> {
 }
 
 /// The sides of a convex polygon through the given points.
-fn polygon(mut corners: Vec<[f64; 2]>) -> Vec<Side> {
+fn polygon(mut corners: Vec<[f64; 2]>) -> Vec<Boundary> {
     let n = corners.len();
     let middle = [0, 1].map(|i| corners.iter().map(|c| c[i]).sum::<f64>() / n.max(1) as f64);
     let angle = |c: &[f64; 2]| (c[1] - middle[1]).atan2(c[0] - middle[0]);
     corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
-    (0..n).map(|i| Side::Line([corners[i], corners[(i + 1) % n]])).collect()
+    (0..n).map(|i| Boundary::Line([corners[i], corners[(i + 1) % n]])).collect()
 }
 
 /// Cuts of an ellipsoid: ellipses of one shape, whose centre lies on a line.
@@ -228,10 +228,10 @@ impl Ellipse {
         self.axes.iter().map(|a| a[0] * a[0] + a[1] * a[1]).sum::<f64>().sqrt()
     }
 
-    fn at(&self, solid: &Solid, zeta: f64) -> Side {
+    fn at(&self, solid: &Solid, zeta: f64) -> Boundary {
         let share = (1.0 - (zeta / self.half).powi(2)).max(0.0).sqrt();
         let center = [0, 1].map(|i| solid.center_um[i] + self.drift[i] * zeta);
-        Side::Arc { center, axes: self.axes.map(|a| a.map(|x| share * x)), angles: [0.0, TAU] }
+        Boundary::Arc { center, axes: self.axes.map(|a| a.map(|x| share * x)), angles: [0.0, TAU] }
     }
 }
 
@@ -239,7 +239,7 @@ impl Ellipse {
 ///
 /// With the axis in the plane of ê and z at an angle θ from z, the round surface is p = t sin θ + r
 /// cos φ cos θ, q = r sin φ, ζ = t cos θ − r cos φ sin θ, |t| ≤ L/2.
-fn disc(solid: &Solid, zeta: f64, r: f64, half: f64) -> Vec<Side> {
+fn disc(solid: &Solid, zeta: f64, r: f64, half: f64) -> Vec<Boundary> {
     let axis = solid.rotation.turn([0.0, 0.0, 1.0]);
     let axis = if axis[2] < 0.0 { scale(axis, -1.0) } else { axis };
     let [sine, cosine] = tilt(solid);
@@ -259,21 +259,21 @@ fn disc(solid: &Solid, zeta: f64, r: f64, half: f64) -> Vec<Side> {
     let ((p_high, q_high), (p_low, q_low)) = (edge(half, first), edge(-half, last));
     let mut sides = Vec::new();
     if high < 1.0 {
-        sides.push(Side::Line([place(p_high, -q_high), place(p_high, q_high)]));
+        sides.push(Boundary::Line([place(p_high, -q_high), place(p_high, q_high)]));
     }
     if low > -1.0 {
-        sides.push(Side::Line([place(p_low, q_low), place(p_low, -q_low)]));
+        sides.push(Boundary::Line([place(p_low, q_low), place(p_low, -q_low)]));
     }
     if cosine == 0.0 {
-        sides.push(Side::Line([place(p_high, q_high), place(p_low, q_low)]));
-        sides.push(Side::Line([place(p_low, -q_low), place(p_high, -q_high)]));
+        sides.push(Boundary::Line([place(p_high, q_high), place(p_low, q_low)]));
+        sides.push(Boundary::Line([place(p_low, -q_low), place(p_high, -q_high)]));
         return sides;
     }
     let center = place(zeta * sine / cosine, 0.0);
     let axes = [[along[0], along[1]].map(|x| x * r / cosine), [-along[1] * r, along[0] * r]];
     let whole = sides.is_empty();
     let arcs = if whole { vec![[0.0, TAU]] } else { vec![[first, last], [TAU - last, TAU - first]] };
-    sides.extend(arcs.into_iter().map(|angles| Side::Arc { center, axes, angles }));
+    sides.extend(arcs.into_iter().map(|angles| Boundary::Arc { center, axes, angles }));
     sides
 }
 

@@ -5,8 +5,9 @@
 //! horizontal face on a node of the grid needs no tensor, since the fields are joined there exactly.
 
 use super::sources::{FIELDS, Slab, Source, VALUES};
+use crate::ink::grains::solid::{edges, outward};
 use crate::ink::{Form, Solid};
-use crate::numerics::vector::{Rotation, V3, dot, scale, sub, unit};
+use crate::numerics::vector::{Rotation, V3, dot, scale, sub};
 use crate::wave::contrast::section::{EdgePoint, Sampling};
 
 /// Components xx, xy, yy, xz, yz, zz of n nᵀ.
@@ -36,14 +37,13 @@ pub(super) fn of_solid(
     let faces = faces(solid, nodes);
     sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
         let shares = slab.point(z, weight, z).map(|[share, ..]| share);
-        fan(solid, &faces, edge, sampling, (z, shares), push);
+        fan((solid, &faces), edge, sampling, (z, shares), push);
     });
 }
 
 /// A cut as a fan of triangles from a point inside it to its edge.
 fn fan(
-    solid: &Solid,
-    faces: &[Face],
+    (solid, faces): (&Solid, &[Face]),
     edge: &[EdgePoint],
     sampling: &Sampling,
     (z, shares): (f64, [f64; 2]),
@@ -82,12 +82,11 @@ fn faces(solid: &Solid, nodes: &[f64]) -> Vec<Face> {
             ends(*half_length_um).into_iter().chain([wall]).collect()
         }
         Form::Prism { corners_um, half_length_um } => {
-            let next = corners_um.iter().cycle().skip(1);
-            let side = |(a, b): (&[f64; 2], &[f64; 2])| {
-                let normal = unit([b[1] - a[1], a[0] - b[0], 0.0]);
+            let sides = edges(corners_um).map(|(a, b)| {
+                let normal = outward(a, b);
                 Face::Plane { normal: turn(normal), offset: normal[0] * a[0] + normal[1] * a[1] }
-            };
-            ends(*half_length_um).into_iter().chain(corners_um.iter().zip(next).map(side)).collect()
+            });
+            ends(*half_length_um).into_iter().chain(sides).collect()
         }
     };
     let slack = 1e-9 * solid.form.reach_um();
@@ -146,7 +145,7 @@ fn square([x, y, z]: V3) -> Square {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::vector::{add, cross, norm};
+    use crate::numerics::vector::{add, cross, norm, unit};
 
     /// On every face N is the projector on the normal, which the triangles of the surface have.
     #[test]

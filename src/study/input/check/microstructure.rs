@@ -92,7 +92,7 @@ fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -
     if let Some((path, sides)) = own.iter().find(|(_, s)| !(close(s[0], period[0]) && close(s[1], period[1])))
     {
         let ratio = sides[0] / period[0];
-        let unit = if ratio > OTHER_UNIT || ratio < 1.0 / OTHER_UNIT { "; is unit right?" } else { "" };
+        let unit = if (1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio) { "" } else { "; is unit right?" };
         let found = format!("{path} with a box of {} × {} µm{unit}", sides[0], sides[1]);
         let allowed = format!("the period {} × {} µm of all files", period[0], period[1]);
         faults.push(Fault::new(FIELD, found, allowed, "leave layer.period_um out, or correct unit"));
