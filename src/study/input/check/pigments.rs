@@ -21,8 +21,14 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
         // the files of the grains are reported
         return all;
     }
+    let voxels = file.layer.microstructure.as_ref().is_some_and(|table| table.voxels.is_some());
     for (i, table) in file.pigments.iter().enumerate() {
         let sound = faults.0.len();
+        if voxels && !is_molecular(table) {
+            // no packing to make: any share and size that voxels have is possible
+            all.push(as_written(table, size(i, table, faults)));
+            continue;
+        }
         fraction(i, table, faults);
         if is_molecular(table) && !table.shell.is_empty() {
             let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
@@ -38,7 +44,9 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
         }
     }
     names(file, faults);
-    total_fraction(file, faults);
+    if !voxels {
+        total_fraction(file, faults);
+    }
     all
 }
 
@@ -109,6 +117,12 @@ pub fn solution(
 /// The given name, or a numbered one.
 fn name(i: usize, table: &PigmentTable) -> String {
     table.name.clone().unwrap_or_else(|| format!("pigment {}", i + 1))
+}
+
+/// Names of the pigments with grains.
+pub(super) fn packed_names(file: &StudyFile) -> Vec<String> {
+    let packed = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
+    packed.map(|(i, table)| name(i, table)).collect()
 }
 
 pub(super) fn is_molecular(table: &PigmentTable) -> bool {
