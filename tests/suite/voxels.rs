@@ -1,6 +1,7 @@
 //! Microstructures of voxels: they converge to what they are voxels of, fill the cell as a film does, and wrong arrays are
 //! refused with count and remedy.
 
+use crate::run_support::{self, succeed};
 use inkwave::export::voxels::labels;
 use inkwave::ink::{Grain, Method, Packing, Sphere, VoxelCut, pack};
 use inkwave::input::Study;
@@ -138,6 +139,30 @@ fn one_array_gives_several_cuts_and_mirrored_ones_have_no_seam() {
             .indexed_iter()
             .all(|((x, y, z), &label)| label == swapped(cut[[folded(x, 6), folded(y, 4), z]]))
     );
+}
+
+/// What a run exports is read back, and gives the same spectra digit for digit.
+#[test]
+fn exported_labels_give_the_same_spectra() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write(folder.path(), "cut.npy", &cut(6, 4, 5));
+    let spectra = |keys: &str, name: &str| {
+        let text = format!(
+            "[layer]\nthickness_um = 0.1\n{keys}\n[[pigment]]\nname = 'a'\nindex = 1.9\n[[pigment]]\nname = 'b'\nindex = 1.7\n\
+             [light]\nwavelengths_nm = [500]\n[angles]\npolar_deg = [0]\n[resolution]\npoints_per_um = 60\nplanes_per_um = 60\n"
+        );
+        let out = folder.path().join(name);
+        succeed(&run_support::study(folder.path(), &text), &out, &[]);
+        std::fs::read(out.join("spectra.csv")).expect("spectra")
+    };
+    let keys = "microstructure = { voxels = 'cut.npy', voxel_nm = 20, continuation = 'mirrored' }";
+    let first = spectra(keys, "first");
+    let mut export = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
+    let export = export.arg("export").arg(folder.path().join("first")).args(["--to", "labels"]);
+    let said = String::from_utf8(export.output().expect("started").stderr).expect("UTF-8");
+    let line = said.lines().find_map(|line| line.split_once("labels.npy: layer.")).expect("how to read it").1;
+    let line = line.replace("labels.npy", "first/export/labels.npy");
+    assert_eq!(first, spectra(&line, "second"), "{line}");
 }
 
 #[test]

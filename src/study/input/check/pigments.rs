@@ -263,7 +263,6 @@ fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution
 
 /// Checks that grains fit between the walls and do not touch their own periodic images.
 fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, faults: &mut Faults) {
-    let remedy = "pigment grains measure 50 to 500 nm; take smaller grains or a larger cell";
     if grains.shape.defect().is_some() {
         // the packing's own check reports errors in the shape
         return;
@@ -289,7 +288,15 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
         let allowed = format!("grains of at most {} nm, {name}", (1e6 * limit).round() / 1e6);
-        faults.add(field, format!("grains of up to {extent:.6} nm"), allowed, remedy);
+        let (room, now) = match name == side {
+            true => ("a larger cell, layer.period_um", period_um[0].max(period_um[1])),
+            false => ("a thicker layer, layer.thickness_um", layer.thickness_um.mean()),
+        };
+        let needed = (100.0 * now * extent / limit - 1e-9).ceil() / 100.0;
+        let remedy = format!(
+            "pigment grains measure 50 to 500 nm, flakes more; take smaller ones or {room} = {needed} or more"
+        );
+        faults.add(field, format!("grains of up to {extent:.6} nm"), allowed, &remedy);
     }
 }
 
