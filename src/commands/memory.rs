@@ -1,6 +1,6 @@
 //! `--memory-gb` and the memory limits of the process.
 
-use inkwave::run::memory::allowed;
+use inkwave::run::memory::{LEAST_SPACE, allowed, threads_within_limits};
 use miette::{Result, miette};
 
 /// Converts GB to bytes, capped by the process's limits.
@@ -14,22 +14,33 @@ pub fn bytes(gb: f64) -> Result<f64> {
     Ok((1e9 * gb).min(allowed()))
 }
 
-/// Memory needed besides the solves, bytes: thread stacks, packings, pages and pictures.
+/// Memory needed besides the solves, bytes: packings, pages and pictures.
 const LEAST_LEFT: f64 = 96e6;
 
-/// Starts the thread pool, after a check that there is enough memory to begin.
+/// Starts the thread pool, on fewer threads where the limits of the process leave no room for all,
+/// after a check that there is enough memory to begin.
 ///
 /// # Errors
 /// The system refuses threads, or leaves less memory than any command needs; later an error could
 /// no longer be printed.
 pub fn start_threads() -> Result<()> {
-    let left = allowed();
-    if left < LEAST_LEFT {
+    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok()).filter(|&n| n > 0);
+    let wanted = asked.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
+    let threads = threads_within_limits(wanted);
+    if threads == 0 || allowed() < LEAST_LEFT {
         let help = "raise the limit (ulimit -v, ulimit -d, or the cgroup's), or use another machine";
-        let [left, least] = [left, LEAST_LEFT].map(|bytes| (1e-6 * bytes).floor());
-        return Err(miette!(help = help, "this process has {left} MB of memory left; {least} MB are needed"));
+        let [left, least, space] = [allowed(), LEAST_LEFT, LEAST_SPACE].map(|bytes| (1e-6 * bytes).floor());
+        return Err(miette!(
+            help = help,
+            "this process has {left} MB of memory left; {least} MB are needed, and {space} MB of address space"
+        ));
     }
-    let started = rayon::ThreadPoolBuilder::new().build_global();
+    if threads < wanted {
+        note!(
+            "{threads} of {wanted} threads: the limit of address space (ulimit -v) leaves no room for more"
+        );
+    }
+    let started = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     let help = "allow more processes or memory (ulimit -u, ulimit -v), or fewer threads: RAYON_NUM_THREADS=1";
     started.map_err(|error| miette!(help = help, "cannot start threads: {error}"))
 }

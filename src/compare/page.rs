@@ -4,12 +4,12 @@ use super::external::description::ProgramDescription;
 use super::reach;
 use super::row::{HEADER, Row, dash, mean_name};
 use crate::report::cell::{markdown, text};
-use crate::report::page::{STYLE, made_by, svg_data};
+use crate::report::page::{made_by, svg_data, templates};
 use crate::report::publish::PublishError;
 use crate::report::seal::sealed;
 use crate::solve::Goal;
 use crate::store::folder::OutputFolder;
-use minijinja::{Environment, Value, context};
+use minijinja::{Value, context};
 use std::path::PathBuf;
 
 /// Tables and pages.
@@ -74,9 +74,8 @@ impl Comparison {
         }
         let command = format!("inkwave compare {} --output {}", self.file.display(), folder.path().display());
         let all = context!(figures, command, ..self.context());
-        let mut templates = Environment::new();
+        let mut templates = templates()?;
         templates.add_filter("line", |words: String| markdown(&words));
-        templates.add_template("style.css", STYLE)?;
         templates.add_template("lead", include_str!("comparison.lead"))?;
         templates.add_template("reach", include_str!("reach.lead"))?;
         templates.add_template("comparison.md", include_str!("comparison.md"))?;

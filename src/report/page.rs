@@ -202,10 +202,18 @@ impl Page {
     }
 }
 
-/// Renders a page from its template, which may include `style.css`; all text is escaped.
-pub(crate) fn rendered(layout: &str, data: impl Into<minijinja::Value>) -> Result<String, minijinja::Error> {
+/// What all pages begin with: `head.html`, which takes `title`, and `program` and `swatch` if there
+/// are any.
+pub(crate) fn templates<'a>() -> Result<Environment<'a>, minijinja::Error> {
     let mut templates = Environment::new();
     templates.add_template("style.css", STYLE)?;
+    templates.add_template("head.html", include_str!("head.html"))?;
+    Ok(templates)
+}
+
+/// Renders a page from its template, which begins with `head.html`; all text is escaped.
+pub(crate) fn rendered(layout: &str, data: impl Into<minijinja::Value>) -> Result<String, minijinja::Error> {
+    let mut templates = templates()?;
     templates.add_template("page.html", layout)?;
     templates.get_template("page.html")?.render(data)
 }

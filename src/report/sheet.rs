@@ -2,6 +2,7 @@
 
 mod figures;
 mod ink_maker;
+mod limits;
 mod tables;
 
 use super::page::{ColourBlock, ColourRow, Page, Picture, hex, png_data};
@@ -39,7 +40,7 @@ pub fn sheet(
         asked: tables::asked(study),
         packings: tables::packings(study, manifest),
         failures: tables::failures(manifest),
-        limits: tables::limits(study, manifest),
+        limits: limits::limits(study, manifest),
         provenance: tables::provenance(study, manifest),
     })
 }

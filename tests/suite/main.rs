@@ -17,6 +17,7 @@ mod fuzz;
 mod gates;
 mod golden;
 mod gratings;
+mod habits;
 mod house;
 mod housekeeping;
 mod inverse;

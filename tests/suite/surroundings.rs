@@ -66,10 +66,10 @@ fn names_that_are_no_text_are_names_all_the_same() {
     assert!(done.status.success() && out.join("results.json").exists());
 }
 
-/// Runs TINY with so many kB of address space.
-fn within(kilobytes: u32) -> Output {
+/// Runs a study within this address space.
+fn within(kilobytes: u32, text: &str) -> Output {
     let folder = tempfile::tempdir().unwrap();
-    let (study, out) = (study(folder.path(), TINY), folder.path().join("out"));
+    let (study, out) = (study(folder.path(), text), folder.path().join("out"));
     let line = format!("ulimit -v {kilobytes}; exec \"$0\" run \"$1\" --output \"$2\"");
     let mut shell = Command::new("bash");
     shell.args(["-c", &line, env!("CARGO_BIN_EXE_inkwave")]).arg(study).arg(out);
@@ -79,12 +79,18 @@ fn within(kilobytes: u32) -> Output {
 #[test]
 fn little_memory_is_said_and_ends_nothing_by_force() {
     for kilobytes in [150_000, 200_000, 400_000, 800_000, 4_000_000] {
-        let done = within(kilobytes);
+        let done = within(kilobytes, TINY);
         let said = no_panic(&done);
         // a little is refused with a reason, enough of it suffices
         assert!(done.status.success() || said.contains("memory"), "{kilobytes}: {said}");
         assert!(done.status.success() || kilobytes < 1_000_000, "{kilobytes}: {said}");
     }
+    // One whose evaluation multiplies matrices, on as many threads as fit
+    let yellow = include_str!("../../examples/yellow.toml");
+    let said = |kilobytes| no_panic(&within(kilobytes, yellow));
+    assert!(said(300_000).contains("335 MB of address space"));
+    let done = within(500_000, yellow);
+    assert!(done.status.success(), "{}", no_panic(&done));
 }
 
 #[test]

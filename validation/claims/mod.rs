@@ -26,10 +26,11 @@ mod references;
 mod slab;
 mod small_grains;
 mod tau;
+mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 29] = [
+pub const ALL: [Claim; 30] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -59,4 +60,5 @@ pub const ALL: [Claim; 29] = [
     coated::CLAIM,
     bodies::CLAIM,
     published::CLAIM,
+    two_levels::CLAIM,
 ];

@@ -29,7 +29,7 @@ impl Method {
             Self::SequentialAddition => "sequential addition",
             Self::Relaxation => "relaxation of overlaps",
             Self::Given => "given",
-            Self::Voxels => "given as voxels",
+            Self::Voxels => "given as voxels, merged to boxes",
         }
     }
 }

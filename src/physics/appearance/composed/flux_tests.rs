@@ -1,0 +1,69 @@
+use super::*;
+
+/// Orders of any directions with any powers that add up to 1 − A.
+fn orders(state: &mut u64, absorptance: f64) -> Vec<Order> {
+    let mut draw = || {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let powers: Vec<f64> = (0..24).map(|_| draw()).collect();
+    let scale = (1.0 - absorptance) / powers.iter().sum::<f64>();
+    (0..12)
+        .map(|k| Order {
+            m: k,
+            n: 0,
+            direction: [0.99 * draw(), 0.0],
+            reflected_propagates: true,
+            transmitted_propagates: true,
+            reflected: draw().into(),
+            transmitted: draw().into(),
+            reflected_efficiency: scale * powers[2 * k as usize],
+            transmitted_efficiency: scale * powers[2 * k as usize + 1],
+            further: Default::default(),
+        })
+        .collect()
+}
+
+/// Whatever the solves say, the mean is reciprocal and has their energy balance; so a matrix
+/// that is transposed, or a weight that is forgotten, is seen here.
+#[test]
+fn the_mean_is_reciprocal_and_balanced() {
+    let medium = |index: f64| Hemisphere {
+        ordinates: Ordinates::new(index, &[], [3, 3]),
+        polarisations: 1,
+        oblique_deg: (index == 1.0).then_some(45.0),
+    };
+    let sides = Sides { media: [medium(1.0), medium(1.5)], alike: false };
+    let (mut state, absorptance) = (7, 0.2);
+    let mut ensemble = Vec::new();
+    for _ in 0..4 {
+        let mut solved = Vec::new();
+        for (from, medium) in [Side::Incident, Side::Exit].into_iter().zip(&sides.media) {
+            let count = medium.directions_deg().len();
+            solved.extend((0..count).map(|direction| (from, direction, orders(&mut state, absorptance))));
+        }
+        ensemble.push(sides.fluxes(solved.iter().map(|(from, direction, orders)| Lit {
+            from: *from,
+            direction: *direction,
+            polarisation: 0,
+            absorptance,
+            orders,
+        })));
+    }
+    let mean = sides.mean(&ensemble, None);
+    let [outer, inner] = sides.media.each_ref().map(Hemisphere::weights);
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+    for i in 1..outer.len() - 1 {
+        let r = &mean.reflection[0];
+        (1..outer.len() - 1).for_each(|j| near(r[(i, j)] / outer[i], r[(j, i)] / outer[j]));
+        for j in 1..inner.len() {
+            near(mean.transmission[1][(i, j)] / outer[i], mean.transmission[0][(j, i)] / inner[j]);
+        }
+    }
+    for (side, states) in [(0, outer.len()), (1, inner.len())] {
+        for j in 0..states {
+            let all = [&mean.reflection[side], &mean.transmission[side]];
+            near(all.map(|m| (0..m.nrows()).map(|i| m[(i, j)]).sum::<f64>()).iter().sum(), 1.0 - absorptance);
+        }
+    }
+}
