@@ -18,7 +18,7 @@ use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::seen::NoInk;
 use crate::evaluate::summary::{program, summarise};
-use crate::ink::Packing;
+use crate::ink::{Method, Packing};
 use crate::input::study::Study;
 use crate::report::packing::grains_csv;
 use crate::report::tables;
@@ -220,6 +220,10 @@ impl Exporter<'_> {
     fn positions(&self, out: &mut Exported) -> Result<(), ExportError> {
         self.watch.stage("packing realisation 1 again");
         let packing = pack_realisation(self.study(), 0, self.watch)?;
+        if packing.method() == Method::Voxels {
+            out.remarks.push("no positions: voxels have no grains to place; `--to labels` writes them".into());
+            return Ok(());
+        }
         out.add("grains.csv", grains_csv(&packing)?, "spheres of the first packing, lengths in µm");
         out.add(
             "grains.dump",

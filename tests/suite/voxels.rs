@@ -159,7 +159,7 @@ fn exported_labels_give_the_same_spectra() {
     let first = spectra(keys, "first");
     let mut export = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
     let export = export.arg("export").arg(folder.path().join("first")).args(["--to", "labels"]);
-    let said = String::from_utf8(export.output().expect("started").stderr).expect("UTF-8");
+    let said = String::from_utf8(export.output().expect("started").stdout).expect("UTF-8");
     let line = said.lines().find_map(|line| line.split_once("labels.npy: layer.")).expect("how to read it").1;
     let line = line.replace("labels.npy", "first/export/labels.npy");
     assert_eq!(first, spectra(&line, "second"), "{line}");

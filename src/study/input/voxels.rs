@@ -7,15 +7,12 @@ use std::io::Cursor;
 use std::path::Path;
 use tiff::decoder::{Decoder, DecodingResult};
 
-/// Largest file, bytes.
-const LARGEST: u64 = 1 << 30;
-
 /// The labels of a file with axes x, y, z.
 ///
 /// # Errors
 /// In words: what is missing or wrong.
 pub fn read_labels(path: &Path) -> Result<Array3<i64>, String> {
-    let bytes = files::read_bytes(path, LARGEST).map_err(|e| e.to_string())?;
+    let bytes = files::read_bytes(path, files::CASE).map_err(|e| e.to_string())?;
     let labels = match bytes.get(..4) {
         Some(b"\x93NUM") => from_npy(&bytes)?,
         Some(b"II*\0" | b"MM\0*" | b"II+\0" | b"MM\0+") => from_tiff(&bytes)?,
