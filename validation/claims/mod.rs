@@ -13,6 +13,7 @@ mod directions;
 mod distribution;
 pub mod energy;
 mod furnace;
+mod gradients;
 pub mod intervals;
 mod layers;
 mod maxwell_garnett;
@@ -30,7 +31,7 @@ mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 30] = [
+pub const ALL: [Claim; 31] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -61,4 +62,5 @@ pub const ALL: [Claim; 30] = [
     bodies::CLAIM,
     published::CLAIM,
     two_levels::CLAIM,
+    gradients::CLAIM,
 ];
