@@ -221,7 +221,8 @@ impl Exporter<'_> {
         self.watch.stage("packing realisation 1 again");
         let packing = pack_realisation(self.study(), 0, self.watch)?;
         if packing.method() == Method::Voxels {
-            out.remarks.push("no positions: voxels have no grains to place; `--to labels` writes them".into());
+            out.remarks
+                .push("no positions: voxels have no grains to place; `--to labels` writes them".into());
             return Ok(());
         }
         out.add("grains.csv", grains_csv(&packing)?, "spheres of the first packing, lengths in µm");
