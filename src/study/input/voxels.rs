@@ -32,7 +32,18 @@ fn of<T: ReadableElement + Copy>(bytes: &[u8], number: fn(T) -> i64) -> NpyLabel
     Ok(ArrayD::<T>::read_npy(bytes)?.mapv(number))
 }
 
+/// Whether there are as many bytes as the header has voxels: the reader makes room before it reads.
+fn holds_its_shape(bytes: &[u8]) -> bool {
+    let header = String::from_utf8_lossy(&bytes[..bytes.len().min(1024)]);
+    let shape = header.split_once("'shape':").and_then(|(_, rest)| rest.split_once('(')?.1.split_once(')'));
+    let lengths = |text: &str| text.split(',').filter_map(|n| n.trim().parse::<f64>().ok()).product::<f64>();
+    shape.is_some_and(|(text, _)| lengths(text) <= bytes.len() as f64)
+}
+
 fn from_npy(bytes: &[u8]) -> Result<ArrayD<i64>, String> {
+    if !holds_its_shape(bytes) {
+        return Err("fewer data than its header says: was it copied whole?".into());
+    }
     let kinds: [fn(&[u8]) -> NpyLabels; 9] = [
         |b| of::<u8>(b, i64::from),
         |b| of::<u16>(b, i64::from),
@@ -135,8 +146,8 @@ mod tests {
         for bytes in [npy(&expected), npy(&wide), npy(&columns), stack.into_inner()] {
             assert_eq!(read(&bytes), Ok(expected.clone()));
         }
-        let solid = read(&npy(&expected.mapv(|v| v > 11))).expect("booleans");
-        assert_eq!((solid.sum(), solid[[1, 1, 1]], solid[[1, 1, 0]]), (12, 0, 0));
+        let solid = read(&npy(&expected.mapv(|v| v > 110))).expect("booleans");
+        assert_eq!((solid.sum(), solid[[1, 1, 1]], solid[[1, 1, 0]]), (15, 1, 0));
     }
 
     #[test]
@@ -147,6 +158,7 @@ mod tests {
             (npy(&Array2::<u8>::zeros((4, 3))), "axes [4, 3] where x, y, z"),
             (npy(&Array3::<u8>::zeros((4, 0, 2))), "empty array"),
             (cut[..cut.len() - 1].to_vec(), ""),
+            (b"\x93NUMPY\x01\0\x46\0{'descr': '|u1', 'fortran_order': False, 'shape': (99999999, 99999999, 9)}".to_vec(), "fewer data"),
             (b"x,y,z\n".to_vec(), "neither"),
             (b"II*\0".to_vec(), ""),
         ] {
