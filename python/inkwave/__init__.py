@@ -112,10 +112,22 @@ def compare(file, output) -> dict:
     return _table(pathlib.Path(output) / "comparison.csv")
 
 
+def fit(file, output) -> dict:
+    """Fits a pigment's index to spectra of drawdowns, or resumes; the columns of `pigment.csv`: `n`, `kappa` and their errors."""
+    _call("fit", file, "--output", output, show=True)
+    return _table(pathlib.Path(output) / "pigment.csv")
+
+
+def design(file, output) -> dict:
+    """Looks for recipes of a wanted colour, or resumes; what `design.json` says under `design`."""
+    _call("design", file, "--output", output, show=True)
+    return json.loads((pathlib.Path(output) / "design.json").read_text())["design"]
+
+
 def _table(path) -> dict:
     """Columns of a CSV file: arrays of numbers, empty cells NaN, or of texts where a cell is no number."""
     with open(path, newline="") as file:
-        names, *rows = csv.reader(file)
+        names, *rows = csv.reader(line for line in file if not line.startswith("#"))
 
     def column(cells):
         try:

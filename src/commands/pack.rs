@@ -8,7 +8,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use inkwave::ink::pack;
 use inkwave::ink::statistics::ReachedSizes;
-use inkwave::ink::{PackProgress, PackWatch, Packing};
+use inkwave::ink::{Method, PackProgress, PackWatch, Packing};
 use inkwave::input::Study;
 use inkwave::input::load::{load_packing, stem};
 use inkwave::report::packing::{is_of_one_packing, write_report};
@@ -74,13 +74,15 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let sizes =
         |k: usize| Some(format!("; pigment {k}: d10, d50, d90 {}", ReachedSizes::of(packing, k)?.in_words()));
     let sizes: String = (0..packing.shares().len()).filter_map(sizes).collect();
+    let by = match account.method {
+        Method::Given | Method::Voxels => format!(", {}", account.method.in_words()),
+        method => format!(" by {} in {} steps", method.in_words(), account.steps),
+    };
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {}: {} grains by {} in {} steps{sweeps}, fraction {fraction:.6} (requested {asked:.6}), {seconds:.2} s{sizes}{notes}",
+        "realisation {}: {} grains{by}{sweeps}, fraction {fraction:.6} (requested {asked:.6}), {seconds:.2} s{sizes}{notes}",
         realisation + 1,
         packing.grains().len(),
-        account.method.in_words(),
-        account.steps,
     )
 }
 

@@ -109,7 +109,8 @@ fn paint_cut_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
     let [lx, ly] = packing.period_um();
     let (sx, sz) = (raster.width as f64 / lx, raster.height as f64 / packing.thickness_um());
     for j in pixels(solid.extent_um(2), sz) {
-        let from = [0.0, 0.5 * ly, (j as f64 + 0.5) / sz];
+        // A hair beside the middle, where faces of voxels lie.
+        let from = [0.0, (0.5 - 1e-9) * ly, (j as f64 + 0.5) / sz];
         let Some([x0, x1]) = solid.chord(from, [1.0, 0.0, 0.0]) else { continue };
         for i in (x0 * sx - 0.5).ceil() as i64..=(x1 * sx - 0.5).floor() as i64 {
             raster.set(i, j, 0.0, colour);

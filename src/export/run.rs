@@ -11,14 +11,14 @@ use super::print::Print;
 use super::provenance::{self, Described, Run, STUDY};
 use super::samples;
 use super::stored::Stored;
-use super::voxels::Voxels;
+use super::voxels::{self, Voxels};
 use super::{cgats, cxf, near_field, npz, positions, viewer};
 use crate::evaluate::directional::DirectionalInk;
 use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::seen::NoInk;
 use crate::evaluate::summary::{program, summarise};
-use crate::ink::Packing;
+use crate::ink::{Method, Packing};
 use crate::input::study::Study;
 use crate::report::packing::grains_csv;
 use crate::report::tables;
@@ -26,6 +26,7 @@ use crate::run::point::{Stopper, pack_realisation};
 use crate::run::watch::RunWatch;
 use crate::store::record::PointRecord;
 use crate::wave::{Coverage, Incidence, Mean, Problem, Scene, Side};
+use ndarray_npy::{WriteNpyExt, WriteNpzError};
 use std::sync::Arc;
 
 /// The exported files, and remarks on them.
@@ -63,6 +64,9 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
     }
     if wants(Format::Positions) {
         exporter.positions(&mut out)?;
+    }
+    if wants(Format::Labels) {
+        exporter.labels(&mut out)?;
     }
     if wants(Format::Viewer) {
         exporter.viewer(&mut out)?;
@@ -216,6 +220,11 @@ impl Exporter<'_> {
     fn positions(&self, out: &mut Exported) -> Result<(), ExportError> {
         self.watch.stage("packing realisation 1 again");
         let packing = pack_realisation(self.study(), 0, self.watch)?;
+        if packing.method() == Method::Voxels {
+            out.remarks
+                .push("no positions: voxels have no grains to place; `--to labels` writes them".into());
+            return Ok(());
+        }
         out.add("grains.csv", grains_csv(&packing)?, "spheres of the first packing, lengths in µm");
         out.add(
             "grains.dump",
@@ -223,6 +232,26 @@ impl Exporter<'_> {
             "the same as a LAMMPS dump, radii and lengths in µm",
         );
         out.add("grains.xyz", positions::xyz(&packing), "the same as extended XYZ, radii and lengths in µm");
+        Ok(())
+    }
+
+    /// Voxels that `layer.microstructure` reads; those of a study that has read some are the same.
+    fn labels(&self, out: &mut Exported) -> Result<(), ExportError> {
+        self.watch.stage("packing realisation 1 again");
+        let packing = pack_realisation(self.study(), 0, self.watch)?;
+        let labels = voxels::labels(&packing, self.study().packing.voxels.first().map(|cut| cut.count));
+        let mut bytes = Vec::new();
+        labels.write_npy(&mut bytes).map_err(WriteNpzError::from)?;
+        out.add("labels.npy", bytes, "labels of the first packing's voxels, axes x, y, z: 0 is the binder");
+        let [lx, ly] = packing.period_um();
+        let size = [lx, ly, packing.thickness_um()];
+        let edges = [0, 1, 2].map(|i| (1e9 * size[i] / labels.shape()[i] as f64).round() / 1e6);
+        let names = self.study().material_names().into_iter().enumerate();
+        let names: Vec<String> = names.map(|(k, name)| format!("{} = {name:?}", k + 1)).collect();
+        let names = names.join(", ");
+        out.remarks.push(format!(
+            "labels.npy: layer.microstructure = {{ voxels = \"labels.npy\", voxel_nm = {edges:?}, labels = {{ {names} }} }}"
+        ));
         Ok(())
     }
 

@@ -4,6 +4,7 @@
 use super::vti::{Image, PointArray};
 use crate::ink::{Packing, Solid};
 use crate::wave::Media;
+use ndarray::Array3;
 use num_complex::Complex64;
 
 /// Samples along each edge of a voxel: shares come in steps of 1/27.
@@ -36,8 +37,7 @@ impl Voxels {
     pub fn of(packing: &Packing) -> Self {
         let [lx, ly] = packing.period_um();
         let size = [lx, ly, packing.thickness_um()];
-        let edge = (size.iter().product::<f64>() / MOST_VOXELS).cbrt().max(FINEST_UM);
-        let count = size.map(|s| (s / edge).ceil() as usize);
+        let count = usual(size);
         let fine = count.map(|n| SAMPLES * n);
         let raster = VoxelRaster { count: fine, step_um: [0, 1, 2].map(|i| size[i] / fine[i] as f64) };
         let marks = raster.marks(packing);
@@ -81,6 +81,25 @@ impl Voxels {
         let origin_um = self.edge_um.map(|e| e / 2.0);
         Image { points: self.count, spacing_um: self.edge_um, origin_um, arrays }
     }
+}
+
+/// Labels at the centres of voxels, axes x, y, z: 0 is the binder, k + 1 material k of the grains, see
+/// [`Packing::materials`]. `count` voxels, or as many as [`Voxels::of`] takes.
+pub fn labels(packing: &Packing, count: Option<[usize; 3]>) -> Array3<u8> {
+    let [lx, ly] = packing.period_um();
+    let size = [lx, ly, packing.thickness_um()];
+    let count = count.unwrap_or_else(|| usual(size));
+    let raster = VoxelRaster { count, step_um: [0, 1, 2].map(|i| size[i] / count[i] as f64) };
+    let marks = raster.marks(packing);
+    let [nx, ny, nz] = count;
+    let label = |(x, y, z): (usize, usize, usize)| marks[x + nx * (y + ny * z)].saturating_sub(VACUUM);
+    Array3::from_shape_fn((nx, ny, nz), label)
+}
+
+/// Voxels along each side of a layer, µm.
+fn usual(size: [f64; 3]) -> [usize; 3] {
+    let edge = (size.iter().product::<f64>() / MOST_VOXELS).cbrt().max(FINEST_UM);
+    size.map(|s| (s / edge).ceil() as usize)
 }
 
 /// The fine raster, points at the centres of its steps.

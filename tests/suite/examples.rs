@@ -54,7 +54,9 @@ fn outcome(command: &[&str], name: &str) -> Result<String, String> {
     if name != "yellow.toml" {
         std::fs::copy(folder().join("yellow.toml"), scratch.path().join("yellow.toml")).expect("copied");
     }
-    std::fs::copy(folder().join("positions.csv"), scratch.path().join("positions.csv")).expect("copied");
+    for data in ["positions.csv", "cut.npy"] {
+        std::fs::copy(folder().join(data), scratch.path().join(data)).expect("copied");
+    }
     let mut args = vec![command[0], name];
     args.extend(&command[1..]);
     let output = inkwave(&args, scratch.path());

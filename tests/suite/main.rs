@@ -49,6 +49,7 @@ mod sweep_pages;
 mod sweep_support;
 mod vector_references;
 mod vector_studies;
+mod voxels;
 mod wave_references;
 mod wavelength_grids;
 mod workers;

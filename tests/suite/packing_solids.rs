@@ -5,6 +5,10 @@ use inkwave::ink::statistics::{orientation_tensor, profile, section_statistics};
 use inkwave::ink::{
     Grain, MethodChoice, Orientation, PackError, Packing, PackingRequest, PigmentGrains, Shape, Solid, pack,
 };
+use inkwave::input::check::check;
+use inkwave::input::file::StudyFile;
+use inkwave::numerics::Rotation;
+use std::path::Path;
 
 fn shapes() -> [Shape; 4] {
     let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.5, 1.0], [1.0, 1.8]];
@@ -60,6 +64,39 @@ fn the_proof_rejects_bodies_that_meet_across_the_boundary() {
     assert!(packed([0.1, 0.301]).is_ok(), "a gap of 1 nm");
     assert!(matches!(packed([0.1, 0.299]), Err(PackError::Overlap { .. })));
     assert!(matches!(packed([0.05, 0.9]), Err(PackError::Overlap { .. })));
+    // Long bodies that are apart in the image with the nearest centre and meet in another one.
+    let long = Shape::Box { edges: [0.95, 0.05, 0.05] }.form().expect("a convex body");
+    let [one, two] =
+        [([0.5, 0.5, 0.5], 0.0), ([0.96, 0.25, 0.5], std::f64::consts::FRAC_PI_4)].map(|(at, turn)| {
+            let scale = 0.95 / long.longest_um();
+            Solid { rotation: Rotation::by([0.0, 0.0, turn]), ..Solid::upright(long.scaled(scale), at) }
+        });
+    let both = [one, two].map(|solid| Grain::convex(solid, 0)).to_vec();
+    let found = Packing::from_grains([1.0, 1.0], 1.0, true, both.clone());
+    assert!(matches!(found, Err(PackError::Overlap { .. })), "{found:?}");
+    assert!(Packing::from_grains([1.5, 1.0], 1.0, true, both).is_ok());
+}
+
+/// Flakes of micrometres need cells and layers of their size, and the refusal says which.
+#[test]
+fn flakes_wider_than_the_cell_are_refused_with_the_size_needed() {
+    let faults = |layer: &str, shape: &str| {
+        let text = format!(
+            "[layer]\n{layer}\n[[pigment]]\nvolume_fraction = 0.05\nsize = {{ kind = 'constant', value_nm = 5000, of = 'length' }}\n\
+             {shape}\nindex = 1.6\n[light]\nwavelengths_nm = [500]\n"
+        );
+        let file: StudyFile = toml::from_str(&text).expect("a study");
+        check(&file, Path::new("."), "flakes").err().unwrap_or_default()
+    };
+    let flake = "shape = { kind = 'disc', diameter = 20, thickness = 1 }";
+    let fixed = |period: f64| format!("cell = 'fixed'\nperiod_um = {period}\nthickness_um = 2");
+    let narrow = faults(&fixed(2.4), flake);
+    // Twice the distance between its farthest corners, √(5² + 0.25²) µm, rounded up.
+    assert!(narrow[0].remedy.ends_with("layer.period_um = 10.02 or more"), "{narrow:?}");
+    assert!(faults(&fixed(10.01), flake)[0].remedy.contains("10.02"));
+    assert_eq!(faults(&fixed(10.02), flake), []);
+    let thin = faults("cell = 'fixed'\nperiod_um = 12\nthickness_um = 0.2", flake);
+    assert!(thin[0].remedy.ends_with("layer.thickness_um = 0.25 or more"), "{thin:?}");
 }
 
 #[test]

@@ -17,6 +17,8 @@ pub enum Format {
     Vti,
     /// Positions of the first packing's spheres: CSV, LAMMPS dump and extended XYZ.
     Positions,
+    /// Labels of the first packing's voxels as a NumPy array.
+    Labels,
     /// Interactive view of the first packing for a browser.
     Viewer,
     /// RO-Crate and Data Package.

@@ -25,5 +25,6 @@ pub use packing::request::{
     EquilibrationSettings, MethodChoice, PackingRequest, PigmentGrains, RelaxationSettings,
     SequentialSettings, ShareRule,
 };
+pub use packing::voxels::VoxelCut;
 pub use packing::watch::{PackProgress, PackWatch};
 pub use relief::{Relief, ReliefRequest, ReliefRule};

@@ -9,7 +9,7 @@ use std::path::Path;
 pub const STUDY: u64 = 8 << 20;
 /// Largest table of indices or albedos, bytes.
 pub const TABLE: u64 = 64 << 20;
-/// Largest case, bytes: some hundred bytes for each of a million spheres.
+/// Largest case, bytes: some hundred bytes for each of a million spheres; also largest voxel image.
 pub const CASE: u64 = 256 << 20;
 
 /// The text of a regular file of at most `most` bytes, without a byte order mark.

@@ -27,14 +27,7 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
         lines.push(line.to_owned());
     }
     lines.push(held(study).to_owned());
-    let cuts = study.packing.given.len();
-    if cuts > 0 {
-        let cuts = if cuts == 1 { "one cut".into() } else { format!("{cuts} cuts") };
-        lines.push(format!(
-            "The grains are given ({cuts}), not packed. Each cut is continued periodically: nothing wider than it is in them, \
-             and error bars hold no scatter of packings but that between cuts."
-        ));
-    }
+    lines.extend(placed(study));
     if study.pigments.iter().any(|p| p.material.source.contains("synthetic")) {
         let line = "Built-in spectra are synthetic: smooth curves like those of printing inks, not measured pigments. Bring \
                     your own with index = { csv = \"…\" }.";
@@ -58,6 +51,29 @@ pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Vec<String> 
         );
     }
     lines
+}
+
+/// What follows from grains in given places.
+fn placed(study: &Study) -> Option<String> {
+    let voxels = &study.packing.voxels;
+    let cuts = match study.packing.given.len() + voxels.len() {
+        0 => return None,
+        1 => "one cut".to_owned(),
+        cuts => format!("{cuts} cuts"),
+    };
+    let seams = match voxels.first() {
+        None => "",
+        Some(cut) if cut.mirrored => {
+            " Each was mirrored along x and y: grains at its faces meet their mirror images, which is not how grains lie."
+        }
+        Some(_) => {
+            " Where opposite faces of a cut do not match, grains are cut off: the layer has more surface than the material."
+        }
+    };
+    Some(format!(
+        "The grains are given ({cuts}), not packed. Each cut is continued periodically: nothing wider than it is in them, \
+         and error bars hold no scatter of packings but that between cuts.{seams}"
+    ))
 }
 
 /// Colours and numbers that are missing, and why.

@@ -232,7 +232,7 @@ fn method(packing: &PackingRecord) -> String {
     match packing.method {
         Method::SequentialAddition => format!("{words}, {steps} attempts"),
         Method::Relaxation => format!("{words}, {steps} steps"),
-        Method::Given => words.to_owned(),
+        Method::Given | Method::Voxels => words.to_owned(),
     }
 }
 

@@ -73,7 +73,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let slab = composed.as_ref().map(|composed| composed::slab_file(file, composed));
     let file = slab.as_ref().unwrap_or(file);
     let given = microstructure::given(file, folder, &mut faults);
-    let (filled, cuts) = given.map_or((None, Vec::new()), |(file, cuts)| (Some(file), cuts));
+    let (filled, given) = given.unzip();
     let file = filled.as_ref().unwrap_or(file);
     let wavelengths_nm = light::wavelengths(&file.light, &mut optics);
     let period_um = period(file, &mut faults);
@@ -85,7 +85,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
     layer.binder = pigments::solution(layer.binder, &dissolved, &pigments, wave::mixing(file));
     let mut packing = pigments::packing(file, period_um, &pigments, &mut faults);
-    packing.given = cuts;
+    (packing.given, packing.voxels) = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
     let angles = angles::angles(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);

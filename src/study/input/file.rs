@@ -27,7 +27,7 @@ pub use appearance::{ColourTable, CompareTable, CouplingName, OutputTable, Paper
 pub use calculation::{ResolutionTable, RunTable, SolverTable};
 pub use layer::{BinderTable, ComposedTable, LayerTable, PackingTable, PigmentTable, ShellTable};
 pub use light::{AnglesTable, LightTable, SamplingName};
-pub use microstructure::{LengthUnit, MicrostructureTable, PositionFiles, SizeColumn};
+pub use microstructure::{Continuation, FileNames, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -25,6 +25,7 @@ pub mod read;
 pub mod study;
 pub mod tree;
 pub mod variation;
+pub mod voxels;
 mod xml_limits;
 
 pub use study::Study;

@@ -2,7 +2,10 @@
 
 use super::support::*;
 use inkwave::input::case::Case;
-use inkwave::wave::{Body, BodyShape, Incidence, Mean, Media, Resolution, Scene, Scheme, Side, Stratum};
+use inkwave::wave::{
+    Body, BodyShape, FarField, Incidence, Mean, Media, Resolution, Scene, Scheme, Side, Stratum,
+};
+use inkwave_validation::vector;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -121,6 +124,35 @@ fn interfaces_between_nodes_converge_with_order_three() {
             let slope = fitted_slope(&errors);
             assert!((low..high).contains(&slope), "{id} {scheme:?}: order {slope:.2} from {errors:?}");
         }
+    }
+}
+
+/// Identity: a box as wide as the cell is a film, wherever its sides lie; the strata of the other case are exact.
+#[test]
+fn a_box_that_fills_the_cell_is_a_film() {
+    let common = r#""wavelength": 0.5, "sigma_deg": 25, "phi_deg": 30, "n_in": 1.0, "n_out": 1.2"#;
+    let filled = format!(
+        r#"{{{common}, "L": 0.5, "H": 0.6, "eta_binder": [1.5, 0], "bodies": [{{ "shape": {{ "kind": "box",
+        "edges": [0.5, 0.5, 0.2] }}, "center": [0.1, 0.37, 0.3], "eta": [1.9, 0.1] }}]}}"#
+    );
+    let layer = |n: f64, k: f64| format!(r#"{{"thickness": 0.2, "eta": [{n}, {k}]}}"#);
+    let [binder, film] = [layer(1.5, 0.0), layer(1.9, 0.1)];
+    let layers = format!(r#"{{{common}, "layers_from_z0": [{binder}, {film}, {binder}]}}"#);
+    let [filled, layers] =
+        [filled, layers].map(|text| Case::parse(&text, false).unwrap_or_else(|e| panic!("{e}")));
+    let specular = |far: &FarField| [far.specular().reflected, far.specular().transmitted];
+    let differ = |a: &FarField, b: &FarField| {
+        let pairs = specular(a).into_iter().zip(specular(b));
+        pairs.map(|(x, y)| (x - y).norm()).fold((a.reflectance - b.reflectance).abs(), f64::max)
+    };
+    let resolution = |n: usize| Resolution { nx: n, ny: n, cells: 12, scheme: Scheme::Cubic };
+    let exact = solve_at(&layers, resolution(1), 1e-12).far;
+    let error = differ(&solve_at(&filled, resolution(7), 1e-12).far, &exact);
+    assert!(error < EXACT_TOLERANCE, "{error:e}");
+    let vector = |case: &Case, points: usize| vector::solve(case, points, 12, 1e-12).far;
+    for (own, film) in vector(&filled, 7).iter().zip(vector(&layers, 1)) {
+        let error = differ(own, &film);
+        assert!(error < EXACT_TOLERANCE, "{error:e}");
     }
 }
 

@@ -228,8 +228,8 @@ impl<'de> Deserialize<'de> for Shape {
 /// 1; or a convex body whose longest axis or edge is 2.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
-    /// Positions and radii in units of the thickest radius (not in µm, as the fields' names say); of
-    /// a convex body the sphere around it.
+    /// Positions and radii in units of the thickest radius (not in µm, as the fields' names say);
+    /// of a convex body the sphere around it.
     pub spheres: Vec<Sphere>,
     /// Volume of the grain, in units of the thickest radius cubed.
     pub volume: Volume,

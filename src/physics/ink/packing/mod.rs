@@ -24,4 +24,5 @@ mod settle;
 mod shell;
 pub mod sizes;
 mod strain;
+pub mod voxels;
 pub mod watch;

@@ -9,6 +9,10 @@ use crate::ink::error::PackError;
 use crate::ink::grains::contact::proven_gap_um;
 use crate::ink::grains::solid::{Form, Solid};
 use crate::ink::grains::sphere::Sphere;
+use crate::numerics::vector::norm;
+
+/// Overlap by the rounding of coordinates where faces touch, in lengths of the cell.
+const ROUNDING: f64 = 1e-14;
 
 struct GridEntry {
     /// Position along x and y within the period.
@@ -52,13 +56,13 @@ pub fn smallest_gap(
             let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
             let far = dy.min(period[1] - dy) > reach || (walls && dz > reach);
             if !far && a.grain != b.grain {
-                let apart = image(&a.sphere, &b.sphere, period, thickness, walls);
-                let gap = gap(a, b, apart, grains, worst.gap);
+                let cell = [period[0], period[1], if walls { f64::INFINITY } else { thickness }];
+                let gap = gap([a, b], cell, grains, worst.gap);
                 worst.hear(gap, || (format!("grain {}", a.grain), format!("grain {}", b.grain)));
             }
         }
     }
-    worst.verdict(largest)
+    worst.verdict(largest, ROUNDING * period[0].max(period[1]).max(thickness))
 }
 
 struct Worst {
@@ -74,11 +78,11 @@ impl Worst {
         }
     }
 
-    fn verdict(self, largest: f64) -> Result<Option<f64>, PackError> {
+    fn verdict(self, largest: f64, slack: f64) -> Result<Option<f64>, PackError> {
         let (first, second) = self.pair;
         match self.gap {
-            gap if gap < 0.0 => Err(PackError::Overlap { first, second, overlap_um: -gap }),
-            gap => Ok((gap <= largest).then_some(gap)),
+            gap if gap < -slack => Err(PackError::Overlap { first, second, overlap_um: -gap }),
+            gap => Ok((gap <= largest).then_some(gap.max(0.0))),
         }
     }
 }
@@ -96,25 +100,42 @@ impl GridEntry {
     }
 }
 
-/// Gap between two entries with their centres `apart`; that of the spheres around convex bodies if
-/// it is larger than `known` already.
-fn gap(a: &GridEntry, b: &GridEntry, apart: [f64; 3], grains: &[Grain], known: f64) -> f64 {
-    let [dx, dy, dz] = apart;
-    let around = (dx * dx + dy * dy + dz * dz).sqrt() - a.sphere.radius_um - b.sphere.radius_um;
-    let spheres = [a, b].iter().all(|e| grains[e.grain].solid.is_none());
-    if spheres || around >= known {
+/// Gap between two entries in their nearest images; a lower bound if it is larger than `known`
+/// already.
+fn gap([a, b]: [&GridEntry; 2], cell: [f64; 3], grains: &[Grain], known: f64) -> f64 {
+    let near: [f64; 3] = std::array::from_fn(|axis| {
+        let delta = b.sphere.center_um[axis] - a.sphere.center_um[axis];
+        if cell[axis].is_finite() { delta - cell[axis] * (delta / cell[axis]).round() } else { delta }
+    });
+    let reach = a.sphere.radius_um + b.sphere.radius_um;
+    let around = norm(near) - reach;
+    if [a, b].iter().all(|e| grains[e.grain].solid.is_none()) || around >= known {
         return around;
     }
-    proven_gap_um(&a.solid(grains), &b.solid(grains), apart)
+    let (one, two) = (a.solid(grains), b.solid(grains));
+    // Long bodies may meet in another image than that with the nearest centre.
+    let shifts = cell.map(|length| if 2.0 * reach > length { -1..=1 } else { 0..=0 });
+    let shifted = |axis: usize, k: i32| near[axis] + if k == 0 { 0.0 } else { f64::from(k) * cell[axis] };
+    let mut least = f64::INFINITY;
+    for i in shifts[0].clone() {
+        for j in shifts[1].clone() {
+            for k in shifts[2].clone() {
+                let apart = [shifted(0, i), shifted(1, j), shifted(2, k)];
+                let bound = boxes_gap(&one, &two, apart);
+                least = least.min(if bound >= known { bound } else { proven_gap_um(&one, &two, apart) });
+            }
+        }
+    }
+    least
 }
 
-/// Vector from a to the nearest periodic image of b.
-fn image(a: &Sphere, b: &Sphere, period: [f64; 2], thickness: f64, walls: bool) -> [f64; 3] {
-    let nearest = |d: f64, l: f64| d - l * (d / l).round();
-    let dx = nearest(b.center_um[0] - a.center_um[0], period[0]);
-    let dy = nearest(b.center_um[1] - a.center_um[1], period[1]);
-    let dz = b.center_um[2] - a.center_um[2];
-    [dx, dy, if walls { dz } else { nearest(dz, thickness) }]
+/// Gap between the upright boxes around two bodies, along the axis where it is widest.
+fn boxes_gap(one: &Solid, two: &Solid, apart: [f64; 3]) -> f64 {
+    let along = |axis: usize| {
+        let [a, b] = [one, two].map(|solid| solid.extent_um(axis).map(|x| x - solid.center_um[axis]));
+        (apart[axis] + b[0] - a[1]).max(a[0] - apart[axis] - b[1])
+    };
+    along(0).max(along(1)).max(along(2))
 }
 
 fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<GridEntry> {
@@ -144,8 +165,10 @@ fn check_numbers(period: [f64; 2], thickness: f64, walls: bool, grains: &[Grain]
         let periodic = if walls { 2 } else { 3 };
         for (axis, length) in lengths.iter().enumerate().take(periodic) {
             let end = |sign: f64| grain.spheres.iter().map(move |s| sign * s.center_um[axis] + s.radius_um);
-            let extent = end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max);
-            if extent > *length {
+            let around = || end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max);
+            let solid = grain.solid.as_ref().map(|solid| solid.extent_um(axis));
+            let extent = solid.map_or_else(around, |[low, high]| high - low);
+            if extent > *length * (1.0 + ROUNDING) {
                 let allowed = format!("at most the period, {length} µm");
                 return Err(PackError::input(
                     format!("extent of grain {k}"),

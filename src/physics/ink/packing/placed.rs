@@ -18,6 +18,8 @@ pub enum Method {
     Relaxation,
     /// The coordinates were given.
     Given,
+    /// The voxels were given; the grains are boxes of them, of which several make a real grain.
+    Voxels,
 }
 
 impl Method {
@@ -27,6 +29,7 @@ impl Method {
             Self::SequentialAddition => "sequential addition",
             Self::Relaxation => "relaxation of overlaps",
             Self::Given => "given",
+            Self::Voxels => "given as voxels, merged to boxes",
         }
     }
 }
@@ -134,13 +137,17 @@ impl Packing {
 
     /// The given grains of a request's realisation, if it has any.
     pub(crate) fn given(request: &PackingRequest) -> Option<Result<Self, PackError>> {
-        let grains = request.given.get(usize::try_from(request.stream).ok()?)?;
+        let cut = usize::try_from(request.stream).ok()?;
         let ([lx, ly], thickness_um) = (request.period_um, request.thickness_um);
-        let share = |pigment| Share::of_given(grains, pigment, lx * ly * thickness_um);
+        let (grains, method) = match request.voxels.get(cut) {
+            Some(voxels) => (voxels.grains([lx, ly, thickness_um]), Method::Voxels),
+            None => (request.given.get(cut)?.clone(), Method::Given),
+        };
+        let share = |pigment| Share::of_given(&grains, pigment, lx * ly * thickness_um);
         let shares = (0..request.pigments.len()).map(share).collect();
-        let account = PackingAccount::new(Method::Given, request.seed, request.stream);
+        let account = PackingAccount::new(method, request.seed, request.stream);
         let parts = (shares, account);
-        let packing = Self::proven([lx, ly], thickness_um, request.walls, grains.clone(), parts);
+        let packing = Self::proven([lx, ly], thickness_um, request.walls, grains, parts);
         Some(packing.and_then(|packing| packing.with_shells(request.shells_um())))
     }
 

@@ -2,6 +2,7 @@
 
 use super::grain::Grain;
 use super::shell;
+use super::voxels::VoxelCut;
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration::Agglomeration;
 use crate::ink::grains::orientation::Orientation;
@@ -42,6 +43,9 @@ pub struct PackingRequest {
     /// packed then.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub given: Vec<Vec<Grain>>,
+    /// Labelled voxels instead, one cut per realisation.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub voxels: Vec<VoxelCut>,
 }
 
 impl Default for PackingRequest {
@@ -59,6 +63,7 @@ impl Default for PackingRequest {
             equilibration: None,
             relief: None,
             given: Vec::new(),
+            voxels: Vec::new(),
         }
     }
 }
@@ -259,7 +264,7 @@ impl PackingRequest {
         for (k, pigment) in self.pigments.iter().enumerate() {
             check_pigment(k, pigment)?;
         }
-        if total > FCC {
+        if total > FCC && self.voxels.is_empty() {
             let allowed = "a sum of at most 0.74 (the densest packing of equal spheres)";
             return Err(PackError::input("sum of volume_fraction", total, allowed, "lower the shares"));
         }

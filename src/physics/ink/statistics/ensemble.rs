@@ -4,7 +4,7 @@ use super::orientation::orientation_tensor;
 use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
 use super::reached::ReachedSizes;
 use super::sections::{SectionStatistics, section_statistics};
-use crate::ink::Packing;
+use crate::ink::{Method, Packing};
 use crate::numerics::estimate::Estimate;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -40,18 +40,22 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     let mut all = Statistics { realisations: packings.len(), curves: Vec::new(), scalars: Vec::new() };
     let Some(first) = packings.first().filter(|p| !p.grains().is_empty()) else { return all };
     let d = mean_diameter_um(first);
+    // Boxes of voxels have no centres that mean anything.
+    let grains = if first.method() == Method::Voxels { &[] } else { packings };
     let pairs: Vec<PairStatistics> =
-        packings.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
+        grains.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
     // Grains align with the walls, so the planes must be close together; in the plane, lines sample
     // at random.
     let planes = ((24.0 * first.thickness_um() / d).round() as usize).clamp(20, 400);
     let section = |p: &Packing| section_statistics(p, planes, d / 6.0, d / 20.0, 3.0 * d);
     let sections: Vec<SectionStatistics> = packings.par_iter().map(section).collect();
-    all.curves.push(pair_correlation(&pairs));
-    all.curves.push(nearest(&pairs));
+    if !pairs.is_empty() {
+        all.curves.push(pair_correlation(&pairs));
+        all.curves.push(nearest(&pairs));
+    }
     all.curves.extend(two_point(&sections));
     all.curves.extend(profiles(&sections));
-    scalars(&mut all, packings, &pairs, &sections);
+    scalars(&mut all, [packings, grains], &pairs, &sections);
     all
 }
 
@@ -131,7 +135,7 @@ fn profiles(sections: &[SectionStatistics]) -> Vec<StatisticCurve> {
 
 fn scalars(
     all: &mut Statistics,
-    packings: &[Packing],
+    [packings, with_grains]: [&[Packing]; 2],
     pairs: &[PairStatistics],
     sections: &[SectionStatistics],
 ) {
@@ -150,18 +154,18 @@ fn scalars(
         put(
             &format!("grains of pigment {k}"),
             "1",
-            packings.iter().map(|p| p.shares()[k].grains as f64).collect(),
+            with_grains.iter().map(|p| p.shares()[k].grains as f64).collect(),
         );
     }
     sizes(packings, &mut put);
     put("mean nearest-neighbour distance", "µm", pairs.iter().map(PairStatistics::mean_nearest_um).collect());
-    put("smallest gap", "µm", packings.iter().filter_map(|p| p.account().smallest_gap_um).collect());
+    put("smallest gap", "µm", with_grains.iter().filter_map(|p| p.account().smallest_gap_um).collect());
     put("S2(0) from chords", "1", sections.iter().map(|s| 0.5 * (s.s2_x[0] + s.s2_y[0])).collect());
     let slope = |s: &SectionStatistics| -0.5 * (s.chords_per_um[0] + s.chords_per_um[1]);
     put("slope of S2 at 0 (= −s/4)", "1/µm", sections.iter().map(slope).collect());
     put("mean of φ(z)², the limit of S2", "1", sections.iter().map(|s| s.mean_square_profile).collect());
-    tensors(packings, &mut put);
-    walls(packings, &mut put);
+    tensors(with_grains, &mut put);
+    walls(with_grains, &mut put);
     relief(packings, &mut put);
 }
 
@@ -179,7 +183,7 @@ fn sizes(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
 
 fn tensors(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
     const NAMES: [&str; 3] = ["x", "y", "z"];
-    for k in 0..packings[0].shares().len() {
+    for k in 0..packings.first().map_or(0, |p| p.shares().len()) {
         let tensors: Vec<_> = packings.iter().filter_map(|p| orientation_tensor(p, Some(k))).collect();
         for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
             let name = format!("orientation tensor Q_{}{} of pigment {k}", NAMES[a], NAMES[b]);
@@ -206,7 +210,7 @@ fn touching(packing: &Packing, top: bool) -> f64 {
 }
 
 fn walls(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
-    if !packings[0].walls() {
+    if !packings.first().is_some_and(Packing::walls) {
         return;
     }
     put("grains touching the wall z = 0", "1/µm²", packings.iter().map(|p| touching(p, true)).collect());

@@ -1,6 +1,6 @@
 //! Achieved sizes: percentiles of the packed grains, as particle sizers report them.
 
-use crate::ink::Packing;
+use crate::ink::{Method, Packing};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -17,9 +17,10 @@ pub struct ReachedSizes {
 }
 
 impl ReachedSizes {
-    /// Percentiles of one pigment's grains; `None` without grains.
+    /// Percentiles of one pigment's grains; `None` without grains, and of voxels.
     pub fn of(packing: &Packing, pigment: usize) -> Option<Self> {
-        let grains = packing.grains().iter().filter(|grain| grain.pigment == pigment);
+        let counts = packing.method() != Method::Voxels;
+        let grains = packing.grains().iter().filter(|grain| counts && grain.pigment == pigment);
         Self::of_volumes(grains.map(|grain| grain.volume_um3).collect())
     }
 

@@ -1,30 +1,72 @@
 //! Grains in given places: the study file as if its pigments had been asked for, and the cuts.
 
+mod voxels;
+
 use super::pigments::is_molecular;
-use crate::ink::{Grain, Measure, PackError, Packing, SizeDistribution, Sphere};
-use crate::input::fault::{Fault, Faults};
-use crate::input::file::StudyFile;
+use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sphere, VoxelCut};
+use crate::input::fault::{Fault, Faults, keys_in_words};
+use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
 use crate::input::positions::{Meaning, Positions, read_positions};
 use crate::input::variation::CellRule;
 use std::path::Path;
 
-const FIELD: &str = "layer.microstructure";
+pub(super) const FIELD: &str = "layer.microstructure";
 /// A box this much larger or smaller than the layer is in another unit.
 const OTHER_UNIT: f64 = 30.0;
 
+/// What files say of the layer.
+pub(super) struct Given {
+    /// Periods and thickness, µm.
+    pub cell_um: [f64; 3],
+    /// Grains of every realisation.
+    pub grains: Vec<Vec<Grain>>,
+    /// Labelled voxels instead, one cut per realisation.
+    pub voxels: Vec<VoxelCut>,
+    /// Share and sizes of every pigment with grains; `None` if no grain is of it.
+    pub pigments: Vec<Option<(f64, SizeDistribution)>>,
+}
+
 /// The study with the cell, the shares and the sizes of the grains that its files hold, and the
 /// grains of every realisation; `None` without files, and after an error.
-pub(super) fn given(
-    file: &StudyFile,
-    folder: &Path,
-    faults: &mut Faults,
-) -> Option<(StudyFile, Vec<Vec<Grain>>)> {
+pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<(StudyFile, Given)> {
     let table = file.layer.microstructure.as_ref()?;
     let before = faults.0.len();
-    beside(file, faults);
+    beside(file, table, faults);
+    let given = match (&table.spheres, &table.voxels) {
+        (Some(names), None) => spheres(file, folder, (table, names), faults)?,
+        (None, Some(names)) => voxels::voxels(file, folder, (table, names), faults)?,
+        _ => {
+            let found = keys_in_words(table, &["spheres", "voxels"]);
+            faults.push(Fault::new(FIELD, found, "either spheres or voxels", "write voxels = \"cut.npy\""));
+            return None;
+        }
+    };
+    let packed = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
+    let mut absent = packed.zip(&given.pigments).filter(|(_, found)| found.is_none());
+    if let Some(((i, _), _)) = absent.next().filter(|_| faults.0.len() == before) {
+        let allowed =
+            "at least one grain of every pigment; a file without a column pigment has the first only";
+        faults.push(Fault::new(format!("pigment[{i}]"), "no grain", allowed, "remove this pigment"));
+    }
+    let cuts = given.grains.len() + given.voxels.len();
+    let asked = file.run.realisations.unwrap_or(cuts);
+    if asked > cuts || cuts == 0 {
+        let allowed = format!("at most {cuts}, one per cut in the files");
+        faults.push(Fault::new("run.realisations", asked, allowed, "leave it out, or add files"));
+    }
+    (faults.0.len() == before).then(|| (filled(file, &given, cuts), given))
+}
+
+/// Grains of all files of spheres.
+fn spheres(
+    file: &StudyFile,
+    folder: &Path,
+    (table, names): (&MicrostructureTable, &FileNames),
+    faults: &mut Faults,
+) -> Option<Given> {
     let mut cuts = Vec::new();
-    for path in table.spheres.all() {
+    for path in names.all() {
         let meaning = Meaning { unit: table.unit, size: table.size };
         match read_positions(&folder.join(path), meaning) {
             Ok(read) => cuts.extend(read.into_iter().map(|positions| (path.clone(), positions))),
@@ -34,30 +76,26 @@ pub(super) fn given(
         }
     }
     let period_um = period(file, &cuts, faults)?;
-    let cell = [period_um[0], period_um[1], file.layer.thickness_um.mean()];
-    let grains: Vec<Vec<Grain>> = cuts.iter().map(|cut| grains(file, cut, cell, faults)).collect();
-    let packed = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
-    let has = |k: usize| grains.iter().flatten().any(|grain| grain.pigment == k);
-    let absent = packed.enumerate().find(|(k, _)| !has(*k)).filter(|_| faults.0.len() == before);
-    if let Some((_, (i, _))) = absent {
-        let allowed =
-            "at least one grain of every pigment; a file without a column pigment has the first only";
-        faults.push(Fault::new(format!("pigment[{i}]"), "no grain", allowed, "remove this pigment"));
-    }
-    let asked = file.run.realisations.unwrap_or(grains.len());
-    if asked > grains.len() || grains.is_empty() {
-        let allowed = format!("at most {}, one per cut in the files", grains.len());
-        faults.push(Fault::new("run.realisations", asked, allowed, "leave it out, or add files"));
-    }
-    (faults.0.len() == before).then(|| (filled(file, &grains, cell), grains))
+    let cell_um = [period_um[0], period_um[1], file.layer.thickness_um.mean()];
+    let grains: Vec<Vec<Grain>> = cuts.iter().map(|cut| grains(file, cut, cell_um, faults)).collect();
+    let packed = file.pigments.iter().filter(|table| !is_molecular(table)).count();
+    let pigments = (0..packed).map(|k| sizes(&grains, k, cell_um)).collect();
+    Some(Given { cell_um, grains, voxels: Vec::new(), pigments })
 }
 
 const FORMATS: &str = "give CSV with x_um, y_um, z_um and radius_um or diameter_um (or _nm), optionally pigment and grain, a LAMMPS \
                        dump, or extended XYZ";
 
 /// What has no meaning beside given grains.
-fn beside(file: &StudyFile, faults: &mut Faults) {
+fn beside(file: &StudyFile, own: &MicrostructureTable, faults: &mut Faults) {
+    let voxels = own.voxels.is_some();
     let mut found = vec![
+        (voxels && own.unit.is_some(), format!("{FIELD}.unit")),
+        (voxels && own.size.is_some(), format!("{FIELD}.size")),
+        (!voxels && own.voxel_nm.is_some(), format!("{FIELD}.voxel_nm")),
+        (!voxels && own.labels.is_some(), format!("{FIELD}.labels")),
+        (!voxels && own.continuation.is_some(), format!("{FIELD}.continuation")),
+        (!voxels && own.cuts.is_some(), format!("{FIELD}.cuts")),
         (file.layer.composed.is_some(), "layer.composed".to_owned()),
         (file.layer.relief.is_some(), "layer.relief".to_owned()),
         (file.layer.thickness_um.std() > 0.0, "layer.thickness_um.std".to_owned()),
@@ -68,6 +106,8 @@ fn beside(file: &StudyFile, faults: &mut Faults) {
             (table.diameter_nm.is_some(), "diameter_nm"),
             (table.size.is_some(), "size"),
             (table.agglomeration.is_some(), "agglomeration"),
+            (voxels && !table.shell.is_empty(), "shell"),
+            (voxels && table.shape != Shape::default(), "shape"),
         ];
         found.extend(keys.map(|(found, key)| (found, format!("pigment[{i}].{key}"))));
     }
@@ -233,23 +273,27 @@ fn nearest_gap(a: &Sphere, b: &Sphere, period: [f64; 2]) -> f64 {
     apart(0).hypot(apart(1)).hypot(apart(2)) - a.radius_um - b.radius_um
 }
 
+/// Share of the layer and sizes of a pigment's grains.
+fn sizes(cuts: &[Vec<Grain>], pigment: usize, [lx, ly, h]: [f64; 3]) -> Option<(f64, SizeDistribution)> {
+    let own = cuts.iter().flatten().filter(|g| g.pigment == pigment);
+    let um3: Vec<f64> = own.map(|grain| grain.volume_um3).collect();
+    let share = um3.iter().sum::<f64>() / (lx * ly * h * cuts.len() as f64);
+    let diameter = |v: f64| 1e3 * (6.0 * v / std::f64::consts::PI).cbrt();
+    let mut values_nm: Vec<f64> = um3.into_iter().map(diameter).collect();
+    values_nm.sort_by(f64::total_cmp);
+    let (weights, of) = (Vec::new(), Measure::EffectiveDiameter);
+    (!values_nm.is_empty()).then_some((share, SizeDistribution::List { values_nm, weights, of }))
+}
+
 /// The file with the cell, shares and sizes of the given grains.
-fn filled(file: &StudyFile, cuts: &[Vec<Grain>], [lx, ly, h]: [f64; 3]) -> StudyFile {
+fn filled(file: &StudyFile, given: &Given, cuts: usize) -> StudyFile {
     let mut filled = file.clone();
-    filled.layer.period_um = Some(Pair::Each([lx, ly]));
+    filled.layer.period_um = Some(Pair::Each([given.cell_um[0], given.cell_um[1]]));
     filled.layer.cell = CellRule::Fixed;
-    filled.run.realisations = filled.run.realisations.or(Some(cuts.len()));
+    filled.run.realisations = filled.run.realisations.or(Some(cuts));
     let packed = filled.pigments.iter_mut().filter(|table| !is_molecular(table));
-    for (k, table) in packed.enumerate() {
-        let own: Vec<f64> =
-            cuts.iter().flatten().filter(|g| g.pigment == k).map(|grain| grain.volume_um3).collect();
-        let share = own.iter().sum::<f64>() / (lx * ly * h * cuts.len() as f64);
-        let diameter = |v: f64| 1e3 * (6.0 * v / std::f64::consts::PI).cbrt();
-        let mut values_nm: Vec<f64> = own.into_iter().map(diameter).collect();
-        values_nm.sort_by(f64::total_cmp);
-        let (weights, of) = (Vec::new(), Measure::EffectiveDiameter);
-        table.volume_fraction = Some(share);
-        table.size = Some(SizeDistribution::List { values_nm, weights, of });
+    for (table, (share, size)) in packed.zip(given.pigments.iter().flatten()) {
+        (table.volume_fraction, table.size) = (Some(*share), Some(size.clone()));
     }
     filled
 }

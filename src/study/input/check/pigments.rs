@@ -21,8 +21,14 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
         // the files of the grains are reported
         return all;
     }
+    let voxels = file.layer.microstructure.as_ref().is_some_and(|table| table.voxels.is_some());
     for (i, table) in file.pigments.iter().enumerate() {
         let sound = faults.0.len();
+        if voxels && !is_molecular(table) {
+            // no packing to make: any share and size that voxels have is possible
+            all.push(as_written(table, size(i, table, faults)));
+            continue;
+        }
         fraction(i, table, faults);
         if is_molecular(table) && !table.shell.is_empty() {
             let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
@@ -38,7 +44,9 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
         }
     }
     names(file, faults);
-    total_fraction(file, faults);
+    if !voxels {
+        total_fraction(file, faults);
+    }
     all
 }
 
@@ -109,6 +117,12 @@ pub fn solution(
 /// The given name, or a numbered one.
 fn name(i: usize, table: &PigmentTable) -> String {
     table.name.clone().unwrap_or_else(|| format!("pigment {}", i + 1))
+}
+
+/// Names of the pigments with grains.
+pub(super) fn packed_names(file: &StudyFile) -> Vec<String> {
+    let packed = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
+    packed.map(|(i, table)| name(i, table)).collect()
 }
 
 pub(super) fn is_molecular(table: &PigmentTable) -> bool {
@@ -249,7 +263,6 @@ fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution
 
 /// Checks that grains fit between the walls and do not touch their own periodic images.
 fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, faults: &mut Faults) {
-    let remedy = "pigment grains measure 50 to 500 nm; take smaller grains or a larger cell";
     if grains.shape.defect().is_some() {
         // the packing's own check reports errors in the shape
         return;
@@ -275,7 +288,15 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
         let allowed = format!("grains of at most {} nm, {name}", (1e6 * limit).round() / 1e6);
-        faults.add(field, format!("grains of up to {extent:.6} nm"), allowed, remedy);
+        let (room, now) = match name == side {
+            true => ("a larger cell, layer.period_um", period_um[0].max(period_um[1])),
+            false => ("a thicker layer, layer.thickness_um", layer.thickness_um.mean()),
+        };
+        let needed = (100.0 * now * extent / limit - 1e-9).ceil() / 100.0;
+        let remedy = format!(
+            "pigment grains measure 50 to 500 nm, flakes more; take smaller ones or {room} = {needed} or more"
+        );
+        faults.add(field, format!("grains of up to {extent:.6} nm"), allowed, &remedy);
     }
 }
 
