@@ -78,6 +78,7 @@ async function explore() {
   await page.keyboard.press("ArrowRight");
   const after = await page.evaluate(() => document.body.dataset.variant);
   claim("an arrow key moves a slider", before !== after, `${before} → ${after}`);
+  await between(page);
   await toTarget(page, rows);
   await page.click("#hold");
   await page.keyboard.press("Tab");
@@ -100,6 +101,35 @@ async function toTarget(page, rows) {
   const away = await here();
   await page.keyboard.press("t");
   claim("so does the key T", away !== nearest && await here() === nearest, `${away} → ${nearest}`);
+}
+
+/** Sliders of axes of numbers stop between solved variants and say how good that is; the page's formulas give the errors it states. */
+async function between(page) {
+  const axis = await page.evaluate(() => data.axes.findIndex(axis => axis.between));
+  if (axis < 0) { claim("without axes of numbers nothing is interpolated", !await page.isVisible("#certainty")); return; }
+  const seen = place => page.evaluate(([a, p]) => {
+    const input = $("axis" + a);
+    input.value = p;
+    input.dispatchEvent(new Event("input"));
+    const [L] = [...document.querySelectorAll("#numbers tr")].map(tr => Number(tr.dataset.value));
+    return { number: parseFloat($("label" + a).textContent), words: $("certainty").firstChild.textContent, colour: $("chip").style.background, L };
+  }, [axis, place]);
+  const [low, half, high] = [await seen(0), await seen(0.5), await seen(1)];
+  const inside = key => (half[key] - low[key]) * (high[key] - half[key]) > 0;
+  claim("half-way a slider says how good the interpolation is", inside("number") && /^interpolated, ± ΔE₀₀ \d+\.\d\d$/.test(half.words), `${half.number}: ${half.words}, L* ${half.L}`);
+  claim("half-way the colour is another", half.colour !== low.colour && half.colour !== high.colour, [low, half, high].map(s => s.colour).join(" "));
+  claim("at solved values the variant is solved", low.words === "solved" && high.words === "solved");
+  await seen(0.5);
+  await page.screenshot({ path: `${shots}/explore-between.png`, fullPage: true });
+  const worst = await page.evaluate(() => Math.max(...data.axes.flatMap((axis, a) => !axis.between ? [] : data.variants.map((v, i) => {
+    const k = v.place[a], stated = axis.between.left_out[i], xs = coordinates(axis.between), others = xs.filter((_, j) => j !== k);
+    if (stated === null) return 0;
+    const line = data.variants.filter(o => o !== v && o.place.every((j, b) => b === a || j === v.place[b])).sort((o, p) => o.place[a] - p.place[a]);
+    const w = weights(others, k - 1, (xs[k] - xs[k - 1]) / (xs[k + 1] - xs[k - 1]));
+    return Math.abs(ciede2000([0, 1, 2].map(c => line.reduce((sum, o, j) => sum + w[j] * o.numbers[c][0], 0)), lab(v)) - stated);
+  }))));
+  claim("leaving one out on the page gives the errors it states", worst < 1e-4, `largest difference ${worst}`);
+  await seen(0);
 }
 
 /** Share of the canvas that is not background. */
