@@ -1,9 +1,11 @@
 //! The interactive page of a sweep: sliders for its axes; for the selected variant its swatch,
-//! spectra, numbers with errors and picture. One file, no network.
+//! spectra, numbers with errors and picture. Between solved settings that are numbers it
+//! interpolates, with the leave-one-out error. One file, no network.
 //!
 //! Spectra are stored as 16-bit multiples of 1/20 000, pictures as PNG and numbers to a millionth,
 //! so that 260 variants take less than 1 MB; `sweep.csv` has all digits.
 
+use super::between::Continuous;
 use super::outcome::Outcome;
 use super::reported::shown;
 use super::target;
@@ -12,7 +14,7 @@ use crate::draw::figure::Bitmap;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
 use crate::report::page::hex;
-use crate::sweep::definition::load::Sweep;
+use crate::sweep::definition::load::{AxisOutline, Sweep};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
@@ -41,14 +43,18 @@ const STYLE: &str = crate::report::page::STYLE;
 pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]) -> String {
     let outline = &sweep.outline;
     let wavelengths_nm = wavelengths_nm(outcomes);
-    let axes = outline.axes.iter().map(|axis| json!({ "name": axis.heading(), "labels": axis.labels }));
+    let labs: Vec<Option<[f64; 3]>> = outcomes.iter().map(|o| o.colour.map(|c| c.lab)).collect();
+    let axis = |(a, axis): (usize, &AxisOutline)| {
+        let between = Continuous::new(outline, &labs, a);
+        json!({ "name": axis.heading(), "labels": axis.labels, "between": between })
+    };
     let numbered = pictures.iter().enumerate();
     let data = json!({
         "title": outline.title,
         "program": crate::report::page::made_by(),
         "reference": outcomes[outline.reference].name,
         "target": target::nearest(outline, outcomes).map(|near| json!({ "colour": near.target, "nearest": near.summary })),
-        "axes": Vec::from_iter(axes),
+        "axes": Vec::from_iter(outline.axes.iter().enumerate().map(axis)),
         "spectra": SPECTRA.map(|(name, _)| name),
         "units": SPECTRA.map(|(_, unit)| unit),
         "steps": STEPS,
@@ -140,7 +146,7 @@ mod tests {
     use super::*;
     use crate::appearance::colour::{Colorimeter, Colour};
     use crate::evaluate::manifest::Count;
-    use crate::sweep::definition::load::{AxisOutline, Outline, Place};
+    use crate::sweep::definition::load::{Outline, Place};
     use crate::sweep::findings::aim::{Aim, AimFound};
     use ndarray::Array2;
 

@@ -66,7 +66,7 @@ fn chords_sum_up_to_the_volume() {
 }
 
 #[test]
-fn convexity_is_told_from_dents_and_crossings() {
+fn convexity_is_distinguished_from_dents_and_crossings() {
     let star: Vec<[f64; 2]> = (0..5).map(|i| (0.8 * PI * f64::from(i)).sin_cos().into()).collect();
     for (corners, convex) in [
         (vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], true),

@@ -111,7 +111,7 @@ fn coefficients_agree_with_a_fine_voxel_sum() {
             let tents = [0, 1].map(|plane| coefficient(c.moments[0].row(plane).to_vec(), m, k) / HEIGHT);
             let chi = |plane: usize| vector.planes[plane][0].fields.iter().map(|f| f[0]).collect();
             let gauss = [0, 1].map(|plane| coefficient(chi(plane), m, k));
-            // Significance: some 10⁴ surface voxels, half a voxel's uncertainty each, of 9·10⁵: 6e-5.
+            // Significance: some 10⁴ surface voxels of 9·10⁵, each uncertain by a half: 6e-5.
             for (found, brute) in [(tents[0] + tents[1], sums[s]), (0.5 * (gauss[0] + gauss[1]), sums[s])] {
                 assert!((found - brute).norm() < 3e-4, "{solid:?} ({m}, {k}): {found} {brute}");
             }

@@ -2,7 +2,7 @@
 //!
 //! N is n nᵀ on every face. Inside it is the mean of the faces' tensors, weighted by the inverse
 //! square of the distance to each: smooth everywhere but on the edges, where no normal exists. A
-//! horizontal face on a node of the grid needs no tensor, since the fields are joined there exactly.
+//! horizontal face on a node of the grid needs no tensor: the fields are joined there exactly.
 
 use super::sources::{FIELDS, Slab, Source, VALUES};
 use crate::ink::grains::solid::{edges, outward};
@@ -127,8 +127,8 @@ impl Face {
     }
 }
 
-/// (M y)(M y)ᵀ / (|M y|² + μ (1 − |y|²)) with x = M⁻¹ y in the body's frame: n nᵀ on the surface |y|
-/// = 1, x xᵀ/R² for a sphere, and smooth within; μ is the geometric mean of M².
+/// (M y)(M y)ᵀ / (|M y|² + μ (1 − |y|²)) with x = M⁻¹ y in the body's frame: n nᵀ on the surface
+/// |y| = 1, x xᵀ/R² for a sphere, and smooth within; μ is the geometric mean of M².
 fn ellipsoid(into: Rotation, semi_axes: V3, x: V3) -> Square {
     let own = into.turn(x);
     let y: V3 = std::array::from_fn(|i| own[i] / semi_axes[i]);

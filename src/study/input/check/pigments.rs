@@ -287,16 +287,17 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
     // an invalid cell is reported separately
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
-        let allowed = format!("grains of at most {} nm, {name}", (1e6 * limit).round() / 1e6);
+        let [found, most] = [extent, limit].map(|nm| (1e6 * nm).round() / 1e6);
+        let allowed = format!("grains of at most {most} nm, {name}");
         let (room, now) = match name == side {
             true => ("a larger cell, layer.period_um", period_um[0].max(period_um[1])),
             false => ("a thicker layer, layer.thickness_um", layer.thickness_um.mean()),
         };
         let needed = (100.0 * now * extent / limit - 1e-9).ceil() / 100.0;
         let remedy = format!(
-            "pigment grains measure 50 to 500 nm, flakes more; take smaller ones or {room} = {needed} or more"
+            "pigment grains measure 50 to 500 nm, flakes more; take smaller grains or {room} = {needed} or more"
         );
-        faults.add(field, format!("grains of up to {extent:.6} nm"), allowed, &remedy);
+        faults.add(field, format!("grains of up to {found} nm"), allowed, &remedy);
     }
 }
 

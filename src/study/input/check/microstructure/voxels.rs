@@ -183,7 +183,8 @@ fn mirrored(mut labels: Array3<u8>) -> Array3<u8> {
     labels
 }
 
-/// Share of a label, and the diameter of spheres with its surface per volume; `None` if it is absent.
+/// Share of a label, and the diameter of spheres with its surface per volume; `None` if it is
+/// absent.
 fn share_and_size(cuts: &[Array3<u8>], own: u8, edges_nm: [f64; 3]) -> Option<(f64, SizeDistribution)> {
     let all: usize = cuts.iter().map(Array3::len).sum();
     let number = cuts.iter().flatten().filter(|&&label| label == own).count();
