@@ -1,6 +1,7 @@
 //! All integration tests in one program: one to link.
 
 mod bad_input;
+mod cli_light;
 mod cli_solve;
 mod colour_range;
 mod compare;
@@ -22,6 +23,7 @@ mod house;
 mod housekeeping;
 mod inverse;
 mod kubelka_munk;
+mod materials;
 mod memory;
 mod merge;
 mod microstructure;

@@ -390,19 +390,3 @@ fn every_field_is_among_the_changes() {
         .collect();
     assert!(missing.is_empty(), "no change tests {missing:?}");
 }
-
-/// A reader of the command sees every material with its range, one of them with its source.
-#[test]
-fn materials_are_listed_with_their_sources() {
-    let inkwave = |args: &[&str]| {
-        std::process::Command::new(env!("CARGO_BIN_EXE_inkwave")).args(args).output().unwrap()
-    };
-    let list = inkwave(&["materials"]);
-    let text = String::from_utf8_lossy(&list.stdout).into_owned();
-    assert!(list.status.success() && text.lines().count() >= 15, "{text}");
-    let rutile = String::from_utf8_lossy(&inkwave(&["materials", "tio2 rutile"]).stdout).into_owned();
-    for part in ["430–1530 nm", "Devore", "orientation average", "CC0"] {
-        assert!(rutile.contains(part), "{part}: {rutile}");
-    }
-    assert!(!inkwave(&["materials", "chalk"]).status.success());
-}
